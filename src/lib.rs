@@ -1,0 +1,6 @@
+//! Inverse kinematics by optimisation.
+
+pub mod scalar;
+pub mod spatial;
+
+pub use scalar::Scalar;

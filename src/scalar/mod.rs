@@ -1,0 +1,149 @@
+//! The number type over which kinematics and residuals are written once.
+//!
+//! The same code runs on `f64` to solve, on [`Dual`] numbers to differentiate, and on SIMD lanes to
+//! go fast. Code over [`Scalar`] must not branch on values, because lanes would branch differently:
+//! it compares into a [`Scalar::Mask`] and picks with [`Scalar::select`].
+
+mod dual;
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
+
+pub use dual::Dual;
+
+/// The result of comparing two scalars: one truth value per lane.
+pub trait Mask:
+    Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+}
+
+impl Mask for bool {}
+
+/// A real number, or several side by side, or one with its derivatives.
+///
+/// Comparisons of dual numbers look at the value only; [`select`](Scalar::select) keeps the
+/// derivatives of the side it picks. When one side would divide by zero or take the root of zero,
+/// make that side's argument harmless with a `select` first: the derivative of an unpicked branch
+/// is computed all the same.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+{
+    /// What a comparison returns.
+    type Mask: Mask;
+
+    /// A constant: every lane holds `value`, every derivative is zero.
+    fn constant(value: f64) -> Self;
+
+    /// `self * factor + addend`, fused where the type can do so cheaply.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
+
+    /// Square root. The derivative at zero is infinite: guard the argument.
+    fn sqrt(self) -> Self;
+
+    /// Sine and cosine of an angle in radians.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Angle of the point (`x`, `self`) in radians, within [−π, π].
+    fn atan2(self, x: Self) -> Self;
+
+    /// Natural exponential.
+    fn exp(self) -> Self;
+
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+
+    /// Whether `self < other`, lane by lane, by value.
+    fn less_than(self, other: Self) -> Self::Mask;
+
+    /// `yes` where the mask is set, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// The constant 0.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::constant(0.0)
+    }
+
+    /// The constant 1.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::constant(1.0)
+    }
+
+    /// The absolute value.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::select(self.less_than(Self::zero()), -self, self)
+    }
+
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(other.less_than(self), other, self)
+    }
+
+    /// The larger of two numbers.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(self.less_than(other), other, self)
+    }
+}
+
+impl Scalar for f64 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        f64::atan2(self, x)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        f64::exp(self)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        f64::ln(self)
+    }
+
+    #[inline(always)]
+    fn less_than(self, other: Self) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+}

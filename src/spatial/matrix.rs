@@ -1,0 +1,136 @@
+//! A 3×3 matrix held by its columns; here always a rotation or the derivative of one.
+
+use std::ops::Mul;
+
+use super::Vector3;
+use crate::scalar::Scalar;
+
+/// A 3×3 matrix of scalars.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Matrix3<S> {
+    /// First column.
+    pub x: Vector3<S>,
+    /// Second column.
+    pub y: Vector3<S>,
+    /// Third column.
+    pub z: Vector3<S>,
+}
+
+impl<S: Scalar> Matrix3<S> {
+    /// A matrix of its columns.
+    #[inline(always)]
+    pub fn from_columns(x: Vector3<S>, y: Vector3<S>, z: Vector3<S>) -> Self {
+        Self { x, y, z }
+    }
+
+    /// The identity.
+    #[inline(always)]
+    pub fn identity() -> Self {
+        let (one, zero) = (S::one(), S::zero());
+        Self::from_columns(
+            Vector3::new(one, zero, zero),
+            Vector3::new(zero, one, zero),
+            Vector3::new(zero, zero, one),
+        )
+    }
+
+    /// A constant matrix.
+    #[inline(always)]
+    pub fn constant(value: Matrix3<f64>) -> Self {
+        Self::from_columns(
+            Vector3::constant(value.x),
+            Vector3::constant(value.y),
+            Vector3::constant(value.z),
+        )
+    }
+
+    /// Rotation about the unit vector `axis` by the angle whose sine and cosine are given
+    /// (Rodrigues' formula).
+    #[inline(always)]
+    pub fn rotation(axis: Vector3<S>, (sin, cos): (S, S)) -> Self {
+        let Vector3 { x, y, z } = axis;
+        let one_minus_cos = S::one() - cos;
+        let (kx, ky, kz) = (x * one_minus_cos, y * one_minus_cos, z * one_minus_cos);
+        let (sx, sy, sz) = (x * sin, y * sin, z * sin);
+        Self::from_columns(
+            Vector3::new(kx.mul_add(x, cos), kx.mul_add(y, sz), kx.mul_add(z, -sy)),
+            Vector3::new(ky.mul_add(x, -sz), ky.mul_add(y, cos), ky.mul_add(z, sx)),
+            Vector3::new(kz.mul_add(x, sy), kz.mul_add(y, -sx), kz.mul_add(z, cos)),
+        )
+    }
+
+    /// `self · R_x(angle)`: only two columns change.
+    #[inline(always)]
+    pub fn rotated_about_x(self, (sin, cos): (S, S)) -> Self {
+        Self::from_columns(
+            self.x,
+            self.y.mul_add(cos, self.z * sin),
+            self.z.mul_add(cos, -(self.y * sin)),
+        )
+    }
+
+    /// `self · R_y(angle)`: only two columns change.
+    #[inline(always)]
+    pub fn rotated_about_y(self, (sin, cos): (S, S)) -> Self {
+        Self::from_columns(
+            self.x.mul_add(cos, -(self.z * sin)),
+            self.y,
+            self.z.mul_add(cos, self.x * sin),
+        )
+    }
+
+    /// `self · R_z(angle)`: only two columns change.
+    #[inline(always)]
+    pub fn rotated_about_z(self, (sin, cos): (S, S)) -> Self {
+        Self::from_columns(
+            self.x.mul_add(cos, self.y * sin),
+            self.y.mul_add(cos, -(self.x * sin)),
+            self.z,
+        )
+    }
+
+    /// The transpose; the inverse of a rotation.
+    #[inline(always)]
+    pub fn transpose(self) -> Self {
+        Self::from_columns(
+            Vector3::new(self.x.x, self.y.x, self.z.x),
+            Vector3::new(self.x.y, self.y.y, self.z.y),
+            Vector3::new(self.x.z, self.y.z, self.z.z),
+        )
+    }
+
+    /// `selfᵀ · v`.
+    #[inline(always)]
+    pub fn transpose_mul(self, v: Vector3<S>) -> Vector3<S> {
+        Vector3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+}
+
+impl<S: Scalar> Mul<Vector3<S>> for Matrix3<S> {
+    type Output = Vector3<S>;
+    #[inline(always)]
+    fn mul(self, v: Vector3<S>) -> Vector3<S> {
+        self.z.mul_add(v.z, self.y.mul_add(v.y, self.x * v.x))
+    }
+}
+
+impl<S: Scalar> Mul for Matrix3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self::from_columns(self * other.x, self * other.y, self * other.z)
+    }
+}
+
+impl From<nalgebra::Matrix3<f64>> for Matrix3<f64> {
+    fn from(m: nalgebra::Matrix3<f64>) -> Self {
+        let column = |j| Vector3::new(m[(0, j)], m[(1, j)], m[(2, j)]);
+        Self::from_columns(column(0), column(1), column(2))
+    }
+}
+
+impl From<Matrix3<f64>> for nalgebra::Matrix3<f64> {
+    fn from(m: Matrix3<f64>) -> Self {
+        Self::from_columns(&[m.x.into(), m.y.into(), m.z.into()])
+    }
+}

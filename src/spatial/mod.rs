@@ -1,0 +1,14 @@
+//! Vectors, rotations and rigid placements over any [`Scalar`](crate::Scalar).
+//!
+//! These few types carry the inner loops, so every operation is inlined and branch-free. nalgebra
+//! stays at the public edge, where values are plain `f64`; conversions sit beside each type.
+
+mod matrix;
+mod placement;
+mod rotation;
+mod vector;
+
+pub use matrix::Matrix3;
+pub use placement::Placement;
+pub use rotation::{Quaternion, rotation_exp, rotation_log};
+pub use vector::Vector3;

@@ -1,0 +1,90 @@
+//! A rigid placement: where one frame stands in another.
+
+use std::ops::Mul;
+
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
+
+use super::{Matrix3, Vector3};
+use crate::scalar::Scalar;
+
+/// A rigid motion `x ↦ rotation · x + translation`. Names say both frames: `world_from_tip` maps
+/// tip coordinates to world coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement<S> {
+    /// Orthonormal, determinant +1.
+    pub rotation: Matrix3<S>,
+    /// In metres (or in the model's own unit for rigs).
+    pub translation: Vector3<S>,
+}
+
+impl<S: Scalar> Placement<S> {
+    /// A placement of its two parts.
+    #[inline(always)]
+    pub fn new(rotation: Matrix3<S>, translation: Vector3<S>) -> Self {
+        Self {
+            rotation,
+            translation,
+        }
+    }
+
+    /// The identity.
+    #[inline(always)]
+    pub fn identity() -> Self {
+        Self::new(Matrix3::identity(), Vector3::zero())
+    }
+
+    /// A constant placement.
+    #[inline(always)]
+    pub fn constant(value: &Placement<f64>) -> Self {
+        Self::new(
+            Matrix3::constant(value.rotation),
+            Vector3::constant(value.translation),
+        )
+    }
+
+    /// The placement that undoes this one.
+    #[inline(always)]
+    pub fn inverse(self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self::new(rotation, -(rotation * self.translation))
+    }
+
+    /// Maps a point.
+    #[inline(always)]
+    pub fn apply(&self, point: Vector3<S>) -> Vector3<S> {
+        self.rotation.z.mul_add(
+            point.z,
+            self.rotation
+                .y
+                .mul_add(point.y, self.rotation.x.mul_add(point.x, self.translation)),
+        )
+    }
+}
+
+impl<S: Scalar> Mul for Placement<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self::new(
+            self.rotation * other.rotation,
+            self.apply(other.translation),
+        )
+    }
+}
+
+impl From<&Isometry3<f64>> for Placement<f64> {
+    fn from(isometry: &Isometry3<f64>) -> Self {
+        let rotation = isometry.rotation.to_rotation_matrix().into_inner();
+        Self::new(rotation.into(), isometry.translation.vector.into())
+    }
+}
+
+impl From<&Placement<f64>> for Isometry3<f64> {
+    fn from(placement: &Placement<f64>) -> Self {
+        let rotation = Rotation3::from_matrix_unchecked(placement.rotation.into());
+        Self::from_parts(
+            Translation3::from(nalgebra::Vector3::from(placement.translation)),
+            UnitQuaternion::from_rotation_matrix(&rotation),
+        )
+    }
+}
