@@ -1,5 +1,7 @@
 //! Inverse kinematics by optimisation.
 
+pub mod kinematics;
+pub mod model;
 pub mod scalar;
 pub mod spatial;
 
