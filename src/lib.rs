@@ -3,6 +3,7 @@
 pub mod kinematics;
 pub mod model;
 pub mod scalar;
+pub mod skeleton;
 pub mod spatial;
 
 pub use scalar::Scalar;

@@ -35,12 +35,24 @@ pub struct ParameterMap {
 }
 
 impl ParameterMap {
-    /// Every coordinate its own variable, except those whose limits leave one value.
-    ///
-    /// # Errors
-    /// None for a built model; the signature is that of the builder.
-    pub fn free(model: &Model) -> Result<Self, ModelError> {
-        Self::builder(model).build()
+    /// Every coordinate its own variable, also one that its limits lock: x is q. It is the map for
+    /// evaluating a configuration as given; solving wants [`builder`](Self::builder), which turns
+    /// locked coordinates into constants.
+    #[must_use]
+    pub fn identity(model: &Model) -> Self {
+        let limits: Vec<Limits> = model.limits().collect();
+        let own = |variable| Source::Variable {
+            variable,
+            ratio: 1.0,
+            offset: 0.0,
+        };
+        Self {
+            sources: (0..limits.len()).map(own).collect(),
+            leaders: (0..limits.len()).collect(),
+            lower: limits.iter().map(|l| l.lower).collect(),
+            upper: limits.iter().map(|l| l.upper).collect(),
+            limits,
+        }
     }
 
     /// Starts from every joint free.
