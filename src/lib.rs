@@ -1,9 +1,19 @@
 //! Inverse kinematics by optimisation.
 
+pub mod ik;
 pub mod kinematics;
 pub mod model;
+pub mod problem;
+mod random;
 pub mod scalar;
 pub mod skeleton;
+pub mod solver;
 pub mod spatial;
 
+pub mod task;
+
+pub use ik::{Solution, Solver, Workspace};
+pub use model::Model;
+pub use problem::Problem;
 pub use scalar::Scalar;
+pub use skeleton::Skeleton;
