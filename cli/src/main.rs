@@ -1,1 +1,2 @@
+//! The kinopt command.
 fn main() {}

@@ -8,6 +8,7 @@ pub mod dmat;
 mod error;
 pub mod obj;
 pub mod ply;
+pub mod rig;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError};
 pub(crate) use error::{read_bytes, write_bytes};

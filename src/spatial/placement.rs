@@ -33,6 +33,12 @@ impl<S: Scalar> Placement<S> {
         Self::new(Matrix3::identity(), Vector3::zero())
     }
 
+    /// A pure translation.
+    #[inline(always)]
+    pub fn translation(by: Vector3<S>) -> Self {
+        Self::new(Matrix3::identity(), by)
+    }
+
     /// A constant placement.
     #[inline(always)]
     pub fn constant(value: &Placement<f64>) -> Self {
@@ -58,6 +64,34 @@ impl<S: Scalar> Placement<S> {
                 .y
                 .mul_add(point.y, self.rotation.x.mul_add(point.x, self.translation)),
         )
+    }
+}
+
+impl Placement<f64> {
+    /// Whether this is a rigid motion: all finite, RᵀR the identity within `tolerance` entry by
+    /// entry, determinant +1.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check_rigid(&self, tolerance: f64) -> Result<(), &'static str> {
+        let Matrix3 { x, y, z } = self.rotation;
+        let entries = [x, y, z, self.translation].map(Vector3::to_array);
+        if entries.iter().flatten().any(|entry| !entry.is_finite()) {
+            return Err("it has an entry that is not finite");
+        }
+        let unit = [x, y, z].map(|c| (c.norm_squared() - 1.0).abs());
+        let orthogonal = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
+        if unit
+            .iter()
+            .chain(&orthogonal)
+            .any(|&error| error > tolerance)
+        {
+            return Err("its rotation is not orthonormal");
+        }
+        if x.cross(y).dot(z) < 0.0 {
+            return Err("its rotation mirrors");
+        }
+        Ok(())
     }
 }
 

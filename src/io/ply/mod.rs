@@ -228,12 +228,14 @@ impl Source<'_> {
             Some(line) if !self.binary => Place::Line(line),
             _ => Place::Byte(self.offset()),
         };
-        // The parser's messages repeat whole lines of the file over several lines.
+        // The parser's messages repeat whole lines of the file over several lines, and some end in
+        // the inner workings of its grammar.
         let text = error.to_string();
+        let text = text.split("Error: ParseError").next().unwrap_or(&text);
         let text = text
             .split_once(": ")
             .filter(|_| error.line().is_some())
-            .map_or(&*text, |t| t.1);
+            .map_or(text, |t| t.1);
         let words: Vec<&str> = text.split_whitespace().collect();
         let short: String = words.join(" ").chars().take(200).collect();
         ReadError::malformed(self.name, place, short)

@@ -1,0 +1,65 @@
+//! The analytic Jacobian: each ancestor joint adds its twist, nothing else is touched.
+//!
+//! Column of a revolute joint with world axis z at p, for a frame at x: (z × (x − p), z); of a
+//! prismatic joint: (z, 0). Linear part first, then angular, in world axes at the frame's origin
+//! (Siciliano et al. 2009, "Robotics", eq. 3.30).
+
+use nalgebra::DMatrix;
+
+use super::{FrameSlot, Tree, TreeState};
+use crate::spatial::Vector3;
+
+/// The derivative of some residual rows by the twist of one frame.
+///
+/// `linear[k]` and `angular[k]` are the derivatives of row `first_row + k` by the frame's velocity
+/// (per metre) and angular velocity (per radian), in world axes at the frame's origin.
+#[derive(Clone, Copy, Debug)]
+pub struct Partials<'a> {
+    /// Which frame moves.
+    pub frame: FrameSlot,
+    /// The residual row of the first entry.
+    pub first_row: usize,
+    /// ∂row/∂velocity, one per row.
+    pub linear: &'a [Vector3<f64>],
+    /// ∂row/∂angular velocity, one per row; empty where the rows do not feel rotation.
+    pub angular: &'a [Vector3<f64>],
+}
+
+impl Tree {
+    /// Adds the derivatives of the rows in `partials` by all variables to `jacobian` (shape: rows
+    /// × [`variables`](Self::variables)), after a forward pass at the same x.
+    pub fn add_geometric_jacobian(
+        &self,
+        state: &TreeState<f64>,
+        partials: &Partials<'_>,
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        let rows = jacobian.nrows();
+        let entries = jacobian.as_mut_slice();
+        let at = state.frames()[partials.frame].translation;
+        let mut next = self.leaves[partials.frame].node;
+        while let Some(index) = next {
+            let node = &self.nodes[index];
+            let world_from_node = &state.world_from_node[index];
+            let axis = node.motion.world_axis(world_from_node) * node.ratio;
+            let (linear, angular) = if node.motion.turns() {
+                (axis.cross(at - world_from_node.translation), axis)
+            } else {
+                (axis, Vector3::zero())
+            };
+            let start = node.variable * rows + partials.first_row;
+            let column = &mut entries[start..start + partials.linear.len()];
+            if partials.angular.is_empty() {
+                for (entry, by_linear) in column.iter_mut().zip(partials.linear) {
+                    *entry += by_linear.dot(linear);
+                }
+            } else {
+                let pairs = partials.linear.iter().zip(partials.angular);
+                for (entry, (by_linear, by_angular)) in column.iter_mut().zip(pairs) {
+                    *entry += by_linear.dot(linear) + by_angular.dot(angular);
+                }
+            }
+            next = node.parent;
+        }
+    }
+}

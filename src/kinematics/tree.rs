@@ -1,0 +1,231 @@
+//! A model compiled for evaluation: only the joints that move, constants folded.
+
+use crate::model::{FrameId, JointKind, Model, ParameterMap, Source};
+use crate::scalar::Scalar;
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// Which of a tree's frames: the position in the list it was compiled for.
+pub type FrameSlot = usize;
+
+/// How a node moves; turning about a coordinate axis touches two columns only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Motion {
+    TurnX,
+    TurnY,
+    TurnZ,
+    Turn(Vector3<f64>),
+    Slide(Vector3<f64>),
+}
+
+impl Motion {
+    fn new(kind: JointKind, axis: Vector3<f64>) -> Option<Self> {
+        let (zero, one) = (0.0, 1.0);
+        match kind {
+            JointKind::Fixed => None,
+            JointKind::Prismatic => Some(Self::Slide(axis)),
+            JointKind::Revolute | JointKind::Continuous => Some(match axis.to_array() {
+                [x, y, z] if [x, y, z] == [one, zero, zero] => Self::TurnX,
+                [x, y, z] if [x, y, z] == [zero, one, zero] => Self::TurnY,
+                [x, y, z] if [x, y, z] == [zero, zero, one] => Self::TurnZ,
+                _ => Self::Turn(axis),
+            }),
+        }
+    }
+
+    pub(super) fn turns(&self) -> bool {
+        !matches!(self, Self::Slide(_))
+    }
+
+    /// The placement after moving by `value`, whose sine and cosine come along.
+    #[inline(always)]
+    pub(super) fn apply<S: Scalar>(
+        &self,
+        placement: Placement<S>,
+        value: S,
+        trigonometry: (S, S),
+    ) -> Placement<S> {
+        let Placement {
+            rotation,
+            translation,
+        } = placement;
+        match self {
+            Self::TurnX => Placement::new(rotation.rotated_about_x(trigonometry), translation),
+            Self::TurnY => Placement::new(rotation.rotated_about_y(trigonometry), translation),
+            Self::TurnZ => Placement::new(rotation.rotated_about_z(trigonometry), translation),
+            Self::Turn(axis) => {
+                let turn = Matrix3::rotation(Vector3::constant(*axis), trigonometry);
+                Placement::new(rotation * turn, translation)
+            }
+            Self::Slide(axis) => {
+                let along = rotation * Vector3::constant(*axis);
+                Placement::new(rotation, along.mul_add(value, translation))
+            }
+        }
+    }
+
+    /// The motion's axis in world coordinates.
+    #[inline(always)]
+    pub(super) fn world_axis(&self, world_from_node: &Placement<f64>) -> Vector3<f64> {
+        let rotation = &world_from_node.rotation;
+        match self {
+            Self::TurnX => rotation.x,
+            Self::TurnY => rotation.y,
+            Self::TurnZ => rotation.z,
+            Self::Turn(axis) | Self::Slide(axis) => *rotation * *axis,
+        }
+    }
+}
+
+/// A placement with what is known of it, so that the identity costs nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Offset {
+    Identity,
+    Shift(Vector3<f64>),
+    Rigid(Placement<f64>),
+}
+
+impl Offset {
+    pub(super) fn new(placement: Placement<f64>) -> Self {
+        if placement.rotation != Matrix3::identity() {
+            Self::Rigid(placement)
+        } else if placement.translation != Vector3::zero() {
+            Self::Shift(placement.translation)
+        } else {
+            Self::Identity
+        }
+    }
+
+    /// `world_from_parent · self`.
+    #[inline(always)]
+    pub(super) fn after<S: Scalar>(&self, world_from_parent: &Placement<S>) -> Placement<S> {
+        match self {
+            Self::Identity => *world_from_parent,
+            Self::Shift(by) => Placement::new(
+                world_from_parent.rotation,
+                world_from_parent.apply(Vector3::constant(*by)),
+            ),
+            Self::Rigid(placement) => *world_from_parent * Placement::constant(placement),
+        }
+    }
+}
+
+/// One moving joint of the tree.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) parent: Option<usize>,
+    pub(super) parent_from_node: Offset,
+    pub(super) motion: Motion,
+    pub(super) variable: usize,
+    pub(super) ratio: f64,
+    pub(super) offset: f64,
+}
+
+/// Where a requested frame hangs.
+#[derive(Clone, Debug)]
+pub(super) struct Leaf {
+    pub(super) node: Option<usize>,
+    pub(super) node_from_frame: Offset,
+}
+
+/// A model compiled for one list of frames and one parameter map.
+///
+/// Nodes stand parents first. Joints that are fixed, locked, or move none of the frames are gone.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    pub(super) nodes: Vec<Node>,
+    pub(super) leaves: Vec<Leaf>,
+    variables: usize,
+}
+
+impl Tree {
+    /// Compiles `model` for the given frames under `map`; slot k of the tree is `frames[k]`.
+    #[must_use]
+    pub fn new(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
+        let joints = model.joints();
+        let mut needed = vec![false; joints.len()];
+        for frame in frames {
+            let mut at = model.frames()[frame.index()].joint;
+            while let Some(joint) = at.filter(|j| !needed[j.index()]) {
+                needed[joint.index()] = true;
+                at = joints[joint.index()].parent;
+            }
+        }
+
+        let mut nodes = Vec::new();
+        // For every needed joint: the node that carries it and where it stands on that node.
+        let mut carried = vec![(None, Placement::identity()); joints.len()];
+        for (index, joint) in joints.iter().enumerate().filter(|(i, _)| needed[*i]) {
+            let (node, node_from_parent) = match joint.parent {
+                Some(parent) => carried[parent.index()],
+                None => (None, Placement::identity()),
+            };
+            let placement = node_from_parent * joint.parent_from_joint;
+            let motion = Motion::new(joint.kind, joint.axis);
+            let source = model
+                .coordinate(crate::model::JointId::new(index))
+                .map(|coordinate| map.sources()[coordinate]);
+            carried[index] = match (motion, source) {
+                (Some(motion), Some(Source::Constant(value))) => {
+                    (node, motion.apply(placement, value, value.sin_cos()))
+                }
+                (
+                    Some(motion),
+                    Some(Source::Variable {
+                        variable,
+                        ratio,
+                        offset,
+                    }),
+                ) => {
+                    nodes.push(Node {
+                        parent: node,
+                        parent_from_node: Offset::new(placement),
+                        motion,
+                        variable,
+                        ratio,
+                        offset,
+                    });
+                    (Some(nodes.len() - 1), Placement::identity())
+                }
+                _ => (node, placement),
+            };
+        }
+
+        let leaves = frames
+            .iter()
+            .map(|frame| {
+                let frame = &model.frames()[frame.index()];
+                let (node, node_from_joint) = match frame.joint {
+                    Some(joint) => carried[joint.index()],
+                    None => (None, Placement::identity()),
+                };
+                Leaf {
+                    node,
+                    node_from_frame: Offset::new(node_from_joint * frame.joint_from_frame),
+                }
+            })
+            .collect();
+        Self {
+            nodes,
+            leaves,
+            variables: map.variables(),
+        }
+    }
+
+    /// How many frames it was compiled for.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// How many variables it reads.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.variables
+    }
+
+    /// How many joints move the frames.
+    #[must_use]
+    pub fn moving_joints(&self) -> usize {
+        self.nodes.len()
+    }
+}

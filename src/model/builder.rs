@@ -1,0 +1,276 @@
+//! Builds a model and checks it once.
+
+use std::collections::HashMap;
+
+use super::{Frame, FrameId, Joint, JointId, JointKind, Limits, Model, ModelError};
+use crate::spatial::{Placement, Vector3};
+
+/// How far RᵀR of a placement may stand from the identity, entry by entry.
+const ORTHONORMAL_WITHIN: f64 = 1e-6;
+
+const MOST: usize = u32::MAX as usize;
+
+/// Collects joints and frames; [`build`](Self::build) checks them all.
+///
+/// A joint's parent must have been added before it, which the ids make natural.
+///
+/// ```
+/// use kinopt::model::{Limits, Model};
+/// use kinopt::spatial::{Placement, Vector3};
+///
+/// let mut builder = Model::builder("pendulum");
+/// let down = Vector3::new(0.0, 0.0, -1.0);
+/// let pivot = builder.revolute(
+///     "pivot", None, Placement::identity(), Vector3::new(1.0, 0.0, 0.0), Limits::new(-1.0, 1.0));
+/// builder.frame("bob", Some(pivot), Placement::translation(down));
+/// let model = builder.build()?;
+/// assert_eq!(model.degrees_of_freedom(), 1);
+/// # Ok::<(), kinopt::model::ModelError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ModelBuilder {
+    name: String,
+    joints: Vec<Joint>,
+    frames: Vec<Frame>,
+    configuration_order: Option<Vec<JointId>>,
+}
+
+impl ModelBuilder {
+    /// An empty model.
+    #[must_use]
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            joints: Vec::new(),
+            frames: Vec::new(),
+            configuration_order: None,
+        }
+    }
+
+    /// Says in which order a configuration holds the moving joints, where the order of the joints
+    /// themselves will not do. `joints` must name every moving joint once.
+    pub fn configuration_order(&mut self, joints: Vec<JointId>) {
+        self.configuration_order = Some(joints);
+    }
+
+    /// Adds any joint. Its axis need not be of unit length.
+    pub fn joint(&mut self, joint: Joint) -> JointId {
+        self.joints.push(joint);
+        JointId::new(self.joints.len() - 1)
+    }
+
+    /// Adds a joint that turns about `axis` (own frame), limits in radians.
+    pub fn revolute(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: Placement<f64>,
+        axis: Vector3<f64>,
+        limits: Limits,
+    ) -> JointId {
+        self.joint(Joint {
+            name: name.into(),
+            parent,
+            parent_from_joint,
+            kind: JointKind::Revolute,
+            axis,
+            limits,
+        })
+    }
+
+    /// Adds a joint that turns about `axis` (own frame) without limits.
+    pub fn continuous(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: Placement<f64>,
+        axis: Vector3<f64>,
+    ) -> JointId {
+        self.joint(Joint {
+            name: name.into(),
+            parent,
+            parent_from_joint,
+            kind: JointKind::Continuous,
+            axis,
+            limits: Limits::UNBOUNDED,
+        })
+    }
+
+    /// Adds a joint that slides along `axis` (own frame), limits in metres.
+    pub fn prismatic(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: Placement<f64>,
+        axis: Vector3<f64>,
+        limits: Limits,
+    ) -> JointId {
+        self.joint(Joint {
+            name: name.into(),
+            parent,
+            parent_from_joint,
+            kind: JointKind::Prismatic,
+            axis,
+            limits,
+        })
+    }
+
+    /// Adds a joint that does not move.
+    pub fn fixed(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: Placement<f64>,
+    ) -> JointId {
+        self.joint(Joint {
+            name: name.into(),
+            parent,
+            parent_from_joint,
+            kind: JointKind::Fixed,
+            axis: Vector3::new(1.0, 0.0, 0.0),
+            limits: Limits::new(0.0, 0.0),
+        })
+    }
+
+    /// Adds a frame on a joint, or in the world.
+    pub fn frame(
+        &mut self,
+        name: impl Into<String>,
+        joint: Option<JointId>,
+        joint_from_frame: Placement<f64>,
+    ) -> FrameId {
+        self.frames.push(Frame {
+            name: name.into(),
+            joint,
+            joint_from_frame,
+        });
+        FrameId::new(self.frames.len() - 1)
+    }
+
+    /// Checks everything and freezes the model.
+    ///
+    /// # Errors
+    /// The first joint or frame that is wrong, by name: duplicate names, parents that are not in
+    /// the model or come later, limits that are no interval, axes without direction, placements
+    /// that are not rigid (RᵀR must be the identity within 1e-6).
+    pub fn build(mut self) -> Result<Model, ModelError> {
+        check_count("joint", self.joints.len())?;
+        check_count("frame", self.frames.len())?;
+
+        let mut joint_by_name = HashMap::with_capacity(self.joints.len());
+        let mut moving = Vec::new();
+        for (index, joint) in self.joints.iter_mut().enumerate() {
+            check_joint(index, joint)?;
+            let id = JointId::new(index);
+            if joint_by_name.insert(joint.name.clone(), id).is_some() {
+                return Err(duplicate("joint", &joint.name));
+            }
+            if joint.kind != JointKind::Fixed {
+                moving.push(id);
+            }
+        }
+        if let Some(order) = self.configuration_order {
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            if sorted != moving {
+                return Err(ModelError::BadConfigurationOrder {
+                    given: order.len(),
+                    moving: moving.len(),
+                });
+            }
+            moving = order;
+        }
+        let mut coordinates = vec![None; self.joints.len()];
+        for (coordinate, id) in moving.iter().enumerate() {
+            coordinates[id.index()] = Some(coordinate);
+        }
+
+        let mut frame_by_name = HashMap::with_capacity(self.frames.len());
+        for (index, frame) in self.frames.iter().enumerate() {
+            if frame.joint.is_some_and(|j| j.index() >= self.joints.len()) {
+                return Err(ModelError::ForeignId {
+                    kind: "frame",
+                    name: frame.name.clone(),
+                });
+            }
+            check_placement("frame", &frame.name, &frame.joint_from_frame)?;
+            let id = FrameId::new(index);
+            if frame_by_name.insert(frame.name.clone(), id).is_some() {
+                return Err(duplicate("frame", &frame.name));
+            }
+        }
+
+        Ok(Model {
+            name: self.name,
+            joints: self.joints,
+            frames: self.frames,
+            moving,
+            coordinates,
+            joint_by_name,
+            frame_by_name,
+        })
+    }
+}
+
+fn check_count(kind: &'static str, count: usize) -> Result<(), ModelError> {
+    if count > MOST {
+        return Err(ModelError::TooMany { kind, limit: MOST });
+    }
+    Ok(())
+}
+
+fn duplicate(kind: &'static str, name: &str) -> ModelError {
+    ModelError::DuplicateName {
+        kind,
+        name: name.to_owned(),
+    }
+}
+
+fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
+    if joint.parent.is_some_and(|p| p.index() >= index) {
+        return Err(ModelError::ForeignId {
+            kind: "joint",
+            name: joint.name.clone(),
+        });
+    }
+    check_placement("joint", &joint.name, &joint.parent_from_joint)?;
+    if !joint.limits.is_valid() {
+        return Err(ModelError::BadLimits {
+            joint: joint.name.clone(),
+            lower: joint.limits.lower,
+            upper: joint.limits.upper,
+        });
+    }
+    if joint.kind == JointKind::Continuous {
+        joint.limits = Limits::UNBOUNDED;
+    }
+    let Vector3 { x, y, z } = joint.axis;
+    // hypot-like scaling: an axis of 1e-200 still has a direction.
+    let largest = x.abs().max(y.abs()).max(z.abs());
+    if !(largest > 0.0 && largest.is_finite() && (x + y + z).is_finite()) {
+        return Err(ModelError::BadAxis {
+            joint: joint.name.clone(),
+            x,
+            y,
+            z,
+        });
+    }
+    let scaled = Vector3::new(x / largest, y / largest, z / largest);
+    joint.axis = scaled * (1.0 / scaled.norm());
+    Ok(())
+}
+
+/// Checks that a placement is a finite rigid motion.
+fn check_placement(
+    kind: &'static str,
+    name: &str,
+    placement: &Placement<f64>,
+) -> Result<(), ModelError> {
+    placement
+        .check_rigid(ORTHONORMAL_WITHIN)
+        .map_err(|problem| ModelError::BadPlacement {
+            kind,
+            name: name.to_owned(),
+            problem,
+        })
+}

@@ -1,0 +1,144 @@
+//! What can be wrong with a model, each naming the culprit.
+
+use thiserror::Error;
+
+/// A name that is not there, with the ones that are.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("no {kind} named `{name}`; valid names: {}", valid.join(", "))]
+pub struct UnknownName {
+    /// What was looked up: "joint", "frame", …
+    pub kind: &'static str,
+    /// The name asked for.
+    pub name: String,
+    /// All names there are.
+    pub valid: Vec<String>,
+}
+
+impl UnknownName {
+    /// Records the valid names beside the wrong one.
+    pub fn new<'a>(
+        kind: &'static str,
+        name: &str,
+        valid: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        Self {
+            kind,
+            name: name.to_owned(),
+            valid: valid.into_iter().map(str::to_owned).collect(),
+        }
+    }
+}
+
+/// Why a model or a parameter map cannot be built.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// Two things of one kind share a name.
+    #[error("{kind} name `{name}` is used twice")]
+    DuplicateName {
+        /// "joint" or "frame".
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// An id that does not belong to this model, or a parent that comes later.
+    #[error("{kind} `{name}` refers to a joint that is not in this model")]
+    ForeignId {
+        /// What holds the bad reference.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// Limits that are NaN, out of order or empty.
+    #[error("joint `{joint}`: limits [{lower}, {upper}] are not an interval")]
+    BadLimits {
+        /// The joint.
+        joint: String,
+        /// Lower end as given.
+        lower: f64,
+        /// Upper end as given.
+        upper: f64,
+    },
+    /// An axis that is not of unit length; builders normalise any finite non-zero axis.
+    #[error("joint `{joint}`: axis ({x}, {y}, {z}) has no direction")]
+    BadAxis {
+        /// The joint.
+        joint: String,
+        /// First component.
+        x: f64,
+        /// Second component.
+        y: f64,
+        /// Third component.
+        z: f64,
+    },
+    /// A placement that is not finite or whose rotation is not orthonormal with determinant +1.
+    #[error("{kind} `{name}`: its placement is not a rigid motion ({problem})")]
+    BadPlacement {
+        /// "joint" or "frame".
+        kind: &'static str,
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A configuration order that does not name every moving joint once.
+    #[error(
+        "the configuration order names {given} joints but must name each of the {moving} moving joints once"
+    )]
+    BadConfigurationOrder {
+        /// How many it names.
+        given: usize,
+        /// How many joints move.
+        moving: usize,
+    },
+    /// More joints or frames than an id can count.
+    #[error("a model holds at most {limit} {kind}s")]
+    TooMany {
+        /// "joint" or "frame".
+        kind: &'static str,
+        /// The limit.
+        limit: usize,
+    },
+    /// A joint that does not move was given a role that needs one.
+    #[error("joint `{joint}` is fixed and cannot be {role}")]
+    FixedJoint {
+        /// The joint.
+        joint: String,
+        /// "locked", "coupled", …
+        role: &'static str,
+    },
+    /// Joints that follow one another in a ring.
+    #[error("joint `{joint}` follows itself through its masters")]
+    CouplingCycle {
+        /// One joint of the ring.
+        joint: String,
+    },
+    /// A ratio, an offset or a locked value that is not finite.
+    #[error("joint `{joint}`: {what} is {value}, which is not a finite number")]
+    NotFinite {
+        /// The joint.
+        joint: String,
+        /// Which number.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A value outside the joint's own limits.
+    #[error("joint `{joint}` cannot be locked at {value}: its limits are [{lower}, {upper}]")]
+    LockedOutsideLimits {
+        /// The joint.
+        joint: String,
+        /// The value asked for.
+        value: f64,
+        /// Lower limit.
+        lower: f64,
+        /// Upper limit.
+        upper: f64,
+    },
+    /// Coupled joints whose limits leave no common value.
+    #[error("joint `{joint}` and the joints that follow it have no value within all limits")]
+    EmptyRange {
+        /// The master joint.
+        joint: String,
+    },
+}

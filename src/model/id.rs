@@ -1,0 +1,31 @@
+//! Typed indices, so that a joint cannot be taken for a frame.
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(u32);
+
+        impl $name {
+            /// Only for ids of things that exist: counts are checked where those are built.
+            pub(crate) fn new(index: usize) -> Self {
+                Self(index as u32)
+            }
+
+            /// The position in the model's list.
+            #[must_use]
+            pub fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+    };
+}
+
+id!(
+    /// A joint of one model.
+    JointId
+);
+id!(
+    /// A frame of one model.
+    FrameId
+);

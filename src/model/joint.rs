@@ -1,0 +1,94 @@
+//! One joint: where it stands in its parent, how it moves, how far it may.
+
+use super::JointId;
+use crate::spatial::{Placement, Vector3};
+
+/// The way a joint moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JointKind {
+    /// It does not.
+    Fixed,
+    /// Turns about its axis within limits, in radians.
+    Revolute,
+    /// Turns about its axis without limits, in radians.
+    Continuous,
+    /// Slides along its axis within limits, in metres.
+    Prismatic,
+}
+
+/// A closed interval, in radians or metres; infinite ends are allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// The smallest value allowed.
+    pub lower: f64,
+    /// The largest value allowed.
+    pub upper: f64,
+}
+
+impl Limits {
+    /// No limit on either side.
+    pub const UNBOUNDED: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    };
+
+    /// From `lower` to `upper`. What is built with these limits checks that they are in order.
+    #[must_use]
+    pub const fn new(lower: f64, upper: f64) -> Self {
+        Self { lower, upper }
+    }
+
+    /// Whether both ends are the same number.
+    #[must_use]
+    pub fn is_locked(&self) -> bool {
+        self.lower == self.upper
+    }
+
+    /// Neither NaN nor out of order nor an infinity on the wrong side.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        self.lower <= self.upper && self.lower < f64::INFINITY && self.upper > f64::NEG_INFINITY
+    }
+
+    /// Whether `lower <= value && value <= upper`, to the bit.
+    #[must_use]
+    pub fn contains(&self, value: f64) -> bool {
+        self.lower <= value && value <= self.upper
+    }
+
+    /// The nearest value within the limits. NaN stays NaN.
+    #[must_use]
+    #[inline(always)]
+    pub fn clamp(&self, value: f64) -> f64 {
+        if value < self.lower {
+            self.lower
+        } else if value > self.upper {
+            self.upper
+        } else {
+            value
+        }
+    }
+
+    /// The values allowed by both.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Self {
+        Self::new(self.lower.max(other.lower), self.upper.min(other.upper))
+    }
+}
+
+/// A joint and the placement of its frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Unique within the model.
+    pub name: String,
+    /// The joint it stands on; `None` for the world.
+    pub parent: Option<JointId>,
+    /// Where the joint's frame stands in its parent's at value zero.
+    pub parent_from_joint: Placement<f64>,
+    /// How it moves.
+    pub kind: JointKind,
+    /// Unit axis in the joint's own frame; meaningless for a fixed joint.
+    pub axis: Vector3<f64>,
+    /// Its range; unbounded for a continuous joint.
+    pub limits: Limits,
+}

@@ -1,0 +1,157 @@
+//! The articulated model: joints, frames and limits, immutable once built.
+
+mod builder;
+mod error;
+mod id;
+mod joint;
+mod parameter_map;
+
+use std::collections::HashMap;
+
+pub use builder::ModelBuilder;
+pub use error::{ModelError, UnknownName};
+pub use id::{FrameId, JointId};
+pub use joint::{Joint, JointKind, Limits};
+pub use parameter_map::{ParameterMap, ParameterMapBuilder, Source};
+
+use crate::spatial::Placement;
+
+/// A named place on a joint: a link, a bone's tip, a tool point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Unique within the model.
+    pub name: String,
+    /// The joint that carries it; `None` for a frame fixed in the world.
+    pub joint: Option<JointId>,
+    /// Where the frame stands in its joint's frame.
+    pub joint_from_frame: Placement<f64>,
+}
+
+/// A tree of joints, parents before children, that no algorithm changes.
+///
+/// A configuration `q` has one number per moving joint, in the order of
+/// [`moving_joints`](Self::moving_joints): radians for revolute and continuous joints, metres for
+/// prismatic ones.
+#[derive(Clone, Debug)]
+pub struct Model {
+    name: String,
+    joints: Vec<Joint>,
+    frames: Vec<Frame>,
+    /// Coordinate k of a configuration moves joint `moving[k]`.
+    moving: Vec<JointId>,
+    /// Inverse of `moving`, by joint index.
+    coordinates: Vec<Option<usize>>,
+    joint_by_name: HashMap<String, JointId>,
+    frame_by_name: HashMap<String, FrameId>,
+}
+
+impl Model {
+    /// Starts an empty model.
+    #[must_use]
+    pub fn builder(name: impl Into<String>) -> ModelBuilder {
+        ModelBuilder::new(name)
+    }
+
+    /// The model's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// All joints, parents before children.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// All frames.
+    #[must_use]
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// All joint ids, parents before children.
+    pub fn joint_ids(&self) -> impl Iterator<Item = JointId> + use<> {
+        (0..self.joints.len()).map(JointId::new)
+    }
+
+    /// All frame ids.
+    pub fn frame_ids(&self) -> impl Iterator<Item = FrameId> + use<> {
+        (0..self.frames.len()).map(FrameId::new)
+    }
+
+    /// How many numbers a configuration has.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.moving.len()
+    }
+
+    /// The joint that each coordinate of a configuration moves.
+    #[must_use]
+    pub fn moving_joints(&self) -> &[JointId] {
+        &self.moving
+    }
+
+    /// Where a joint's value stands in a configuration; `None` for a fixed joint or a foreign id.
+    #[must_use]
+    pub fn coordinate(&self, joint: JointId) -> Option<usize> {
+        self.coordinates.get(joint.index()).copied().flatten()
+    }
+
+    /// The limits of every coordinate, in configuration order.
+    pub fn limits(&self) -> impl Iterator<Item = Limits> + '_ {
+        self.moving.iter().map(|id| self.joints[id.index()].limits)
+    }
+
+    /// Looks a joint up.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the valid ones.
+    pub fn joint(&self, name: &str) -> Result<JointId, UnknownName> {
+        self.joint_by_name.get(name).copied().ok_or_else(|| {
+            UnknownName::new("joint", name, self.joints.iter().map(|j| j.name.as_str()))
+        })
+    }
+
+    /// Looks a frame up.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the valid ones.
+    pub fn frame(&self, name: &str) -> Result<FrameId, UnknownName> {
+        self.frame_by_name.get(name).copied().ok_or_else(|| {
+            UnknownName::new("frame", name, self.frames.iter().map(|f| f.name.as_str()))
+        })
+    }
+
+    /// The configuration closest to all zeros within the limits.
+    #[must_use]
+    pub fn neutral(&self) -> Vec<f64> {
+        self.limits().map(|limits| limits.clamp(0.0)).collect()
+    }
+
+    /// The longest way from the root to any frame, adding up offsets and the finite travel of
+    /// prismatic joints, in metres. It is the length by which tolerances and weights scale.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        let mut length = vec![0.0; self.joints.len()];
+        for (i, joint) in self.joints.iter().enumerate() {
+            let before = joint.parent.map_or(0.0, |p| length[p.index()]);
+            let travel = match joint.kind {
+                JointKind::Prismatic => joint.limits.lower.abs().max(joint.limits.upper.abs()),
+                _ => 0.0,
+            };
+            let travel = if travel.is_finite() { travel } else { 0.0 };
+            // A root joint's offset places the robot in the world and says nothing about its size.
+            let offset = match joint.parent {
+                Some(_) => joint.parent_from_joint.translation.norm(),
+                None => 0.0,
+            };
+            length[i] = before + offset + travel;
+        }
+        let tips = self.frames.iter().map(|frame| {
+            let before = frame.joint.map_or(0.0, |j| length[j.index()]);
+            before + frame.joint_from_frame.translation.norm()
+        });
+        tips.chain(length.iter().copied()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,367 @@
+//! The map from solver variables to configurations: q = S x + s₀, sparse.
+//!
+//! Locked joints, URDF `mimic` joints, coupled joints and "only this arm" are all this one map.
+//! Every coordinate of q depends on at most one variable, so limits on q are limits on x and hard
+//! bounds stay boxes.
+
+use super::{JointId, Limits, Model, ModelError};
+use crate::scalar::Scalar;
+
+/// Where one coordinate of a configuration comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// Held at a value.
+    Constant(f64),
+    /// `ratio · x[variable] + offset`.
+    Variable {
+        /// Which solver variable.
+        variable: usize,
+        /// Coordinate units per variable unit.
+        ratio: f64,
+        /// In the coordinate's unit.
+        offset: f64,
+    },
+}
+
+/// A checked map from variables x to configurations q of one model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterMap {
+    sources: Vec<Source>,
+    limits: Vec<Limits>,
+    /// The coordinate that each variable is a plain copy of.
+    leaders: Vec<usize>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+}
+
+impl ParameterMap {
+    /// Every coordinate its own variable, also one that its limits lock: x is q. It is the map for
+    /// evaluating a configuration as given; solving wants [`builder`](Self::builder), which turns
+    /// locked coordinates into constants.
+    #[must_use]
+    pub fn identity(model: &Model) -> Self {
+        let limits: Vec<Limits> = model.limits().collect();
+        let own = |variable| Source::Variable {
+            variable,
+            ratio: 1.0,
+            offset: 0.0,
+        };
+        Self {
+            sources: (0..limits.len()).map(own).collect(),
+            leaders: (0..limits.len()).collect(),
+            lower: limits.iter().map(|l| l.lower).collect(),
+            upper: limits.iter().map(|l| l.upper).collect(),
+            limits,
+        }
+    }
+
+    /// Starts from every joint free.
+    #[must_use]
+    pub fn builder(model: &Model) -> ParameterMapBuilder<'_> {
+        ParameterMapBuilder {
+            model,
+            roles: vec![Role::Free; model.degrees_of_freedom()],
+            problem: None,
+        }
+    }
+
+    /// How many solver variables there are.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.leaders.len()
+    }
+
+    /// Where each coordinate of q comes from.
+    #[must_use]
+    pub fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    /// For each variable the coordinate of q that it is a copy of.
+    #[must_use]
+    pub fn leaders(&self) -> &[usize] {
+        &self.leaders
+    }
+
+    /// Lower bounds of the variables, those of followers included.
+    #[must_use]
+    pub fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+
+    /// Upper bounds of the variables, those of followers included.
+    #[must_use]
+    pub fn upper(&self) -> &[f64] {
+        &self.upper
+    }
+
+    /// Writes q = S x + s₀. Shapes: `x` [`variables`](Self::variables), `q` the model's degrees of
+    /// freedom; a shorter slice leaves the rest untouched.
+    #[inline]
+    pub fn expand<S: Scalar>(&self, x: &[S], q: &mut [S]) {
+        for (value, source) in q.iter_mut().zip(&self.sources) {
+            *value = match *source {
+                Source::Constant(constant) => S::constant(constant),
+                Source::Variable {
+                    variable,
+                    ratio,
+                    offset,
+                } => x[variable] * S::constant(ratio) + S::constant(offset),
+            };
+        }
+    }
+
+    /// As [`expand`](Self::expand), then clamps a follower that rounding took past its own limit.
+    pub fn expand_within_limits(&self, x: &[f64], q: &mut [f64]) {
+        self.expand(x, q);
+        for (value, limits) in q.iter_mut().zip(&self.limits) {
+            *value = limits.clamp(*value);
+        }
+    }
+
+    /// Reads the variables out of a configuration and clamps them into their bounds; the values of
+    /// locked and following coordinates are not looked at.
+    pub fn reduce(&self, q: &[f64], x: &mut [f64]) {
+        for (variable, value) in x.iter_mut().enumerate() {
+            let bounds = Limits::new(self.lower[variable], self.upper[variable]);
+            *value = bounds.clamp(q[self.leaders[variable]]);
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Role {
+    Free,
+    Locked(f64),
+    Follows {
+        master: usize,
+        ratio: f64,
+        offset: f64,
+    },
+}
+
+/// Gives joints their roles; the last word on a joint counts.
+#[derive(Clone, Debug)]
+pub struct ParameterMapBuilder<'m> {
+    model: &'m Model,
+    roles: Vec<Role>,
+    problem: Option<ModelError>,
+}
+
+impl ParameterMapBuilder<'_> {
+    /// Holds a joint at `value` (radians or metres).
+    #[must_use]
+    pub fn lock(mut self, joint: JointId, value: f64) -> Self {
+        if let Some(coordinate) = self.moving(joint, "locked") {
+            self.roles[coordinate] = Role::Locked(value);
+        }
+        self
+    }
+
+    /// Lets a joint follow another: its value is `ratio · master + offset`.
+    #[must_use]
+    pub fn couple(mut self, joint: JointId, master: JointId, ratio: f64, offset: f64) -> Self {
+        if let (Some(coordinate), Some(master)) = (
+            self.moving(joint, "coupled"),
+            self.moving(master, "followed"),
+        ) {
+            self.roles[coordinate] = Role::Follows {
+                master,
+                ratio,
+                offset,
+            };
+        }
+        self
+    }
+
+    /// Frees only the given joints: every other joint that was free is locked at its value in `q`
+    /// (shape: degrees of freedom; a missing value counts as 0), clamped into its limits.
+    #[must_use]
+    pub fn only(mut self, joints: &[JointId], q: &[f64]) -> Self {
+        let mut keep = vec![false; self.roles.len()];
+        for &joint in joints {
+            if let Some(coordinate) = self.moving(joint, "freed") {
+                keep[coordinate] = true;
+            }
+        }
+        let limits: Vec<Limits> = self.model.limits().collect();
+        for (coordinate, role) in self.roles.iter_mut().enumerate() {
+            if *role == Role::Free && !keep[coordinate] {
+                let value = q.get(coordinate).copied().unwrap_or(0.0);
+                *role = Role::Locked(limits[coordinate].clamp(value));
+            }
+        }
+        self
+    }
+
+    /// Checks the roles and numbers the variables in configuration order.
+    ///
+    /// # Errors
+    /// The first joint, by name, that is fixed but was given a role, is locked outside its limits,
+    /// follows itself, has a number that is not finite, or whose followers leave it no value.
+    pub fn build(self) -> Result<ParameterMap, ModelError> {
+        if let Some(problem) = self.problem {
+            return Err(problem);
+        }
+        let model = self.model;
+        let limits: Vec<Limits> = model.limits().collect();
+        let name = |c: usize| {
+            model.joints()[model.moving_joints()[c].index()]
+                .name
+                .clone()
+        };
+
+        let mut roles = self.roles;
+        for (c, role) in roles.iter_mut().enumerate() {
+            if *role == Role::Free && limits[c].is_locked() {
+                *role = Role::Locked(limits[c].lower);
+            }
+            check_role(role, &limits[c], || name(c))?;
+        }
+
+        let mut leaders = Vec::new();
+        let mut variable_of = vec![usize::MAX; roles.len()];
+        for (c, role) in roles.iter().enumerate() {
+            if *role == Role::Free {
+                variable_of[c] = leaders.len();
+                leaders.push(c);
+            }
+        }
+
+        let mut sources = Vec::with_capacity(roles.len());
+        let mut bounds: Vec<Limits> = leaders.iter().map(|&c| limits[c]).collect();
+        for c in 0..roles.len() {
+            let source = resolve(c, &roles, &variable_of)
+                .ok_or_else(|| ModelError::CouplingCycle { joint: name(c) })?;
+            match source {
+                Source::Constant(value) if !limits[c].contains(value) => {
+                    return Err(ModelError::LockedOutsideLimits {
+                        joint: name(c),
+                        value,
+                        lower: limits[c].lower,
+                        upper: limits[c].upper,
+                    });
+                }
+                Source::Variable {
+                    variable,
+                    ratio,
+                    offset,
+                } if variable_of[c] == usize::MAX => {
+                    let allowed = preimage(&limits[c], ratio, offset);
+                    bounds[variable] = bounds[variable].intersection(&allowed);
+                }
+                _ => {}
+            }
+            sources.push(source);
+        }
+        for (bound, &leader) in bounds.iter().zip(&leaders) {
+            if !bound.is_valid() {
+                return Err(ModelError::EmptyRange {
+                    joint: name(leader),
+                });
+            }
+        }
+        Ok(ParameterMap {
+            sources,
+            limits,
+            leaders,
+            lower: bounds.iter().map(|b| b.lower).collect(),
+            upper: bounds.iter().map(|b| b.upper).collect(),
+        })
+    }
+
+    fn moving(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
+        let coordinate = self.model.coordinate(joint);
+        if coordinate.is_none() && self.problem.is_none() {
+            self.problem = Some(match self.model.joints().get(joint.index()) {
+                Some(fixed) => ModelError::FixedJoint {
+                    joint: fixed.name.clone(),
+                    role,
+                },
+                None => ModelError::ForeignId {
+                    kind: "parameter map of",
+                    name: self.model.name().to_owned(),
+                },
+            });
+        }
+        coordinate
+    }
+}
+
+fn check_role(
+    role: &Role,
+    limits: &Limits,
+    name: impl FnOnce() -> String,
+) -> Result<(), ModelError> {
+    let not_finite = |what, value| (what, value);
+    let bad = match *role {
+        Role::Free => None,
+        Role::Locked(value) if !value.is_finite() => Some(not_finite("the locked value", value)),
+        Role::Locked(value) if !limits.contains(value) => {
+            return Err(ModelError::LockedOutsideLimits {
+                joint: name(),
+                value,
+                lower: limits.lower,
+                upper: limits.upper,
+            });
+        }
+        Role::Locked(_) => None,
+        Role::Follows { ratio, .. } if !ratio.is_finite() => Some(not_finite("the ratio", ratio)),
+        Role::Follows { offset, .. } if !offset.is_finite() => {
+            Some(not_finite("the offset", offset))
+        }
+        Role::Follows { .. } => None,
+    };
+    match bad {
+        None => Ok(()),
+        Some((what, value)) => Err(ModelError::NotFinite {
+            joint: name(),
+            what,
+            value,
+        }),
+    }
+}
+
+/// Follows masters to their end; `None` when they run in a ring.
+fn resolve(coordinate: usize, roles: &[Role], variable_of: &[usize]) -> Option<Source> {
+    let (mut ratio, mut offset, mut at) = (1.0, 0.0, coordinate);
+    for _ in 0..=roles.len() {
+        match roles[at] {
+            Role::Free => {
+                return Some(Source::Variable {
+                    variable: variable_of[at],
+                    ratio,
+                    offset,
+                });
+            }
+            Role::Locked(value) => return Some(Source::Constant(ratio * value + offset)),
+            Role::Follows {
+                master,
+                ratio: next_ratio,
+                offset: next_offset,
+            } => {
+                // ratio·(r m + o) + offset
+                offset += ratio * next_offset;
+                ratio *= next_ratio;
+                at = master;
+            }
+        }
+    }
+    None
+}
+
+/// The x for which `ratio · x + offset` is within the limits.
+fn preimage(limits: &Limits, ratio: f64, offset: f64) -> Limits {
+    if ratio == 0.0 {
+        return if limits.contains(offset) {
+            Limits::UNBOUNDED
+        } else {
+            Limits::new(f64::INFINITY, f64::NEG_INFINITY)
+        };
+    }
+    let (a, b) = (
+        (limits.lower - offset) / ratio,
+        (limits.upper - offset) / ratio,
+    );
+    Limits::new(a.min(b), a.max(b))
+}

@@ -1,0 +1,54 @@
+//! What can be wrong with a skeleton, each naming the bone.
+
+use thiserror::Error;
+
+use crate::model::ModelError;
+
+/// Why bones do not make a skeleton.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SkeletonError {
+    /// Parents must come before children, which also rules rings out.
+    #[error("bone `{bone}`: its parent does not come before it")]
+    ParentNotBefore {
+        /// The child.
+        bone: String,
+    },
+    /// A length that is negative or not finite.
+    #[error("bone `{bone}`: length {length} is not a finite number of at least 0")]
+    BadLength {
+        /// The bone.
+        bone: String,
+        /// The length as given.
+        length: f64,
+    },
+    /// Limits that are NaN or out of order.
+    #[error("bone `{bone}`: limits [{lower}, {upper}] rad of its {angle} are not an interval")]
+    BadLimits {
+        /// The bone.
+        bone: String,
+        /// Which of its three angles.
+        angle: &'static str,
+        /// Lower end, radians.
+        lower: f64,
+        /// Upper end, radians.
+        upper: f64,
+    },
+    /// A rest placement that is not a rigid motion.
+    #[error("bone `{bone}`: its rest placement is not a rigid motion ({problem})")]
+    BadRest {
+        /// The bone.
+        bone: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// Two bones of one name.
+    #[error("bone name `{name}` is used twice")]
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// A name clash or an overflow that only shows in the compiled model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}

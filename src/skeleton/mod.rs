@@ -1,0 +1,190 @@
+//! Twist-bend-twist bones, compiled to a [`Model`](crate::model::Model).
+//!
+//! A canonical bone lies along x from its tail at 0 to its tip at (ℓ, 0, 0). The rest placement T̂
+//! puts it into the model; a pose turns it by R_x(θ₃) R_z(θ₂) R_x(θ₁) in its canonical frame, on
+//! top of its parent's pose. In the model a bone is three revolute joints at one point, and a
+//! configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃, θ₂₁, …) in radians, bone by bone.
+
+mod bone;
+mod error;
+mod pose;
+
+use std::collections::HashMap;
+
+pub use bone::{Bone, BoneId};
+pub use error::SkeletonError;
+pub use pose::{BonePlacements, Posing};
+
+use crate::model::{FrameId, JointId, Limits, Model, UnknownName};
+use crate::spatial::{Placement, Vector3};
+
+/// The angles of one bone, in the order of the stacked vector.
+pub const ANGLES_PER_BONE: usize = 3;
+
+/// A checked tree of bones, parents before children, and the model it compiles to.
+#[derive(Clone, Debug)]
+pub struct Skeleton {
+    bones: Vec<Bone>,
+    model: Model,
+    by_name: HashMap<String, BoneId>,
+}
+
+impl Skeleton {
+    /// Checks the bones and compiles them.
+    ///
+    /// The model's frames are `NAME` (the bone's own frame, origin at its tail) and `NAME/tip`;
+    /// its joints are `NAME/twist2`, `NAME/bend` and `NAME/twist1`, from the parent outwards. A
+    /// child stands on its parent's canonical frame, wherever its own tail is at rest.
+    ///
+    /// # Errors
+    /// The first bone that is wrong, by name: a parent that does not come before it, a length that
+    /// is negative or not finite, limits that are no interval, a rest placement that is not
+    /// rigid, a name used twice.
+    pub fn new(name: impl Into<String>, bones: Vec<Bone>) -> Result<Self, SkeletonError> {
+        let mut by_name = HashMap::with_capacity(bones.len());
+        for (index, bone) in bones.iter().enumerate() {
+            bone.check(index)?;
+            if by_name
+                .insert(bone.name.clone(), BoneId::new(index))
+                .is_some()
+            {
+                return Err(SkeletonError::DuplicateName {
+                    name: bone.name.clone(),
+                });
+            }
+        }
+        let model = compile(name.into(), &bones)?;
+        Ok(Self {
+            bones,
+            model,
+            by_name,
+        })
+    }
+
+    /// The bones, parents before children.
+    #[must_use]
+    pub fn bones(&self) -> &[Bone] {
+        &self.bones
+    }
+
+    /// The model that the bones compile to; it is what problems are stated on.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// All bone ids in order.
+    pub fn bone_ids(&self) -> impl Iterator<Item = BoneId> + use<> {
+        (0..self.bones.len()).map(BoneId::new)
+    }
+
+    /// The id of the bone at a position in [`bones`](Self::bones).
+    #[must_use]
+    pub fn bone_at(&self, index: usize) -> Option<BoneId> {
+        (index < self.bones.len()).then(|| BoneId::new(index))
+    }
+
+    /// Looks a bone up by name.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the valid ones.
+    pub fn bone(&self, name: &str) -> Result<BoneId, UnknownName> {
+        self.by_name.get(name).copied().ok_or_else(|| {
+            UnknownName::new("bone", name, self.bones.iter().map(|b| b.name.as_str()))
+        })
+    }
+
+    /// The model frame at a bone's tail, with the bone's canonical axes.
+    #[must_use]
+    pub fn tail(&self, bone: BoneId) -> FrameId {
+        FrameId::new(2 * bone.index())
+    }
+
+    /// The model frame at a bone's tip, with the bone's canonical axes.
+    #[must_use]
+    pub fn tip(&self, bone: BoneId) -> FrameId {
+        FrameId::new(2 * bone.index() + 1)
+    }
+
+    /// A bone's joints in the order of its angles: first twist, bend, second twist.
+    #[must_use]
+    pub fn joints(&self, bone: BoneId) -> [JointId; ANGLES_PER_BONE] {
+        let first = ANGLES_PER_BONE * bone.index();
+        [first + 2, first + 1, first].map(JointId::new)
+    }
+
+    /// The bone that a model frame belongs to, and whether the frame is its tip.
+    #[must_use]
+    pub fn bone_of_frame(&self, frame: FrameId) -> Option<(BoneId, bool)> {
+        let bone = self.bone_at(frame.index() / 2)?;
+        Some((bone, frame.index() % 2 == 1))
+    }
+
+    /// How many angles a configuration has: three for each bone.
+    #[must_use]
+    pub fn angles(&self) -> usize {
+        ANGLES_PER_BONE * self.bones.len()
+    }
+
+    /// The diagonal of the box around all tails and tips at rest, in the rig's own unit.
+    /// Tolerances scale with it.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        let ends = self
+            .bones
+            .iter()
+            .flat_map(|bone| [bone.rest_tail(), bone.rest_tip()]);
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for point in ends {
+            for (axis, value) in point.to_array().into_iter().enumerate() {
+                low[axis] = low[axis].min(value);
+                high[axis] = high[axis].max(value);
+            }
+        }
+        let squared: f64 = (0..3).map(|a| (high[a] - low[a]).max(0.0).powi(2)).sum();
+        squared.sqrt()
+    }
+}
+
+/// Three revolute joints a bone: x by θ₃ on the parent, then z by θ₂, then x by θ₁.
+fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
+    let about_x = Vector3::new(1.0, 0.0, 0.0);
+    let about_z = Vector3::new(0.0, 0.0, 1.0);
+    let mut builder = Model::builder(name);
+    let mut order = Vec::with_capacity(ANGLES_PER_BONE * bones.len());
+    let mut last_joint: Vec<JointId> = Vec::with_capacity(bones.len());
+    for bone in bones {
+        let (parent, parent_from_bone) = match bone.parent {
+            Some(parent) => {
+                let parent_from_model = bones[parent.index()].model_from_rest.inverse();
+                let placed = parent_from_model * bone.model_from_rest;
+                (Some(last_joint[parent.index()]), placed)
+            }
+            None => (None, bone.model_from_rest),
+        };
+        let mut turn = |part: &str, parent, placement, axis, limits: Limits| {
+            builder.revolute(
+                format!("{}/{part}", bone.name),
+                parent,
+                placement,
+                axis,
+                limits,
+            )
+        };
+        let [first, bend, second] = bone.limits;
+        let still = Placement::identity();
+        let twist2 = turn("twist2", parent, parent_from_bone, about_x, second);
+        let bend = turn("bend", Some(twist2), still, about_z, bend);
+        let twist1 = turn("twist1", Some(bend), still, about_x, first);
+        order.extend([twist1, bend, twist2]);
+        last_joint.push(twist1);
+
+        builder.frame(bone.name.clone(), Some(twist1), still);
+        let tip = Vector3::new(bone.length, 0.0, 0.0);
+        let tip_name = format!("{}/tip", bone.name);
+        builder.frame(tip_name, Some(twist1), Placement::translation(tip));
+    }
+    builder.configuration_order(order);
+    Ok(builder.build()?)
+}

@@ -1,0 +1,588 @@
+//! Promise: a malformed rig is an error that names the file, the place in it and the problem.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod small_rig;
+
+use kinopt::io::rig::Rig;
+use kinopt::io::{Place, ReadError, ReadProblem, dmat, ply};
+use serde_json::{Value, json};
+use small_rig::{DMAT, PLY, SmallRig};
+
+/// Changes the good rig's JSON by `edit`, and checks that the error has every one of `parts`.
+fn refused(case: &str, edit: impl FnOnce(&mut Value), parts: &[&str]) {
+    let mut json: Value = serde_json::from_str(small_rig::JSON).unwrap();
+    edit(&mut json);
+    refused_with(case, &SmallRig::with_json(&json.to_string()), parts);
+}
+
+fn refused_with(case: &str, rig: &SmallRig, parts: &[&str]) {
+    let message = match rig.parse() {
+        Ok(_) => panic!("{case}: was read"),
+        Err(error) => error.to_string(),
+    };
+    for part in ["small.json"].iter().chain(parts) {
+        assert!(message.contains(part), "{case}: no `{part}` in: {message}");
+    }
+}
+
+fn remove(value: &mut Value, key: &str) {
+    value.as_object_mut().unwrap().remove(key).unwrap();
+}
+
+#[test]
+fn the_good_rig_is_read() {
+    let rig = SmallRig::with_json(small_rig::JSON).parse().unwrap();
+    assert_eq!(rig.skeleton.bones().len(), 3);
+    assert_eq!(rig.mesh.unwrap().triangles().len(), 1);
+    assert_eq!(rig.weights.unwrap().bone_count(), 3);
+    assert_eq!(rig.clip.tracks().len(), 1);
+}
+
+#[test]
+fn missing_keys_and_wrong_types() {
+    refused(
+        "no bones",
+        |j| remove(j, "bones"),
+        &["missing field `bones`"],
+    );
+    refused(
+        "empty",
+        |j| j["bones"] = json!([]),
+        &["bones: ", "no bones"],
+    );
+    for key in ["parent_id", "weight_id", "length", "rest_T"] {
+        let expected = format!("missing field `{key}`");
+        refused(
+            key,
+            |j| remove(&mut j["bones"][1], key),
+            &["bones[1]: ", &expected],
+        );
+        let path = format!("bones[2].{key}");
+        refused(key, |j| j["bones"][2][key] = Value::Null, &[&path, "null"]);
+        refused(key, |j| j["bones"][2][key] = json!("1"), &[&path, "string"]);
+    }
+    refused(
+        "fraction",
+        |j| j["bones"][1]["parent_id"] = json!(0.5),
+        &["bones[1].parent_id", "0.5"],
+    );
+    refused(
+        "limits",
+        |j| j["bones"][1]["xzx_min"] = Value::Null,
+        &["bones[1].xzx_min", "null"],
+    );
+    refused(
+        "limits",
+        |j| j["bones"][1]["xzx_max"][2] = json!("x"),
+        &["bones[1].xzx_max[2]", "string"],
+    );
+    refused(
+        "model",
+        |j| remove(&mut j["model"], "file"),
+        &["model: ", "missing field `file`"],
+    );
+    refused("model", |j| j["model"] = Value::Null, &["model: ", "null"]);
+    refused(
+        "keys",
+        |j| remove(&mut j["fk_animation"][0], "keys"),
+        &["fk_animation[0]: ", "`keys`"],
+    );
+    refused(
+        "key",
+        |j| remove(&mut j["fk_animation"][0]["keys"][1], "t"),
+        &["fk_animation[0].keys[1]: ", "`t`"],
+    );
+    refused(
+        "animation",
+        |j| j["fk_animation"] = Value::Null,
+        &["fk_animation: ", "null"],
+    );
+    refused(
+        "constraints",
+        |j| j["ik_constraints"] = json!("2"),
+        &["ik_constraints: ", "array"],
+    );
+    refused(
+        "constraints",
+        |j| j["ik_constraints"] = json!([1.5]),
+        &["ik_constraints[0]", "1.5"],
+    );
+}
+
+#[test]
+fn text_that_is_not_the_json_of_a_rig() {
+    let text = |case: &str, json: &str, parts: &[&str]| {
+        refused_with(case, &SmallRig::with_json(json), parts);
+    };
+    text("nothing", "", &["EOF", "line 1"]);
+    text("truncated", &small_rig::JSON[..200], &["EOF"]);
+    text(
+        "trailing",
+        &format!("{} 1", small_rig::JSON),
+        &["trailing characters"],
+    );
+    text("an array", "[1]", &["invalid"]);
+    text(
+        "NaN",
+        &small_rig::JSON.replace("0.5", "NaN"),
+        &["bones[1].length", "expected"],
+    );
+    text(
+        "infinite",
+        &small_rig::JSON.replace("0.5", "1e999"),
+        &["bones[1].length", "out of range"],
+    );
+    text(
+        "twice",
+        &small_rig::JSON.replace("\"length\":0.5", "\"length\":0.5,\"length\":1"),
+        &["bones[1]", "duplicate"],
+    );
+    text("deep", &"[".repeat(100_000), &["small.json"]);
+    let unknown = format!("{{\"x\":{}", "[".repeat(100_000));
+    text("deep, unknown", &unknown, &["EOF"]);
+}
+
+#[test]
+fn wrong_sizes() {
+    refused(
+        "rows",
+        |j| remove_last(&mut j["bones"][2]["rest_T"]),
+        &["bones[2].rest_T: ", "3 rows"],
+    );
+    refused(
+        "columns",
+        |j| remove_last(&mut j["bones"][2]["rest_T"][1]),
+        &["bones[2].rest_T[1]: ", "3 numbers"],
+    );
+    refused(
+        "min",
+        |j| j["bones"][1]["xzx_min"] = json!([0, 0]),
+        &["bones[1].xzx_min: ", "2 numbers"],
+    );
+    refused(
+        "max",
+        |j| j["bones"][1]["xzx_max"] = json!([0, 0, 0, 0]),
+        &["bones[1].xzx_max: ", "4 numbers"],
+    );
+    refused(
+        "key",
+        |j| j["fk_animation"][0]["keys"][1]["xzx"] = json!([]),
+        &["fk_animation[0].keys[1].xzx: ", "0 numbers"],
+    );
+}
+
+fn remove_last(value: &mut Value) {
+    value.as_array_mut().unwrap().pop().unwrap();
+}
+
+#[test]
+fn trees_that_are_none() {
+    for parent in [1, 2, 3, -2, i64::MAX, i64::MIN] {
+        let number = parent.to_string();
+        refused(
+            "parent",
+            |j| j["bones"][1]["parent_id"] = json!(parent),
+            &["bones[1].parent_id: ", &number, "cycles"],
+        );
+    }
+    refused(
+        "cycle",
+        |j| {
+            j["bones"][1]["parent_id"] = json!(2);
+            j["bones"][2]["parent_id"] = json!(1);
+        },
+        &["bones[1].parent_id"],
+    );
+}
+
+#[test]
+fn numbers_out_of_range() {
+    refused(
+        "length",
+        |j| j["bones"][2]["length"] = json!(-0.1),
+        &["bones[2].length: ", "-0.1"],
+    );
+    refused(
+        "order",
+        |j| j["bones"][1]["xzx_min"] = json!([0, 91, 0]),
+        &["bones[1].xzx_min[1]: ", "91", "xzx_max[1]", "90"],
+    );
+    for bone in [3, -1, i64::MIN] {
+        let number = bone.to_string();
+        refused(
+            "track",
+            |j| j["fk_animation"][0]["bone_id"] = json!(bone),
+            &["fk_animation[0].bone_id: ", &number, "0 to 2"],
+        );
+        refused(
+            "one",
+            |j| j["ik_constraints"] = json!(bone),
+            &["ik_constraints: ", &number, "0 to 2"],
+        );
+        refused(
+            "many",
+            |j| j["ik_constraints"] = json!([0, bone]),
+            &["ik_constraints[1]: ", &number],
+        );
+    }
+    refused(
+        "absurd",
+        |j| j["ik_constraints"] = json!(u64::MAX),
+        &["ik_constraints: "],
+    );
+    refused(
+        "unsorted",
+        |j| j["fk_animation"][0]["keys"][1]["t"] = json!(-1),
+        &["fk_animation[0].keys[1].t: ", "-1"],
+    );
+    refused(
+        "duplicate",
+        |j| j["fk_animation"][0]["keys"][1]["t"] = json!(0.75),
+        &["fk_animation[0].keys[1].t: ", "0.75"],
+    );
+    refused(
+        "two tracks",
+        |j| {
+            let track = j["fk_animation"][0].clone();
+            j["fk_animation"].as_array_mut().unwrap().push(track);
+        },
+        &["fk_animation[1].bone_id: ", "bone 1"],
+    );
+}
+
+#[test]
+fn rest_placements_that_are_not_rigid() {
+    let rest = |case: &str, row: usize, column: usize, value: f64, parts: &[&str]| {
+        refused(
+            case,
+            |j| j["bones"][1]["rest_T"][row][column] = json!(value),
+            parts,
+        );
+    };
+    rest(
+        "scaled",
+        0,
+        0,
+        1.01,
+        &["bones[1].rest_T: ", "rigid", "orthonormal"],
+    );
+    rest(
+        "sheared",
+        0,
+        1,
+        0.01,
+        &["bones[1].rest_T: ", "rigid", "orthonormal"],
+    );
+    rest(
+        "mirrored",
+        2,
+        2,
+        -1.0,
+        &["bones[1].rest_T: ", "rigid", "mirror"],
+    );
+    rest("zero", 1, 1, 0.0, &["bones[1].rest_T: ", "rigid"]);
+    rest("overflowing", 1, 1, 1e300, &["bones[1].rest_T: ", "rigid"]);
+    rest(
+        "projective",
+        3,
+        0,
+        0.1,
+        &["bones[1].rest_T[3]: ", "0 0 0 1"],
+    );
+    rest("scaled", 3, 3, 2.0, &["bones[1].rest_T[3]: ", "0 0 0 1"]);
+}
+
+#[test]
+fn weights_that_do_not_fit() {
+    for id in [2, -2, i64::MAX] {
+        let number = id.to_string();
+        refused(
+            "column",
+            |j| j["bones"][1]["weight_id"] = json!(id),
+            &["bones[1].weight_id: ", &number, "2 columns"],
+        );
+    }
+    refused(
+        "claimed twice",
+        |j| j["bones"][2]["weight_id"] = json!(0),
+        &["bones[2].weight_id: ", "bone 1"],
+    );
+    refused(
+        "unclaimed",
+        |j| j["bones"][2]["weight_id"] = json!(-1),
+        &["weights.file: ", "column 1"],
+    );
+
+    let table = |case: &str, dmat: &str, parts: &[&str]| {
+        let rig = SmallRig {
+            dmat: Some(dmat.into()),
+            ..SmallRig::with_json(small_rig::JSON)
+        };
+        refused_with(case, &rig, parts);
+    };
+    table(
+        "sum",
+        "2 3\n1 0.5 0 0 0.4 1",
+        &["weights.file: ", "small.dmat", "vertex 1", "0.9"],
+    );
+    table(
+        "rows",
+        "2 2\n1 0.5 0 0.5",
+        &["weights.file: ", "2 vertices", "3"],
+    );
+    table(
+        "truncated",
+        &DMAT[..DMAT.len() - 4],
+        &["weights.file: ", "small.dmat", "5 of the 6"],
+    );
+    table(
+        "absurd",
+        "2 4000000000000\n1 2 3",
+        &["weights.file: ", "small.dmat", "line 1", "4000000000000"],
+    );
+
+    // A column that nobody claims may be there as long as it is zero.
+    let spare = format!("3 {}0 0 0\n", DMAT.strip_prefix("2 ").unwrap());
+    let rig = SmallRig {
+        dmat: Some(spare.into()),
+        ..SmallRig::with_json(small_rig::JSON)
+    };
+    assert_eq!(rig.parse().unwrap().weights.unwrap().max_influences(), 2);
+}
+
+#[test]
+fn named_files_that_cannot_be_read() {
+    let rig = SmallRig {
+        ply: None,
+        ..SmallRig::with_json(small_rig::JSON)
+    };
+    refused_with(
+        "absent mesh",
+        &rig,
+        &["model.file: ", "small.ply", "cannot be read"],
+    );
+    let rig = SmallRig {
+        dmat: None,
+        ..SmallRig::with_json(small_rig::JSON)
+    };
+    refused_with(
+        "absent weights",
+        &rig,
+        &["weights.file: ", "small.dmat", "cannot be read"],
+    );
+    let rig = SmallRig {
+        ply: Some(PLY[..PLY.len() - 3].into()),
+        ..SmallRig::with_json(small_rig::JSON)
+    };
+    refused_with(
+        "truncated mesh",
+        &rig,
+        &["model.file: ", "small.ply", "line 13"],
+    );
+}
+
+#[test]
+fn paths_that_cannot_be_read() {
+    let nowhere = Rig::read("no/such/rig.json").unwrap_err();
+    assert_eq!(nowhere.place, Place::File);
+    assert!(matches!(nowhere.problem, ReadProblem::Io(_)));
+    assert!(
+        nowhere
+            .to_string()
+            .starts_with("no/such/rig.json: cannot be read: "),
+        "{nowhere}"
+    );
+    let folder = env!("CARGO_MANIFEST_DIR");
+    for error in [
+        Rig::read(folder).unwrap_err(),
+        ply::read(folder).unwrap_err(),
+        dmat::read(folder).unwrap_err(),
+    ] {
+        assert!(
+            error.to_string().contains("is not a regular file"),
+            "{error}"
+        );
+    }
+    // The parts are looked for beside the rig.
+    let folder = std::env::temp_dir().join(format!("kinopt-malformed-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("rig.json"), small_rig::JSON).unwrap();
+    let error = Rig::read(folder.join("rig.json")).unwrap_err();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let missing = folder.join("small.ply").display().to_string();
+    assert!(error.to_string().contains(&missing), "{error}");
+    assert_eq!(error.place, Place::Json("model.file".into()));
+}
+
+fn ply_error(bytes: impl AsRef<[u8]>) -> ReadError {
+    ply::from_bytes(bytes.as_ref(), "bad.ply").unwrap_err()
+}
+
+#[test]
+fn ply_files_that_are_malformed() {
+    let edited = |from: &str, to: &str| {
+        assert!(PLY.contains(from), "{from}");
+        ply_error(PLY.replacen(from, to, 1)).to_string()
+    };
+    let cases: Vec<(String, &[&str])> = vec![
+        (ply_error("").to_string(), &["byte 0", "end of file"]),
+        (ply_error("solid").to_string(), &["line 1", "ply"]),
+        (ply_error(&PLY[..40]).to_string(), &["line 4"]),
+        (
+            ply_error("ply\nformat ascii 1.0\n").to_string(),
+            &["end_header"],
+        ),
+        (edited("ascii 1.0\n", "ascii 1.0\n\u{fe}"), &["line 3"]),
+        (
+            edited("element vertex", "element corner"),
+            &["no element `vertex`", "corner"],
+        ),
+        (
+            edited("element face", "element facet"),
+            &["no element `face`"],
+        ),
+        (edited("float y", "float w"), &["no property `y`"]),
+        (edited("float y", "float x"), &["twice"]),
+        (edited("element face", "element vertex"), &["twice"]),
+        (edited("float y", "int y"), &["line 10", "'y'"]),
+        (
+            edited("uint vertex_indices", "float vertex_indices"),
+            &["line 13", "'vertex_indices'"],
+        ),
+        (edited("vertex_indices", "indices"), &["vertex_indices"]),
+        (
+            edited("vertex 3", "vertex 4000000000"),
+            &["4000000000 entries", "`vertex`", "left in the file"],
+        ),
+        (
+            edited("vertex 3", "vertex 18446744073709551615"),
+            &["18446744073709551615 entries"],
+        ),
+        (
+            edited("vertex 3", "vertex 99999999999999999999"),
+            &["line 3"],
+        ),
+        (edited("vertex 3", "vertex -1"), &["line 3"]),
+        (
+            edited("face 1", "face 1000000000"),
+            &["1000000000 entries", "`face`"],
+        ),
+        (
+            edited("element face", "element nothing 4000000000\nelement face"),
+            &["`nothing`", "no properties"],
+        ),
+        (edited("3 0 1 2", "2 0 1"), &["face 0: ", "2 corners"]),
+        (edited("3 0 1 2", "0"), &["face 0: ", "no corners"]),
+        (
+            edited("3 0 1 2", "3 0 1 3"),
+            &["face 0: ", "index 3", "3 vertices"],
+        ),
+        (
+            edited("3 0 1 2", "2147483648 0 1 2"),
+            &["line 13", "2147483648"],
+        ),
+        (edited("3 0 1 2", "3 0 1 -1"), &["line 13", "index 2"]),
+        (edited("1 0 0\n", "1 nan 0\n"), &["line 11"]),
+        (edited("1 0 0\n", "1 1e60 0\n"), &["vertex 1", "not finite"]),
+        (edited("1 0 0\n", "1 0\n"), &["line 11"]),
+        (edited("3 0 1 2\n", "3 0 1 2\n7\n"), &["2 bytes are left"]),
+    ];
+    for (message, parts) in cases {
+        for part in ["bad.ply: "].iter().chain(parts) {
+            assert!(message.contains(part), "no `{part}` in: {message}");
+        }
+        assert!(message.len() < 500 && !message.contains('\n'), "{message}");
+    }
+}
+
+#[test]
+fn binary_ply_files_that_are_malformed() {
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty double x\n\
+        property double y\nproperty double z\nelement face 1\n\
+        property list int int vertex_indices\nend_header\n";
+    let file = |x: f64, corners: i32| {
+        let mut bytes = header.as_bytes().to_vec();
+        bytes.extend([x, 0.0, 0.0].iter().flat_map(|v| v.to_le_bytes()));
+        bytes.extend([corners, 0, 0, 0].iter().flat_map(|v| v.to_le_bytes()));
+        bytes
+    };
+    assert!(ply::from_bytes(&file(1.0, 3), "good").is_ok());
+    for (bytes, parts) in [
+        (file(f64::NAN, 3), ["vertex 0", "not finite"]),
+        (file(1e300, 3), ["vertex 0", "not finite"]),
+        (file(1.0, i32::MAX), ["byte ", "end of file"]),
+        (file(1.0, -1), ["byte ", "ist"]),
+        (file(1.0, 2), ["4 bytes are left", "byte "]),
+    ] {
+        let message = ply_error(bytes).to_string();
+        assert!(
+            parts.iter().all(|part| message.contains(part)),
+            "{parts:?}: {message}"
+        );
+    }
+    let whole = file(1.0, 3);
+    for length in 0..whole.len() {
+        ply_error(&whole[..length]);
+    }
+}
+
+#[test]
+fn dmat_files_that_are_malformed() {
+    let f64s = |values: &[f64]| {
+        values
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let binary = |sizes: &str, values: &[f64]| {
+        [format!("0 0\n{sizes}\n").into_bytes(), f64s(values)].concat()
+    };
+    let cases: Vec<(Vec<u8>, &[&str])> = vec![
+        (b"".to_vec(), &["line 1: ", "whole numbers"]),
+        (b"2".to_vec(), &["line 1: "]),
+        (b"1 2 3\n".to_vec(), &["line 1: "]),
+        (b"-1 2\n".to_vec(), &["line 1: "]),
+        (b"1.5 2\n".to_vec(), &["line 1: "]),
+        (b"99999999999999999999 1\n".to_vec(), &["line 1: "]),
+        (b"\xff\xfe".to_vec(), &["line 1: "]),
+        (b"0 0\n".to_vec(), &["line 2: "]),
+        (b"2 2\n1 2 3".to_vec(), &["line 1: ", "5 are left"]),
+        (b"2 2\n1 2 3     ".to_vec(), &["3 of the 4"]),
+        (b"2 2\n1 2 3 4 5".to_vec(), &["line 2: ", "more values"]),
+        (b"2 2\n1 2\n3 x4".to_vec(), &["line 3: ", "`x4`"]),
+        (b"2 2\n1 2\nNaN 4".to_vec(), &["line 3: ", "`NaN`"]),
+        (b"2 2\n1 2\n1e999 4".to_vec(), &["line 3: ", "`1e999`"]),
+        (b"2 2\n1 2\n3 \xff".to_vec(), &["line 3: ", "text"]),
+        (
+            b"18446744073709551615 18446744073709551615\n1".to_vec(),
+            &["line 1: ", "left in the file"],
+        ),
+        (
+            binary("18446744073709551615 18446744073709551615", &[1.0]),
+            &["line 2: ", "left in the file"],
+        ),
+        (
+            binary("4000000000 4000000000", &[1.0]),
+            &["line 2: ", "8 are left"],
+        ),
+        (binary("1 2", &[1.0]), &["line 2: ", "16", "8 are left"]),
+        (
+            binary("1 1", &[1.0, 2.0]),
+            &["byte 16: ", "8 bytes are left"],
+        ),
+        (binary("1 2", &[1.0, f64::NAN]), &["byte 16: ", "NaN"]),
+    ];
+    for (bytes, parts) in cases {
+        let shown = String::from_utf8_lossy(&bytes).into_owned();
+        let message = match dmat::from_bytes(&bytes, "bad.dmat") {
+            Ok(matrix) => panic!("{shown:?} was read as {:?}", matrix.shape()),
+            Err(error) => error.to_string(),
+        };
+        for part in ["bad.dmat: "].iter().chain(parts) {
+            assert!(
+                message.contains(part),
+                "{shown:?}: no `{part}` in: {message}"
+            );
+        }
+    }
+}
