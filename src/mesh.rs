@@ -28,6 +28,7 @@ pub struct TriangleMesh {
 
 /// What is wrong with the parts of a [`TriangleMesh`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex}: the position is not finite in single precision")]

@@ -59,6 +59,15 @@ fn peak<T>(work: impl FnOnce() -> T) -> (T, isize) {
 /// list before it finds the file too short.
 const MEMORY_LIMIT: isize = 4 << 20;
 
+#[test]
+fn memory_is_counted() {
+    let (length, memory) = peak(|| vec![1_u8; 1 << 20].len());
+    assert!(
+        length == 1 << 20 && (1 << 20..1 << 21).contains(&memory),
+        "{memory}"
+    );
+}
+
 struct Random(u64);
 
 impl Random {

@@ -29,6 +29,7 @@ pub struct EulerClip {
 
 /// What is wrong with keyframes. Tracks and keys are counted from 0 in the order given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ClipError {
     /// Two tracks for one bone.
     #[error("bone {bone} has a track already")]

@@ -50,7 +50,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<DMatrix<f64>, ReadError> {
 }
 
 /// The bytes of a DMAT file. A matrix of no columns and no rows is always written in the binary
-/// form, because the header `0 0` means that.
+/// form, because the header `0 0` means that; one with either, but not both, cannot be read back.
 #[must_use]
 pub fn to_bytes(matrix: &DMatrix<f64>, encoding: DmatEncoding) -> Vec<u8> {
     let sizes = format!("{} {}\n", matrix.ncols(), matrix.nrows());
@@ -117,6 +117,13 @@ fn checked_count(
     available: usize,
     name: &str,
 ) -> Result<usize, ReadError> {
+    let place = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
+    let what = format!("{columns} columns of {rows} values");
+    // Nothing in the file would stand against an absurd size times zero.
+    if (columns == 0) != (rows == 0) {
+        let problem = format!("{what} make no table");
+        return Err(ReadError::malformed(name, place(), problem));
+    }
     let count = columns as u128 * rows as u128;
     // Both factors are below 2^64, but the width may push the product over u128.
     let needed = count.saturating_mul(width);
@@ -124,11 +131,7 @@ fn checked_count(
     let enough = needed <= available as u128 + u128::from(width == TEXT_WIDTH);
     match usize::try_from(count) {
         Ok(count) if enough => Ok(count),
-        _ => {
-            let line = Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
-            let what = format!("{columns} columns of {rows} values");
-            Err(ReadError::truncated(name, line, what, needed, available))
-        }
+        _ => Err(ReadError::truncated(name, place(), what, needed, available)),
     }
 }
 

@@ -23,6 +23,7 @@ pub struct ReadError {
 
 /// A place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Place {
     /// The file as a whole.
     File,
@@ -38,6 +39,7 @@ pub enum Place {
 
 /// What is wrong at a place in a file.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReadProblem {
     /// The operating system could not open or read the file.
     #[error("cannot be read: {0}")]

@@ -28,6 +28,7 @@ pub struct SkinWeights {
 
 /// What is wrong with a set of skin weights.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WeightsError {
     /// A weight is NaN or infinite.
     #[error("vertex {vertex}, bone {bone}: the weight {weight} is not finite")]
