@@ -207,6 +207,19 @@ fn numbers_out_of_range() {
         |j| j["bones"][1]["xzx_min"] = json!([0, 91, 0]),
         &["bones[1].xzx_min[1]: ", "91", "xzx_max[1]", "90"],
     );
+    refused(
+        "lower end",
+        |j| j["bones"][1]["xzx_min"] = json!([0, 0, 1e10]),
+        &["bones[1].xzx_min[2]: ", "1e10"],
+    );
+    refused(
+        "upper end",
+        |j| {
+            j["bones"][1]["xzx_min"] = json!([-1e10, 0, 0]);
+            j["bones"][1]["xzx_max"] = json!([-1e10, 0, 0]);
+        },
+        &["bones[1].xzx_max[0]: ", "-1", "no limit"],
+    );
     for bone in [3, -1, i64::MIN] {
         let number = bone.to_string();
         refused(

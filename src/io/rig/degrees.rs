@@ -3,7 +3,7 @@
 use crate::model::Limits;
 
 /// Limits of this many degrees or more stand for none.
-const UNBOUNDED: f64 = 1e10;
+pub(super) const UNBOUNDED: f64 = 1e10;
 
 /// A range in degrees, in radians.
 pub(super) fn limits(min: f64, max: f64) -> Limits {

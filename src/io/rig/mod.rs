@@ -15,6 +15,7 @@
 //! Degrees exist only here: everything that comes out is in radians.
 
 mod check;
+mod columns;
 mod degrees;
 mod json;
 mod write;
@@ -92,7 +93,7 @@ impl Rig {
             let bytes = open(&part.file);
             let read = bytes.and_then(|bytes| dmat::from_bytes(&bytes, &part.file));
             let table = read.map_err(|error| referred("weights.file", error))?;
-            weights = Some(check::weights(&file, &table, mesh.as_ref(), name)?);
+            weights = Some(columns::weights(&file, &table, mesh.as_ref(), name)?);
         }
         Ok(Self {
             skeleton,
