@@ -1,15 +1,18 @@
 //! Inverse kinematics by optimisation.
 
+pub mod animation;
 pub mod ik;
+pub mod io;
 pub mod kinematics;
+pub mod mesh;
 pub mod model;
 pub mod problem;
 mod random;
 pub mod scalar;
 pub mod skeleton;
+pub mod skinning;
 pub mod solver;
 pub mod spatial;
-
 pub mod task;
 
 pub use ik::{Solution, Solver, Workspace};
