@@ -3,6 +3,7 @@
 mod error;
 mod explain;
 mod restarts;
+mod search;
 mod solution;
 mod solver;
 mod workspace;

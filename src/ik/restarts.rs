@@ -1,13 +1,37 @@
 //! Numbered attempts: where each one starts, and which one counts.
 //!
-//! Attempt 0 is the caller's start. Attempt i > 0 is drawn from (seed, i) alone, so attempts could
+//! Attempt 0 is the caller's start. The first few attempts give up as soon as they stall, because
+//! another start most often does better than patience; if none arrives, the best of them is
+//! finished, and the others run to their ends.
+//!
+//! Attempt i > 0 is drawn from (seed, i) alone, so attempts could
 //! run in any order; the lowest index that succeeds wins.
 
+use crate::problem::Problem;
 use crate::random::RandomStream;
 
 /// How far a nudged start moves towards a random one. Rest poses of rigs are singular: with a bend
 /// of 0 both twists coincide, and a small move away shows the way.
 const NUDGE: f64 = 0.15;
+
+/// How many attempts give up when they stall.
+const QUICK_ATTEMPTS: usize = 4;
+/// Steps without halving the cost after which a quick attempt gives up. The caller's start is most
+/// often a neighbour of the answer, which is then found at once, or a singular rest pose, which
+/// leads nowhere.
+const PATIENCE_AT_START: usize = 6;
+const PATIENCE: usize = 10;
+
+/// One run of the method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Trial {
+    /// An attempt that gives up when it stalls.
+    Quick(usize),
+    /// The best attempt so far goes on to its end.
+    FinishBest,
+    /// An attempt that runs to its end.
+    Full(usize),
+}
 
 /// How often to try again, and from where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,12 +42,12 @@ pub struct Restarts {
 }
 
 impl Default for Restarts {
-    /// Up to 32 attempts, seed 0, and an end after three that agree on the same miss.
+    /// Up to 32 attempts, seed 0, and an end after two that agree on the same miss.
     fn default() -> Self {
         Self {
             attempts: 32,
             seed: 0,
-            agreeing: 3,
+            agreeing: 2,
         }
     }
 }
@@ -60,17 +84,31 @@ impl Restarts {
         self
     }
 
+    /// The runs, in order.
+    pub(super) fn trials(&self) -> impl Iterator<Item = Trial> + use<> {
+        let quick = match self.attempts {
+            1 => 0,
+            attempts => attempts.min(QUICK_ATTEMPTS),
+        };
+        let finish = (quick > 0).then_some(Trial::FinishBest);
+        (0..quick)
+            .map(Trial::Quick)
+            .chain(finish)
+            .chain((quick..self.attempts).map(Trial::Full))
+    }
+
+    /// How long a quick attempt waits for progress, in steps.
+    pub(super) fn patience(index: usize) -> usize {
+        if index == 0 {
+            PATIENCE_AT_START
+        } else {
+            PATIENCE
+        }
+    }
+
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
-    /// place, even ones go there. Unbounded variables are drawn within `spread` of the start.
-    pub(super) fn start_of(
-        &self,
-        index: usize,
-        start: &[f64],
-        lower: &[f64],
-        upper: &[f64],
-        spread: &[f64],
-        x: &mut [f64],
-    ) {
+    /// place, even ones go there.
+    pub(super) fn start_of(&self, index: usize, start: &[f64], problem: &Problem, x: &mut [f64]) {
         if index == 0 {
             x.copy_from_slice(start);
             return;
@@ -78,13 +116,7 @@ impl Restarts {
         let mut random = RandomStream::new(self.seed, index as u64);
         let share = if index % 2 == 1 { NUDGE } else { 1.0 };
         for (j, value) in x.iter_mut().enumerate() {
-            let low = lower[j].max(start[j] - 2.0 * spread[j]);
-            let high = upper[j].min(start[j] + 2.0 * spread[j]);
-            let (low, high) = if lower[j].is_finite() && upper[j].is_finite() {
-                (lower[j], upper[j])
-            } else {
-                (low, high)
-            };
+            let (low, high) = problem.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
             *value = start[j] + share * (drawn - start[j]);
         }

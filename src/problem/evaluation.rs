@@ -1,9 +1,11 @@
 //! Evaluating a problem: one forward pass gives all residuals, and the derivatives reuse it.
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
 use super::compiled_task::CompiledTask;
-use super::{Derivatives, Problem};
+use super::{Derivatives, Names, Problem};
 use crate::kinematics::{Partials, TreeState, Wrench, Wrenches};
 use crate::model::Source;
 use crate::scalar::{Dual, Scalar};
@@ -14,6 +16,8 @@ use crate::task::{CHUNK, DualScratch, LocalJacobian};
 /// A problem's scratch memory. It belongs to one caller at a time; a problem may have many.
 #[derive(Clone, Debug)]
 pub struct Scratch {
+    /// Tells the problem that this memory was made for.
+    owner: Arc<Names>,
     state: TreeState<f64>,
     /// The x of the last forward pass; NaN before the first.
     at: Vec<f64>,
@@ -46,6 +50,7 @@ impl Scratch {
         );
         let zero = Dual::zero();
         Self {
+            owner: Arc::clone(&problem.names),
             state: TreeState::new(&problem.tree),
             at: vec![f64::NAN; n],
             q: vec![0.0; dof],
@@ -63,6 +68,13 @@ impl Scratch {
             shifted: vec![0.0; n],
             shifted_residual: [vec![0.0; m], vec![0.0; m]],
         }
+    }
+}
+
+impl Scratch {
+    /// Whether this memory was made for `problem`.
+    pub(crate) fn fits(&self, problem: &Problem) -> bool {
+        Arc::ptr_eq(&self.owner, &problem.names)
     }
 }
 

@@ -64,7 +64,7 @@ pub struct Problem {
     rows: usize,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// Where each variable may be drawn from at random: its bounds, or a stretch of ±π or ± reach.
+    /// How far around the start an unbounded variable is drawn at random: π or the reach.
     spread: Vec<f64>,
     /// A length of the model's own scale, in metres.
     reach: f64,
@@ -192,8 +192,15 @@ impl Problem {
         &self.names
     }
 
-    pub(crate) fn spread(&self) -> &[f64] {
-        &self.spread
+    /// Where random values of a variable are drawn from: its bounds, or where one is infinite as
+    /// far as ±π or ± the reach around `at` allows.
+    pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
+        let (lower, upper) = (self.lower[variable], self.upper[variable]);
+        if lower.is_finite() && upper.is_finite() {
+            return (lower, upper);
+        }
+        let spread = self.spread[variable];
+        (lower.max(at - spread), upper.min(at + spread))
     }
 
     /// For every block of rows: its task, its quantity, the error in that quantity's unit for the

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::LeastSquares;
 use super::active_set::{list_free, project, projected_gradient_norm};
-use super::linear::{CompleteOrthogonal, DampedNormal};
+use super::linear::{CompleteOrthogonal, DampedNormal, add_scaled, dot};
 
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -162,13 +162,8 @@ impl Memory {
         let rows = self.residual.len();
         let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
         for (entry, column) in self.gradient.iter_mut().zip(columns) {
-            let (mut along, mut squared) = (0.0, 0.0);
-            for (&j, &r) in column.iter().zip(&self.residual) {
-                along += j * r;
-                squared += j * j;
-            }
-            *entry = along;
-            self.column_norm = self.column_norm.max(squared);
+            *entry = dot(column, &self.residual);
+            self.column_norm = self.column_norm.max(dot(column, column));
         }
         self.column_norm = self.column_norm.sqrt();
         self.list_free(problem);
@@ -242,9 +237,7 @@ impl Memory {
         let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
         for (&step, column) in self.step.iter().zip(columns) {
             if step != 0.0 {
-                for (p, &j) in predicted.iter_mut().zip(column) {
-                    *p += step * j;
-                }
+                add_scaled(predicted, step, column);
             }
         }
         half_squared(predicted)
@@ -266,5 +259,5 @@ impl Memory {
 
 /// ½‖r‖².
 pub(super) fn half_squared(residual: &[f64]) -> f64 {
-    0.5 * residual.iter().map(|r| r * r).sum::<f64>()
+    0.5 * dot(residual, residual)
 }

@@ -57,6 +57,7 @@ pub(crate) fn minimise_until(
         return outcome;
     }
     let mut last_step = Step::Taken;
+    let mut milestone = (0, memory.cost);
     outcome.termination = loop {
         if !memory.cost.is_finite() {
             break Termination::NonFinite;
@@ -97,6 +98,13 @@ pub(crate) fn minimise_until(
         }
         if seen.is_break() {
             break Termination::Cancelled;
+        }
+        if memory.cost < 0.5 * milestone.1 {
+            milestone = (outcome.iterations, memory.cost);
+        }
+        let waited = outcome.iterations - milestone.0;
+        if stopping.patience.is_some_and(|patience| waited >= patience) {
+            break Termination::Stalled;
         }
         if outcome.iterations >= stopping.max_iterations {
             break Termination::IterationLimit;
