@@ -15,7 +15,7 @@ use crate::random::RandomStream;
 const NUDGE: f64 = 0.15;
 
 /// How many attempts give up when they stall.
-const QUICK_ATTEMPTS: usize = 4;
+const QUICK_ATTEMPTS: usize = 8;
 /// Steps without halving the cost after which a quick attempt gives up. The caller's start is most
 /// often a neighbour of the answer, which is then found at once, or a singular rest pose, which
 /// leads nowhere.
@@ -42,12 +42,12 @@ pub struct Restarts {
 }
 
 impl Default for Restarts {
-    /// Up to 32 attempts, seed 0, and an end after two that agree on the same miss.
+    /// Up to 32 attempts, seed 0, and an end after three that agree on the same miss.
     fn default() -> Self {
         Self {
             attempts: 32,
             seed: 0,
-            agreeing: 2,
+            agreeing: 3,
         }
     }
 }
