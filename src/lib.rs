@@ -2,6 +2,7 @@
 
 pub mod kinematics;
 pub mod model;
+pub mod robot;
 pub mod scalar;
 pub mod skeleton;
 pub mod spatial;
