@@ -72,12 +72,6 @@ pub enum Fault {
     /// The document's element is not `<robot>`.
     #[error("the root element must be <robot>")]
     NotARobot,
-    /// Elements within elements beyond any use.
-    #[error("elements are nested deeper than {limit}")]
-    TooDeep {
-        /// The depth allowed.
-        limit: usize,
-    },
     /// A robot without links.
     #[error("there is no <link>")]
     NoLinks,
