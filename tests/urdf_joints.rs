@@ -132,7 +132,7 @@ fn prismatic_values_are_metres_and_never_wrapped() {
 #[test]
 fn a_quaternion_origin_is_exact_where_pitch_is_a_quarter_turn() {
     // urdf-rs rounds every pitch within 4.5 mrad of 90° to 90°.
-    for pitch in [1.5707963267948966, 1.569, -1.5700, 0.3] {
+    for pitch in [std::f64::consts::FRAC_PI_2, 1.569, -1.5700, 0.3] {
         let wanted = origin([0.0; 3], [0.2, pitch, -0.9]);
         let c = wanted.rotation.coords * 3.0;
         let robot = chain(&[(

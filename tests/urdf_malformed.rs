@@ -384,6 +384,61 @@ fn what_kinematics_does_not_read_cannot_stop_it() {
 }
 
 #[test]
+fn elements_and_attributes_of_other_namespaces_are_extensions() {
+    let text = damaged(
+        r#"<robot name="two">"#,
+        r#"<robot name="two" xmlns:x="http://x">"#,
+    )
+    .replace(
+        r#"<origin xyz="0 0 0.5""#,
+        r#"<origin x:xyz="nan" xyz="0 0 0.5""#,
+    )
+    .replace(
+        r#"<axis xyz="0 1 0"/>"#,
+        r#"<x:axis xyz="0 0 0"/><x:origin xyz="?"/>"#,
+    )
+    .replace(
+        r#"<link name="base"/>"#,
+        r#"<link name="base"/><x:link name="base"/>"#,
+    );
+    let robot = parse(&text).unwrap();
+    let shoulder = &robot.model().joints()[0];
+    assert_eq!(
+        shoulder.parent_from_joint.translation.to_array(),
+        [0.0, 0.0, 0.5]
+    );
+    assert_eq!(shoulder.axis.to_array(), [1.0, 0.0, 0.0]);
+    assert_eq!(robot.model().frames().len(), 3);
+}
+
+#[test]
+fn later_versions_of_the_standard_hide_nothing() {
+    let later = |from: &str, to: &str| {
+        damaged(from, to).replace(r#"name="two""#, r#"name="two" version="1.2""#)
+    };
+    // A missing end means no limit there, but 0 before; neither is taken silently.
+    let error = parse(&later(r#" upper="2""#, "")).unwrap_err();
+    assert!(matches!(
+        error,
+        UrdfError::Element {
+            fault: Fault::NoLimits { .. },
+            ..
+        }
+    ));
+    let both = later(r#"rpy="0 0.1 0""#, r#"rpy="0 0 0" quat_xyzw="0 0 0 1""#);
+    assert_eq!(
+        parse(&both).unwrap_err().to_string(),
+        "two.urdf:7: joint `shoulder`, <origin>: attribute `quat_xyzw` and `rpy` are both given"
+    );
+    let zero = later(r#"rpy="0 0.1 0""#, r#"quat_xyzw="0 0 0 0""#);
+    assert_eq!(
+        parse(&zero).unwrap_err().to_string(),
+        "two.urdf:7: joint `shoulder`, <origin>: attribute `quat_xyzw` is zero and no rotation"
+    );
+    assert!(parse(&later(r#"rpy="0 0.1 0""#, r#"quat_xyzw="0 0 0 2""#)).is_ok());
+}
+
+#[test]
 fn nesting_beyond_use_does_no_harm() {
     let (open, close) = ("<a>".repeat(100_000), "</a>".repeat(100_000));
     for text in [

@@ -2,6 +2,8 @@
 //! rows are multiplied out here, apart from any URDF.
 #![cfg(feature = "urdf")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// Limits are written as published: -1.5707 is one of them.
+#![allow(clippy::approx_constant)]
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 

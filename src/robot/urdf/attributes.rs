@@ -28,6 +28,42 @@ impl Place<'_> {
     }
 }
 
+/// A link or joint by name, and where it starts in the text.
+#[derive(Clone, Debug)]
+pub(super) struct Named {
+    pub(super) name: String,
+    pub(super) at: usize,
+}
+
+impl Named {
+    /// Reads the name that an element must have.
+    pub(super) fn read(
+        place: &Place<'_>,
+        node: Node<'_, '_>,
+        label: &str,
+    ) -> Result<Self, UrdfError> {
+        Ok(Self {
+            name: name_attribute(place, node, label, "name")?,
+            at: node.range().start,
+        })
+    }
+}
+
+/// Whether a node is an element of this name in the document's own namespace: extensions such as
+/// `<drake:joint>` are none of ours.
+pub(super) fn is(node: Node<'_, '_>, name: &str) -> bool {
+    let tag = node.tag_name();
+    let own = node.document().root_element().tag_name().namespace();
+    node.is_element() && tag.name() == name && tag.namespace() == own
+}
+
+/// An attribute without a namespace; roxmltree's own look-up takes any.
+pub(super) fn text_of<'a>(node: Node<'a, '_>, attribute: &str) -> Option<&'a str> {
+    node.attributes()
+        .find(|a| a.namespace().is_none() && a.name() == attribute)
+        .map(|a| a.value())
+}
+
 /// An attribute that must be there and not be blank.
 pub(super) fn name_attribute(
     place: &Place<'_>,
@@ -35,7 +71,7 @@ pub(super) fn name_attribute(
     label: &str,
     attribute: &'static str,
 ) -> Result<String, UrdfError> {
-    match node.attribute(attribute) {
+    match text_of(node, attribute) {
         Some(name) if !name.trim().is_empty() => Ok(name.to_owned()),
         _ => {
             let fault = Fault::MissingAttribute { attribute };
@@ -51,7 +87,7 @@ pub(super) fn numbers<const N: usize>(
     label: &str,
     attribute: &'static str,
 ) -> Result<Option<[f64; N]>, UrdfError> {
-    let Some(text) = node.attribute(attribute) else {
+    let Some(text) = text_of(node, attribute) else {
         return Ok(None);
     };
     let parsed: Option<Vec<f64>> = text
@@ -78,7 +114,7 @@ pub(super) fn element_once<'a, 'input>(
     label: &str,
     child: &'static str,
 ) -> Result<Option<Node<'a, 'input>>, UrdfError> {
-    let mut found = node.children().filter(|inner| inner.has_tag_name(child));
+    let mut found = node.children().filter(|inner| is(*inner, child));
     let first = found.next();
     match found.next() {
         Some(second) => {

@@ -1,43 +1,16 @@
 //! Looks at the XML itself, where urdf-rs would fill in silently or fail without naming a place.
 //!
 //! After these checks the document is cut down to what kinematics needs, so that no mesh path,
-//! mass or extension can stop it.
+//! mass or extension can stop it, and nothing unchecked reaches urdf-rs, which does not look at
+//! namespaces and has defaults of its own for every version of the standard.
 
 use std::ops::Range;
 
-use roxmltree::{Node, ParsingOptions};
+use roxmltree::Node;
 
-use super::attributes::{Place, element_once, name_attribute, numbers, refuse_misspelt};
+use super::attributes::{Named, Place, is, refuse_misspelt};
 use super::error::{Fault, UrdfError};
-
-/// The children of a joint that kinematics reads, with their attributes.
-const KINEMATIC: [(&str, &[&str]); 6] = [
-    ("origin", &["xyz", "rpy", "quat_xyzw"]),
-    ("parent", &["link"]),
-    ("child", &["link"]),
-    ("axis", &["xyz"]),
-    ("limit", &["lower", "upper", "effort", "velocity"]),
-    ("mimic", &["joint", "multiplier", "offset"]),
-];
-
-/// A link or joint by name, and where it starts in the text.
-#[derive(Clone, Debug)]
-pub(super) struct Named {
-    pub(super) name: String,
-    pub(super) at: usize,
-}
-
-/// What urdf-rs does not tell of a joint.
-#[derive(Clone, Debug)]
-pub(super) struct JointElement {
-    pub(super) named: Named,
-    pub(super) parent: String,
-    pub(super) child: String,
-    pub(super) master: Option<String>,
-    /// x, y, z, w as in the file, from URDF 1.1 on: urdf-rs turns it into roll, pitch and yaw and
-    /// loses digits near a pitch of 90°.
-    pub(super) quaternion: Option<[f64; 4]>,
-}
+use super::joint_element::{self, JointElement, KINEMATIC, Version};
 
 /// A document whose elements are sound one by one.
 #[derive(Clone, Debug)]
@@ -51,20 +24,16 @@ pub(super) struct Document {
 
 /// Reads and checks every link and joint on its own.
 pub(super) fn read(file: &str, text: &str) -> Result<Document, UrdfError> {
-    let xml = roxmltree::Document::parse_with_options(text, ParsingOptions::default()).map_err(
-        |error| match &error {
-            roxmltree::Error::UnknownNamespace(prefix, at) if prefix == "xacro" => {
-                UrdfError::Xacro {
-                    file: file.to_owned(),
-                    line: at.row,
-                }
-            }
-            _ => UrdfError::NotXml {
-                file: file.to_owned(),
-                problem: error.to_string(),
-            },
+    let xml = roxmltree::Document::parse(text).map_err(|error| match &error {
+        roxmltree::Error::UnknownNamespace(prefix, at) if prefix == "xacro" => UrdfError::Xacro {
+            file: file.to_owned(),
+            line: at.row,
         },
-    )?;
+        _ => UrdfError::NotXml {
+            file: file.to_owned(),
+            problem: error.to_string(),
+        },
+    })?;
     let place = Place { file, text };
     let root = xml.root_element();
     refuse_macros(&place, root)?;
@@ -75,27 +44,23 @@ pub(super) fn read(file: &str, text: &str) -> Result<Document, UrdfError> {
     let version = Version::of(root);
 
     let mut document = Document {
-        robot: Named {
-            name: name_attribute(&place, root, "<robot>", "name")?,
-            at: root.range().start,
-        },
+        robot: Named::read(&place, root, "<robot>")?,
         links: Vec::new(),
         joints: Vec::new(),
         kinematic_text: String::new(),
     };
-    let mut cuts: Vec<Range<usize>> = Vec::new();
+    let mut cuts = Vec::new();
+    cut_attributes(root, &["name"], &mut cuts);
     for node in root.children() {
-        if node.has_tag_name("link") {
-            document.links.push(named(&place, node, "<link>")?);
+        if is(node, "link") {
+            document.links.push(Named::read(&place, node, "<link>")?);
+            cut_attributes(node, &["name"], &mut cuts);
             cuts.extend(node.children().map(|child| child.range()));
-        } else if node.has_tag_name("joint") {
-            document.joints.push(joint(&place, node, version)?);
-            for child in node.children() {
-                match KINEMATIC.iter().any(|(name, _)| child.has_tag_name(*name)) {
-                    true => cuts.extend(child.children().map(|inner| inner.range())),
-                    false => cuts.push(child.range()),
-                }
-            }
+        } else if is(node, "joint") {
+            document
+                .joints
+                .push(joint_element::read(&place, node, version)?);
+            cut_joint(node, &mut cuts);
         } else {
             if node.is_element() {
                 refuse_misspelt(&place, node, "<robot>", &["link", "joint"])?;
@@ -107,169 +72,6 @@ pub(super) fn read(file: &str, text: &str) -> Result<Document, UrdfError> {
     Ok(document)
 }
 
-fn named(place: &Place<'_>, node: Node<'_, '_>, label: &str) -> Result<Named, UrdfError> {
-    Ok(Named {
-        name: name_attribute(place, node, label, "name")?,
-        at: node.range().start,
-    })
-}
-
-fn joint(
-    place: &Place<'_>,
-    node: Node<'_, '_>,
-    version: Version,
-) -> Result<JointElement, UrdfError> {
-    let named = named(place, node, "<joint>")?;
-    let label = format!("joint `{}`", named.name);
-    let kind = name_attribute(place, node, &label, "type")?;
-    let kind = match kind.as_str() {
-        "revolute" => "revolute",
-        "prismatic" => "prismatic",
-        "continuous" => "continuous",
-        "fixed" => "fixed",
-        "floating" | "planar" | "spherical" => {
-            return Err(place.fault(named.at, label, Fault::UnsupportedJointType { kind }));
-        }
-        _ => return Err(place.fault(named.at, label, Fault::UnknownJointType { kind })),
-    };
-
-    let mut found = [None; KINEMATIC.len()];
-    for (slot, (name, attributes)) in found.iter_mut().zip(KINEMATIC) {
-        *slot = element_once(place, node, &label, name)?;
-        if let Some(child) = *slot {
-            let label = format!("{label}, <{name}>");
-            for attribute in child.attributes().filter(|a| a.namespace().is_none()) {
-                let at = child.range().start;
-                super::attributes::check_known(place, at, &label, attribute.name(), attributes)?;
-            }
-        }
-    }
-    for child in node.children().filter(Node::is_element) {
-        refuse_misspelt(place, child, &label, &KINEMATIC.map(|(name, _)| name))?;
-    }
-    let [origin, parent, child, axis, limit, mimic] = found;
-
-    let link = |element: Option<Node<'_, '_>>, name: &'static str| match element {
-        Some(element) => name_attribute(place, element, &format!("{label}, <{name}>"), "link"),
-        None => Err(place.fault(
-            named.at,
-            label.clone(),
-            Fault::MissingElement { child: name },
-        )),
-    };
-    let (parent, child) = (link(parent, "parent")?, link(child, "child")?);
-    let quaternion = match origin {
-        Some(origin) => check_origin(place, origin, &format!("{label}, <origin>"), version)?,
-        None => None,
-    };
-    if let Some(axis) = axis {
-        let label = format!("{label}, <axis>");
-        name_attribute(place, axis, &label, "xyz")?;
-        let xyz = numbers::<3>(place, axis, &label, "xyz")?;
-        // Exporters write a zero axis for joints that have none.
-        if kind != "fixed" && xyz == Some([0.0; 3]) {
-            return Err(place.fault(axis.range().start, label, Fault::NoDirection));
-        }
-    }
-    check_limit(place, limit, (named.at, &label), kind, version)?;
-    let master = match mimic {
-        Some(mimic) => {
-            let label = format!("{label}, <mimic>");
-            numbers::<1>(place, mimic, &label, "multiplier")?;
-            numbers::<1>(place, mimic, &label, "offset")?;
-            Some(name_attribute(place, mimic, &label, "joint")?)
-        }
-        None => None,
-    };
-    Ok(JointElement {
-        named,
-        parent,
-        child,
-        master,
-        quaternion,
-    })
-}
-
-fn check_origin(
-    place: &Place<'_>,
-    origin: Node<'_, '_>,
-    label: &str,
-    version: Version,
-) -> Result<Option<[f64; 4]>, UrdfError> {
-    numbers::<3>(place, origin, label, "xyz")?;
-    let rpy = numbers::<3>(place, origin, label, "rpy")?;
-    let Some(quaternion) = numbers::<4>(place, origin, label, "quat_xyzw")? else {
-        return Ok(None);
-    };
-    let problem = if version < Version(1, 1) {
-        "needs <robot version=\"1.1\">"
-    } else if rpy.is_some() {
-        "and `rpy` are both given"
-    } else if quaternion.iter().all(|&c| c == 0.0) {
-        "is zero and no rotation"
-    } else {
-        return Ok(Some(quaternion));
-    };
-    let fault = Fault::BadQuaternion { problem };
-    Err(place.fault(origin.range().start, label.to_owned(), fault))
-}
-
-fn check_limit(
-    place: &Place<'_>,
-    limit: Option<Node<'_, '_>>,
-    (joint_at, joint_label): (usize, &str),
-    kind: &'static str,
-    version: Version,
-) -> Result<(), UrdfError> {
-    let bounded = matches!(kind, "revolute" | "prismatic");
-    let no_limits = Fault::NoLimits { kind };
-    let Some(limit) = limit else {
-        return match bounded {
-            true => Err(place.fault(joint_at, joint_label.to_owned(), no_limits)),
-            false => Ok(()),
-        };
-    };
-    let (at, label) = (limit.range().start, format!("{joint_label}, <limit>"));
-    let lower = numbers::<1>(place, limit, &label, "lower")?;
-    let upper = numbers::<1>(place, limit, &label, "upper")?;
-    for extra in ["effort", "acceleration", "deceleration", "jerk"] {
-        numbers::<1>(place, limit, &label, extra)?;
-    }
-    name_attribute(place, limit, &label, "velocity")?;
-    numbers::<1>(place, limit, &label, "velocity")?;
-    if !bounded {
-        return Ok(());
-    }
-    // One missing end is 0 by the standard before 1.2 and no limit from then on; both missing is
-    // [0, 0] there, a joint that cannot move, which nobody means.
-    let ([lower], [upper]) = match (lower, upper) {
-        (Some(lower), Some(upper)) => (lower, upper),
-        (Some(lower), None) if version < Version(1, 2) => (lower, [0.0]),
-        (None, Some(upper)) if version < Version(1, 2) => ([0.0], upper),
-        _ => return Err(place.fault(at, label, no_limits)),
-    };
-    if lower > upper {
-        return Err(place.fault(at, label, Fault::LimitsOutOfOrder { lower, upper }));
-    }
-    Ok(())
-}
-
-/// Major and minor version of the URDF standard; 1.0 where the file states none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Version(u32, u32);
-
-impl Version {
-    fn of(robot: Node<'_, '_>) -> Self {
-        robot
-            .attribute("version")
-            .and_then(|version| {
-                let (major, minor) = version.trim().split_once('.')?;
-                Some(Self(major.parse().ok()?, minor.parse().ok()?))
-            })
-            .unwrap_or(Self(1, 0))
-    }
-}
-
 /// Finds xacro's own elements, and `${…}` or `$(…)` where kinematics would read a number or name.
 fn refuse_macros(place: &Place<'_>, root: Node<'_, '_>) -> Result<(), UrdfError> {
     let is_macro = |node: &Node<'_, '_>| {
@@ -277,7 +79,7 @@ fn refuse_macros(place: &Place<'_>, root: Node<'_, '_>) -> Result<(), UrdfError>
         let ours = ["robot", "link", "joint"]
             .into_iter()
             .chain(KINEMATIC.map(|(name, _)| name))
-            .any(|name| node.has_tag_name(name));
+            .any(|name| is(*node, name));
         // An <origin> within a <visual> is not ours, but a macro there is a macro all the same.
         namespace.is_some_and(|uri| uri.ends_with("/xacro"))
             || ours
@@ -292,6 +94,27 @@ fn refuse_macros(place: &Place<'_>, root: Node<'_, '_>) -> Result<(), UrdfError>
         }),
         None => Ok(()),
     }
+}
+
+/// Leaves a joint its kinematic children, and them their own attributes.
+fn cut_joint(node: Node<'_, '_>, cuts: &mut Vec<Range<usize>>) {
+    cut_attributes(node, &["name", "type"], cuts);
+    for child in node.children() {
+        match KINEMATIC.iter().find(|(name, _)| is(child, name)) {
+            Some((_, attributes)) => {
+                cut_attributes(child, attributes, cuts);
+                cuts.extend(child.children().map(|inner| inner.range()));
+            }
+            None => cuts.push(child.range()),
+        }
+    }
+}
+
+fn cut_attributes(node: Node<'_, '_>, keep: &[&str], cuts: &mut Vec<Range<usize>>) {
+    let foreign = (node.attributes())
+        .filter(|a| a.namespace().is_some() || !keep.contains(&a.name()))
+        .map(|a| a.range());
+    cuts.extend(foreign);
 }
 
 /// The text within `keep`, less the `cuts`, which stand in order and do not overlap.

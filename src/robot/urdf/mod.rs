@@ -7,6 +7,7 @@
 mod attributes;
 mod document;
 mod error;
+mod joint_element;
 mod placement;
 mod topology;
 
@@ -15,6 +16,7 @@ use std::path::Path;
 pub use error::{Fault, UrdfError};
 
 use self::attributes::Place;
+use self::joint_element::JointElement;
 use super::{Mimic, Robot};
 use crate::model::{Joint, JointId, JointKind, Limits, Model};
 use crate::spatial::{Placement, Vector3};
@@ -61,9 +63,7 @@ impl Robot {
         let topology = topology::order(&place, &document)?;
         let values = urdf_rs::read_from_string(&document.kinematic_text)
             .map_err(|error| parser(file, error))?;
-        let same = values.joints.len() == document.joints.len()
-            && (values.joints.iter().zip(&document.joints)).all(|(a, b)| a.name == b.named.name);
-        if !same {
+        if values.joints.len() != document.joints.len() {
             return Err(parser(file, "it sees other joints than the document has"));
         }
 
@@ -71,9 +71,9 @@ impl Robot {
         let mut carrier: Vec<Option<JointId>> = vec![None; document.links.len()];
         let mut ids: Vec<Option<JointId>> = vec![None; document.joints.len()];
         for branch in &topology.branches {
+            let element = &document.joints[branch.joint];
             let value = &values.joints[branch.joint];
-            let quaternion = document.joints[branch.joint].quaternion;
-            let id = builder.joint(joint(value, quaternion, carrier[branch.parent_link]));
+            let id = builder.joint(joint(element, value, carrier[branch.parent_link]));
             carrier[branch.child_link] = Some(id);
             ids[branch.joint] = Some(id);
         }
@@ -109,8 +109,8 @@ impl Robot {
 }
 
 /// A checked joint as the model wants it.
-fn joint(value: &urdf_rs::Joint, quaternion: Option<[f64; 4]>, parent: Option<JointId>) -> Joint {
-    let rotation = match quaternion {
+fn joint(element: &JointElement, value: &urdf_rs::Joint, parent: Option<JointId>) -> Joint {
+    let rotation = match element.quaternion {
         Some(xyzw) => placement::from_quaternion(xyzw),
         None => placement::from_roll_pitch_yaw(*value.origin.rpy),
     };
@@ -126,7 +126,7 @@ fn joint(value: &urdf_rs::Joint, quaternion: Option<[f64; 4]>, parent: Option<Jo
         _ => Vector3::from(*value.axis.xyz),
     };
     Joint {
-        name: value.name.clone(),
+        name: element.named.name.clone(),
         parent,
         parent_from_joint: Placement::new(rotation, Vector3::from(*value.origin.xyz)),
         kind,

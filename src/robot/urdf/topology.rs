@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::collections::VecDeque;
 
-use super::attributes::Place;
-use super::document::{Document, JointElement, Named};
+use super::attributes::{Named, Place};
+use super::document::Document;
 use super::error::{Fault, UrdfError};
+use super::joint_element::JointElement;
 use crate::model::UnknownName;
 
 /// One joint in its place in the tree; all are positions in the document's lists.
