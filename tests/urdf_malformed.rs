@@ -315,13 +315,18 @@ fn a_ring_without_any_root_is_found() {
 }
 
 #[test]
-fn a_file_that_is_not_there_is_named() {
+fn a_file_that_is_not_there_or_not_text_is_named() {
     let error = Robot::read("models/no_such_robot.urdf").unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .starts_with("models/no_such_robot.urdf: cannot be read: ")
-    );
+    let message = error.to_string();
+    assert!(message.starts_with("models/no_such_robot.urdf: cannot be read: "));
+    let message = Robot::read("models").unwrap_err().to_string();
+    assert_eq!(message, "models: is not a regular file");
+
+    let path = std::env::temp_dir().join(format!("kinopt_latin1_{}.urdf", std::process::id()));
+    std::fs::write(&path, b"<robot name='\xe9t\xe9'/>").unwrap();
+    let error = Robot::read(&path).unwrap_err();
+    std::fs::remove_file(&path).unwrap();
+    assert!(error.to_string().ends_with("is not UTF-8 text"), "{error}");
 }
 
 #[test]

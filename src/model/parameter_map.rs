@@ -55,6 +55,30 @@ impl ParameterMap {
         }
     }
 
+    /// Every coordinate its own variable, except those whose limits leave one value.
+    #[must_use]
+    pub fn free(model: &Model) -> Self {
+        let limits: Vec<Limits> = model.limits().collect();
+        let leaders: Vec<usize> = (0..limits.len())
+            .filter(|&c| !limits[c].is_locked())
+            .collect();
+        let mut sources: Vec<Source> = limits.iter().map(|l| Source::Constant(l.lower)).collect();
+        for (variable, &leader) in leaders.iter().enumerate() {
+            sources[leader] = Source::Variable {
+                variable,
+                ratio: 1.0,
+                offset: 0.0,
+            };
+        }
+        Self {
+            lower: leaders.iter().map(|&c| limits[c].lower).collect(),
+            upper: leaders.iter().map(|&c| limits[c].upper).collect(),
+            sources,
+            limits,
+            leaders,
+        }
+    }
+
     /// Starts from every joint free.
     #[must_use]
     pub fn builder(model: &Model) -> ParameterMapBuilder<'_> {

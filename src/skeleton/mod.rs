@@ -1,4 +1,4 @@
-//! Twist-bend-twist bones, compiled to a [`Model`](crate::model::Model).
+//! Twist-bend-twist bones, compiled to a [`Model`].
 //!
 //! A canonical bone lies along x from its tail at 0 to its tip at (ℓ, 0, 0). The rest placement T̂
 //! puts it into the model; a pose turns it by R_x(θ₃) R_z(θ₂) R_x(θ₁) in its canonical frame, on

@@ -10,5 +10,5 @@ mod vector;
 
 pub use matrix::Matrix3;
 pub use placement::Placement;
-pub use rotation::{Quaternion, rotation_exp, rotation_log};
+pub use rotation::{Quaternion, rotation_exp, rotation_log, rotation_log_jacobian};
 pub use vector::Vector3;

@@ -142,6 +142,30 @@ pub fn rotation_log<S: Scalar>(rotation: &Matrix3<S>) -> Vector3<S> {
     Quaternion::from_matrix(rotation).log()
 }
 
+/// How the rotation vector φ changes when its rotation is turned further in world axes:
+/// ∂ log(exp(ω) exp(φ)) / ∂ω at ω = 0, the inverse of the left Jacobian
+/// J_l⁻¹ = I − ½[φ] + (1 − (θ/2) cot(θ/2)) [φ]²/θ² (Chirikjian 2012, eq. 10.86).
+#[must_use]
+pub fn rotation_log_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
+    let squared = phi.norm_squared();
+    let half = 0.5 * squared.sqrt();
+    let coefficient = if squared < 1e-3 {
+        polynomial(
+            squared,
+            &[1.0 / 12.0, 1.0 / 720.0, 1.0 / 30_240.0, 1.0 / 1_209_600.0],
+        )
+    } else {
+        let (sin, cos) = half.sin_cos();
+        (1.0 - half * cos / sin) / squared
+    };
+    let column = |unit: Vector3<f64>| {
+        let once = phi.cross(unit);
+        unit - once * 0.5 + phi.cross(once) * coefficient
+    };
+    let [x, y, z] = Vector3::UNITS.map(column);
+    Matrix3::from_columns(x, y, z)
+}
+
 /// Σ cₖ xᵏ by Horner's rule.
 #[inline(always)]
 fn polynomial<S: Scalar>(x: S, coefficients: &[f64]) -> S {

@@ -94,6 +94,27 @@ impl<S: Scalar> Vector3<S> {
     }
 }
 
+impl Vector3<f64> {
+    /// The three coordinate axes.
+    pub const UNITS: [Self; 3] = [
+        Self {
+            x: 1.0,
+            y: 0.0,
+            z: 0.0,
+        },
+        Self {
+            x: 0.0,
+            y: 1.0,
+            z: 0.0,
+        },
+        Self {
+            x: 0.0,
+            y: 0.0,
+            z: 1.0,
+        },
+    ];
+}
+
 impl<S: Scalar> From<[S; 3]> for Vector3<S> {
     #[inline(always)]
     fn from([x, y, z]: [S; 3]) -> Self {

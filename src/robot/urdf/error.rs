@@ -2,20 +2,16 @@
 
 use thiserror::Error;
 
+use crate::io::ReadError;
 use crate::model::{ModelError, UnknownName};
 
 /// Why a URDF file gives no robot.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum UrdfError {
-    /// The file cannot be opened, or is not UTF-8.
-    #[error("{file}: cannot be read: {source}")]
-    Unreadable {
-        /// The path as given.
-        file: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    /// The file cannot be opened, is too long, or is not UTF-8 text.
+    #[error(transparent)]
+    Unreadable(#[from] ReadError),
     /// Not well-formed XML, or XML with a document type, which URDF has no use for.
     #[error("{file}: not well-formed XML: {problem}")]
     NotXml {

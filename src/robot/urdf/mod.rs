@@ -18,8 +18,12 @@ pub use error::{Fault, UrdfError};
 use self::attributes::Place;
 use self::joint_element::JointElement;
 use super::{Mimic, Robot};
+use crate::io::{self, ReadError, read_bytes};
 use crate::model::{Joint, JointId, JointKind, Limits, Model};
 use crate::spatial::{Placement, Vector3};
+
+/// The longest file that is read; real robots stay below 1 MB.
+const LENGTH_LIMIT: u64 = 64 << 20;
 
 impl Robot {
     /// Reads a URDF file.
@@ -46,9 +50,13 @@ impl Robot {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, UrdfError> {
         let path = path.as_ref();
         let file = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => Self::parse(&text, &file),
-            Err(source) => Err(UrdfError::Unreadable { file, source }),
+        let bytes = read_bytes(path, LENGTH_LIMIT)?;
+        match std::str::from_utf8(&bytes) {
+            Ok(text) => Self::parse(text, &file),
+            Err(error) => {
+                let at = io::Place::Byte(error.valid_up_to());
+                Err(ReadError::malformed(&file, at, "is not UTF-8 text").into())
+            }
         }
     }
 

@@ -1,0 +1,144 @@
+//! Keyframes of bone angles.
+
+use crate::skeleton::BoneId;
+
+/// The angles of one bone at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EulerKey {
+    /// In seconds.
+    pub time: f64,
+    /// (θ₁, θ₂, θ₃): first twist, bend, second twist, in radians. They need not be within the
+    /// bone's limits.
+    pub angles: [f64; 3],
+}
+
+/// The keys of one bone, strictly increasing in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EulerTrack {
+    /// The bone they move.
+    pub bone: BoneId,
+    /// At times that need not be evenly spaced.
+    pub keys: Vec<EulerKey>,
+}
+
+/// Keyframes for any of a skeleton's bones; a bone without keys has no track.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EulerClip {
+    tracks: Vec<EulerTrack>,
+}
+
+/// What is wrong with keyframes. Tracks and keys are counted from 0 in the order given.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClipError {
+    /// Two tracks for one bone.
+    #[error("bone {bone} has a track already")]
+    DuplicateBone {
+        /// The second track.
+        track: usize,
+        /// The bone's index.
+        bone: usize,
+    },
+    /// A time is NaN or infinite.
+    #[error("the time {time} is not finite")]
+    NonFiniteTime {
+        /// Which track.
+        track: usize,
+        /// Which of its keys.
+        key: usize,
+        /// In seconds.
+        time: f64,
+    },
+    /// An angle is NaN or infinite.
+    #[error("the angles {angles:?} rad are not finite")]
+    NonFiniteAngle {
+        /// Which track.
+        track: usize,
+        /// Which of its keys.
+        key: usize,
+        /// In radians.
+        angles: [f64; 3],
+    },
+    /// A key is not later than the one before.
+    #[error("the time {time} s is not after the key before it, at {previous} s")]
+    NotIncreasing {
+        /// Which track.
+        track: usize,
+        /// Which of its keys.
+        key: usize,
+        /// Its time in seconds.
+        time: f64,
+        /// The time of the key before it.
+        previous: f64,
+    },
+}
+
+impl EulerClip {
+    /// A clip of tracks in any order; tracks without keys are dropped.
+    ///
+    /// # Errors
+    /// A [`ClipError`]: two tracks for one bone, a number that is not finite, or key times that do
+    /// not strictly increase.
+    pub fn new(tracks: Vec<EulerTrack>) -> Result<Self, ClipError> {
+        let mut bones = std::collections::BTreeSet::new();
+        for (track, EulerTrack { bone, keys }) in tracks.iter().enumerate() {
+            if !bones.insert(*bone) {
+                let bone = bone.index();
+                return Err(ClipError::DuplicateBone { track, bone });
+            }
+            let mut previous = f64::NEG_INFINITY;
+            for (key, &EulerKey { time, angles }) in keys.iter().enumerate() {
+                if !time.is_finite() {
+                    return Err(ClipError::NonFiniteTime { track, key, time });
+                }
+                if angles.iter().any(|angle| !angle.is_finite()) {
+                    return Err(ClipError::NonFiniteAngle { track, key, angles });
+                }
+                if time <= previous {
+                    return Err(ClipError::NotIncreasing {
+                        track,
+                        key,
+                        time,
+                        previous,
+                    });
+                }
+                previous = time;
+            }
+        }
+        let mut tracks = tracks;
+        tracks.retain(|track| !track.keys.is_empty());
+        tracks.sort_by_key(|track| track.bone);
+        Ok(Self { tracks })
+    }
+
+    /// The tracks, sorted by bone; each has at least one key.
+    #[must_use]
+    pub fn tracks(&self) -> &[EulerTrack] {
+        &self.tracks
+    }
+
+    /// A bone's keys; empty when it has none.
+    #[must_use]
+    pub fn keys(&self, bone: BoneId) -> &[EulerKey] {
+        match self.tracks.binary_search_by_key(&bone, |track| track.bone) {
+            Ok(index) => self.tracks.get(index).map_or(&[], |track| &track.keys),
+            Err(_) => &[],
+        }
+    }
+
+    /// Whether no bone has keys.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tracks.is_empty()
+    }
+
+    /// The first and last key times in seconds; `None` without keys.
+    #[must_use]
+    pub fn time_span(&self) -> Option<[f64; 2]> {
+        let ends = |track: &EulerTrack| Some([track.keys.first()?.time, track.keys.last()?.time]);
+        self.tracks
+            .iter()
+            .filter_map(ends)
+            .reduce(|[start, end], [s, e]| [start.min(s), end.max(e)])
+    }
+}

@@ -1,0 +1,27 @@
+//! Input that no solve can start from.
+
+use thiserror::Error;
+
+/// Why a solve did not start. Missing a target is not an error but a [`Solution`](super::Solution).
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// A start of the wrong length.
+    #[error("the start has {given} numbers, a configuration of `{model}` has {expected}")]
+    StartLength {
+        /// The model.
+        model: String,
+        /// Numbers given.
+        given: usize,
+        /// The model's degrees of freedom.
+        expected: usize,
+    },
+    /// A start that is NaN or infinite. Outside the limits is fine.
+    #[error("the start holds {value} for joint `{joint}`, which is not a finite number")]
+    StartNotFinite {
+        /// The joint.
+        joint: String,
+        /// The value.
+        value: f64,
+    },
+}

@@ -1,0 +1,84 @@
+//! A solution in words.
+
+use std::fmt::Write;
+
+use super::{Side, Solution};
+use crate::solver::Termination;
+use crate::task::Role;
+
+impl Solution {
+    /// Says which task missed by how much, which limits hold it, and why the search ended.
+    #[must_use]
+    pub fn explain(&self) -> String {
+        let mut text = String::new();
+        // Writing to a String cannot fail.
+        let _ = self.write_explanation(&mut text);
+        text
+    }
+
+    fn write_explanation(&self, text: &mut String) -> std::fmt::Result {
+        write!(
+            text,
+            "{} after {} and {}",
+            if self.reached {
+                "Reached"
+            } else {
+                "Not reached"
+            },
+            counted(self.iterations, "iteration"),
+            counted(self.attempts, "attempt"),
+        )?;
+        if self.reached {
+            text.push('.');
+            return Ok(());
+        }
+        writeln!(text, ": {}.", why(self.termination))?;
+        for task in self.tasks().filter(|t| t.role == Role::Goal && !t.reached) {
+            write!(text, "  {} misses by ", task.name)?;
+            let misses = task.rows.iter().filter(|rows| !rows.reached);
+            for (k, rows) in misses.enumerate() {
+                let joiner = if k > 0 { " and " } else { "" };
+                write!(text, "{joiner}{:.6} {}", rows.error, rows.quantity.unit())?;
+            }
+            writeln!(text, ".")?;
+        }
+        let mut limits = self.active_limits().peekable();
+        if limits.peek().is_none() {
+            write!(text, "  No joint limit holds it back.")?;
+        } else {
+            write!(text, "  It is held back by ")?;
+            for (k, limit) in limits.enumerate() {
+                let side = match limit.side {
+                    Side::Lower => "lower",
+                    Side::Upper => "upper",
+                };
+                let joiner = if k > 0 { ", " } else { "" };
+                write!(
+                    text,
+                    "{joiner}the {side} limit {:.6} of `{}`",
+                    limit.value, limit.joint
+                )?;
+            }
+            text.push('.');
+        }
+        Ok(())
+    }
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
+fn why(termination: Termination) -> &'static str {
+    match termination {
+        Termination::Reached | Termination::Stationary => {
+            "no free joint can lower the error from here"
+        }
+        Termination::SmallStep => "steps became too small to change anything",
+        Termination::IterationLimit => "the iteration limit was hit",
+        Termination::TimeLimit => "the time limit was hit",
+        Termination::Cancelled => "the observer stopped the search",
+        Termination::NonFinite => "a residual or a derivative is not a finite number",
+    }
+}

@@ -1,0 +1,14 @@
+//! Solving a [`Problem`](crate::Problem): a method, restarts, and the truth about the result.
+
+mod error;
+mod explain;
+mod restarts;
+mod solution;
+mod solver;
+mod workspace;
+
+pub use error::SolveError;
+pub use restarts::Restarts;
+pub use solution::{ActiveLimit, RowsReport, Side, Solution, TaskReport};
+pub use solver::Solver;
+pub use workspace::Workspace;

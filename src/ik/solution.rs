@@ -1,0 +1,199 @@
+//! What came out, measured on the configuration that is returned.
+
+use std::sync::Arc;
+
+use crate::problem::{Names, Problem};
+use crate::solver::{Counts, Termination};
+use crate::task::{Quantity, Role};
+
+/// Which end of a joint's range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// The lower limit.
+    Lower,
+    /// The upper limit.
+    Upper,
+}
+
+/// A limit that holds the solution back: the joint stands on it and the cost would fall beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActiveLimit<'a> {
+    /// The joint's name.
+    pub joint: &'a str,
+    /// Which limit.
+    pub side: Side,
+    /// The limit, in radians or metres.
+    pub value: f64,
+    /// How fast the cost would fall beyond it, per radian or metre.
+    pub push: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blocked {
+    pub(super) variable: usize,
+    pub(super) side: Side,
+    pub(super) value: f64,
+    pub(super) push: f64,
+}
+
+/// The error of a task's rows of one quantity, before weighting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowsReport {
+    pub(super) task: usize,
+    /// The unit of the error.
+    pub quantity: Quantity,
+    /// Euclidean norm of the rows, in the unit of `quantity`.
+    pub error: f64,
+    /// Whether the error is within the task's tolerance.
+    pub reached: bool,
+    pub(super) role: Role,
+}
+
+/// How one task came out.
+#[derive(Clone, Copy, Debug)]
+pub struct TaskReport<'a> {
+    /// The task's name.
+    pub name: &'a str,
+    /// The first frame it looks at, if any.
+    pub frame: Option<&'a str>,
+    /// Goal or preference.
+    pub role: Role,
+    /// Whether all its rows are within tolerance.
+    pub reached: bool,
+    /// Its errors, quantity by quantity.
+    pub rows: &'a [RowsReport],
+}
+
+impl TaskReport<'_> {
+    /// The error in rows of `quantity`, in its unit; `None` if the task has no such rows.
+    #[must_use]
+    pub fn error(&self, quantity: Quantity) -> Option<f64> {
+        let mut rows = self.rows.iter().filter(|r| r.quantity == quantity);
+        let first = rows.next()?.error;
+        Some(rows.fold(first, |sum, r| sum.hypot(r.error)))
+    }
+
+    /// The error in metres.
+    #[must_use]
+    pub fn position_error(&self) -> Option<f64> {
+        self.error(Quantity::Metres)
+    }
+
+    /// The error in radians.
+    #[must_use]
+    pub fn orientation_error(&self) -> Option<f64> {
+        self.error(Quantity::Radians)
+    }
+}
+
+/// The result of a solve, reached or not: the best configuration found and the truth about it.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The configuration (shape: the model's degrees of freedom), within all limits to the bit.
+    pub q: Vec<f64>,
+    /// Whether every goal is within its tolerances at `q`.
+    pub reached: bool,
+    /// Which test ended the attempt that is returned.
+    pub termination: Termination,
+    /// ½ Σ ‖W r‖² at `q`.
+    pub cost: f64,
+    /// ‖proj(x − g) − x‖∞ at `q`; `None` when the goals were reached first.
+    pub projected_gradient: Option<f64>,
+    /// Steps of all attempts together.
+    pub iterations: usize,
+    /// Attempts made, the caller's start included.
+    pub attempts: usize,
+    /// Evaluations of all attempts together.
+    pub counts: Counts,
+    pub(super) rows: Vec<RowsReport>,
+    pub(super) blocked: Vec<Blocked>,
+    pub(super) names: Option<Arc<Names>>,
+}
+
+impl Default for Solution {
+    fn default() -> Self {
+        Self {
+            q: Vec::new(),
+            reached: false,
+            termination: Termination::NonFinite,
+            cost: f64::INFINITY,
+            projected_gradient: None,
+            iterations: 0,
+            attempts: 0,
+            counts: Counts::default(),
+            rows: Vec::new(),
+            blocked: Vec::new(),
+            names: None,
+        }
+    }
+}
+
+impl Solution {
+    /// Every task's outcome, in the order in which the tasks were added.
+    pub fn tasks(&self) -> impl Iterator<Item = TaskReport<'_>> {
+        let groups = self.rows.chunk_by(|a, b| a.task == b.task);
+        groups.filter_map(|rows| {
+            let (names, first) = (self.names.as_deref()?, rows.first()?);
+            Some(TaskReport {
+                name: names.tasks.get(first.task)?,
+                frame: names.task_frames.get(first.task)?.as_deref(),
+                role: first.role,
+                reached: rows.iter().all(|r| r.reached),
+                rows,
+            })
+        })
+    }
+
+    /// The limits that hold the solution back; empty when it is reached.
+    pub fn active_limits(&self) -> impl Iterator<Item = ActiveLimit<'_>> {
+        self.blocked.iter().filter_map(|blocked| {
+            let names = self.names.as_deref()?;
+            Some(ActiveLimit {
+                joint: names.variables.get(blocked.variable)?,
+                side: blocked.side,
+                value: blocked.value,
+                push: blocked.push,
+            })
+        })
+    }
+
+    /// Takes the configuration, the errors and the blocking limits at x.
+    pub(super) fn measure(&mut self, problem: &Problem, x: &[f64], r: &[f64], gradient: &[f64]) {
+        self.q.resize(problem.degrees_of_freedom(), 0.0);
+        problem.parameters().expand_within_limits(x, &mut self.q);
+        self.rows.clear();
+        self.rows.extend(problem.errors(r).map(|block| RowsReport {
+            task: block.task,
+            quantity: block.quantity,
+            error: block.error,
+            reached: block.reached,
+            role: block.role,
+        }));
+        let goals = self.rows.iter().filter(|rows| rows.role == Role::Goal);
+        self.reached = goals.into_iter().all(|rows| rows.reached);
+
+        self.blocked.clear();
+        if !self.reached {
+            let (lower, upper) = (problem.lower(), problem.upper());
+            for (variable, (&value, &g)) in x.iter().zip(gradient).enumerate() {
+                let side = if value <= lower[variable] && g > 0.0 {
+                    Side::Lower
+                } else if value >= upper[variable] && g < 0.0 {
+                    Side::Upper
+                } else {
+                    continue;
+                };
+                self.blocked.push(Blocked {
+                    variable,
+                    side,
+                    value,
+                    push: g.abs(),
+                });
+            }
+        }
+        let known = self.names.as_ref();
+        if !known.is_some_and(|names| Arc::ptr_eq(names, problem.names())) {
+            self.names = Some(Arc::clone(problem.names()));
+        }
+    }
+}

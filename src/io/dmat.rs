@@ -1,0 +1,209 @@
+//! DMAT matrices, as libigl writes them; here they carry skin weights.
+//!
+//! The first line is `columns rows`. Then come the values column by column, as text. When the
+//! first line is `0 0`, a second `columns rows` line follows and then the values as little-endian
+//! `f64`, column by column.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use nalgebra::DMatrix;
+
+use super::{Place, ReadError, WriteError, read_bytes, write_bytes};
+
+/// The longest DMAT file that is read.
+const LENGTH_LIMIT: u64 = 1 << 31;
+
+/// How the values of a DMAT file are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DmatEncoding {
+    /// Decimal, with as many digits as it takes to read the same number back.
+    Text,
+    /// Little-endian `f64`.
+    Binary,
+}
+
+/// Reads a matrix of finite numbers from the bytes of a DMAT file; `name` is for messages.
+///
+/// # Errors
+/// A [`ReadError`] with the line or byte offset: a malformed header, fewer or more values than
+/// announced, or a value that is not a finite number.
+pub fn from_bytes(bytes: &[u8], name: &str) -> Result<DMatrix<f64>, ReadError> {
+    let (columns, rows, body) = header_line(bytes, 0, 1, name)?;
+    if (columns, rows) != (0, 0) {
+        return text_values(bytes, body, columns, rows, name);
+    }
+    let (columns, rows, body) = header_line(bytes, body, 2, name)?;
+    binary_values(bytes, body, columns, rows, name)
+}
+
+/// Reads a DMAT file of at most 2 GiB.
+///
+/// # Errors
+/// As [`from_bytes`], and when the file cannot be opened.
+pub fn read(path: impl AsRef<Path>) -> Result<DMatrix<f64>, ReadError> {
+    let path = path.as_ref();
+    from_bytes(
+        &read_bytes(path, LENGTH_LIMIT)?,
+        &path.display().to_string(),
+    )
+}
+
+/// The bytes of a DMAT file. A matrix of no columns and no rows is always written in the binary
+/// form, because the header `0 0` means that; one with either, but not both, cannot be read back.
+#[must_use]
+pub fn to_bytes(matrix: &DMatrix<f64>, encoding: DmatEncoding) -> Vec<u8> {
+    let sizes = format!("{} {}\n", matrix.ncols(), matrix.nrows());
+    let empty = matrix.ncols() == 0 && matrix.nrows() == 0;
+    if encoding == DmatEncoding::Text && !empty {
+        let mut text = sizes;
+        for value in matrix.as_slice() {
+            // Writing to a String cannot fail. The exponent form keeps tiny values short.
+            let _ = if value.abs() < 1e-4 {
+                writeln!(text, "{value:e}")
+            } else {
+                writeln!(text, "{value}")
+            };
+        }
+        return text.into_bytes();
+    }
+    let mut bytes = format!("0 0\n{sizes}").into_bytes();
+    for value in matrix.as_slice() {
+        bytes.extend_from_slice(&value.to_le_bytes());
+    }
+    bytes
+}
+
+/// Writes [`to_bytes`] to a file.
+///
+/// # Errors
+/// A [`WriteError`] naming the file.
+pub fn write(
+    matrix: &DMatrix<f64>,
+    encoding: DmatEncoding,
+    path: impl AsRef<Path>,
+) -> Result<(), WriteError> {
+    write_bytes(path.as_ref(), &to_bytes(matrix, encoding))
+}
+
+/// The two numbers of the line that starts at `start`, and where the next line starts.
+fn header_line(
+    bytes: &[u8],
+    start: usize,
+    line: usize,
+    name: &str,
+) -> Result<(usize, usize, usize), ReadError> {
+    let rest = bytes.get(start..).unwrap_or(&[]);
+    let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+    let text = rest.get(..length).unwrap_or(&[]);
+    let sizes = std::str::from_utf8(text).ok().and_then(|text| {
+        let mut numbers = text.split_ascii_whitespace().map(str::parse::<usize>);
+        match (numbers.next(), numbers.next(), numbers.next()) {
+            (Some(Ok(columns)), Some(Ok(rows)), None) => Some((columns, rows)),
+            _ => None,
+        }
+    });
+    let (columns, rows) = sizes.ok_or_else(|| {
+        let problem = "expected the number of columns and of rows, two whole numbers";
+        ReadError::malformed(name, Place::Line(line), problem)
+    })?;
+    Ok((columns, rows, (start + length + 1).min(bytes.len())))
+}
+
+/// columns × rows, when that many values of at least `width` bytes can be in the rest of the file.
+fn checked_count(
+    (columns, rows): (usize, usize),
+    width: u128,
+    available: usize,
+    name: &str,
+) -> Result<usize, ReadError> {
+    let place = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
+    let what = format!("{columns} columns of {rows} values");
+    // Nothing in the file would stand against an absurd size times zero.
+    if (columns == 0) != (rows == 0) {
+        let problem = format!("{what} make no table");
+        return Err(ReadError::malformed(name, place(), problem));
+    }
+    let count = columns as u128 * rows as u128;
+    // Both factors are below 2^64, but the width may push the product over u128.
+    let needed = count.saturating_mul(width);
+    // The last text value needs no separator after it, hence the one byte of grace.
+    let enough = needed <= available as u128 + u128::from(width == TEXT_WIDTH);
+    match usize::try_from(count) {
+        Ok(count) if enough => Ok(count),
+        _ => Err(ReadError::truncated(name, place(), what, needed, available)),
+    }
+}
+
+/// The fewest bytes a value takes as text: a digit and a separator.
+const TEXT_WIDTH: u128 = 2;
+
+fn text_values(
+    bytes: &[u8],
+    body: usize,
+    columns: usize,
+    rows: usize,
+    name: &str,
+) -> Result<DMatrix<f64>, ReadError> {
+    let rest = bytes.get(body..).unwrap_or(&[]);
+    let count = checked_count((columns, rows), TEXT_WIDTH, rest.len(), name)?;
+    let mut values = Vec::with_capacity(count);
+    for (index, line) in rest.split(|&b| b == b'\n').enumerate() {
+        let place = || Place::Line(index + 2);
+        let line = std::str::from_utf8(line)
+            .map_err(|_| ReadError::malformed(name, place(), "is not text"))?;
+        for word in line.split_ascii_whitespace() {
+            let value = word.parse().ok().filter(|value: &f64| value.is_finite());
+            let value = value.ok_or_else(|| {
+                let word: String = word.chars().take(40).collect();
+                ReadError::malformed(name, place(), format!("`{word}` is not a finite number"))
+            })?;
+            if values.len() == count {
+                let problem = format!("there are more values than the {count} announced");
+                return Err(ReadError::malformed(name, place(), problem));
+            }
+            values.push(value);
+        }
+    }
+    if values.len() != count {
+        let problem = format!("holds {} of the {count} values announced", values.len());
+        return Err(ReadError::malformed(name, Place::File, problem));
+    }
+    Ok(DMatrix::from_vec(rows, columns, values))
+}
+
+fn binary_values(
+    bytes: &[u8],
+    body: usize,
+    columns: usize,
+    rows: usize,
+    name: &str,
+) -> Result<DMatrix<f64>, ReadError> {
+    let rest = bytes.get(body..).unwrap_or(&[]);
+    let count = checked_count((columns, rows), 8, rest.len(), name)?;
+    let mut values = Vec::with_capacity(count);
+    for (index, chunk) in rest.chunks_exact(8).take(count).enumerate() {
+        let value = f64::from_le_bytes(chunk.try_into().unwrap_or_default());
+        if !value.is_finite() {
+            let problem = format!("{value} is not a finite number");
+            return Err(ReadError::malformed(
+                name,
+                Place::Byte(body + 8 * index),
+                problem,
+            ));
+        }
+        values.push(value);
+    }
+    if rest.len() != 8 * count {
+        let problem = format!(
+            "{} bytes are left after the last value",
+            rest.len() - 8 * count
+        );
+        return Err(ReadError::malformed(
+            name,
+            Place::Byte(body + 8 * count),
+            problem,
+        ));
+    }
+    Ok(DMatrix::from_vec(rows, columns, values))
+}

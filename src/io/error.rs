@@ -1,0 +1,155 @@
+//! What can be wrong with a file: which file, where in it, and what.
+
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::mesh::MeshError;
+use crate::skinning::WeightsError;
+
+/// A file that could not be read.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}: {place}{problem}")]
+pub struct ReadError {
+    /// The file's path, or the name given to the bytes.
+    pub file: String,
+    /// Where in the file.
+    pub place: Place,
+    /// What is wrong there.
+    #[source]
+    pub problem: ReadProblem,
+}
+
+/// A place in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line, counted from 1.
+    Line(usize),
+    /// An offset in bytes from the start of the file.
+    Byte(usize),
+    /// An entry of a list of things, counted from 0: a vertex, a face, a matrix entry.
+    Element(&'static str, usize),
+    /// A path such as `bones[3].rest_T`.
+    Json(String),
+}
+
+/// What is wrong at a place in a file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadProblem {
+    /// The operating system could not open or read the file.
+    #[error("cannot be read: {0}")]
+    Io(#[from] std::io::Error),
+    /// The file is longer than the reader accepts.
+    #[error("is longer than the {limit} bytes that are read of such a file")]
+    TooLong {
+        /// The limit in bytes.
+        limit: u64,
+    },
+    /// The file announces more than it holds.
+    #[error("{what} need at least {needed} more bytes, but {available} are left in the file")]
+    Truncated {
+        /// What was announced.
+        what: String,
+        /// The least number of bytes it takes, or the largest `u64` when it is beyond that.
+        needed: u64,
+        /// The bytes that are left.
+        available: usize,
+    },
+    /// The text or structure is not what the format asks for.
+    #[error("{0}")]
+    Malformed(String),
+    /// The mesh in the file is not valid.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The skin weights in the file are not valid.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// Another file that this one names cannot be read.
+    #[error("{0}")]
+    Referenced(#[source] Box<ReadError>),
+}
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}: cannot be written: {problem}")]
+pub struct WriteError {
+    /// The file's path.
+    pub file: String,
+    /// Why.
+    #[source]
+    pub problem: std::io::Error,
+}
+
+impl ReadError {
+    pub(crate) fn new(file: &str, place: Place, problem: impl Into<ReadProblem>) -> Self {
+        Self {
+            file: file.to_owned(),
+            place,
+            problem: problem.into(),
+        }
+    }
+
+    /// Announced contents that the rest of the file cannot hold.
+    pub(crate) fn truncated(
+        file: &str,
+        place: Place,
+        what: String,
+        needed: u128,
+        available: usize,
+    ) -> Self {
+        let needed = u64::try_from(needed).unwrap_or(u64::MAX);
+        let problem = ReadProblem::Truncated {
+            what,
+            needed,
+            available,
+        };
+        Self::new(file, place, problem)
+    }
+
+    pub(crate) fn malformed(file: &str, place: Place, problem: impl Into<String>) -> Self {
+        Self::new(file, place, ReadProblem::Malformed(problem.into()))
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, "line {line}: "),
+            Self::Byte(offset) => write!(f, "byte {offset}: "),
+            Self::Element(name, index) => write!(f, "{name} {index}: "),
+            Self::Json(path) => write!(f, "{path}: "),
+        }
+    }
+}
+
+/// A whole file, refusing devices and pipes (which may never end) and files beyond `limit` bytes.
+pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+    let name = path.display().to_string();
+    let fail = |problem: ReadProblem| ReadError::new(&name, Place::File, problem);
+    let metadata = std::fs::metadata(path).map_err(|e| fail(e.into()))?;
+    if !metadata.is_file() {
+        return Err(fail(ReadProblem::Malformed("is not a regular file".into())));
+    }
+    let mut bytes = Vec::new();
+    // `take` as well as the check below, because the file may grow while it is read.
+    let length = File::open(path)
+        .and_then(|file| file.take(limit.saturating_add(1)).read_to_end(&mut bytes))
+        .map_err(|e| fail(e.into()))?;
+    if metadata.len() > limit || length as u64 > limit {
+        return Err(fail(ReadProblem::TooLong { limit }));
+    }
+    Ok(bytes)
+}
+
+pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    std::fs::write(path, bytes).map_err(|problem| WriteError {
+        file: path.display().to_string(),
+        problem,
+    })
+}

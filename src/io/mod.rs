@@ -1,0 +1,14 @@
+//! Files: meshes (PLY, OBJ), matrices (DMAT) and rigs (JSON).
+//!
+//! Every reader has a core that takes bytes and a name for messages, and a `read` that takes a
+//! path. A count that a file announces is checked against the file's length before anything is
+//! allocated for it.
+
+pub mod dmat;
+mod error;
+pub mod obj;
+pub mod ply;
+pub mod rig;
+
+pub use error::{Place, ReadError, ReadProblem, WriteError};
+pub(crate) use error::{read_bytes, write_bytes};

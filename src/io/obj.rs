@@ -1,0 +1,40 @@
+//! Wavefront OBJ meshes, written only.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::{WriteError, write_bytes};
+use crate::mesh::TriangleMesh;
+
+/// The mesh as OBJ text: `v`, `vn` where there are normals, and `f` with indices from 1. Numbers
+/// have as many digits as it takes to read the same `f32` back.
+#[must_use]
+pub fn to_text(mesh: &TriangleMesh) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail, so the results carry nothing.
+    for p in mesh.positions() {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for n in mesh.normals() {
+        let _ = writeln!(text, "vn {} {} {}", n.x, n.y, n.z);
+    }
+    let with_normals = !mesh.normals().is_empty();
+    for triangle in mesh.triangles() {
+        // u64, because the last u32 index plus one is not a u32.
+        let [a, b, c] = triangle.map(|index| u64::from(index) + 1);
+        let _ = if with_normals {
+            writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}")
+        } else {
+            writeln!(text, "f {a} {b} {c}")
+        };
+    }
+    text
+}
+
+/// Writes [`to_text`] to a file.
+///
+/// # Errors
+/// A [`WriteError`] naming the file.
+pub fn write(mesh: &TriangleMesh, path: impl AsRef<Path>) -> Result<(), WriteError> {
+    write_bytes(path.as_ref(), to_text(mesh).as_bytes())
+}

@@ -1,0 +1,70 @@
+//! From the columns of the weights' table to the bones that claim them.
+
+use nalgebra::DMatrix;
+
+use super::check::at;
+use super::json::RigFile;
+use crate::io::{Place, ReadError, ReadProblem};
+use crate::mesh::TriangleMesh;
+use crate::skinning::{SkinWeights, WeightsError};
+
+/// Hands each column of the table to the bone that claims it.
+pub(super) fn weights(
+    file: &RigFile,
+    table: &DMatrix<f64>,
+    mesh: Option<&TriangleMesh>,
+    name: &str,
+) -> Result<SkinWeights, ReadError> {
+    if let Some(vertices) = mesh.map(|mesh| mesh.positions().len()) {
+        if vertices != table.nrows() {
+            let problem = format!(
+                "has weights for {} vertices, but the mesh has {vertices}",
+                table.nrows()
+            );
+            return Err(at(name, "weights.file", problem));
+        }
+    }
+    let mut owners = vec![None; table.ncols()];
+    for (bone, entry) in file.bones.iter().enumerate() {
+        if entry.weight_id == -1 {
+            continue;
+        }
+        let path = || format!("bones[{bone}].weight_id");
+        let column = usize::try_from(entry.weight_id).ok();
+        let Some(owner) = column.and_then(|column| owners.get_mut(column)) else {
+            let problem = format!(
+                "{} is neither -1 nor one of the {} columns of the weights",
+                entry.weight_id,
+                table.ncols()
+            );
+            return Err(at(name, path(), problem));
+        };
+        if let Some(other) = owner.replace(bone) {
+            let problem = format!("column {} is bone {other}'s already", entry.weight_id);
+            return Err(at(name, path(), problem));
+        }
+    }
+    let fail = |error: WeightsError| {
+        let part = file.weights.as_ref().map_or("", |part| &part.file);
+        let error = ReadError::new(part, Place::File, error);
+        let problem = ReadProblem::Referenced(Box::new(error));
+        ReadError::new(name, Place::Json("weights.file".into()), problem)
+    };
+    let mut builder = SkinWeights::builder(table.nrows(), file.bones.len());
+    for (index, (column, owner)) in table.column_iter().zip(&owners).enumerate() {
+        match owner {
+            Some(bone) => {
+                for (vertex, &weight) in column.iter().enumerate() {
+                    builder.add(vertex, *bone, weight).map_err(fail)?;
+                }
+            }
+            None if column.iter().any(|&weight| weight != 0.0) => {
+                let problem =
+                    format!("column {index} has weights, but no bone has the weight_id {index}");
+                return Err(at(name, "weights.file", problem));
+            }
+            None => {}
+        }
+    }
+    builder.build().map_err(fail)
+}

@@ -1,0 +1,111 @@
+//! The JSON as it stands in the file, before its numbers are checked.
+
+use serde::de::{Deserializer, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
+
+use crate::io::{Place, ReadError};
+
+#[derive(Debug, Deserialize)]
+pub(super) struct RigFile {
+    #[serde(default, deserialize_with = "present")]
+    pub(super) model: Option<PartFile>,
+    #[serde(default, deserialize_with = "present")]
+    pub(super) weights: Option<PartFile>,
+    pub(super) bones: Vec<BoneEntry>,
+    #[serde(default)]
+    pub(super) fk_animation: Vec<TrackEntry>,
+    #[serde(default, deserialize_with = "present")]
+    pub(super) ik_constraints: Option<Constraints>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+pub(super) struct PartFile {
+    pub(super) file: String,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+pub(super) struct BoneEntry {
+    pub(super) parent_id: i64,
+    pub(super) weight_id: i64,
+    pub(super) length: f64,
+    /// Sizes are checked later, for a clearer message than the parser's.
+    #[serde(default, deserialize_with = "present")]
+    pub(super) xzx_min: Option<Vec<f64>>,
+    #[serde(default, deserialize_with = "present")]
+    pub(super) xzx_max: Option<Vec<f64>>,
+    #[serde(rename = "rest_T")]
+    pub(super) rest: Vec<Vec<f64>>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+pub(super) struct TrackEntry {
+    pub(super) bone_id: i64,
+    pub(super) keys: Vec<KeyEntry>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+pub(super) struct KeyEntry {
+    pub(super) t: f64,
+    pub(super) xzx: Vec<f64>,
+}
+
+/// One bone's number or an array of them.
+#[derive(Debug)]
+pub(super) enum Constraints {
+    One(i64),
+    Many(Vec<i64>),
+}
+
+pub(super) fn parse(json: &[u8], name: &str) -> Result<RigFile, ReadError> {
+    let mut parser = serde_json::Deserializer::from_slice(json);
+    let file = serde_path_to_error::deserialize(&mut parser).map_err(|error| {
+        let place = match error.path().to_string() {
+            root if root == "." => Place::File,
+            path => Place::Json(path),
+        };
+        ReadError::malformed(name, place, error.inner().to_string())
+    })?;
+    parser
+        .end()
+        .map_err(|error| ReadError::malformed(name, Place::File, error.to_string()))?;
+    Ok(file)
+}
+
+/// An optional key that may be absent but not `null`.
+fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    value: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(value).map(Some)
+}
+
+impl<'de> Deserialize<'de> for Constraints {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMany;
+
+        impl<'de> Visitor<'de> for OneOrMany {
+            type Value = Constraints;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a bone's number or an array of them")
+            }
+
+            fn visit_i64<E>(self, bone: i64) -> Result<Constraints, E> {
+                Ok(Constraints::One(bone))
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, bone: u64) -> Result<Constraints, E> {
+                let bone = i64::try_from(bone).map_err(|_| E::custom("is no bone's number"))?;
+                Ok(Constraints::One(bone))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Constraints, A::Error> {
+                let mut bones = Vec::new();
+                while let Some(bone) = seq.next_element()? {
+                    bones.push(bone);
+                }
+                Ok(Constraints::Many(bones))
+            }
+        }
+        deserializer.deserialize_any(OneOrMany)
+    }
+}

@@ -1,0 +1,106 @@
+//! Rigs: a JSON file of bones that names a PLY mesh and a DMAT table of skin weights.
+//!
+//! - `model.file`, `weights.file`: relative to the JSON file; each may be absent.
+//! - `bones`: parents before children. A bone has `parent_id` (−1 for a root), `weight_id` (its
+//!   column in the weights' table, −1 for none), `length`, `rest_T` (4×4 rows: canonical bone →
+//!   model) and optionally `xzx_min` and `xzx_max` in degrees; absent or ±1e10 means unbounded.
+//! - `fk_animation`, optional: `[{bone_id, keys: [{t, xzx}]}]`, seconds and degrees.
+//! - `ik_constraints`: the bones whose tips are pinned: an array, one number, or absent for the
+//!   last bone. A bone named twice counts once.
+//!
+//! Other keys are ignored. Bones are named `bone/0`, `bone/1`, …; the format has no names. A tail
+//! need not be on its parent's tip: `rest_T` is taken as it is, and the offset between them turns
+//! with the parent.
+//!
+//! Degrees exist only here: everything that comes out is in radians.
+
+mod check;
+mod columns;
+mod degrees;
+mod json;
+mod write;
+
+use std::path::Path;
+
+use super::{Place, ReadError, ReadProblem, dmat, ply, read_bytes};
+use crate::animation::EulerClip;
+use crate::mesh::TriangleMesh;
+use crate::skeleton::{BoneId, Skeleton};
+use crate::skinning::SkinWeights;
+
+/// The longest rig JSON that is read.
+const JSON_LIMIT: u64 = 1 << 28;
+/// The longest mesh or weights file of a rig that is read.
+const PART_LIMIT: u64 = 1 << 31;
+
+/// A skeleton with the mesh it moves, its keyframes and its pinned tips.
+#[derive(Clone, Debug)]
+pub struct Rig {
+    /// The bones, in the rig's own unit.
+    pub skeleton: Skeleton,
+    /// The mesh at rest.
+    pub mesh: Option<TriangleMesh>,
+    /// A row for each vertex of the mesh, a column for each bone of the skeleton.
+    pub weights: Option<SkinWeights>,
+    /// The keyframes; empty when the file has none.
+    pub clip: EulerClip,
+    /// The bones whose tips are pinned.
+    pub constrained: Vec<BoneId>,
+}
+
+impl Rig {
+    /// Reads a rig and the files it names.
+    ///
+    /// # Errors
+    /// A [`ReadError`] naming the file and a path in it such as `bones[3].rest_T`.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        let path = path.as_ref();
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let json = read_bytes(path, JSON_LIMIT)?;
+        Self::parse(&json, &path.display().to_string(), |file| {
+            read_bytes(&folder.join(file), PART_LIMIT)
+        })
+    }
+
+    /// Reads a rig from the bytes of its JSON file; `name` is for messages. `open` gets the
+    /// contents of `model.file` and `weights.file`.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read), and whatever `open` fails with.
+    pub fn parse(
+        json: &[u8],
+        name: &str,
+        mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+    ) -> Result<Self, ReadError> {
+        let file = json::parse(json, name)?;
+        let skeleton = check::skeleton(&file, name)?;
+        let clip = check::clip(&file, &skeleton, name)?;
+        let constrained = check::constrained(&file, &skeleton, name)?;
+
+        // An error in a named file is told from the place that names it.
+        let referred = |place: &str, error: ReadError| {
+            let problem = ReadProblem::Referenced(Box::new(error));
+            ReadError::new(name, Place::Json(place.into()), problem)
+        };
+        let mut mesh = None;
+        if let Some(part) = &file.model {
+            let bytes = open(&part.file);
+            let read = bytes.and_then(|bytes| ply::from_bytes(&bytes, &part.file));
+            mesh = Some(read.map_err(|error| referred("model.file", error))?);
+        }
+        let mut weights = None;
+        if let Some(part) = &file.weights {
+            let bytes = open(&part.file);
+            let read = bytes.and_then(|bytes| dmat::from_bytes(&bytes, &part.file));
+            let table = read.map_err(|error| referred("weights.file", error))?;
+            weights = Some(columns::weights(&file, &table, mesh.as_ref(), name)?);
+        }
+        Ok(Self {
+            skeleton,
+            mesh,
+            weights,
+            clip,
+            constrained,
+        })
+    }
+}

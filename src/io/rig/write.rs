@@ -1,0 +1,158 @@
+//! Writing a rig: the JSON, and beside it the mesh and the weights.
+
+use std::io::{Error, ErrorKind};
+use std::path::Path;
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+use super::Rig;
+use super::degrees;
+use super::json::{BoneEntry, KeyEntry, PartFile, TrackEntry};
+use crate::io::dmat::{self, DmatEncoding};
+use crate::io::ply::{self, PlyEncoding};
+use crate::io::{WriteError, write_bytes};
+use crate::model::Limits;
+use crate::skeleton::Bone;
+use crate::skinning::SkinWeights;
+
+impl Rig {
+    /// Writes the rig to `path`, its mesh and weights beside it under the same name with the
+    /// extensions `ply` and `dmat` (both binary). Names of bones are lost: the format has none.
+    ///
+    /// Reading it again gives the same rig to the bit, except for angles that no number of degrees
+    /// converts to; they are off by rounding.
+    ///
+    /// # Errors
+    /// A [`WriteError`] naming the file: it cannot be written, `path` has one of those extensions
+    /// itself or is not Unicode, or the weights are for another number of vertices or bones.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
+        let path = path.as_ref();
+        let refuse = |problem: &str| {
+            Err(WriteError {
+                file: path.display().to_string(),
+                problem: Error::new(ErrorKind::InvalidInput, problem),
+            })
+        };
+        let (mesh_path, weights_path) = (path.with_extension("ply"), path.with_extension("dmat"));
+        if path == mesh_path || path == weights_path {
+            return refuse("a rig file may not end in .ply or .dmat");
+        }
+        if let Some(weights) = &self.weights {
+            let bones = self.skeleton.bones().len();
+            let vertices = self.mesh.as_ref().map(|mesh| mesh.positions().len());
+            if weights.bone_count() != bones
+                || vertices.is_some_and(|n| n != weights.vertex_count())
+            {
+                return refuse("its weights are for another number of vertices or bones");
+            }
+        }
+        let file_name = |path: &Path| Some(path.file_name()?.to_str()?.to_owned());
+        let (Some(mesh_name), Some(weights_name)) =
+            (file_name(&mesh_path), file_name(&weights_path))
+        else {
+            return refuse("its name is not Unicode");
+        };
+        if let Some(mesh) = &self.mesh {
+            ply::write(mesh, PlyEncoding::BinaryLittleEndian, &mesh_path)?;
+        }
+        if let Some(weights) = &self.weights {
+            dmat::write(&columns(weights).1, DmatEncoding::Binary, &weights_path)?;
+        }
+        write_bytes(path, self.to_json(&mesh_name, &weights_name).as_bytes())
+    }
+
+    /// The rig's JSON, a bone or track a line. The mesh and the weights, where there are any, are
+    /// referred to by the names given; the weights' table is [`Rig::weights_table`].
+    #[must_use]
+    pub fn to_json(&self, model_file: &str, weights_file: &str) -> String {
+        let ids = match &self.weights {
+            Some(weights) => columns(weights).0,
+            None => vec![-1; self.skeleton.bones().len()],
+        };
+        let bones = self.skeleton.bones().iter().zip(ids);
+        let bones = bones.map(|(bone, weight_id)| line(&bone_entry(bone, weight_id)));
+        let tracks = self.clip.tracks().iter().map(|track| {
+            line(&TrackEntry {
+                bone_id: track.bone.index() as i64,
+                keys: track.keys.iter().map(key_entry).collect(),
+            })
+        });
+        let part = |key: &str, file: &str| {
+            let file = file.to_owned();
+            format!("\"{key}\":{},\n", line(&PartFile { file }))
+        };
+        let model = self.mesh.as_ref().map(|_| part("model", model_file));
+        let weights = self.weights.as_ref().map(|_| part("weights", weights_file));
+        let constrained: Vec<usize> = self.constrained.iter().map(|bone| bone.index()).collect();
+        format!(
+            "{{\n{}{}\"ik_constraints\":{},\n\"fk_animation\":[{}],\n\"bones\":[{}]\n}}\n",
+            model.unwrap_or_default(),
+            weights.unwrap_or_default(),
+            line(&constrained),
+            tracks.collect::<Vec<_>>().join(",\n"),
+            bones.collect::<Vec<_>>().join(",\n"),
+        )
+    }
+
+    /// The table that goes with [`to_json`](Self::to_json): a row per vertex, a column for each
+    /// bone that moves any.
+    #[must_use]
+    pub fn weights_table(&self) -> Option<DMatrix<f64>> {
+        self.weights.as_ref().map(|weights| columns(weights).1)
+    }
+}
+
+/// Each bone's column, −1 for a bone that moves no vertex, and the table of the others.
+fn columns(weights: &SkinWeights) -> (Vec<i64>, DMatrix<f64>) {
+    let mut ids = vec![-1; weights.bone_count()];
+    for influence in weights.iter().flatten() {
+        if let Some(id) = ids.get_mut(influence.bone as usize) {
+            *id = 0;
+        }
+    }
+    let mut kept = Vec::new();
+    for (bone, id) in ids.iter_mut().enumerate().filter(|(_, id)| **id == 0) {
+        *id = kept.len() as i64;
+        kept.push(bone);
+    }
+    (ids, weights.to_table().select_columns(&kept))
+}
+
+/// Strings, numbers and arrays of them always serialise.
+fn line(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}
+
+fn bone_entry(bone: &Bone, weight_id: i64) -> BoneEntry {
+    let rest = &bone.model_from_rest;
+    let (r, t) = (rest.rotation, rest.translation);
+    let end = |end: fn(&Limits) -> f64| {
+        let limits = bone.limits.iter();
+        Some(
+            limits
+                .map(|limits| degrees::from_limit(end(limits)))
+                .collect(),
+        )
+    };
+    BoneEntry {
+        parent_id: bone.parent.map_or(-1, |parent| parent.index() as i64),
+        weight_id,
+        length: bone.length,
+        xzx_min: end(|limits| limits.lower),
+        xzx_max: end(|limits| limits.upper),
+        rest: vec![
+            vec![r.x.x, r.y.x, r.z.x, t.x],
+            vec![r.x.y, r.y.y, r.z.y, t.y],
+            vec![r.x.z, r.y.z, r.z.z, t.z],
+            vec![0.0, 0.0, 0.0, 1.0],
+        ],
+    }
+}
+
+fn key_entry(key: &crate::animation::EulerKey) -> KeyEntry {
+    KeyEntry {
+        t: key.time,
+        xzx: key.angles.map(degrees::from_radians).to_vec(),
+    }
+}

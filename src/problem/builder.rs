@@ -1,0 +1,331 @@
+//! Builds a problem: resolves ids, sizes, weights and bounds once.
+
+use std::sync::Arc;
+
+use super::compiled_task::{Block, CompiledTask};
+use super::{Derivatives, Names, Problem, ProblemError, TaskId};
+use crate::kinematics::{FrameSlot, Tree};
+use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
+use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
+
+/// Default tolerance of lengths in metres and angles in radians.
+const DEFAULT_TOLERANCE: f64 = 1e-6;
+/// By default a radian counts as much as this share of the model's reach.
+const RADIAN_PER_REACH: f64 = 0.25;
+/// Default tolerance of image distances, in pixels.
+const DEFAULT_TOLERANCE_PIXELS: f64 = 1e-3;
+
+/// A task before its rows are placed.
+struct PendingTask {
+    name: Option<String>,
+    kind: &'static str,
+    role: Role,
+    weights: Vec<(Quantity, f64)>,
+    tolerances: Vec<(Quantity, f64)>,
+    frames: Vec<FrameId>,
+    joints: Vec<JointId>,
+    rows: Vec<Rows>,
+    residual: Box<dyn ErasedResidual>,
+}
+
+/// Collects tasks, bounds and settings; [`build`](Self::build) checks them.
+pub struct ProblemBuilder<'m> {
+    model: &'m Model,
+    map: Option<ParameterMap>,
+    tasks: Vec<PendingTask>,
+    extra_bounds: Vec<(JointId, Limits)>,
+    tolerances: Vec<(Quantity, f64)>,
+    derivatives: Derivatives,
+}
+
+impl<'m> ProblemBuilder<'m> {
+    pub(super) fn new(model: &'m Model) -> Self {
+        Self {
+            model,
+            map: None,
+            tasks: Vec::new(),
+            extra_bounds: Vec::new(),
+            tolerances: Vec::new(),
+            derivatives: Derivatives::default(),
+        }
+    }
+
+    /// Which joints are free, locked or coupled. Without it every joint is free.
+    pub fn parameters(&mut self, map: ParameterMap) -> &mut Self {
+        self.map = Some(map);
+        self
+    }
+
+    /// Adds a task: a residual, or a [`Task`] that says more about it.
+    ///
+    /// Default weights are 1 per metre, pixel and joint unit, and a quarter of the model's reach
+    /// per radian, so that answers do not depend on the unit of length.
+    pub fn add<R: Residual>(&mut self, task: impl Into<Task<R>>) -> TaskId<R> {
+        let task = task.into();
+        self.tasks.push(PendingTask {
+            name: task.name,
+            kind: task.residual.kind(),
+            role: task.role,
+            weights: task.weights,
+            tolerances: task.tolerances,
+            frames: task.residual.frames(),
+            joints: task.residual.joints(),
+            rows: task.residual.rows(),
+            residual: Box::new(task.residual),
+        });
+        TaskId::new(self.tasks.len() - 1)
+    }
+
+    /// Narrows a joint's limits for this problem, in radians or metres.
+    pub fn bound(&mut self, joint: JointId, limits: Limits) -> &mut Self {
+        self.extra_bounds.push((joint, limits));
+        self
+    }
+
+    /// The tolerance of all tasks that do not set their own. Unset, it is 1e-6 m and 1e-6 rad
+    /// and 1e-3 px, and infinite for joint units and ratios.
+    pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
+        self.tolerances.push((quantity, tolerance));
+        self
+    }
+
+    /// Chooses the derivative route; it may be changed later.
+    pub fn derivatives(&mut self, route: Derivatives) -> &mut Self {
+        self.derivatives = route;
+        self
+    }
+
+    /// Checks everything and compiles the kinematics.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, by name: no task, no free joint, ids of another model,
+    /// targets that are not finite, weights or tolerances out of range, bounds that leave nothing.
+    pub fn build(self) -> Result<Problem, ProblemError> {
+        let model = self.model;
+        let map = match self.map {
+            Some(map) => map,
+            None => ParameterMap::free(model),
+        };
+        if map.sources().len() != model.degrees_of_freedom() {
+            return Err(ProblemError::ForeignMap {
+                map: map.sources().len(),
+                model: model.name().to_owned(),
+                model_coordinates: model.degrees_of_freedom(),
+            });
+        }
+        if map.variables() == 0 {
+            return Err(ProblemError::NoVariables {
+                model: model.name().to_owned(),
+            });
+        }
+        if self.tasks.is_empty() {
+            return Err(ProblemError::NoTasks {
+                model: model.name().to_owned(),
+            });
+        }
+
+        let mut frames = Vec::new();
+        let mut tasks = Vec::with_capacity(self.tasks.len());
+        let mut task_frames = Vec::with_capacity(self.tasks.len());
+        let mut rows = 0;
+        for (index, pending) in self.tasks.into_iter().enumerate() {
+            let first_frame = pending.frames.first().copied();
+            let task = place(model, index, pending, &self.tolerances, &mut frames, rows)?;
+            task_frames.push(first_frame.map(|f| model.frames()[f.index()].name.clone()));
+            rows = task.rows.end;
+            tasks.push(task);
+        }
+
+        let (lower, upper) = narrowed(model, &map, &self.extra_bounds)?;
+        let reach = model.reach();
+        let variables = 0..map.variables();
+        let leading_joint = |variable: usize| {
+            let joint = model.moving_joints()[map.leaders()[variable]];
+            &model.joints()[joint.index()]
+        };
+        let spread = variables
+            .clone()
+            .map(|variable| match leading_joint(variable).kind {
+                JointKind::Prismatic => reach,
+                _ => std::f64::consts::PI,
+            })
+            .collect();
+        let names = Names {
+            model: model.name().to_owned(),
+            variables: variables.map(|v| leading_joint(v).name.clone()).collect(),
+            tasks: tasks.iter().map(|task| task.name.clone()).collect(),
+            task_frames,
+        };
+        Ok(Problem {
+            names: Arc::new(names),
+            tree: Tree::new(model, &map, &frames),
+            map,
+            tasks,
+            rows,
+            lower,
+            upper,
+            spread,
+            reach,
+            derivatives: self.derivatives,
+        })
+    }
+}
+
+/// Resolves one task; adds the frames it is the first to look at to `frames`.
+fn place(
+    model: &Model,
+    index: usize,
+    pending: PendingTask,
+    tolerances: &[(Quantity, f64)],
+    frames: &mut Vec<FrameId>,
+    first_row: usize,
+) -> Result<CompiledTask, ProblemError> {
+    let foreign = |task: &str, kind| ProblemError::ForeignId {
+        task: task.to_owned(),
+        kind,
+        model: model.name().to_owned(),
+    };
+    let first_frame = pending.frames.first();
+    let frame_name = first_frame.and_then(|f| model.frames().get(f.index()));
+    let name = pending.name.unwrap_or_else(|| match frame_name {
+        Some(frame) => format!("{} of `{}`", pending.kind, frame.name),
+        None => format!("{} (task {index})", pending.kind),
+    });
+    if let Some(problem) = pending.residual.defect() {
+        return Err(ProblemError::BadTask {
+            task: name,
+            problem,
+        });
+    }
+
+    let mut slots: Vec<FrameSlot> = Vec::with_capacity(pending.frames.len());
+    for &frame in &pending.frames {
+        if frame.index() >= model.frames().len() {
+            return Err(foreign(&name, "frame"));
+        }
+        let known = frames.iter().position(|&f| f == frame);
+        slots.push(known.unwrap_or_else(|| {
+            frames.push(frame);
+            frames.len() - 1
+        }));
+    }
+    let coordinates: Option<Vec<usize>> = pending
+        .joints
+        .iter()
+        .map(|&joint| model.coordinate(joint))
+        .collect();
+    let Some(coordinates) = coordinates else {
+        return Err(foreign(&name, "moving joint"));
+    };
+
+    check_numbers(&name, &pending.rows, &pending.weights, &pending.tolerances)?;
+    let mut blocks = Vec::with_capacity(pending.rows.len());
+    let mut weights = Vec::new();
+    let mut next_row = first_row;
+    for rows in &pending.rows {
+        let own = |list: &[(Quantity, f64)]| {
+            let last = list.iter().rev().find(|(q, _)| *q == rows.quantity);
+            last.map(|&(_, value)| value)
+        };
+        let weight = own(&pending.weights).unwrap_or_else(|| default_weight(rows.quantity, model));
+        let tolerance = own(&pending.tolerances)
+            .or_else(|| own(tolerances))
+            .unwrap_or_else(|| default_tolerance(rows.quantity));
+        if tolerance.is_nan() || tolerance < 0.0 {
+            return Err(ProblemError::BadTolerance {
+                task: name,
+                quantity: rows.quantity,
+                tolerance,
+            });
+        }
+        blocks.push(Block {
+            quantity: rows.quantity,
+            rows: next_row..next_row + rows.count,
+            weight,
+            tolerance,
+        });
+        weights.resize(weights.len() + rows.count, weight);
+        next_row += rows.count;
+    }
+    Ok(CompiledTask {
+        name,
+        residual: pending.residual,
+        role: pending.role,
+        blocks,
+        rows: first_row..next_row,
+        weights,
+        frames: slots,
+        coordinates,
+    })
+}
+
+/// A task's own weights and tolerances must be usable and speak of rows that it has.
+fn check_numbers(
+    task: &str,
+    rows: &[Rows],
+    weights: &[(Quantity, f64)],
+    tolerances: &[(Quantity, f64)],
+) -> Result<(), ProblemError> {
+    let present = |quantity| rows.iter().any(|r| r.quantity == quantity);
+    let numbers = weights.iter().chain(tolerances);
+    if let Some(&(quantity, _)) = numbers.into_iter().find(|(q, _)| !present(*q)) {
+        return Err(ProblemError::NoSuchQuantity {
+            task: task.to_owned(),
+            quantity,
+        });
+    }
+    let bad = weights.iter().find(|(_, w)| !(*w >= 0.0 && w.is_finite()));
+    match bad {
+        None => Ok(()),
+        Some(&(quantity, weight)) => Err(ProblemError::BadWeight {
+            task: task.to_owned(),
+            quantity,
+            weight,
+        }),
+    }
+}
+
+fn default_weight(quantity: Quantity, model: &Model) -> f64 {
+    let reach = model.reach();
+    match quantity {
+        Quantity::Radians if reach > 0.0 => RADIAN_PER_REACH * reach,
+        _ => 1.0,
+    }
+}
+
+fn default_tolerance(quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::Metres | Quantity::Radians => DEFAULT_TOLERANCE,
+        Quantity::Pixels => DEFAULT_TOLERANCE_PIXELS,
+        Quantity::JointUnits | Quantity::JointUnitsPerSecond | Quantity::Ratio => f64::INFINITY,
+    }
+}
+
+/// The map's bounds, narrowed by the problem's own.
+fn narrowed(
+    model: &Model,
+    map: &ParameterMap,
+    extra: &[(JointId, Limits)],
+) -> Result<(Vec<f64>, Vec<f64>), ProblemError> {
+    let mut lower = map.lower().to_vec();
+    let mut upper = map.upper().to_vec();
+    for &(joint, limits) in extra {
+        let leader = model
+            .coordinate(joint)
+            .and_then(|c| map.leaders().iter().position(|&leader| leader == c));
+        let Some(variable) = leader else {
+            // A joint that cannot move needs no narrowing; one that follows is bound by its master.
+            continue;
+        };
+        let left = Limits::new(lower[variable], upper[variable]).intersection(&limits);
+        if !left.is_valid() {
+            return Err(ProblemError::EmptyRange {
+                joint: model.joints()[joint.index()].name.clone(),
+                lower: left.lower,
+                upper: left.upper,
+            });
+        }
+        (lower[variable], upper[variable]) = (left.lower, left.upper);
+    }
+    Ok((lower, upper))
+}

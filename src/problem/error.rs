@@ -1,0 +1,89 @@
+//! What can be wrong with a problem.
+
+use thiserror::Error;
+
+use crate::task::Quantity;
+
+/// Why tasks and a model do not make a problem.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ProblemError {
+    /// Nothing to solve for.
+    #[error("model `{model}` has no free joint: everything is fixed or locked")]
+    NoVariables {
+        /// The model.
+        model: String,
+    },
+    /// Nothing asked.
+    #[error("no task: say what the frames of `{model}` should do")]
+    NoTasks {
+        /// The model.
+        model: String,
+    },
+    /// A frame or joint id from another model, or a joint that does not move.
+    #[error("task {task} refers to a {kind} that model `{model}` does not have")]
+    ForeignId {
+        /// The task's name.
+        task: String,
+        /// "frame" or "moving joint".
+        kind: &'static str,
+        /// The model.
+        model: String,
+    },
+    /// Numbers in a task that make no sense.
+    #[error("task {task}: {problem}")]
+    BadTask {
+        /// The task's name.
+        task: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A weight that is negative or not finite.
+    #[error("task {task}: weight {weight} per {quantity} is not a finite number of at least 0")]
+    BadWeight {
+        /// The task's name.
+        task: String,
+        /// Which rows.
+        quantity: Quantity,
+        /// The weight.
+        weight: f64,
+    },
+    /// A tolerance that is negative or NaN.
+    #[error("task {task}: tolerance {tolerance} in {quantity} is not a number of at least 0")]
+    BadTolerance {
+        /// The task's name.
+        task: String,
+        /// Which rows.
+        quantity: Quantity,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// A weight or tolerance for rows that the task does not have.
+    #[error("task {task} has no rows in {quantity}")]
+    NoSuchQuantity {
+        /// The task's name.
+        task: String,
+        /// The quantity asked for.
+        quantity: Quantity,
+    },
+    /// A parameter map of another model.
+    #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
+    ForeignMap {
+        /// Coordinates in the map.
+        map: usize,
+        /// The model.
+        model: String,
+        /// Coordinates in the model.
+        model_coordinates: usize,
+    },
+    /// Extra bounds that leave a joint no value.
+    #[error("joint `{joint}`: extra bounds [{lower}, {upper}] leave it no value")]
+    EmptyRange {
+        /// The joint.
+        joint: String,
+        /// Lower end of what is left.
+        lower: f64,
+        /// Upper end of what is left.
+        upper: f64,
+    },
+}

@@ -1,0 +1,333 @@
+//! Evaluating a problem: one forward pass gives all residuals, and the derivatives reuse it.
+
+use nalgebra::DMatrix;
+
+use super::compiled_task::CompiledTask;
+use super::{Derivatives, Problem};
+use crate::kinematics::{Partials, TreeState, Wrench, Wrenches};
+use crate::model::Source;
+use crate::scalar::{Dual, Scalar};
+use crate::solver::LeastSquares;
+use crate::spatial::{Placement, Vector3};
+use crate::task::{CHUNK, DualScratch, LocalJacobian};
+
+/// A problem's scratch memory. It belongs to one caller at a time; a problem may have many.
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    state: TreeState<f64>,
+    /// The x of the last forward pass; NaN before the first.
+    at: Vec<f64>,
+    q: Vec<f64>,
+    frames: Vec<Placement<f64>>,
+    joints: Vec<f64>,
+    local: LocalJacobian,
+    local_dual: DualScratch,
+    wrenches: Wrenches,
+    dual: Box<DualPass>,
+    shifted: Vec<f64>,
+    shifted_residual: [Vec<f64>; 2],
+}
+
+/// What the forward pass on dual numbers needs.
+#[derive(Clone, Debug)]
+struct DualPass {
+    state: TreeState<Dual<CHUNK>>,
+    x: Vec<Dual<CHUNK>>,
+    q: Vec<Dual<CHUNK>>,
+    gathered: DualScratch,
+}
+
+impl Scratch {
+    pub(super) fn new(problem: &Problem) -> Self {
+        let (n, m, dof) = (
+            problem.variables(),
+            problem.rows(),
+            problem.degrees_of_freedom(),
+        );
+        let zero = Dual::zero();
+        Self {
+            state: TreeState::new(&problem.tree),
+            at: vec![f64::NAN; n],
+            q: vec![0.0; dof],
+            frames: Vec::new(),
+            joints: Vec::new(),
+            local: LocalJacobian::default(),
+            local_dual: DualScratch::default(),
+            wrenches: Wrenches::new(&problem.tree),
+            dual: Box::new(DualPass {
+                state: TreeState::new(&problem.tree),
+                x: vec![zero; n],
+                q: vec![zero; dof],
+                gathered: DualScratch::default(),
+            }),
+            shifted: vec![0.0; n],
+            shifted_residual: [vec![0.0; m], vec![0.0; m]],
+        }
+    }
+}
+
+/// A problem and the memory to evaluate it.
+#[derive(Debug)]
+pub struct Evaluation<'a> {
+    problem: &'a Problem,
+    scratch: &'a mut Scratch,
+}
+
+impl<'a> Evaluation<'a> {
+    /// Evaluates `problem` with memory made by [`Problem::scratch`].
+    #[must_use]
+    pub fn new(problem: &'a Problem, scratch: &'a mut Scratch) -> Self {
+        Self { problem, scratch }
+    }
+
+    /// Runs the forward pass unless the last one was at the same x.
+    fn forward(&mut self, x: &[f64]) {
+        let scratch = &mut *self.scratch;
+        if scratch.at != x {
+            scratch.at.copy_from_slice(x);
+            self.problem.tree.forward(x, &mut scratch.state);
+            self.problem.map.expand(x, &mut scratch.q);
+        }
+    }
+
+    /// Copies what a task reads side by side.
+    fn gather(scratch: &mut Scratch, task: &CompiledTask) {
+        let all = scratch.state.frames();
+        scratch.frames.clear();
+        scratch
+            .frames
+            .extend(task.frames.iter().map(|&slot| all[slot]));
+        scratch.joints.clear();
+        scratch
+            .joints
+            .extend(task.coordinates.iter().map(|&c| scratch.q[c]));
+    }
+
+    /// The weighted local derivatives of one task at the last forward pass.
+    fn differentiate(scratch: &mut Scratch, task: &CompiledTask) {
+        Self::gather(scratch, task);
+        let Scratch {
+            frames,
+            joints,
+            local,
+            local_dual,
+            ..
+        } = scratch;
+        local.reset(task.rows.len(), frames.len(), joints.len());
+        task.residual
+            .differentiate(frames, joints, local, local_dual);
+        local.scale_rows(&task.weights);
+    }
+
+    fn analytic_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        self.forward(x);
+        jacobian.fill(0.0);
+        let problem = self.problem;
+        let rows = problem.rows();
+        for task in &problem.tasks {
+            Self::differentiate(self.scratch, task);
+            let Scratch { state, local, .. } = &*self.scratch;
+            for (k, &frame) in task.frames.iter().enumerate() {
+                let partials = Partials {
+                    frame,
+                    first_row: task.rows.start,
+                    linear: local.linear(k),
+                    angular: local.angular(k),
+                };
+                problem
+                    .tree
+                    .add_geometric_jacobian(state, &partials, jacobian);
+            }
+            let entries = jacobian.as_mut_slice();
+            for (k, &coordinate) in task.coordinates.iter().enumerate() {
+                if let Source::Variable {
+                    variable, ratio, ..
+                } = problem.map.sources()[coordinate]
+                {
+                    for (row, entry) in local.joint(k) {
+                        entries[variable * rows + task.rows.start + row] += ratio * entry;
+                    }
+                }
+            }
+        }
+    }
+
+    fn reverse_gradient(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
+        self.forward(x);
+        gradient.fill(0.0);
+        let problem = self.problem;
+        self.scratch.wrenches.clear();
+        for task in &problem.tasks {
+            Self::differentiate(self.scratch, task);
+            let Scratch {
+                state,
+                local,
+                wrenches,
+                ..
+            } = &mut *self.scratch;
+            let r = &r[task.rows.clone()];
+            for (k, &frame) in task.frames.iter().enumerate() {
+                let sum = |parts: &[Vector3<f64>]| {
+                    let weighted = parts.iter().zip(r).map(|(&part, &value)| part * value);
+                    weighted.fold(Vector3::zero(), |sum, part| sum + part)
+                };
+                let wrench = Wrench {
+                    force: sum(local.linear(k)),
+                    moment: sum(local.angular(k)),
+                };
+                problem.tree.push(state, frame, wrench, wrenches);
+            }
+            for (k, &coordinate) in task.coordinates.iter().enumerate() {
+                if let Source::Variable {
+                    variable, ratio, ..
+                } = problem.map.sources()[coordinate]
+                {
+                    let sum: f64 = local.joint(k).map(|(row, entry)| entry * r[row]).sum();
+                    gradient[variable] += ratio * sum;
+                }
+            }
+        }
+        let Scratch {
+            state, wrenches, ..
+        } = &mut *self.scratch;
+        problem.tree.sweep(state, wrenches, gradient);
+    }
+
+    fn dual_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        let problem = self.problem;
+        let pass = &mut *self.scratch.dual;
+        for first in (0..x.len()).step_by(CHUNK) {
+            let chunk = first..x.len().min(first + CHUNK);
+            for (k, (value, &at)) in pass.x.iter_mut().zip(x).enumerate() {
+                *value = if chunk.contains(&k) {
+                    Dual::variable(at, k - first)
+                } else {
+                    Dual::constant(at)
+                };
+            }
+            problem.tree.forward(&pass.x, &mut pass.state);
+            problem.map.expand(&pass.x, &mut pass.q);
+            for task in &problem.tasks {
+                let all = pass.state.frames();
+                let DualScratch {
+                    frames,
+                    joints,
+                    residual,
+                } = &mut pass.gathered;
+                frames.clear();
+                frames.extend(task.frames.iter().map(|&slot| all[slot]));
+                joints.clear();
+                joints.extend(task.coordinates.iter().map(|&c| pass.q[c]));
+                residual.clear();
+                residual.resize(task.rows.len(), Dual::zero());
+                task.residual.evaluate_dual(frames, joints, residual);
+                let rows = residual.iter().zip(&task.weights).zip(task.rows.clone());
+                for ((value, weight), row) in rows {
+                    let derivatives = value.derivatives();
+                    for k in chunk.clone() {
+                        jacobian[(row, k)] = weight * derivatives[k - first];
+                    }
+                }
+            }
+        }
+    }
+
+    fn difference_jacobian(&mut self, x: &[f64], central: bool, jacobian: &mut DMatrix<f64>) {
+        let mut shifted = std::mem::take(&mut self.scratch.shifted);
+        let [mut ahead, mut behind] = std::mem::take(&mut self.scratch.shifted_residual);
+        shifted.copy_from_slice(x);
+        if !central {
+            self.residual(x, &mut behind);
+        }
+        let relative_step = if central {
+            f64::EPSILON.cbrt()
+        } else {
+            f64::EPSILON.sqrt()
+        };
+        for k in 0..x.len() {
+            let step = relative_step * x[k].abs().max(1.0);
+            // The step that was really taken, after rounding.
+            shifted[k] = x[k] + step;
+            let mut taken = shifted[k] - x[k];
+            self.residual(&shifted, &mut ahead);
+            if central {
+                shifted[k] = x[k] - step;
+                taken += x[k] - shifted[k];
+                self.residual(&shifted, &mut behind);
+            }
+            shifted[k] = x[k];
+            let rows = jacobian.column_mut(k);
+            for ((entry, a), b) in rows.into_iter().zip(&ahead).zip(&behind) {
+                *entry = (a - b) / taken;
+            }
+        }
+        self.scratch.shifted = shifted;
+        self.scratch.shifted_residual = [ahead, behind];
+    }
+}
+
+impl LeastSquares for Evaluation<'_> {
+    fn variables(&self) -> usize {
+        self.problem.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.problem.rows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.problem.lower()
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.problem.upper()
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        self.forward(x);
+        for task in &self.problem.tasks {
+            Self::gather(self.scratch, task);
+            let rows = &mut residual[task.rows.clone()];
+            task.residual
+                .evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+            for (row, weight) in rows.iter_mut().zip(&task.weights) {
+                *row *= weight;
+            }
+        }
+    }
+
+    fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        match self.problem.derivatives {
+            Derivatives::Analytic => self.analytic_jacobian(x, jacobian),
+            Derivatives::Dual => self.dual_jacobian(x, jacobian),
+            Derivatives::ForwardDifference => self.difference_jacobian(x, false, jacobian),
+            Derivatives::CentralDifference => self.difference_jacobian(x, true, jacobian),
+        }
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        residual: &[f64],
+        gradient: &mut [f64],
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        if self.problem.derivatives == Derivatives::Analytic {
+            self.reverse_gradient(x, residual, gradient);
+        } else {
+            self.jacobian(x, jacobian);
+            for (k, entry) in gradient.iter_mut().enumerate() {
+                let column = jacobian.column(k);
+                *entry = column.iter().zip(residual).map(|(j, r)| j * r).sum();
+            }
+        }
+    }
+
+    fn is_reached(&self, residual: &[f64]) -> bool {
+        self.problem.is_reached(residual)
+    }
+
+    fn stops_when_reached(&self) -> bool {
+        !self.problem.has_preferences()
+    }
+}

@@ -1,0 +1,242 @@
+//! Tasks and bounds put together: r(x), its derivatives, and what the errors mean.
+
+mod builder;
+mod compiled_task;
+mod derivatives;
+mod error;
+mod evaluation;
+mod names;
+
+use std::marker::PhantomData;
+
+pub use builder::ProblemBuilder;
+pub use derivatives::Derivatives;
+pub use error::ProblemError;
+pub use evaluation::{Evaluation, Scratch};
+pub(crate) use names::Names;
+
+use std::sync::Arc;
+
+use crate::kinematics::Tree;
+use crate::model::{Model, ParameterMap};
+use crate::task::{Quantity, Residual, Role};
+use compiled_task::CompiledTask;
+
+/// A task of one problem, with the type of its residual.
+#[derive(Debug)]
+pub struct TaskId<R> {
+    index: usize,
+    residual: PhantomData<fn() -> R>,
+}
+
+impl<R> TaskId<R> {
+    fn new(index: usize) -> Self {
+        Self {
+            index,
+            residual: PhantomData,
+        }
+    }
+
+    /// The position in the problem's list, and in a solution's reports.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.index
+    }
+}
+
+impl<R> Clone for TaskId<R> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R> Copy for TaskId<R> {}
+
+/// A bounded nonlinear least-squares problem: minimise ½‖r(x)‖² subject to lower ≤ x ≤ upper.
+///
+/// Built once: names, sizes and ranges are checked then. Targets may move afterwards through
+/// [`residual_mut`](Self::residual_mut), at no cost.
+pub struct Problem {
+    names: Arc<Names>,
+    map: ParameterMap,
+    tree: Tree,
+    tasks: Vec<CompiledTask>,
+    rows: usize,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    /// Where each variable may be drawn from at random: its bounds, or a stretch of ±π or ± reach.
+    spread: Vec<f64>,
+    /// A length of the model's own scale, in metres.
+    reach: f64,
+    derivatives: Derivatives,
+}
+
+impl std::fmt::Debug for Problem {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Problem")
+            .field("model", &self.names.model)
+            .field("variables", &self.variables())
+            .field("rows", &self.rows)
+            .field(
+                "tasks",
+                &self
+                    .tasks
+                    .iter()
+                    .map(CompiledTask::name)
+                    .collect::<Vec<_>>(),
+            )
+            .finish_non_exhaustive()
+    }
+}
+
+impl Problem {
+    /// Starts a problem on `model`, with every joint free.
+    #[must_use]
+    pub fn builder(model: &Model) -> ProblemBuilder<'_> {
+        ProblemBuilder::new(model)
+    }
+
+    /// How many solver variables there are.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.map.variables()
+    }
+
+    /// How many residual rows there are.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// How many numbers a configuration of the model has.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.map.sources().len()
+    }
+
+    /// The map from variables to configurations.
+    #[must_use]
+    pub fn parameters(&self) -> &ParameterMap {
+        &self.map
+    }
+
+    /// Lower bounds of the variables.
+    #[must_use]
+    pub fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+
+    /// Upper bounds of the variables.
+    #[must_use]
+    pub fn upper(&self) -> &[f64] {
+        &self.upper
+    }
+
+    /// The model's own length scale in metres.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// How many tasks there are.
+    #[must_use]
+    pub fn tasks(&self) -> usize {
+        self.tasks.len()
+    }
+
+    /// A task's name.
+    #[must_use]
+    pub fn task_name(&self, task: usize) -> Option<&str> {
+        self.tasks.get(task).map(CompiledTask::name)
+    }
+
+    /// Which derivative route is taken.
+    #[must_use]
+    pub fn derivatives(&self) -> Derivatives {
+        self.derivatives
+    }
+
+    /// Chooses the derivative route.
+    pub fn set_derivatives(&mut self, route: Derivatives) {
+        self.derivatives = route;
+    }
+
+    /// A task's residual, to look at. `None` for an id of another problem.
+    #[must_use]
+    pub fn residual<R: Residual>(&self, task: TaskId<R>) -> Option<&R> {
+        let residual = &*self.tasks.get(task.index)?.residual;
+        residual.as_any().downcast_ref()
+    }
+
+    /// A task's residual, to move its target. `None` for an id of another problem. Numbers set
+    /// here are not checked: a target that is not finite ends the solve as non-finite.
+    #[must_use]
+    pub fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
+        let residual = &mut *self.tasks.get_mut(task.index)?.residual;
+        residual.as_any_mut().downcast_mut()
+    }
+
+    /// Whether any task is a preference, so that reaching the goals is not yet the minimum.
+    #[must_use]
+    pub fn has_preferences(&self) -> bool {
+        self.tasks.iter().any(|task| task.role == Role::Preference)
+    }
+
+    /// Scratch memory for this problem.
+    #[must_use]
+    pub fn scratch(&self) -> Scratch {
+        Scratch::new(self)
+    }
+
+    pub(crate) fn names(&self) -> &Arc<Names> {
+        &self.names
+    }
+
+    pub(crate) fn spread(&self) -> &[f64] {
+        &self.spread
+    }
+
+    /// For every block of rows: its task, its quantity, the error in that quantity's unit for the
+    /// weighted residual `r`, and whether it is within tolerance.
+    pub(crate) fn errors<'a>(&'a self, r: &'a [f64]) -> impl Iterator<Item = BlockError> + 'a {
+        self.tasks
+            .iter()
+            .enumerate()
+            .flat_map(move |(task, compiled)| {
+                compiled.blocks().map(move |block| {
+                    let rows = &r[block.rows.clone()];
+                    let weighted: f64 = rows.iter().map(|v| v * v).sum();
+                    // A weight of zero switches rows off: nobody asked for them.
+                    let error = if block.weight > 0.0 {
+                        weighted.sqrt() / block.weight
+                    } else {
+                        0.0
+                    };
+                    BlockError {
+                        task,
+                        quantity: block.quantity,
+                        error,
+                        reached: error <= block.tolerance,
+                        role: compiled.role,
+                    }
+                })
+            })
+    }
+
+    /// Whether every goal is within its tolerances for the weighted residual `r`.
+    #[must_use]
+    pub fn is_reached(&self, r: &[f64]) -> bool {
+        self.errors(r)
+            .all(|block| block.reached || block.role == Role::Preference)
+    }
+}
+
+/// The error of one block of rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockError {
+    pub(crate) task: usize,
+    pub(crate) quantity: Quantity,
+    pub(crate) error: f64,
+    pub(crate) reached: bool,
+    pub(crate) role: Role,
+}

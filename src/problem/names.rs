@@ -1,0 +1,12 @@
+//! The names that reports need, shared with every solution.
+
+/// Names of a problem's parts, by index.
+#[derive(Debug)]
+pub(crate) struct Names {
+    pub(crate) model: String,
+    /// The joint that each variable moves directly.
+    pub(crate) variables: Vec<String>,
+    pub(crate) tasks: Vec<String>,
+    /// The first frame each task looks at, if any.
+    pub(crate) task_frames: Vec<Option<String>>,
+}

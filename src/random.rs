@@ -1,0 +1,38 @@
+//! Numbers that look random and never change: SplitMix64 (Steele, Lea & Flood 2014, "Fast
+//! splittable pseudorandom number generators"). A crate's stream may change with its version;
+//! solutions must not.
+
+/// A stream of numbers for one (seed, index).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RandomStream {
+    state: u64,
+}
+
+const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+
+impl RandomStream {
+    /// The stream of one numbered attempt. Streams of different indices are unrelated.
+    pub(crate) fn new(seed: u64, index: u64) -> Self {
+        let mut outer = Self { state: seed };
+        let base = outer.next();
+        let mut inner = Self {
+            state: base ^ index.wrapping_mul(GOLDEN),
+        };
+        inner.next();
+        inner
+    }
+
+    /// The next 64 bits.
+    pub(crate) fn next(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(GOLDEN);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform within [0, 1).
+    pub(crate) fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}

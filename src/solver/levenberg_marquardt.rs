@@ -1,0 +1,135 @@
+//! Levenberg-Marquardt: (JᵀJ + λI) Δ = −Jᵀr over the free variables.
+
+use super::{LeastSquares, Memory, Method, Step, project};
+
+/// How λ follows the search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Damping {
+    /// From the ratio of won to promised decrease (Nielsen 1999, "Damping parameter in
+    /// Marquardt's method", IMM-REP-1999-05).
+    GainRatio,
+    /// λ = μ · cost, which falls off quadratically with the error (Chan & Lawrence 1988; Sugihara
+    /// 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
+    ErrorProportional,
+}
+
+/// Levenberg-Marquardt with hard bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevenbergMarquardt {
+    damping: Damping,
+    initial: f64,
+}
+
+impl LevenbergMarquardt {
+    /// With a damping rule and its default first value.
+    #[must_use]
+    pub fn new(damping: Damping) -> Self {
+        let initial = match damping {
+            Damping::GainRatio => 1e-3,
+            Damping::ErrorProportional => 0.1,
+        };
+        Self { damping, initial }
+    }
+
+    /// The first damping: τ in λ₀ = τ · max diag(JᵀJ) for the gain ratio, μ in λ = μ · cost for
+    /// the error-proportional rule. Positive.
+    #[must_use]
+    pub fn with_initial_damping(mut self, initial: f64) -> Self {
+        if initial > 0.0 && initial.is_finite() {
+            self.initial = initial;
+        }
+        self
+    }
+}
+
+impl Default for LevenbergMarquardt {
+    fn default() -> Self {
+        Self::new(Damping::GainRatio)
+    }
+}
+
+impl Method for LevenbergMarquardt {
+    fn name(&self) -> &'static str {
+        match self.damping {
+            Damping::GainRatio => "levenberg-marquardt",
+            Damping::ErrorProportional => "levenberg-marquardt-error",
+        }
+    }
+
+    fn needs_jacobian(&self) -> bool {
+        true
+    }
+
+    fn begin(&self, memory: &mut Memory) {
+        memory.damping_growth = match self.damping {
+            Damping::GainRatio => 2.0,
+            Damping::ErrorProportional => self.initial,
+        };
+        memory.damping = match self.damping {
+            Damping::GainRatio => self.initial * memory.column_norm * memory.column_norm,
+            Damping::ErrorProportional => self.initial * memory.cost,
+        };
+    }
+
+    fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
+        memory.solve_damped();
+        memory.project_step(problem);
+        let promised = memory.cost - memory.model_cost();
+        let trial_cost = memory.evaluate_trial(problem);
+        let won = memory.cost - trial_cost;
+        let accepted = won > 0.0;
+
+        match self.damping {
+            Damping::GainRatio if accepted => {
+                let ratio = if promised > 0.0 { won / promised } else { 1.0 };
+                memory.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+                memory.damping_growth = 2.0;
+            }
+            Damping::GainRatio => {
+                memory.damping *= memory.damping_growth;
+                memory.damping_growth *= 2.0;
+            }
+            Damping::ErrorProportional => {
+                // damping_growth holds μ.
+                if !accepted {
+                    memory.damping_growth *= 4.0;
+                } else if trial_cost < 0.25 * memory.cost {
+                    memory.damping_growth *= 0.5;
+                }
+                memory.damping = memory.damping_growth * trial_cost.min(memory.cost);
+            }
+        }
+        if accepted {
+            memory.accept_trial(trial_cost);
+            Step::Taken
+        } else {
+            Step::Refused
+        }
+    }
+}
+
+impl Memory {
+    /// Puts the damped step over the free variables into `step`.
+    fn solve_damped(&mut self) {
+        self.step.fill(0.0);
+        self.normal.solve(
+            &self.jacobian,
+            &self.residual,
+            &self.gradient,
+            &self.free,
+            self.damping,
+            &mut self.step,
+        );
+    }
+
+    /// Puts the projected x + Δ into `trial` and what is left of Δ into `step`.
+    fn project_step(&mut self, problem: &dyn LeastSquares) {
+        for ((trial, &x), &step) in self.trial.iter_mut().zip(&self.x).zip(&self.step) {
+            *trial = x + step;
+        }
+        project(&mut self.trial, problem.lower(), problem.upper());
+        for ((step, &trial), &x) in self.step.iter_mut().zip(&self.trial).zip(&self.x) {
+            *step = trial - x;
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The memory of one search, reused from search to search.
+
+use std::ops::AddAssign;
+
+use nalgebra::DMatrix;
+
+use super::LeastSquares;
+use super::active_set::{list_free, project, projected_gradient_norm};
+use super::linear::{CompleteOrthogonal, DampedNormal};
+
+/// How often a problem was evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Residual evaluations.
+    pub residuals: usize,
+    /// Jacobian evaluations.
+    pub jacobians: usize,
+    /// Gradient evaluations without a Jacobian.
+    pub gradients: usize,
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.residuals += other.residuals;
+        self.jacobians += other.jacobians;
+        self.gradients += other.gradients;
+    }
+}
+
+/// Where a search stands, and room for its next step.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    pub(super) x: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    pub(super) cost: f64,
+    pub(super) gradient: Vec<f64>,
+    pub(super) jacobian: DMatrix<f64>,
+    /// Largest column norm of the last Jacobian.
+    pub(super) column_norm: f64,
+    pub(super) free: Vec<usize>,
+    pub(super) trial: Vec<f64>,
+    pub(super) trial_residual: Vec<f64>,
+    pub(super) step: Vec<f64>,
+    pub(super) damping: f64,
+    pub(super) damping_growth: f64,
+    pub(super) previous_x: Vec<f64>,
+    pub(super) previous_gradient: Vec<f64>,
+    /// Costs of the last steps, newest last, for searches that may climb for a while.
+    pub(super) recent_costs: Vec<f64>,
+    pub(super) best_x: Vec<f64>,
+    pub(super) best_cost: f64,
+    pub(super) normal: DampedNormal,
+    pub(super) orthogonal: CompleteOrthogonal,
+    pub(super) counts: Counts,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self {
+            x: Vec::new(),
+            residual: Vec::new(),
+            cost: f64::INFINITY,
+            gradient: Vec::new(),
+            jacobian: DMatrix::zeros(0, 0),
+            column_norm: 0.0,
+            free: Vec::new(),
+            trial: Vec::new(),
+            trial_residual: Vec::new(),
+            step: Vec::new(),
+            damping: 0.0,
+            damping_growth: 0.0,
+            previous_x: Vec::new(),
+            previous_gradient: Vec::new(),
+            recent_costs: Vec::new(),
+            best_x: Vec::new(),
+            best_cost: f64::INFINITY,
+            normal: DampedNormal::default(),
+            orthogonal: CompleteOrthogonal::default(),
+            counts: Counts::default(),
+        }
+    }
+}
+
+impl Memory {
+    /// Where the search stands.
+    #[must_use]
+    pub fn x(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// r(x).
+    #[must_use]
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
+    /// ½‖r(x)‖².
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    /// Jᵀr at x.
+    #[must_use]
+    pub fn gradient(&self) -> &[f64] {
+        &self.gradient
+    }
+
+    /// Evaluations so far in this search.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Takes the shape of `problem` and stands at the projected start.
+    pub(super) fn start_at(&mut self, problem: &mut dyn LeastSquares, start: &[f64]) {
+        let (n, m) = (problem.variables(), problem.rows());
+        for vector in [
+            &mut self.x,
+            &mut self.gradient,
+            &mut self.trial,
+            &mut self.step,
+            &mut self.previous_x,
+            &mut self.previous_gradient,
+            &mut self.best_x,
+        ] {
+            vector.clear();
+            vector.resize(n, 0.0);
+        }
+        for vector in [&mut self.residual, &mut self.trial_residual] {
+            vector.clear();
+            vector.resize(m, 0.0);
+        }
+        if self.jacobian.shape() != (m, n) {
+            self.jacobian = DMatrix::zeros(m, n);
+        }
+        self.free.clear();
+        self.free.reserve(n);
+        self.recent_costs.clear();
+        self.counts = Counts::default();
+        self.damping = 0.0;
+        self.damping_growth = 0.0;
+        self.normal.forget();
+
+        for (own, &given) in self.x.iter_mut().zip(start) {
+            *own = given;
+        }
+        project(&mut self.x, problem.lower(), problem.upper());
+        problem.residual(&self.x, &mut self.residual);
+        self.counts.residuals += 1;
+        self.cost = half_squared(&self.residual);
+        self.best_cost = self.cost;
+        self.best_x.copy_from_slice(&self.x);
+    }
+
+    /// Evaluates the Jacobian at x, and the gradient and free variables with it.
+    pub(super) fn differentiate(&mut self, problem: &mut dyn LeastSquares) {
+        problem.jacobian(&self.x, &mut self.jacobian);
+        self.counts.jacobians += 1;
+        self.normal.forget();
+        self.column_norm = 0.0;
+        let rows = self.residual.len();
+        let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
+        for (entry, column) in self.gradient.iter_mut().zip(columns) {
+            let (mut along, mut squared) = (0.0, 0.0);
+            for (&j, &r) in column.iter().zip(&self.residual) {
+                along += j * r;
+                squared += j * j;
+            }
+            *entry = along;
+            self.column_norm = self.column_norm.max(squared);
+        }
+        self.column_norm = self.column_norm.sqrt();
+        self.list_free(problem);
+    }
+
+    /// Evaluates the gradient alone at x, and the free variables with it.
+    pub(super) fn differentiate_cost(&mut self, problem: &mut dyn LeastSquares) {
+        problem.gradient(
+            &self.x,
+            &self.residual,
+            &mut self.gradient,
+            &mut self.jacobian,
+        );
+        self.counts.gradients += 1;
+        self.list_free(problem);
+    }
+
+    /// The gradient Jᵀr at any x with residual r.
+    pub(crate) fn gradient_at(
+        &mut self,
+        problem: &mut dyn LeastSquares,
+        x: &[f64],
+        residual: &[f64],
+    ) -> &[f64] {
+        problem.gradient(x, residual, &mut self.gradient, &mut self.jacobian);
+        &self.gradient
+    }
+
+    fn list_free(&mut self, problem: &dyn LeastSquares) {
+        list_free(
+            &self.x,
+            &self.gradient,
+            problem.lower(),
+            problem.upper(),
+            &mut self.free,
+        );
+    }
+
+    pub(super) fn projected_gradient_norm(&self, problem: &dyn LeastSquares) -> f64 {
+        projected_gradient_norm(&self.x, &self.gradient, problem.lower(), problem.upper())
+    }
+
+    /// Projects `trial`, evaluates it and returns its cost; `step` becomes trial − x, after
+    /// projection.
+    pub(super) fn evaluate_trial(&mut self, problem: &mut dyn LeastSquares) -> f64 {
+        project(&mut self.trial, problem.lower(), problem.upper());
+        for ((step, &trial), &x) in self.step.iter_mut().zip(&self.trial).zip(&self.x) {
+            *step = trial - x;
+        }
+        problem.residual(&self.trial, &mut self.trial_residual);
+        self.counts.residuals += 1;
+        half_squared(&self.trial_residual)
+    }
+
+    /// Makes the trial the place where the search stands.
+    pub(super) fn accept_trial(&mut self, cost: f64) {
+        std::mem::swap(&mut self.x, &mut self.trial);
+        std::mem::swap(&mut self.residual, &mut self.trial_residual);
+        self.cost = cost;
+        if cost < self.best_cost {
+            self.best_cost = cost;
+            self.best_x.copy_from_slice(&self.x);
+        }
+    }
+
+    /// ½‖r + J Δ‖² for the step Δ: what the linear model promises.
+    pub(super) fn model_cost(&mut self) -> f64 {
+        let predicted = &mut self.trial_residual;
+        predicted.copy_from_slice(&self.residual);
+        let rows = predicted.len();
+        let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
+        for (&step, column) in self.step.iter().zip(columns) {
+            if step != 0.0 {
+                for (p, &j) in predicted.iter_mut().zip(column) {
+                    *p += step * j;
+                }
+            }
+        }
+        half_squared(predicted)
+    }
+
+    /// ‖Δ‖∞ of the last step.
+    pub(super) fn step_norm(&self) -> f64 {
+        self.step.iter().fold(0.0, |most, s| most.max(s.abs()))
+    }
+
+    /// Whether the last step moves no variable by more than tolerance · max(1, |x|).
+    pub(super) fn step_is_negligible(&self, tolerance: f64) -> bool {
+        let moves = self.step.iter().zip(&self.x);
+        moves
+            .into_iter()
+            .all(|(s, x)| s.abs() <= tolerance * x.abs().max(1.0))
+    }
+}
+
+/// ½‖r‖².
+pub(super) fn half_squared(residual: &[f64]) -> f64 {
+    0.5 * residual.iter().map(|r| r * r).sum::<f64>()
+}

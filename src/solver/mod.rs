@@ -1,0 +1,29 @@
+//! Bounded nonlinear least squares: minimise ½‖r(x)‖² subject to lower ≤ x ≤ upper.
+//!
+//! Solvers know no robots: they see a [`LeastSquares`]. A [`Method`] is one step; the loop around
+//! it ([`minimise`]) counts, observes and stops for all of them.
+
+mod active_set;
+mod gauss_newton;
+mod least_squares;
+mod levenberg_marquardt;
+mod line_search;
+mod linear;
+mod memory;
+mod method;
+mod minimise;
+mod observer;
+mod projected_gradient;
+mod stopping;
+
+pub use active_set::project;
+pub use gauss_newton::GaussNewton;
+pub use least_squares::LeastSquares;
+pub use levenberg_marquardt::{Damping, LevenbergMarquardt};
+pub use memory::{Counts, Memory};
+pub use method::{Method, Step};
+pub(crate) use minimise::minimise_until;
+pub use minimise::{Outcome, minimise};
+pub use observer::{Iteration, Observer, Silent};
+pub use projected_gradient::{FirstStep, ProjectedGradient};
+pub use stopping::{Stopping, Termination};

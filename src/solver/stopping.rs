@@ -1,0 +1,110 @@
+//! When to stop, and why it was.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+/// Limits of one search. `with_…` methods document their ranges; out-of-range values are taken as
+/// the nearest sensible one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stopping {
+    pub(super) max_iterations: usize,
+    pub(super) gradient_tolerance: f64,
+    pub(super) step_tolerance: f64,
+    pub(super) time_limit: Option<Duration>,
+}
+
+impl Default for Stopping {
+    /// 200 iterations, gradient tolerance 1e-9, step tolerance 1e-15, no time limit.
+    fn default() -> Self {
+        Self {
+            max_iterations: 200,
+            gradient_tolerance: 1e-9,
+            step_tolerance: 1e-15,
+            time_limit: None,
+        }
+    }
+}
+
+impl Stopping {
+    /// At most so many steps, accepted or not.
+    #[must_use]
+    pub fn with_max_iterations(mut self, iterations: usize) -> Self {
+        self.max_iterations = iterations;
+        self
+    }
+
+    /// Stationary when ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖ with s the largest column norm of
+    /// J: the cosine between r and what any free variable can do about it.
+    #[must_use]
+    pub fn with_gradient_tolerance(mut self, tolerance: f64) -> Self {
+        self.gradient_tolerance = tolerance.max(0.0);
+        self
+    }
+
+    /// Gives up when no variable moves by more than tolerance · max(1, |x|).
+    #[must_use]
+    pub fn with_step_tolerance(mut self, tolerance: f64) -> Self {
+        self.step_tolerance = tolerance.max(0.0);
+        self
+    }
+
+    /// Looks at the clock before every step and stops after `limit`. Results then depend on the
+    /// machine.
+    #[must_use]
+    pub fn with_time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// The wall-clock limit, if there is one.
+    #[must_use]
+    pub fn time_limit(&self) -> Option<Duration> {
+        self.time_limit
+    }
+
+    pub(crate) fn deadline(&self) -> Option<Instant> {
+        self.time_limit.map(|limit| Instant::now() + limit)
+    }
+}
+
+/// Which test ended a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Termination {
+    /// Every goal is within its tolerance.
+    Reached,
+    /// No free variable can lower the cost: a local minimum within the bounds.
+    Stationary,
+    /// Steps became too small to change anything.
+    SmallStep,
+    /// The iteration limit.
+    IterationLimit,
+    /// The wall-clock limit.
+    TimeLimit,
+    /// The observer said stop.
+    Cancelled,
+    /// The residual or its derivative is NaN or infinite, or the start is.
+    NonFinite,
+}
+
+impl Termination {
+    /// The name used in files and messages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reached => "reached",
+            Self::Stationary => "stationary",
+            Self::SmallStep => "small_step",
+            Self::IterationLimit => "iteration_limit",
+            Self::TimeLimit => "time_limit",
+            Self::Cancelled => "cancelled",
+            Self::NonFinite => "non_finite",
+        }
+    }
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

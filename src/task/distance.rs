@@ -1,0 +1,64 @@
+//! Two frames should be a distance apart.
+
+use super::residual::not_finite;
+use super::{Quantity, Residual, Rows};
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+
+/// ‖x_a − x_b‖ − distance, one row in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    frames: [FrameId; 2],
+    distance: f64,
+}
+
+impl Distance {
+    /// The origins of two frames should be `distance` metres apart (not negative).
+    #[must_use]
+    pub fn new(a: FrameId, b: FrameId, distance: f64) -> Self {
+        Self {
+            frames: [a, b],
+            distance,
+        }
+    }
+
+    /// Changes the distance.
+    pub fn set_distance(&mut self, distance: f64) {
+        self.distance = distance;
+    }
+}
+
+impl Residual for Distance {
+    fn kind(&self) -> &'static str {
+        "distance"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let apart = frames[0].translation - frames[1].translation;
+        let squared = apart.norm_squared();
+        // Where the two coincide every direction is as good: take x, so that there is a derivative.
+        let together = squared.less_than(S::constant(f64::MIN_POSITIVE));
+        let unit_x = Vector3::constant(Vector3::UNITS[0]);
+        let length = S::select(
+            together,
+            apart.dot(unit_x),
+            S::select(together, S::one(), squared).sqrt(),
+        );
+        residual[0] = length - S::constant(self.distance);
+    }
+
+    fn defect(&self) -> Option<String> {
+        not_finite("its distance", [self.distance]).or_else(|| {
+            (self.distance < 0.0).then(|| format!("its distance {} is negative", self.distance))
+        })
+    }
+}

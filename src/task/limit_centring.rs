@@ -1,0 +1,79 @@
+//! Joints should stay away from their limits.
+
+use super::{LocalJacobian, Quantity, Residual, Role, Rows};
+use crate::model::{FrameId, JointId, Model};
+use crate::scalar::Scalar;
+use crate::spatial::Placement;
+
+/// (q_j − middle_j) / half range_j, one row per joint with two finite limits: 0 in the middle, ±1
+/// on a limit. A preference by default.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitCentring {
+    joints: Vec<JointId>,
+    middle_and_half_range: Vec<(f64, f64)>,
+}
+
+impl LimitCentring {
+    /// Every moving joint of `model` whose limits are finite and apart.
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
+        let (joints, middle_and_half_range) = model
+            .moving_joints()
+            .iter()
+            .zip(model.limits())
+            .filter(|(_, limits)| {
+                let range = limits.upper - limits.lower;
+                range.is_finite() && range > 0.0
+            })
+            .map(|(&joint, limits)| {
+                let half_range = (limits.upper - limits.lower) / 2.0;
+                (joint, (limits.lower + half_range, half_range))
+            })
+            .unzip();
+        Self {
+            joints,
+            middle_and_half_range,
+        }
+    }
+}
+
+impl Residual for LimitCentring {
+    const ROLE: Role = Role::Preference;
+
+    fn kind(&self) -> &'static str {
+        "limit centring"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.clone()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, self.joints.len())]
+    }
+
+    fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        let ranges = &self.middle_and_half_range;
+        for ((row, &value), &(middle, half_range)) in residual.iter_mut().zip(joints).zip(ranges) {
+            *row = (value - S::constant(middle)) * S::constant(1.0 / half_range);
+        }
+    }
+
+    fn differentiate(
+        &self,
+        _frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        jacobian.set_diagonal(
+            self.middle_and_half_range
+                .iter()
+                .map(|(_, half)| 1.0 / half),
+        );
+        true
+    }
+}

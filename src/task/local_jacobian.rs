@@ -1,0 +1,108 @@
+//! The derivative of one residual by what it reads: its frames' twists and its joints' values.
+
+use crate::spatial::Vector3;
+
+/// ∂r/∂twist for each frame and ∂r/∂value for each joint of one residual.
+///
+/// A frame's twist is its velocity (m) and angular velocity (rad) in world axes at its own origin.
+#[derive(Clone, Debug, Default)]
+pub struct LocalJacobian {
+    rows: usize,
+    linear: Vec<Vector3<f64>>,
+    angular: Vec<Vector3<f64>>,
+    turning: Vec<bool>,
+    joint_count: usize,
+    /// Rows × joints by columns; empty until a column is written.
+    joints: Vec<f64>,
+    /// ∂row k/∂joint k where that is all there is; empty unless written.
+    diagonal: Vec<f64>,
+}
+
+impl LocalJacobian {
+    /// Takes a shape and sets every entry to zero, without allocating once it has been larger.
+    pub(crate) fn reset(&mut self, rows: usize, frames: usize, joints: usize) {
+        self.rows = rows;
+        for part in [&mut self.linear, &mut self.angular] {
+            part.clear();
+            part.resize(rows * frames, Vector3::zero());
+        }
+        self.turning.clear();
+        self.turning.resize(frames, false);
+        self.joint_count = joints;
+        self.joints.clear();
+        self.diagonal.clear();
+    }
+
+    /// How many rows the residual has.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// ∂r/∂velocity of a frame, one vector per row.
+    #[must_use]
+    pub fn linear(&self, frame: usize) -> &[Vector3<f64>] {
+        &self.linear[frame * self.rows..(frame + 1) * self.rows]
+    }
+
+    /// ∂r/∂angular velocity of a frame, one vector per row; empty if nothing was ever written.
+    #[must_use]
+    pub fn angular(&self, frame: usize) -> &[Vector3<f64>] {
+        if self.turning[frame] {
+            &self.angular[frame * self.rows..(frame + 1) * self.rows]
+        } else {
+            &[]
+        }
+    }
+
+    /// The non-zero entries of ∂r/∂value of a joint, as (row, entry).
+    pub(crate) fn joint(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let start = joint * self.rows;
+        let column = self.joints.get(start..start + self.rows).unwrap_or(&[]);
+        let own = self.diagonal.get(joint).map(|&entry| (joint, entry));
+        column.iter().copied().enumerate().chain(own)
+    }
+
+    /// ∂r/∂velocity of a frame, to write.
+    pub fn linear_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
+        &mut self.linear[frame * self.rows..(frame + 1) * self.rows]
+    }
+
+    /// ∂r/∂angular velocity of a frame, to write.
+    pub fn angular_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
+        self.turning[frame] = true;
+        &mut self.angular[frame * self.rows..(frame + 1) * self.rows]
+    }
+
+    /// ∂r/∂value of a joint, to write.
+    pub fn joint_mut(&mut self, joint: usize) -> &mut [f64] {
+        self.joints.resize(self.rows * self.joint_count, 0.0);
+        &mut self.joints[joint * self.rows..(joint + 1) * self.rows]
+    }
+
+    /// Says that row k depends on joint k alone, with these derivatives.
+    pub fn set_diagonal(&mut self, entries: impl IntoIterator<Item = f64>) {
+        self.diagonal.clear();
+        self.diagonal
+            .extend(entries.into_iter().take(self.rows.min(self.joint_count)));
+    }
+
+    /// Multiplies each row by its weight.
+    pub(crate) fn scale_rows(&mut self, weights: &[f64]) {
+        for part in [&mut self.linear, &mut self.angular] {
+            for row in part.chunks_exact_mut(self.rows) {
+                for (entry, &weight) in row.iter_mut().zip(weights) {
+                    *entry = *entry * weight;
+                }
+            }
+        }
+        for row in self.joints.chunks_exact_mut(self.rows) {
+            for (entry, &weight) in row.iter_mut().zip(weights) {
+                *entry *= weight;
+            }
+        }
+        for (entry, &weight) in self.diagonal.iter_mut().zip(weights) {
+            *entry *= weight;
+        }
+    }
+}

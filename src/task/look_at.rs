@@ -1,0 +1,93 @@
+//! An axis of a frame should point at a place.
+
+use super::residual::not_finite;
+use super::{Quantity, Residual, Rows};
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Quaternion, Vector3};
+
+/// The rotation vector that would turn the axis onto the line of sight: three rows in radians,
+/// world axes, of rank two; its length is the angle that is missing, within [0, π].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookAt {
+    frame: FrameId,
+    axis: Vector3<f64>,
+    target: Vector3<f64>,
+}
+
+impl LookAt {
+    /// `axis` (frame coordinates, any length but zero) should point from the frame's origin to
+    /// `target` (world coordinates). A target at the origin itself counts as looked at.
+    #[must_use]
+    pub fn new(
+        frame: FrameId,
+        axis: impl Into<Vector3<f64>>,
+        target: impl Into<Vector3<f64>>,
+    ) -> Self {
+        Self {
+            frame,
+            axis: axis.into(),
+            target: target.into(),
+        }
+    }
+
+    /// Moves the target.
+    pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
+        self.target = target.into();
+    }
+}
+
+impl Residual for LookAt {
+    fn kind(&self) -> &'static str {
+        "look-at"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Radians, 3)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let unit_axis = self.axis * (1.0 / self.axis.norm());
+        let axis = frames[0].rotation * Vector3::constant(unit_axis);
+        let sight = Vector3::constant(self.target) - frames[0].translation;
+        let squared = sight.norm_squared();
+        let blind = squared.less_than(S::constant(f64::MIN_POSITIVE));
+        let length = S::select(blind, S::one(), squared).sqrt();
+        let sight = Vector3::select(blind, axis, sight * (S::one() / length));
+
+        // The half-way quaternion (1 + a·s, a × s) turns a onto s; opposite vectors leave it
+        // empty, and any axis across a does.
+        let w = S::one() + axis.dot(sight);
+        let opposite = w.less_than(S::constant(1e-12));
+        let v = Vector3::select(opposite, across(axis), axis.cross(sight));
+        let w = S::select(opposite, S::zero(), w);
+        let scale = S::one() / w.mul_add(w, v.norm_squared()).sqrt();
+        let turn = Quaternion {
+            w: w * scale,
+            v: v * scale,
+        };
+        residual.copy_from_slice(&turn.log().to_array());
+    }
+
+    fn defect(&self) -> Option<String> {
+        not_finite("its target", self.target.to_array())
+            .or_else(|| not_finite("its axis", self.axis.to_array()))
+            .or_else(|| (self.axis.norm() <= 0.0).then(|| "its axis has no direction".to_owned()))
+    }
+}
+
+/// Some vector across a unit vector.
+fn across<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
+    let along_x = S::constant(0.5).less_than(unit.x.abs());
+    let (zero, one) = (S::zero(), S::one());
+    let other = Vector3::new(
+        S::select(along_x, zero, one),
+        S::select(along_x, one, zero),
+        zero,
+    );
+    unit.cross(other)
+}

@@ -1,0 +1,38 @@
+//! What frames and joints should do: one residual a file.
+//!
+//! A [`Residual`] is written once over the [`Scalar`](crate::Scalar); its derivatives follow
+//! exactly. A [`Task`] gives it weights, tolerances and a name.
+
+mod distance;
+mod erased;
+mod limit_centring;
+mod local_jacobian;
+mod look_at;
+mod orientation;
+mod pixel;
+mod plane;
+mod point;
+mod pose;
+mod posture;
+mod quantity;
+mod ray;
+mod residual;
+mod smoothness;
+mod weighted;
+
+pub use distance::Distance;
+pub(crate) use erased::{CHUNK, DualScratch, ErasedResidual};
+pub use limit_centring::LimitCentring;
+pub use local_jacobian::LocalJacobian;
+pub use look_at::LookAt;
+pub use orientation::Orientation;
+pub use pixel::{Camera, Pixel};
+pub use plane::Plane;
+pub use point::Point;
+pub use pose::Pose;
+pub use posture::Posture;
+pub use quantity::{Quantity, Rows};
+pub use ray::Ray;
+pub use residual::{Residual, Role};
+pub use smoothness::Smoothness;
+pub use weighted::Task;

@@ -1,0 +1,105 @@
+//! A frame's origin should be seen at a pixel: the mouse energy measured in the image.
+
+use super::residual::not_finite;
+use super::{Quantity, Residual, Rows};
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+
+/// A projective camera: homogeneous pixel (u·w, v·w, w) = P (x, y, z, 1)
+/// (Hartley & Zisserman 2004, eq. 6.10).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// P by rows.
+    pub pixel_from_world: [[f64; 4]; 3],
+}
+
+impl Camera {
+    /// A pinhole camera that stands at `world_from_camera` and looks along its own +z, x to the
+    /// right and y down, with focal lengths and principal point in pixels.
+    #[must_use]
+    pub fn pinhole(
+        world_from_camera: &Placement<f64>,
+        focal_length: [f64; 2],
+        principal_point: [f64; 2],
+    ) -> Self {
+        let camera_from_world = world_from_camera.inverse();
+        let r = camera_from_world.rotation.transpose();
+        let t = camera_from_world.translation;
+        let row = |axis: Vector3<f64>, shift| [axis.x, axis.y, axis.z, shift];
+        let [x, y, z] = [row(r.x, t.x), row(r.y, t.y), row(r.z, t.z)];
+        let mixed = |along: [f64; 4], focal: f64, centre: f64| {
+            std::array::from_fn(|k| focal * along[k] + centre * z[k])
+        };
+        Self {
+            pixel_from_world: [
+                mixed(x, focal_length[0], principal_point[0]),
+                mixed(y, focal_length[1], principal_point[1]),
+                z,
+            ],
+        }
+    }
+
+    /// The pixel (u, v) at which a world point is seen; not finite in the camera's own plane.
+    pub fn project<S: Scalar>(&self, point: Vector3<S>) -> [S; 2] {
+        let [u, v, w] = self.pixel_from_world.map(|[x, y, z, shift]| {
+            Vector3::constant(Vector3::new(x, y, z)).dot(point) + S::constant(shift)
+        });
+        [u / w, v / w]
+    }
+}
+
+/// Projected position − pixel, two rows in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pixel {
+    frame: FrameId,
+    camera: Camera,
+    target: [f64; 2],
+}
+
+impl Pixel {
+    /// The frame's origin should be seen at (u, v).
+    #[must_use]
+    pub fn new(frame: FrameId, camera: Camera, target: [f64; 2]) -> Self {
+        Self {
+            frame,
+            camera,
+            target,
+        }
+    }
+
+    /// Moves the pixel.
+    pub fn set_target(&mut self, target: [f64; 2]) {
+        self.target = target;
+    }
+}
+
+impl Residual for Pixel {
+    fn kind(&self) -> &'static str {
+        "pixel"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Pixels, 2)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let seen = self.camera.project(frames[0].translation);
+        for ((row, at), target) in residual.iter_mut().zip(seen).zip(self.target) {
+            *row = at - S::constant(target);
+        }
+    }
+
+    fn defect(&self) -> Option<String> {
+        not_finite("its pixel", self.target).or_else(|| {
+            not_finite(
+                "its camera",
+                self.camera.pixel_from_world.into_iter().flatten(),
+            )
+        })
+    }
+}

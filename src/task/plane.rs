@@ -1,0 +1,72 @@
+//! A frame's origin should lie in a plane.
+
+use super::residual::not_finite;
+use super::{LocalJacobian, Quantity, Residual, Rows};
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+
+/// The signed distance n · (x − p), one row in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    frame: FrameId,
+    point: Vector3<f64>,
+    normal: Vector3<f64>,
+}
+
+impl Plane {
+    /// The plane through `point` across `normal` (any length but zero), in world coordinates.
+    #[must_use]
+    pub fn new(
+        frame: FrameId,
+        point: impl Into<Vector3<f64>>,
+        normal: impl Into<Vector3<f64>>,
+    ) -> Self {
+        Self {
+            frame,
+            point: point.into(),
+            normal: normal.into(),
+        }
+    }
+
+    fn unit_normal(&self) -> Vector3<f64> {
+        self.normal * (1.0 / self.normal.norm())
+    }
+}
+
+impl Residual for Plane {
+    fn kind(&self) -> &'static str {
+        "plane"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let from_plane = frames[0].translation - Vector3::constant(self.point);
+        residual[0] = from_plane.dot(Vector3::constant(self.unit_normal()));
+    }
+
+    fn differentiate(
+        &self,
+        _frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        jacobian.linear_mut(0)[0] = self.unit_normal();
+        true
+    }
+
+    fn defect(&self) -> Option<String> {
+        not_finite("its point", self.point.to_array())
+            .or_else(|| not_finite("its normal", self.normal.to_array()))
+            .or_else(|| {
+                (self.normal.norm() <= 0.0).then(|| "its normal has no direction".to_owned())
+            })
+    }
+}

@@ -1,0 +1,86 @@
+//! A frame's origin should lie on a line: the mouse energy of a viewing ray.
+
+use super::residual::not_finite;
+use super::{LocalJacobian, Quantity, Residual, Rows};
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+
+/// The part of x − m across the line: (I − d dᵀ)(x − m), three rows in metres, of rank two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    frame: FrameId,
+    eye: Vector3<f64>,
+    through: Vector3<f64>,
+}
+
+impl Ray {
+    /// The line through the eye e and the point m (the mouse, unprojected), in world coordinates.
+    /// Both must be finite and apart.
+    #[must_use]
+    pub fn new(
+        frame: FrameId,
+        eye: impl Into<Vector3<f64>>,
+        through: impl Into<Vector3<f64>>,
+    ) -> Self {
+        Self {
+            frame,
+            eye: eye.into(),
+            through: through.into(),
+        }
+    }
+
+    /// Moves the line.
+    pub fn set_line(&mut self, eye: impl Into<Vector3<f64>>, through: impl Into<Vector3<f64>>) {
+        self.eye = eye.into();
+        self.through = through.into();
+    }
+
+    /// d = (e − m)/‖e − m‖.
+    fn direction(&self) -> Vector3<f64> {
+        let along = self.eye - self.through;
+        along * (1.0 / along.norm())
+    }
+}
+
+impl Residual for Ray {
+    fn kind(&self) -> &'static str {
+        "ray"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 3)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let direction = Vector3::constant(self.direction());
+        let from_mouse = frames[0].translation - Vector3::constant(self.through);
+        let across = from_mouse - direction * from_mouse.dot(direction);
+        residual.copy_from_slice(&across.to_array());
+    }
+
+    fn differentiate(
+        &self,
+        _frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let direction = self.direction();
+        for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
+            *row = unit - direction * unit.dot(direction);
+        }
+        true
+    }
+
+    fn defect(&self) -> Option<String> {
+        let points = [self.eye, self.through];
+        not_finite("its line", points.iter().flat_map(|p| p.to_array())).or_else(|| {
+            let length = (self.eye - self.through).norm();
+            (length <= 0.0).then(|| "its eye and point coincide, so they span no line".to_owned())
+        })
+    }
+}

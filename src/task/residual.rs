@@ -1,0 +1,97 @@
+//! The trait that every residual, ours or a user's, answers.
+
+use super::{LocalJacobian, Rows};
+use crate::model::{FrameId, JointId};
+use crate::scalar::Scalar;
+use crate::spatial::Placement;
+
+/// Whether a task must be met or is only preferred.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Role {
+    /// The problem counts as reached only when this task is within its tolerances.
+    Goal,
+    /// Pulls on the solution, but its error never counts as a miss.
+    Preference,
+}
+
+/// A vector r(q) that is zero when all is as it should be.
+///
+/// Write [`evaluate`](Self::evaluate) once over the scalar and every derivative route works on it:
+/// the analytic one differentiates the residual by the motion of its frames with dual numbers and
+/// multiplies with the geometric Jacobian.
+///
+/// ```
+/// use kinopt::model::FrameId;
+/// use kinopt::spatial::Placement;
+/// use kinopt::task::{Quantity, Residual, Rows};
+/// use kinopt::Scalar;
+///
+/// /// Keeps a frame on a cylinder around the world's z axis.
+/// struct OnCylinder { frame: FrameId, radius: f64 }
+///
+/// impl Residual for OnCylinder {
+///     fn frames(&self) -> Vec<FrameId> { vec![self.frame] }
+///     fn rows(&self) -> Vec<Rows> { vec![Rows::new(Quantity::Metres, 1)] }
+///     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
+///         let at = frames[0].translation;
+///         r[0] = (at.x * at.x + at.y * at.y).sqrt() - S::constant(self.radius);
+///     }
+/// }
+/// # let residual = OnCylinder { frame: kinopt_frame(), radius: 0.5 };
+/// # let mut r = [0.0];
+/// # residual.evaluate(&[Placement::translation([0.3, 0.4, 9.0].into())], &[], &mut r);
+/// # assert!(r[0].abs() < 1e-15);
+/// # fn kinopt_frame() -> FrameId {
+/// #     let mut b = kinopt::model::Model::builder("m");
+/// #     b.frame("f", None, Placement::identity())
+/// # }
+/// ```
+pub trait Residual: Send + Sync + 'static {
+    /// Whether the residual is a goal or a preference unless the task says otherwise.
+    const ROLE: Role = Role::Goal;
+
+    /// What kind of task this is, in a word or two, for reports.
+    fn kind(&self) -> &'static str {
+        "custom"
+    }
+
+    /// The frames it reads, in the order in which `evaluate` sees them.
+    fn frames(&self) -> Vec<FrameId>;
+
+    /// The moving joints whose values it reads, in the order in which `evaluate` sees them.
+    fn joints(&self) -> Vec<JointId> {
+        Vec::new()
+    }
+
+    /// Its rows in order, with what they measure.
+    fn rows(&self) -> Vec<Rows>;
+
+    /// Writes every row of `residual`. `frames[k]` is world_from_frame of the k-th frame, `joints[k]`
+    /// the k-th joint's value in radians or metres.
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]);
+
+    /// Writes the derivatives by hand and returns true, or returns false to leave them to dual
+    /// numbers. `jacobian` comes in all zeros.
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let _ = (frames, joints, jacobian);
+        false
+    }
+
+    /// What is wrong with the residual's own numbers, if anything; asked when a problem is built.
+    fn defect(&self) -> Option<String> {
+        None
+    }
+}
+
+/// Names the first of some numbers that is not finite.
+pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> Option<String> {
+    numbers
+        .into_iter()
+        .find(|number| !number.is_finite())
+        .map(|number| format!("{what} holds {number}, which is not a finite number"))
+}
