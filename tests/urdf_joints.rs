@@ -158,6 +158,15 @@ fn quarter_turns_have_exact_zeros() {
 }
 
 #[test]
+fn a_fixed_joint_with_a_master_is_fixed() {
+    let mimic = "<mimic joint='j1' multiplier='2'/>";
+    let robot = chain(&[("revolute", LIMIT), ("fixed", mimic)]);
+    assert!(robot.mimics().is_empty());
+    assert_eq!(robot.model().degrees_of_freedom(), 1);
+    assert_same(&tip(&robot, &[0.7]), &origin([0.0; 3], [0.7, 0.0, 0.0]));
+}
+
+#[test]
 fn a_byte_order_mark_is_no_harm() {
     let text = std::fs::read_to_string("models/kuka_iiwa14.urdf").unwrap();
     let robot = Robot::parse(&format!("\u{feff}{text}"), "iiwa").unwrap();

@@ -50,7 +50,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
     (
         r#"<limit lower="-1" upper="2" velocity="1" effort="10"/>"#,
         "",
-        "two.urdf:6: joint `shoulder`: a revolute joint needs <limit> with `lower` and `upper`",
+        "two.urdf:6: joint `shoulder`: a revolute joint needs <limit> with `lower` and `upper`; one that turns without end is `continuous`",
     ),
     (
         r#"<limit lower="0" upper="0.3" velocity="1" effort="10"/>"#,

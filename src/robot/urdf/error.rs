@@ -124,7 +124,10 @@ pub enum Fault {
         kind: String,
     },
     /// A revolute or prismatic joint whose limits are not stated.
-    #[error("a {kind} joint needs <limit> with `lower` and `upper`")]
+    #[error(
+        "a {kind} joint needs <limit> with `lower` and `upper`{}",
+        if *kind == "revolute" { "; one that turns without end is `continuous`" } else { "" }
+    )]
     NoLimits {
         /// revolute or prismatic.
         kind: &'static str,

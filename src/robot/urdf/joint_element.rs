@@ -93,7 +93,9 @@ pub(super) fn read(
             let label = format!("{label}, <mimic>");
             numbers::<1>(place, mimic, &label, "multiplier")?;
             numbers::<1>(place, mimic, &label, "offset")?;
-            Some(name_attribute(place, mimic, &label, "joint")?)
+            let master = name_attribute(place, mimic, &label, "joint")?;
+            // Files in which some joints were made fixed keep their <mimic>; fixed is fixed.
+            (kind != "fixed").then_some(master)
         }
         None => None,
     };
