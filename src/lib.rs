@@ -8,6 +8,7 @@ pub mod mesh;
 pub mod model;
 pub mod problem;
 mod random;
+pub mod robot;
 pub mod scalar;
 pub mod skeleton;
 pub mod skinning;
