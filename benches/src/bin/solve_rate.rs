@@ -1,8 +1,6 @@
 //! How often, how fast and in how many steps each solver reaches five random tip targets of a
-//! figure from its rest pose: `cargo run --release --example solve_rate -- [problems]`.
-
-#[path = "../benches/support/mod.rs"]
-mod support;
+//! figure from its rest pose: `cargo run --release -p kinopt-benches --bin solve_rate -- [problems]`.
+#![allow(clippy::print_stdout)]
 
 use std::time::Instant;
 
@@ -12,10 +10,11 @@ use kinopt::solver::{
 };
 use kinopt::task::{Point, Quantity};
 use kinopt::{Problem, Solver, Workspace};
+use kinopt_benches::{Sequence, figure, random_targets};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problems: usize = std::env::args().nth(1).map_or(Ok(1000), |n| n.parse())?;
-    let (skeleton, tips) = support::figure(2, 4);
+    let (skeleton, tips) = figure(2, 4);
     let size = skeleton.size();
     let mut builder = Problem::builder(skeleton.model());
     let tasks: Vec<_> = tips
@@ -26,18 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut problem = builder.build()?;
 
     // The same targets for everyone: tips of random poses across the full limits.
-    let mut random = support::Sequence::new(0.5);
-    let limits: Vec<_> = skeleton.model().limits().collect();
-    let targets: Vec<Vec<_>> = (0..problems)
-        .map(|_| {
-            let q: Vec<f64> = limits
-                .iter()
-                .map(|l| l.lower + (l.upper - l.lower) * random.unit())
-                .collect();
-            let pose = skeleton.pose(&q);
-            tips.iter().map(|&tip| pose.tip(&skeleton, tip)).collect()
-        })
-        .collect();
+    let targets = random_targets(&skeleton, &tips, problems, &mut Sequence::new(0.5));
 
     println!(
         "{} bones, {} variables, {} rows, {problems} problems, tolerance 1e-8 of the size",

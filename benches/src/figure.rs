@@ -1,30 +1,14 @@
-//! Skeletons that the benches share.
-#![allow(clippy::expect_used)]
+//! A figure of any number of bones, built in code so that benches need no files.
 
+use crate::Sequence;
 use kinopt::model::Limits;
 use kinopt::skeleton::{Bone, BoneId, Skeleton};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
-/// Numbers within [0, 1) that never change (an additive recurrence of the golden ratio).
-pub(crate) struct Sequence(f64);
-
-impl Sequence {
-    /// Starts the sequence anywhere.
-    pub(crate) fn new(seed: f64) -> Self {
-        Self(seed)
-    }
-
-    /// The next number.
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = (self.0 + 0.618_033_988_749_894_9) * 1.000_000_1;
-        let mixed = (self.0 * 12.9898).sin() * 43_758.545_3;
-        mixed - mixed.floor()
-    }
-}
-
 /// A figure with a spine and five limbs of `per_limb` bones: 22 bones for (2, 4), 62 for (12, 10).
 ///
-pub(crate) fn figure(spine: usize, per_limb: usize) -> (Skeleton, Vec<BoneId>) {
+#[must_use]
+pub fn figure(spine: usize, per_limb: usize) -> (Skeleton, Vec<BoneId>) {
     let mut bones: Vec<Bone> = Vec::new();
     let mut last: Vec<usize> = Vec::new();
     let total = 1.75;
@@ -114,4 +98,32 @@ fn along(unit: Vector3<f64>) -> Matrix3<f64> {
     let z = Vector3::new(0.0, 0.0, 1.0);
     let y = z.cross(unit);
     Matrix3::from_columns(unit, y, z)
+}
+
+/// The same skeleton without limits, so that every angle is a variable.
+#[must_use]
+pub fn every_angle_free(skeleton: &Skeleton) -> Skeleton {
+    let mut bones = skeleton.bones().to_vec();
+    for bone in &mut bones {
+        bone.limits = [Limits::UNBOUNDED; 3];
+    }
+    Skeleton::new("free figure", bones).expect("its bones are valid")
+}
+
+/// The tips' places in random poses across the full limits: one list of targets a pose.
+#[must_use]
+pub fn random_targets(
+    skeleton: &Skeleton,
+    tips: &[BoneId],
+    poses: usize,
+    random: &mut Sequence,
+) -> Vec<Vec<Vector3<f64>>> {
+    let limits: Vec<Limits> = skeleton.model().limits().collect();
+    let mut target = || {
+        let within = |l: &Limits, share: f64| l.lower + (l.upper - l.lower) * share;
+        let q: Vec<f64> = limits.iter().map(|l| within(l, random.unit())).collect();
+        let pose = skeleton.pose(&q);
+        tips.iter().map(|&tip| pose.tip(skeleton, tip)).collect()
+    };
+    (0..poses).map(|_| target()).collect()
 }
