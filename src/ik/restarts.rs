@@ -22,6 +22,9 @@ const QUICK_ATTEMPTS: usize = 8;
 const PATIENCE_AT_START: usize = 6;
 const PATIENCE: usize = 10;
 
+/// How many attempts after the first leave alone what already is where it should be.
+const LOCAL_ATTEMPTS: usize = 2;
+
 /// One run of the method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Trial {
@@ -39,15 +42,18 @@ pub struct Restarts {
     pub(super) attempts: usize,
     pub(super) seed: u64,
     pub(super) agreeing: usize,
+    pub(super) steps: usize,
 }
 
 impl Default for Restarts {
-    /// Up to 32 attempts, seed 0, and an end after three that agree on the same miss.
+    /// Up to 32 attempts and 1 000 steps together, seed 0, and an end after three that agree on the
+    /// same miss.
     fn default() -> Self {
         Self {
             attempts: 32,
             seed: 0,
             agreeing: 3,
+            steps: 1000,
         }
     }
 }
@@ -84,6 +90,13 @@ impl Restarts {
         self
     }
 
+    /// Starts no further attempt after so many steps of all attempts together.
+    #[must_use]
+    pub fn with_steps(mut self, steps: usize) -> Self {
+        self.steps = steps;
+        self
+    }
+
     /// The runs, in order.
     pub(super) fn trials(&self) -> impl Iterator<Item = Trial> + use<> {
         let quick = match self.attempts {
@@ -107,10 +120,18 @@ impl Restarts {
     }
 
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
-    /// place, even ones go there.
-    pub(super) fn start_of(&self, index: usize, start: &[f64], problem: &Problem, x: &mut [f64]) {
+    /// place, even ones go there. The first attempts after the start leave what is not free to
+    /// `wander` where it is.
+    pub(super) fn start_of(
+        &self,
+        index: usize,
+        start: &[f64],
+        wander: &[bool],
+        problem: &Problem,
+        x: &mut [f64],
+    ) {
+        x.copy_from_slice(start);
         if index == 0 {
-            x.copy_from_slice(start);
             return;
         }
         let mut random = RandomStream::new(self.seed, index as u64);
@@ -118,7 +139,9 @@ impl Restarts {
         for (j, value) in x.iter_mut().enumerate() {
             let (low, high) = problem.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
-            *value = start[j] + share * (drawn - start[j]);
+            if wander[j] || index > LOCAL_ATTEMPTS {
+                *value = start[j] + share * (drawn - start[j]);
+            }
         }
     }
 }

@@ -57,6 +57,7 @@ impl Search<'_> {
             memory,
             start,
             attempt,
+            wander,
             best_x,
             best_residual,
             ..
@@ -67,7 +68,13 @@ impl Search<'_> {
         for trial in self.restarts.trials() {
             match trial {
                 Trial::Quick(index) | Trial::Full(index) => {
-                    self.restarts.start_of(index, start, self.problem, attempt);
+                    if index == 1 {
+                        let mut evaluation = Evaluation::new(self.problem, scratch);
+                        memory.evaluate_at(&mut evaluation, start);
+                        self.problem.mark_free_to_wander(memory.residual(), wander);
+                    }
+                    self.restarts
+                        .start_of(index, start, wander, self.problem, attempt);
                     found.attempts += 1;
                 }
                 Trial::FinishBest => attempt.copy_from_slice(best_x),
@@ -105,7 +112,8 @@ impl Search<'_> {
             }
             let cancelled = outcome.termination == Termination::Cancelled;
             let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            if reached || cancelled || late || agreeing >= self.restarts.agreeing {
+            let tired = found.iterations >= self.restarts.steps;
+            if reached || cancelled || late || tired || agreeing >= self.restarts.agreeing {
                 break;
             }
         }

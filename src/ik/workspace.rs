@@ -13,6 +13,7 @@ pub struct Workspace {
     pub(super) scratch: Option<Scratch>,
     pub(super) start: Vec<f64>,
     pub(super) attempt: Vec<f64>,
+    pub(super) wander: Vec<bool>,
     pub(super) best_x: Vec<f64>,
     pub(super) best_residual: Vec<f64>,
     pub(super) solution: Solution,
@@ -36,6 +37,7 @@ impl Workspace {
         for vector in [&mut self.start, &mut self.attempt, &mut self.best_x] {
             vector.resize(problem.variables(), 0.0);
         }
+        self.wander.resize(problem.variables(), true);
         self.best_residual.resize(problem.rows(), 0.0);
         match self.scratch.take() {
             Some(scratch) if scratch.fits(problem) => scratch,

@@ -18,7 +18,7 @@ pub(crate) use names::Names;
 use std::sync::Arc;
 
 use crate::kinematics::Tree;
-use crate::model::{Model, ParameterMap};
+use crate::model::{Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
 use compiled_task::CompiledTask;
 
@@ -201,6 +201,41 @@ impl Problem {
         }
         let spread = self.spread[variable];
         (lower.max(at - spread), upper.min(at + spread))
+    }
+
+    /// Marks the variables that move a missed goal and no other task, given the weighted residual
+    /// there; all of them where there is none such.
+    pub(crate) fn mark_free_to_wander(&self, r: &[f64], marked: &mut [bool]) {
+        marked.fill(false);
+        for pass_reached in [false, true] {
+            for (index, task) in self.tasks.iter().enumerate() {
+                let mut blocks = self.errors(r).filter(|block| block.task == index);
+                let missed = task.role == Role::Goal && blocks.any(|block| !block.reached);
+                if missed != pass_reached {
+                    for variable in self.variables_moving(task) {
+                        marked[variable] = missed;
+                    }
+                }
+            }
+        }
+        if !marked.contains(&true) {
+            marked.fill(true);
+        }
+    }
+
+    /// The variables that a task feels.
+    fn variables_moving<'a>(&'a self, task: &'a CompiledTask) -> impl Iterator<Item = usize> + 'a {
+        let by_frames = task
+            .frames
+            .iter()
+            .flat_map(|&slot| self.tree.variables_moving(slot));
+        let by_joints = task.coordinates.iter().filter_map(|&coordinate| {
+            match self.map.sources()[coordinate] {
+                Source::Variable { variable, .. } => Some(variable),
+                Source::Constant(_) => None,
+            }
+        });
+        by_frames.chain(by_joints)
     }
 
     /// For every block of rows: its task, its quantity, the error in that quantity's unit for the

@@ -111,15 +111,17 @@ impl Method for LevenbergMarquardt {
 impl Memory {
     /// Puts the damped step over the free variables into `step`.
     fn solve_damped(&mut self) {
-        self.step.fill(0.0);
-        self.normal.solve(
-            &self.jacobian,
-            &self.residual,
-            &self.gradient,
-            &self.free,
-            self.damping,
-            &mut self.step,
-        );
+        let Self {
+            jacobian,
+            free,
+            residual,
+            step,
+            normal,
+            ..
+        } = self;
+        step.fill(0.0);
+        normal.factorise(jacobian, free, self.damping);
+        normal.solve(jacobian, free, residual, step);
     }
 
     /// Puts the projected x + Δ into `trial` and what is left of Δ into `step`.

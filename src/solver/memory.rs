@@ -181,6 +181,11 @@ impl Memory {
         self.list_free(problem);
     }
 
+    /// Puts r(x) at any x into [`residual`](Self::residual).
+    pub(crate) fn evaluate_at(&mut self, problem: &mut dyn LeastSquares, x: &[f64]) {
+        problem.residual(x, &mut self.residual);
+    }
+
     /// The gradient Jᵀr at any x with residual r.
     pub(crate) fn gradient_at(
         &mut self,

@@ -26,23 +26,19 @@ impl DampedNormal {
         self.gram_is_fresh = false;
     }
 
-    /// Writes Δ at the free variables of `step`. `gradient` is Jᵀr.
-    pub(in crate::solver) fn solve(
+    /// Factorises the damped system over the free columns.
+    pub(in crate::solver) fn factorise(
         &mut self,
         jacobian: &DMatrix<f64>,
-        residual: &[f64],
-        gradient: &[f64],
         free: &[usize],
         damping: f64,
-        step: &mut [f64],
     ) {
-        let rows = residual.len();
-        let dual = rows < free.len();
+        let rows = jacobian.nrows();
         let order = rows.min(free.len());
         if !self.gram_is_fresh {
             self.gram.clear();
             self.gram.resize(order * order, 0.0);
-            if dual {
+            if rows < free.len() {
                 self.add_outer_products(jacobian, free, order);
             } else {
                 self.fill_inner_products(jacobian, free, order);
@@ -54,20 +50,32 @@ impl DampedNormal {
         for k in 0..order {
             self.factor[k * order + k] += damping;
         }
-        self.unknown.clear();
-        if dual {
-            self.unknown.extend(residual.iter().map(|r| -r));
-        } else {
-            self.unknown.extend(free.iter().map(|&j| -gradient[j]));
-        }
         factorise(&mut self.factor, order, &mut self.pivot_column);
-        substitute(&self.factor, order, &mut self.unknown);
-        if dual {
-            let entries = jacobian.as_slice();
+    }
+
+    /// Writes the Δ of `residual` at the free variables of `step`, after
+    /// [`factorise`](Self::factorise) with the same Jacobian and free columns.
+    pub(in crate::solver) fn solve(
+        &mut self,
+        jacobian: &DMatrix<f64>,
+        free: &[usize],
+        residual: &[f64],
+        step: &mut [f64],
+    ) {
+        let rows = jacobian.nrows();
+        let entries = jacobian.as_slice();
+        let column = |j: usize| &entries[j * rows..(j + 1) * rows];
+        self.unknown.clear();
+        if rows < free.len() {
+            self.unknown.extend(residual.iter().map(|r| -r));
+            substitute(&self.factor, rows, &mut self.unknown);
             for &j in free {
-                step[j] = dot(&entries[j * rows..(j + 1) * rows], &self.unknown);
+                step[j] = dot(column(j), &self.unknown);
             }
         } else {
+            let slopes = free.iter().map(|&j| -dot(column(j), residual));
+            self.unknown.extend(slopes);
+            substitute(&self.factor, free.len(), &mut self.unknown);
             for (&j, &value) in free.iter().zip(&self.unknown) {
                 step[j] = value;
             }
@@ -129,10 +137,10 @@ fn factorise(a: &mut [f64], order: usize, pivot_column: &mut Vec<f64>) {
 
 /// Solves L Lᵀ x = b in place.
 fn substitute(factor: &[f64], order: usize, b: &mut [f64]) {
-    for (k, row) in factor.chunks_exact(order).enumerate() {
+    for (k, row) in factor.chunks_exact(order.max(1)).enumerate() {
         b[k] = (b[k] - dot(&row[..k], &b[..k])) * row[k];
     }
-    for (k, row) in factor.chunks_exact(order).enumerate().rev() {
+    for (k, row) in factor.chunks_exact(order.max(1)).enumerate().rev() {
         let (earlier, own) = b.split_at_mut(k);
         own[0] *= row[k];
         add_scaled(earlier, -own[0], row);
