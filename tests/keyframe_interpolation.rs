@@ -27,7 +27,10 @@ fn chain(bones: usize) -> Skeleton {
     skeleton.unwrap()
 }
 
-fn clip(bones: usize, tracks: &[(usize, &[(f64, [f64; 3])])]) -> EulerClip {
+/// Times and angles.
+type Keys<'a> = &'a [(f64, [f64; 3])];
+
+fn clip(bones: usize, tracks: &[(usize, Keys)]) -> EulerClip {
     let skeleton = chain(bones);
     let tracks = tracks.iter().map(|(bone, keys)| EulerTrack {
         bone: skeleton.bone_at(*bone).unwrap(),
