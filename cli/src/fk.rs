@@ -30,20 +30,23 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
-    /// The configuration, one number per degree of freedom in the order of `kinopt info`: radians
-    /// (degrees with --degrees) and, for sliding joints, metres; separated by commas or spaces.
-    /// Default: the rest pose.
+    /// The configuration, in radians (or --degrees) and metres. Default: the rest pose.
+    ///
+    /// One number per degree of freedom, in the order of `kinopt info`, separated by commas or
+    /// spaces; only sliding joints are in metres. Limits are not enforced.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
           value_parser = Numbers::parse)]
     q: Option<Numbers>,
 
-    /// A JSON file with the configuration in radians and metres: a list of numbers, or a document
-    /// with one under "q". Default: none.
+    /// A JSON file with the configuration, in radians and metres. Default: none.
+    ///
+    /// It holds a list of numbers, or a document with one under "q", such as `--json` prints.
     #[arg(long, value_name = "FILE", group = "configuration")]
     q_file: Option<PathBuf>,
 
-    /// Take the rig's keyframes at this time, in seconds; before the first and after the last key
-    /// the pose is held. Default: none.
+    /// Take the rig's keyframes at this time, in seconds. Default: none.
+    ///
+    /// Before the first and after the last key the pose is held, unless --loop.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, group = "configuration",
           value_parser = number_list::number)]
     time: Option<f64>,
@@ -52,8 +55,9 @@ pub(crate) struct Arguments {
     #[arg(long = "loop", requires = "time")]
     looped: bool,
 
-    /// A frame to report; repeat it for several. In a rig `bone/3` or a bone's name is the bone at
-    /// its tail, `bone/3/tip` at its tip. Default: all of them.
+    /// A frame to report; repeat it for several. Default: all of them.
+    ///
+    /// In a rig `bone/3` or a bone's name is the bone at its tail, `bone/3/tip` at its tip.
     #[arg(long = "frame", value_name = "NAME")]
     frames: Vec<String>,
 

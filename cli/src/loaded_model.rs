@@ -107,3 +107,70 @@ impl LoadedModel {
         })
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use kinopt::model::Limits;
+    use kinopt::spatial::{Placement, Vector3};
+
+    use super::*;
+    use crate::frame_name::BareName;
+
+    fn robot() -> LoadedModel {
+        let mut builder = Model::builder("crane");
+        let [x, _, z] = Vector3::UNITS;
+        let half = Limits::new(-0.5, 0.5);
+        let turn = builder.revolute("turn", None, Placement::identity(), z, half);
+        let on = Some(turn);
+        let slide = builder.prismatic("slide", on, Placement::translation(x), x, half);
+        builder.frame("hook", Some(slide), Placement::translation(x));
+        LoadedModel {
+            file: "crane.urdf".to_owned(),
+            model: builder.build().unwrap(),
+            rig: None,
+        }
+    }
+
+    #[test]
+    fn a_robot_needs_no_rig() {
+        let robot = robot();
+        assert_eq!((robot.kind(), robot.length_unit()), ("robot", "m"));
+        assert_eq!(robot.size(), 2.5);
+        assert_eq!(robot.default_tolerances(), (1e-6, 1e-6));
+        assert!(robot.frame("hook", BareName::Tip).is_ok());
+        let error = robot.frame("hand", BareName::Tip).unwrap_err().to_string();
+        assert!(error.contains("`hand`") && error.contains("hook"));
+        assert!(robot.skin().is_err() && robot.keyframes_at(0.0, Default::default()).is_err());
+    }
+
+    #[test]
+    fn degrees_are_for_turning_joints_only() {
+        let robot = robot();
+        let q = robot
+            .typed_configuration(&[90.0, 0.25], true, "--q")
+            .unwrap();
+        assert_eq!(q, [std::f64::consts::FRAC_PI_2, 0.25]);
+        let q = robot
+            .typed_configuration(&[0.1, 0.25], false, "--q")
+            .unwrap();
+        assert_eq!(q, [0.1, 0.25]);
+        assert!(robot.typed_configuration(&[0.1], false, "--q").is_err());
+    }
+
+    #[test]
+    fn a_robot_s_frames_are_placed() {
+        let robot = robot();
+        let report = robot
+            .frame_report(&[], &[std::f64::consts::FRAC_PI_2, 0.5])
+            .unwrap();
+        let json = serde_json::to_value(&report).unwrap();
+        let number = |key: &str, k: usize| json["hook"][key][k].as_f64().unwrap();
+        assert!((number("position", 1) - 2.5).abs() < 1e-15);
+        assert!(number("position", 0).abs() < 1e-15);
+        let half = 0.5_f64.sqrt();
+        assert!((number("quaternion", 0) - half).abs() < 1e-15);
+        assert!((number("quaternion", 3) - half).abs() < 1e-15);
+        assert!(json["hook"].get("tip").is_none());
+    }
+}

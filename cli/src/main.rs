@@ -44,8 +44,9 @@ struct Command {
     #[command(subcommand)]
     subcommand: Subcommands,
 
-    /// Print one JSON document instead of text: angles in radians, lengths in metres (rigs: their
-    /// own unit), quaternions [w,x,y,z]. Default: text for people.
+    /// Print one JSON document, in radians and metres. Default: text for people.
+    ///
+    /// For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z].
     #[arg(long, global = true)]
     json: bool,
 }

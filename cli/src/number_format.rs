@@ -43,13 +43,9 @@ pub(crate) fn magnitude(value: f64) -> String {
     }
 }
 
-/// A limit, in few digits; `-` where there is none.
-pub(crate) fn limit(value: f64, decimals: usize) -> String {
-    if value.is_finite() {
-        without_minus_zero(format!("{value:.decimals$}"))
-    } else {
-        "-".to_owned()
-    }
+/// An angle in degrees, with three digits after the point.
+pub(crate) fn three_digits(value: f64) -> String {
+    without_minus_zero(format!("{value:.3}"))
 }
 
 fn without_minus_zero(text: String) -> String {
@@ -76,6 +72,6 @@ mod tests {
     fn zero_has_no_sign() {
         assert_eq!(six_digits(-0.0), "0.000000");
         assert_eq!(six_digits(-0.000_001), "-0.000001");
-        assert_eq!(limit(f64::NEG_INFINITY, 1), "-");
+        assert_eq!(three_digits(-1e-9), "0.000");
     }
 }

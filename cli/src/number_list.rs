@@ -57,7 +57,7 @@ mod tests {
             parse("1,2 3, -4e-1\n,5").unwrap(),
             [1.0, 2.0, 3.0, -0.4, 5.0]
         );
-        assert_eq!(parse("").unwrap(), []);
+        assert!(parse("").unwrap().is_empty());
         assert_eq!(parse_exactly::<2>("1, 2", "a pair").unwrap(), [1.0, 2.0]);
     }
 

@@ -63,7 +63,7 @@ impl Observer for Progress {
         }
         self.iterations += 1;
         self.lowest_cost = self.lowest_cost.min(iteration.cost);
-        if self.iterations % BETWEEN_LOOKS == 0 {
+        if self.iterations.is_multiple_of(BETWEEN_LOOKS) {
             self.show();
         }
         ControlFlow::Continue(())

@@ -30,8 +30,8 @@ Examples:
   kinopt solve arm.json --ray bone/6=0,0.5,3:0.2,0.5,0 --json
         a tip onto the viewing ray through two points
 
-A target that is out of reach is no failure: the closest pose found is printed, with \"reached\": false,
-what each target misses by and which limits hold it back, and the exit code is 0.";
+A target that is out of reach is no failure: the closest pose found is printed with what each
+target misses by and which limits hold it back (--json: \"reached\": false). The exit code is 0.";
 
 /// Joint angles, within their limits, that bring frames to targets (inverse kinematics).
 ///
@@ -47,14 +47,18 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
-    /// Where a frame should be: a point in metres (rigs: their own unit), or with a quaternion
-    /// w,x,y,z a whole pose. In a rig `bone/3` or a bone's name is that bone's tip; `/tip` and
-    /// `/tail` say it outright. Repeat it for several. Default: none, but --target or --ray is needed.
+    /// Where a frame should be, in metres (rigs: their own unit). Default: none.
+    ///
+    /// Three numbers are a point; with a quaternion w,x,y,z it is a whole pose. In a rig `bone/3`
+    /// or a bone's name is that bone's tip; `bone/3/tip` and `bone/3/tail` say it outright. Repeat
+    /// it for several. At least one --target or --ray is needed.
     #[arg(long = "target", value_name = "FRAME=x,y,z[,qw,qx,qy,qz]", value_parser = Target::parse)]
     targets: Vec<Target>,
 
-    /// A line that a frame should lie on, through an eye and a point (the mouse, unprojected), in
-    /// metres (rigs: their own unit). Frames as for --target. Repeat it for several. Default: none.
+    /// A line that a frame should lie on, in metres (rigs: their own unit). Default: none.
+    ///
+    /// It goes through an eye and a point (the mouse, unprojected). Frames are named as for
+    /// --target. Repeat it for several.
     #[arg(long = "ray", value_name = "FRAME=ex,ey,ez:mx,my,mz", value_parser = RayTarget::parse)]
     rays: Vec<RayTarget>,
 
@@ -62,9 +66,11 @@ pub(crate) struct Arguments {
     #[arg(long)]
     free: bool,
 
-    /// Where the search starts: `rest` (zeros, moved into the limits), `random` (within the limits,
-    /// from --rng-seed) or the configuration's numbers in the order of `kinopt info`: radians
-    /// (degrees with --degrees) and, for sliding joints, metres. It is moved into the limits.
+    /// Where the search starts: a word, or numbers in radians and metres.
+    ///
+    /// `rest` is all zeros, moved into the limits; `random` is drawn within the limits from
+    /// --rng-seed; numbers are a configuration in the order of `kinopt info`: radians (degrees with
+    /// --degrees) and, for sliding joints, metres. They are moved into the limits.
     #[arg(long, value_name = "NUMBERS|rest|random", default_value = "rest",
           allow_hyphen_values = true, value_parser = Start::parse)]
     start: Start,
@@ -86,23 +92,30 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     rng_seed: u64,
 
-    /// Stop after so many milliseconds of solving with the best found; results then depend on the
-    /// machine. Default: no limit.
+    /// Stop after so many milliseconds with the best found. Default: no limit.
+    ///
+    /// Results then depend on the machine. The clock runs while solving, not while reading files.
     #[arg(long, value_name = "MS", value_parser = milliseconds)]
     time_limit: Option<Duration>,
 
-    /// What counts as reached: this far in metres (rigs: their own unit) and this many radians.
-    /// Default: for rigs 1e-9 of the model's size and 1e-9 rad, for robots 1e-6 m and 1e-6 rad.
+    /// What counts as reached: so many metres (rigs: their own unit) and radians. Default: 1e-9 of
+    /// a rig's size and 1e-9 rad; 1e-6 m and rad for robots.
     #[arg(long, value_name = "T", value_parser = number_list::not_negative)]
     tolerance: Option<f64>,
 
-    /// How many more attempts from other places, at most, while the targets are missed; 0 for none.
-    /// Three attempts that agree on the same miss end it earlier.
+    /// How many more attempts from other places while the targets are missed; 0 for none.
     #[arg(long, value_name = "N", default_value_t = 31)]
     restarts: u32,
 
-    /// Write the mesh in the pose found (.obj or .ply); needs a rig with a mesh and skin weights.
-    /// Default: not written.
+    /// How many steps each attempt may take, at most.
+    ///
+    /// The gradient methods take many small ones.
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    max_iterations: u32,
+
+    /// Write the mesh in the pose found, as .obj or .ply. Default: not written.
+    ///
+    /// It needs a rig with a mesh and skin weights.
     #[arg(long, value_name = "FILE", value_parser = MeshFile::parse)]
     out: Option<MeshFile>,
 }
@@ -124,13 +137,18 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let (mut problem, tasks) = tasks::problem(&loaded, arguments, &start)?;
     problem.set_derivatives(arguments.jacobian.into());
 
-    let mut stopping = Stopping::default();
+    let iterations = usize::try_from(arguments.max_iterations).unwrap_or(usize::MAX);
+    let mut stopping = Stopping::default().with_max_iterations(iterations);
     if let Some(limit) = arguments.time_limit {
         stopping = stopping.with_time_limit(limit);
     }
     let attempts = usize::try_from(arguments.restarts).unwrap_or(usize::MAX);
+    let attempts = attempts.saturating_add(1);
+    // All attempts are made: several that agree may still share a local minimum, and a person who
+    // waits for one answer rather waits a millisecond more than hears that a target is out of reach.
     let restarts = Restarts::default()
-        .with_attempts(attempts.saturating_add(1))
+        .with_attempts(attempts)
+        .with_agreeing(attempts)
         .with_seed(arguments.rng_seed);
     let solver = method_choice::solver(&arguments.solver)
         .with_stopping(stopping)

@@ -101,8 +101,7 @@ impl<'a> Report<'a> {
     /// The explanation, the tasks' errors, and the free joints' values.
     pub(super) fn text(&self, degrees: bool) -> String {
         let mut text = self.solution.explain();
-        let gone = self.tasks.iter().any(|task| task.held) && !self.solution.reached;
-        if gone {
+        if !self.solution.reached && self.tasks.iter().any(|task| task.held) {
             text.push_str("\n  Pinned tips are held where they were; --free lets them go.");
         }
         text.push_str(&format!("\n  Solved in {}.\n\n", duration(self.micros)));
