@@ -22,6 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .run();
     let by_steihaug = unbounded.solution_from(&start, run)?;
 
+    // argmin 0.11's dogleg has no leg for a steepest-descent step longer than the radius, and stands
+    // still there; near enough to the target it is as good as the other.
     let run = Executor::new(unbounded.clone(), TrustRegion::new(Dogleg::new()))
         .configure(|state| state.param(start.clone()).max_iters(100).target_cost(1e-15))
         .run();

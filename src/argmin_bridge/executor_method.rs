@@ -59,6 +59,12 @@ impl<M: Method> ExecutorMethod<M> {
         self
     }
 
+    /// The method, with its settings.
+    #[must_use]
+    pub fn method(&self) -> &M {
+        &self.method
+    }
+
     /// Which test ended the search; `None` while it goes on, or where the executor ended it.
     #[must_use]
     pub fn termination(&self) -> Option<Termination> {
