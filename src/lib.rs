@@ -1,6 +1,8 @@
 //! Inverse kinematics by optimisation.
 
 pub mod animation;
+#[cfg(feature = "argmin")]
+pub mod argmin_bridge;
 pub mod ik;
 pub mod io;
 pub mod kinematics;

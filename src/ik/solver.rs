@@ -119,7 +119,8 @@ impl Solver {
     }
 }
 
-fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
+/// A start must have one finite number for every coordinate that leads a variable.
+pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
     if start.len() != problem.degrees_of_freedom() {
         return Err(SolveError::StartLength {
             model: problem.names().model.clone(),

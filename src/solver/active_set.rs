@@ -30,7 +30,7 @@ pub(super) fn list_free(
 }
 
 /// ‖proj(x − g) − x‖∞: zero exactly at the stationary points of the bounded problem.
-pub(super) fn projected_gradient_norm(
+pub(crate) fn projected_gradient_norm(
     x: &[f64],
     gradient: &[f64],
     lower: &[f64],

@@ -4,6 +4,7 @@ use super::{LeastSquares, Memory, Method, Step, project};
 
 /// How λ follows the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub enum Damping {
     /// From the ratio of won to promised decrease (Nielsen 1999, "Damping parameter in
     /// Marquardt's method", IMM-REP-1999-05).
@@ -15,6 +16,7 @@ pub enum Damping {
 
 /// Levenberg-Marquardt with hard bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct LevenbergMarquardt {
     damping: Damping,
     initial: f64,

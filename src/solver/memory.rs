@@ -106,6 +106,12 @@ impl Memory {
         &self.gradient
     }
 
+    /// λ for Levenberg-Marquardt, the step length σ or α for the others.
+    #[must_use]
+    pub fn damping(&self) -> f64 {
+        self.damping
+    }
+
     /// Evaluations so far in this search.
     #[must_use]
     pub fn counts(&self) -> Counts {

@@ -10,6 +10,7 @@ const HISTORY: usize = 10;
 
 /// Which σ a step tries first.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub enum FirstStep {
     /// The same σ every time, halved until the cost falls. The sources use 10 000.
     Fixed(f64),
@@ -20,6 +21,7 @@ pub enum FirstStep {
 
 /// Projected gradient descent with backtracking along the projected path.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProjectedGradient {
     first_step: FirstStep,
 }

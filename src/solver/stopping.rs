@@ -66,6 +66,18 @@ impl Stopping {
         self
     }
 
+    /// The share of the gradient's scale that counts as stationary.
+    #[must_use]
+    pub fn gradient_tolerance(&self) -> f64 {
+        self.gradient_tolerance
+    }
+
+    /// The relative step that counts as none.
+    #[must_use]
+    pub fn step_tolerance(&self) -> f64 {
+        self.step_tolerance
+    }
+
     /// The wall-clock limit, if there is one.
     #[must_use]
     pub fn time_limit(&self) -> Option<Duration> {
@@ -85,6 +97,7 @@ impl Stopping {
 
 /// Which test ended a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Termination {
     /// Every goal is within its tolerance.
