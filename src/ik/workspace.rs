@@ -45,5 +45,8 @@ impl Workspace {
             vector.resize(problem.variables(), 0.0);
         }
         self.best_residual.resize(problem.rows(), 0.0);
+        // A first solve that reaches its target names no limit; a later one may name them all.
+        self.solution.blocked.clear();
+        self.solution.blocked.reserve(problem.variables());
     }
 }
