@@ -179,3 +179,35 @@ fn a_problems_own_bounds_hold_too() {
         }
     }
 }
+
+#[test]
+fn a_problems_bounds_on_followers_hold_too() {
+    let tree = RandomTree::new(11, 10);
+    let moving = tree.model.moving_joints();
+    let limits: Vec<Limits> = tree.model.limits().collect();
+    let mut random = Random::new(11);
+    for expected in maps_of(&tree) {
+        let q = expected.expand(&expected.variables(&mut random));
+        let mut builder = Problem::builder(&tree.model);
+        builder.parameters(expected.map.clone());
+        let mut goal = tree.frames_at(&q)[9];
+        goal.translation.vector += random.vector(1.0);
+        builder.add(Pose::new(tree.far_frame(), placement(&goal)));
+        // A narrow room around one configuration that the map allows.
+        let rooms: Vec<Limits> = q.iter().map(|v| Limits::new(v - 0.05, v + 0.03)).collect();
+        for (&joint, &room) in moving.iter().zip(&rooms) {
+            builder.bound(joint, room);
+        }
+        let problem = builder.build().unwrap();
+        for solver in solvers() {
+            let (stopping, restarts) = short();
+            let solver = solver.with_stopping(stopping).with_restarts(restarts);
+            for start in starts(&tree.model, &mut random) {
+                let solution = solver.solve_once(&problem, &start).unwrap();
+                let label = format!("{}, {}", expected.name, solver.method());
+                assert_within(&label, &solution.q, rooms.iter().copied());
+                assert_within(&label, &solution.q, limits.iter().copied());
+            }
+        }
+    }
+}
