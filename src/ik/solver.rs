@@ -153,7 +153,8 @@ impl Solver {
 
             let cost = memory.cost();
             let reached = problem.is_reached(memory.residual());
-            let lowest = best.map_or(f64::INFINITY, |(_, cost)| cost);
+            let finite = best.map(|(_, cost)| cost).filter(|cost| !cost.is_nan());
+            let lowest = finite.unwrap_or(f64::INFINITY);
             agreeing = match settled(outcome.termination) {
                 true if cost < lowest * (1.0 - SAME_COST) => 1,
                 true if cost <= lowest * (1.0 + SAME_COST) => agreeing + 1,
