@@ -73,8 +73,8 @@ fn starts(model: &Model, random: &mut Random) -> Vec<Vec<f64>> {
 
 fn short() -> (Stopping, Restarts) {
     (
-        Stopping::default().with_max_iterations(25),
-        Restarts::default().with_attempts(3),
+        Stopping::default().with_max_iterations(15),
+        Restarts::default().with_attempts(2),
     )
 }
 
@@ -129,7 +129,7 @@ fn rigs_whose_targets_need_limits() {
             let solver = solver.with_stopping(stopping).with_restarts(restarts);
             for route in [Derivatives::Analytic, Derivatives::Dual] {
                 problem.set_derivatives(route);
-                for start in starts(model, &mut random) {
+                for start in starts(model, &mut random).into_iter().skip(1).take(2) {
                     let label = format!("rig {seed}, {}, {route:?}", solver.method());
                     check(&label, &solver, model, &problem, &start);
                 }

@@ -99,8 +99,8 @@ fn move_target(drag: &mut Drag, random: &mut Random, by: f64) {
 
 fn quick(solver: Solver) -> Solver {
     solver
-        .with_stopping(kinopt::solver::Stopping::default().with_max_iterations(20))
-        .with_restarts(kinopt::ik::Restarts::default().with_attempts(3))
+        .with_stopping(kinopt::solver::Stopping::default().with_max_iterations(8))
+        .with_restarts(kinopt::ik::Restarts::default().with_attempts(2))
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn repeated_solves() {
             solver
                 .solve(&drag.problem, &drag.rest, &mut workspace)
                 .unwrap();
-            for reach in [0.0, 0.01, 0.3, 1.0, 5.0] {
+            for reach in [0.0, 0.01, 1.0, 5.0] {
                 let spent = allocations(|| {
                     move_target(&mut drag, &mut random, reach);
                     solver

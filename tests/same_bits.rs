@@ -54,8 +54,8 @@ fn questions() -> Vec<Question> {
 
 fn quick(solver: Solver) -> Solver {
     solver
-        .with_stopping(kinopt::solver::Stopping::default().with_max_iterations(40))
-        .with_restarts(kinopt::ik::Restarts::default().with_attempts(4))
+        .with_stopping(kinopt::solver::Stopping::default().with_max_iterations(15))
+        .with_restarts(kinopt::ik::Restarts::default().with_attempts(2))
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn reused_moved_and_fresh_workspaces_agree() {
                 })
                 .collect();
             // There and back through problems of other shapes, each twice in a row.
-            for k in [0, 0, 1, 3, 2, 2, 3, 1, 0] {
+            for k in [0, 0, 1, 3, 2, 3, 1] {
                 let Question { problem, start } = &questions[k];
                 let again = bits(solver.solve(problem, start, &mut shared).unwrap());
                 assert_eq!(again, fresh[k], "{}, {route:?}", solver.method());
