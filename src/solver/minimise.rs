@@ -108,7 +108,9 @@ pub(crate) fn minimise_until(
         last_step = method.step(problem, memory);
         outcome.iterations += 1;
         let negligible = memory.step_is_negligible(stopping.step_tolerance);
-        let reached = last_step == Step::Taken && problem.is_reached(&memory.residual);
+        let reached = last_step == Step::Taken
+            && problem.stops_when_reached()
+            && problem.is_reached(&memory.residual);
         if last_step == Step::Stuck || (negligible && !reached) {
             break Termination::SmallStep;
         }
