@@ -56,18 +56,7 @@ impl<'p> BoundedProblem<'p> {
         let start = self.start(q)?;
         let (mut low, mut high) = (start.clone(), start);
         for k in 0..low.len() {
-            let (lower, upper) = (self.problem.lower()[k], self.problem.upper()[k]);
-            let spread = self.problem.spread()[k];
-            low[k] = if lower.is_finite() {
-                lower
-            } else {
-                low[k] - spread
-            };
-            high[k] = if upper.is_finite() {
-                upper
-            } else {
-                high[k] + spread
-            };
+            (low[k], high[k]) = self.problem.sampling_range(k, low[k]);
         }
         Ok((low, high))
     }

@@ -105,7 +105,8 @@ impl Search<'_> {
                 };
             }
             let first = found.attempts == 1 && trial != Trial::FinishBest;
-            if reached || first || cost < found.cost || trial == Trial::FinishBest {
+            let better = cost < found.cost || found.cost.is_nan();
+            if reached || first || better || trial == Trial::FinishBest {
                 (found.outcome, found.cost) = (outcome, cost);
                 best_x.copy_from_slice(memory.x());
                 best_residual.copy_from_slice(memory.residual());

@@ -39,6 +39,9 @@ impl Workspace {
         }
         self.wander.resize(problem.variables(), true);
         self.best_residual.resize(problem.rows(), 0.0);
+        // A first solve that reaches its target names no limit; a later one may name them all.
+        self.solution.blocked.clear();
+        self.solution.blocked.reserve(problem.variables());
         match self.scratch.take() {
             Some(scratch) if scratch.fits(problem) => scratch,
             _ => problem.scratch(),

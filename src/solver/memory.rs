@@ -8,6 +8,9 @@ use super::LeastSquares;
 use super::active_set::{list_free, project, projected_gradient_norm};
 use super::linear::{CompleteOrthogonal, DampedNormal, add_scaled, dot};
 
+/// How many past costs a search may remember.
+pub(super) const MOST_RECENT_COSTS: usize = 10;
+
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -143,10 +146,12 @@ impl Memory {
         self.free.clear();
         self.free.reserve(n);
         self.recent_costs.clear();
+        self.recent_costs.reserve(MOST_RECENT_COSTS);
+        self.normal.reserve(m, n);
+        self.orthogonal.reserve(m, n);
         self.counts = Counts::default();
         self.damping = 0.0;
         self.damping_growth = 0.0;
-        self.normal.forget();
 
         for (own, &given) in self.x.iter_mut().zip(start) {
             *own = given;

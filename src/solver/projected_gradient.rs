@@ -1,12 +1,13 @@
 //! Projected gradient descent: x ← proj(x − σ g).
 
 use super::line_search::along_projected_path;
+use super::memory::MOST_RECENT_COSTS;
 use super::{LeastSquares, Memory, Method, Step};
 
 /// The source documents' large first σ.
 const LARGE: f64 = 10_000.0;
 /// How many past costs a spectral step may climb back to (Birgin, Martínez & Raydan 2000).
-const HISTORY: usize = 10;
+const HISTORY: usize = MOST_RECENT_COSTS;
 
 /// Which σ a step tries first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +61,6 @@ impl Method for ProjectedGradient {
         } else {
             1.0
         };
-        memory.recent_costs.reserve(HISTORY);
         memory.recent_costs.push(memory.cost);
     }
 

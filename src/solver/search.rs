@@ -87,7 +87,9 @@ impl Search {
         self.last_step = method.step(problem, memory);
         self.iterations += 1;
         let negligible = memory.step_is_negligible(stopping.step_tolerance);
-        let reached = self.last_step == Step::Taken && problem.is_reached(&memory.residual);
+        let reached = self.last_step == Step::Taken
+            && problem.stops_when_reached()
+            && problem.is_reached(&memory.residual);
         let ends = self.last_step == Step::Stuck || (negligible && !reached);
         ends.then_some(Termination::SmallStep)
     }

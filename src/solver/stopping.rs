@@ -91,7 +91,11 @@ impl Stopping {
     }
 
     pub(crate) fn deadline(&self) -> Option<Instant> {
-        self.time_limit.map(|limit| Instant::now() + limit)
+        // A limit beyond what the clock can tell is none.
+        let now = self
+            .time_limit
+            .map(|limit| Instant::now().checked_add(limit));
+        now.flatten()
     }
 }
 

@@ -89,14 +89,16 @@ impl LocalJacobian {
 
     /// Multiplies each row by its weight.
     pub(crate) fn scale_rows(&mut self, weights: &[f64]) {
+        // A residual may have no rows, but chunks must have a length.
+        let rows = self.rows.max(1);
         for part in [&mut self.linear, &mut self.angular] {
-            for row in part.chunks_exact_mut(self.rows) {
+            for row in part.chunks_exact_mut(rows) {
                 for (entry, &weight) in row.iter_mut().zip(weights) {
                     *entry = *entry * weight;
                 }
             }
         }
-        for row in self.joints.chunks_exact_mut(self.rows) {
+        for row in self.joints.chunks_exact_mut(rows) {
             for (entry, &weight) in row.iter_mut().zip(weights) {
                 *entry *= weight;
             }

@@ -21,6 +21,20 @@ pub(in crate::solver) struct DampedNormal {
 }
 
 impl DampedNormal {
+    /// Makes room for every problem of this shape, whatever is free.
+    pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
+        let order = rows.min(columns);
+        for (vector, room) in [
+            (&mut self.gram, order * order),
+            (&mut self.factor, order * order),
+            (&mut self.unknown, order),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+        self.gram_is_fresh = false;
+    }
+
     /// The Jacobian or the free set has changed.
     pub(in crate::solver) fn forget(&mut self) {
         self.gram_is_fresh = false;
