@@ -47,7 +47,8 @@ impl Landmarks {
         let height = |share: f64| UP * (share * STATURE);
         let (sin, cos) = ARM_SLOPE.to_radians().sin_cos();
         let arm = LEFT * cos - UP * sin;
-        let shoulder = height(0.818) + LEFT * (0.107 * STATURE);
+        // The joint's centre: below and inside the acromion, which is at 0.818 and 0.129.
+        let shoulder = height(0.802) + LEFT * (0.11 * STATURE);
         let elbow = shoulder + arm * (0.186 * STATURE);
         let wrist = elbow + arm * (0.146 * STATURE);
         let hip = height(0.53) + LEFT * (0.05 * STATURE);

@@ -17,32 +17,32 @@ struct Finish {
 
 const TORSO: Finish = Finish {
     fillet: 0.06,
-    edge: 0.027,
+    edge: 0.026,
     softness: 0.05,
 };
 const HEAD: Finish = Finish {
-    fillet: 0.03,
-    edge: 0.017,
+    fillet: 0.018,
+    edge: 0.0155,
     softness: 0.02,
 };
 const ARM: Finish = Finish {
     fillet: 0.025,
-    edge: 0.02,
+    edge: 0.0165,
     softness: 0.028,
 };
 const HAND: Finish = Finish {
     fillet: 0.014,
-    edge: 0.0115,
+    edge: 0.0105,
     softness: 0.016,
 };
 const LEG: Finish = Finish {
     fillet: 0.035,
-    edge: 0.025,
+    edge: 0.0235,
     softness: 0.035,
 };
 const FOOT: Finish = Finish {
     fillet: 0.02,
-    edge: 0.0155,
+    edge: 0.0145,
     softness: 0.016,
 };
 
@@ -148,7 +148,7 @@ pub(crate) fn surface(figure: &Figure, at: &Landmarks) -> Result<Surface, Failur
     fill_leg(&mut leg, at)?;
     let limbs = vec![
         (torso.parts, 0.0),
-        (head.parts.clone(), 0.03),
+        (head.parts, 0.03),
         (arm.right()?, 0.045),
         (arm.parts, 0.045),
         (leg.right()?, 0.04),
@@ -167,19 +167,19 @@ fn fill_torso(torso: &mut Limb<'_>) -> Result<(), Failure> {
     torso.ball(
         "spine",
         dvec3(0.0, 0.0, 1.09),
-        dvec3(0.088, 0.12, 0.12),
+        dvec3(0.09, 0.13, 0.12),
         TORSO,
     )?;
     torso.ball(
         "chest",
         dvec3(-0.005, 0.0, 1.235),
-        dvec3(0.1, 0.142, 0.12),
+        dvec3(0.1, 0.148, 0.12),
         TORSO,
     )?;
     torso.ball(
         "upper_chest",
-        dvec3(-0.012, 0.0, 1.345),
-        dvec3(0.1, 0.158, 0.1),
+        dvec3(-0.012, 0.0, 1.335),
+        dvec3(0.1, 0.165, 0.095),
         TORSO,
     )?;
     for side in [1.0, -1.0] {
@@ -197,30 +197,30 @@ fn fill_torso(torso: &mut Limb<'_>) -> Result<(), Failure> {
             TORSO,
         )?;
         let shoulder = [
-            dvec3(-0.022, 0.045 * side, 1.452),
-            dvec3(-0.01, 0.165 * side, 1.418),
+            dvec3(-0.025, 0.035 * side, 1.452),
+            dvec3(-0.01, 0.17 * side, 1.396),
         ];
-        torso.cone(&name("clavicle"), shoulder, [0.05, 0.048], ROUND, TORSO)?;
+        torso.cone(&name("clavicle"), shoulder, [0.046, 0.05], ROUND, TORSO)?;
     }
     Ok(())
 }
 
 fn fill_head(head: &mut Limb<'_>, at: &Landmarks) -> Result<(), Failure> {
     let neck = [
-        at.spine[4] - DVec3::X * 0.015,
-        at.spine[5] + dvec3(0.003, 0.0, 0.03),
+        at.spine[4] - DVec3::X * 0.02,
+        at.spine[5] + dvec3(-0.004, 0.0, 0.03),
     ];
-    head.cone("neck", neck, [0.06, 0.053], ROUND, HEAD)?;
+    head.cone("neck", neck, [0.058, 0.05], ROUND, HEAD)?;
     head.ball(
         "head",
         dvec3(0.002, 0.0, 1.652),
-        dvec3(0.096, 0.076, 0.098),
+        dvec3(0.097, 0.079, 0.098),
         HEAD,
     )?;
     head.ball(
         "head",
-        dvec3(0.032, 0.0, 1.598),
-        dvec3(0.064, 0.054, 0.078),
+        dvec3(0.038, 0.0, 1.592),
+        dvec3(0.058, 0.056, 0.07),
         HEAD,
     )?;
     let nose = [dvec3(0.088, 0.0, 1.645), dvec3(0.104, 0.0, 1.615)];

@@ -7,9 +7,11 @@ mod contact_sheet;
 mod figure;
 mod humanoid;
 mod humanoid_body;
+mod picture;
 mod polygonise;
 mod remesh;
 mod render;
+mod robot_arm;
 mod skin;
 mod surface;
 mod weights;
@@ -41,7 +43,37 @@ fn run() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [] => {
+            write(&robot_arm::rig()?, &root, "robot-arm")?;
             write(&humanoid::rig()?, &root, "humanoid")?;
+        }
+        ["robot"] => {
+            let rig = Rig::read(root.join("models/robot-arm/robot-arm.json"))?;
+            let at = |key: usize| {
+                let mut q = vec![0.0; rig.skeleton.angles()];
+                for track in rig.clip.tracks() {
+                    for k in 0..3 {
+                        q[3 * track.bone.index() + k] = track.keys[key].angles[k];
+                    }
+                }
+                q
+            };
+            let poses = [at(0), at(2), at(4), at(6)];
+            for (index, eye) in [DVec3::new(1.0, -0.9, 0.4), DVec3::new(-0.5, 1.0, 0.4)]
+                .into_iter()
+                .enumerate()
+            {
+                contact_sheet::contact_sheet(
+                    &rig,
+                    &poses,
+                    eye,
+                    [1800, 560],
+                    &root.join(format!("target/robot{index}.png")),
+                )?;
+            }
+        }
+        ["picture"] => {
+            let rig = Rig::read(root.join("models/humanoid/humanoid.json"))?;
+            picture::picture(&rig, &root.join("docs/humanoid.png"))?;
         }
         ["sheet"] => {
             let rig = Rig::read(root.join("models/humanoid/humanoid.json"))?;

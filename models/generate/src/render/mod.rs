@@ -14,9 +14,9 @@ use glam::DVec3;
 const SKY: usize = 160;
 const SUN: usize = 24;
 /// Texels along a side of each depth map.
-const TEXELS: usize = 900;
+const TEXELS: usize = 1000;
 /// How much of the light comes from the sun.
-const SUN_SHARE: f64 = 0.5;
+const SUN_SHARE: f64 = 0.6;
 
 /// Triangles with smooth normals and a colour each.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +90,7 @@ impl Lights {
         });
         let sun = (0..SUN).map(|index| {
             let (x, y) = disc(index, SUN);
-            DVec3::new(0.55 + 0.09 * x, -0.5 + 0.09 * y, 1.05).normalize()
+            DVec3::new(0.5 + 0.1 * x, -0.75 + 0.1 * y, 1.0).normalize()
         });
         let map = |direction| DepthMap::new(scene, direction, TEXELS);
         Self {

@@ -38,6 +38,11 @@ impl View {
         -self.axes.z_axis
     }
 
+    /// To the right and upwards on the picture, unit vectors.
+    pub(crate) fn across(&self) -> (DVec3, DVec3) {
+        (self.axes.x_axis, self.axes.y_axis)
+    }
+
     /// Pixel coordinates, and the inverse of the distance: it is what is linear on the screen.
     pub(crate) fn project(&self, p: DVec3, size: [usize; 2]) -> DVec3 {
         let q = self.axes.transpose() * (p - self.eye);
