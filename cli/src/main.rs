@@ -1,2 +1,84 @@
-//! The kinopt command.
-fn main() {}
+//! The `kinopt` command.
+//!
+//! Exit codes: 0 done (a target that is out of reach is an answer, not a failure), 1 failed with a
+//! one-line reason on standard error, 2 wrong usage.
+
+mod configuration;
+mod failure;
+mod fk;
+mod frame_name;
+mod frame_report;
+mod info;
+mod loaded_model;
+mod mesh_output;
+mod method_choice;
+mod number_format;
+mod number_list;
+mod output;
+mod progress;
+mod solve;
+mod table;
+mod target;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+const AFTER_HELP: &str = "\
+Conventions: metres and radians (for rigs the rig's own unit of length), quaternions w,x,y,z.
+With --json one JSON document is printed on standard output and nothing else; messages go to
+standard error. Exit codes: 0 done, 1 failed with a one-line reason, 2 wrong usage.
+
+Examples:
+  kinopt info arm.json
+  kinopt fk arm.json --time 1.5 --frame bone/6
+  kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj";
+
+/// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
+/// bring their frames where you want them, within the joints' limits.
+#[derive(Debug, Parser)]
+#[command(name = "kinopt", version, about, after_help = AFTER_HELP)]
+struct Command {
+    #[command(subcommand)]
+    subcommand: Subcommands,
+
+    /// Print one JSON document, in radians and metres. Default: text for people.
+    ///
+    /// For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z].
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Subcommands {
+    Info(info::Arguments),
+    Fk(fk::Arguments),
+    Solve(Box<solve::Arguments>),
+}
+
+fn main() -> ExitCode {
+    let command = match Command::try_parse() {
+        Ok(command) => command,
+        Err(error) => {
+            // Help, version or wrong usage; clap knows which stream and code. A closed stream
+            // leaves nobody to tell.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let json = command.json;
+    let done = match &command.subcommand {
+        Subcommands::Info(arguments) => info::run(arguments, json),
+        Subcommands::Fk(arguments) => fk::run(arguments, json),
+        Subcommands::Solve(arguments) => solve::run(arguments, json),
+    };
+    match done {
+        Ok(()) | Err(Failure::ReaderGone) => ExitCode::SUCCESS,
+        Err(Failure::Reason(reason)) => {
+            output::message(&format!("error: {reason}"));
+            ExitCode::from(1)
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The configuration that a command works on.
+
+use std::path::Path;
+
+use kinopt::animation::Playback;
+use kinopt::model::Limits;
+use serde::Deserialize;
+
+use crate::failure::{Failure, Outcome};
+use crate::loaded_model::LoadedModel;
+use crate::output;
+
+/// The longest file of a configuration that is read, in bytes.
+const FILE_LIMIT: u64 = 1 << 26;
+
+/// A list of numbers, or any document with one under `q`, such as those that `--json` prints.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum ConfigurationFile {
+    List(Vec<f64>),
+    Document { q: Vec<f64> },
+}
+
+impl LoadedModel {
+    /// Numbers as typed: angles in radians, or in degrees where asked; lengths as they are.
+    pub(crate) fn typed_configuration(
+        &self,
+        numbers: &[f64],
+        degrees: bool,
+        option: &str,
+    ) -> Outcome<Vec<f64>> {
+        self.check_length(numbers, option)?;
+        let converted = numbers.iter().zip(self.is_angle());
+        let convert = |(&number, is_angle): (&f64, bool)| {
+            if degrees && is_angle {
+                number.to_radians()
+            } else {
+                number
+            }
+        };
+        Ok(converted.map(convert).collect())
+    }
+
+    /// A configuration out of a JSON file, in radians.
+    pub(crate) fn configuration_file(&self, path: &Path) -> Outcome<Vec<f64>> {
+        let fail = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
+        let metadata = std::fs::metadata(path);
+        let metadata = metadata.map_err(|error| fail(format!("cannot be read: {error}")))?;
+        if !metadata.is_file() || metadata.len() > FILE_LIMIT {
+            return Err(fail(format!(
+                "is not a regular file of at most {FILE_LIMIT} bytes"
+            )));
+        }
+        let bytes = std::fs::read(path);
+        let bytes = bytes.map_err(|error| fail(format!("cannot be read: {error}")))?;
+        let value: serde_json::Value = serde_json::from_slice(&bytes)
+            .map_err(|error| fail(format!("is not JSON: {error}")))?;
+        let numbers = match serde_json::from_value(value) {
+            Ok(ConfigurationFile::List(q) | ConfigurationFile::Document { q }) => q,
+            Err(_) => {
+                return Err(fail(
+                    "holds neither a list of numbers nor a document with one under `q`".into(),
+                ));
+            }
+        };
+        self.check_length(&numbers, &path.display().to_string())?;
+        Ok(numbers)
+    }
+
+    /// The rig's keyframes at a time in seconds.
+    pub(crate) fn keyframes_at(&self, time: f64, playback: Playback) -> Outcome<Vec<f64>> {
+        let clip = self.rig.as_ref().map(|rig| &rig.clip);
+        let Some(clip) = clip.filter(|clip| !clip.is_empty()) else {
+            return Err(Failure::new(format!(
+                "{}: --time needs keyframes, and the {} has none",
+                self.file,
+                self.kind()
+            )));
+        };
+        let mut q = vec![0.0; self.model.degrees_of_freedom()];
+        clip.sample(time, playback, &mut q)?;
+        Ok(q)
+    }
+
+    fn check_length(&self, numbers: &[f64], source: &str) -> Outcome<()> {
+        let expected = self.model.degrees_of_freedom();
+        if numbers.len() == expected {
+            return Ok(());
+        }
+        let shape = match &self.rig {
+            Some(rig) => format!(
+                "{expected}: 3 for each of {} bones",
+                rig.skeleton.bones().len()
+            ),
+            None => expected.to_string(),
+        };
+        Err(Failure::new(format!(
+            "{source}: {} numbers given, but a configuration has {shape} (kinopt info {} lists them)",
+            numbers.len(),
+            self.file,
+        )))
+    }
+
+    /// Says on standard error which coordinates are outside their limits, if any.
+    pub(crate) fn note_outside_limits(&self, q: &[f64], consequence: &str) {
+        let limits = self.model.limits().zip(q).zip(self.model.moving_joints());
+        let mut outside = limits.filter(|((limits, value), _)| !limits.contains(**value));
+        let Some(((Limits { lower, upper }, value), id)) = outside.next() else {
+            return;
+        };
+        let joint = self.model.joints().get(id.index());
+        let name = joint.map_or("?", |joint| joint.name.as_str());
+        let others = match outside.count() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        output::message(&format!(
+            "note: `{name}`{others} outside the limits ({value} is not within [{lower}, {upper}]); \
+             {consequence}"
+        ));
+    }
+}

@@ -1,0 +1,28 @@
+//! Why a command did not do what was asked.
+
+use std::fmt::Display;
+
+/// What ends a command early.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// A reason for people, in one line.
+    Reason(String),
+    /// Whoever reads the output has gone: nobody is left to be told.
+    ReaderGone,
+}
+
+pub(crate) type Outcome<T> = Result<T, Failure>;
+
+impl Failure {
+    pub(crate) fn new(reason: impl Display) -> Self {
+        // A file's name may hold anything, but the reason stays one line.
+        Self::Reason(reason.to_string().replace(['\n', '\r'], " "))
+    }
+}
+
+/// Every error of the library names the thing and the valid names already.
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::new(error)
+    }
+}

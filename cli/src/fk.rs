@@ -1,0 +1,115 @@
+//! `kinopt fk`: from a configuration to frames.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use kinopt::animation::Playback;
+use serde::Serialize;
+
+use crate::failure::Outcome;
+use crate::frame_report::FrameReport;
+use crate::loaded_model::LoadedModel;
+use crate::number_format::LengthFormat;
+use crate::{number_list, output};
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt fk arm.json                              the rest pose, every bone
+  kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes after 1.5 s, one bone
+  kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed";
+
+/// Where the frames stand for a configuration (forward kinematics).
+///
+/// For a rig a frame is a bone's own: its origin at the bone's tail, x towards the tip; the tip is
+/// given beside it. Without --q, --q-file and --time it is the rest pose: all zeros, moved into the
+/// limits where they exclude zero.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The model: a rig's .json file.
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+
+    /// The configuration, in radians (or --degrees) and metres. Default: the rest pose.
+    ///
+    /// One number per degree of freedom, in the order of `kinopt info`, separated by commas or
+    /// spaces; only sliding joints are in metres. Limits are not enforced.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
+          value_parser = Numbers::parse)]
+    q: Option<Numbers>,
+
+    /// A JSON file with the configuration, in radians and metres. Default: none.
+    ///
+    /// It holds a list of numbers, or a document with one under "q", such as `--json` prints.
+    #[arg(long, value_name = "FILE", group = "configuration")]
+    q_file: Option<PathBuf>,
+
+    /// Take the rig's keyframes at this time, in seconds. Default: none.
+    ///
+    /// Before the first and after the last key the pose is held, unless --loop.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, group = "configuration",
+          value_parser = number_list::number)]
+    time: Option<f64>,
+
+    /// With --time: repeat the keyframes instead of holding the ends. Default: off.
+    #[arg(long = "loop", requires = "time")]
+    looped: bool,
+
+    /// A frame to report; repeat it for several. Default: all of them.
+    ///
+    /// In a rig `bone/3` or a bone's name is the bone at its tail, `bone/3/tip` at its tip.
+    #[arg(long = "frame", value_name = "NAME")]
+    frames: Vec<String>,
+
+    /// The angles of --q are in degrees. Default: radians.
+    #[arg(long, requires = "q")]
+    degrees: bool,
+}
+
+/// A list of numbers as one value.
+#[derive(Clone, Debug)]
+struct Numbers(Vec<f64>);
+
+impl Numbers {
+    fn parse(text: &str) -> Result<Self, String> {
+        number_list::parse(text).map(Self)
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    q: &'a [f64],
+    frames: &'a FrameReport,
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let loaded = LoadedModel::read(&arguments.model)?;
+    let q = configuration(&loaded, arguments)?;
+    let frames = loaded.frame_report(&arguments.frames, &q)?;
+    loaded.note_outside_limits(&q, "the frames are those of the numbers as given");
+    if json {
+        return output::json(&Document {
+            q: &q,
+            frames: &frames,
+        });
+    }
+    output::result(&frames.text(LengthFormat::of_size(loaded.size())))
+}
+
+fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64>> {
+    if let Some(Numbers(numbers)) = &arguments.q {
+        return loaded.typed_configuration(numbers, arguments.degrees, "--q");
+    }
+    if let Some(path) = &arguments.q_file {
+        return loaded.configuration_file(path);
+    }
+    let playback = if arguments.looped {
+        Playback::Loop
+    } else {
+        Playback::Hold
+    };
+    match arguments.time {
+        Some(time) => loaded.keyframes_at(time, playback),
+        None => Ok(loaded.model.neutral()),
+    }
+}

@@ -1,0 +1,117 @@
+//! Which frame a name on the command line means.
+
+use kinopt::io::rig::Rig;
+use kinopt::model::{FrameId, UnknownName};
+use kinopt::skeleton::BoneId;
+
+use crate::loaded_model::LoadedModel;
+
+/// What a bone's bare name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BareName {
+    /// The bone's tail, where its own frame is.
+    Tail,
+    /// The bone's tip, which is what one drags.
+    Tip,
+}
+
+impl LoadedModel {
+    /// The frame that `name` means. In a rig: `bone/3` counts from 0 and always works, a bone's own
+    /// name does too, and `/tip` or `/tail` may follow either. In a robot: a frame's name.
+    pub(crate) fn frame(&self, name: &str, bare: BareName) -> Result<FrameId, UnknownName> {
+        let Some(rig) = &self.rig else {
+            return self.model.frame(name);
+        };
+        let (bone, end) = split(rig, name)?;
+        Ok(match end.unwrap_or(bare) {
+            BareName::Tail => rig.skeleton.tail(bone),
+            BareName::Tip => rig.skeleton.tip(bone),
+        })
+    }
+}
+
+/// The bone, and the end of it where the name says which.
+fn split(rig: &Rig, name: &str) -> Result<(BoneId, Option<BareName>), UnknownName> {
+    if let Some(bone) = bone(rig, name) {
+        return Ok((bone, None));
+    }
+    let ends = [("/tip", BareName::Tip), ("/tail", BareName::Tail)];
+    for (suffix, end) in ends {
+        if let Some(bone) = name.strip_suffix(suffix).and_then(|stem| bone(rig, stem)) {
+            return Ok((bone, Some(end)));
+        }
+    }
+    let names = rig.skeleton.bones().iter().map(|bone| bone.name.as_str());
+    let mut error = UnknownName::new("bone", name, names);
+    error.valid.push("each also with /tip or /tail".to_owned());
+    Err(error)
+}
+
+fn bone(rig: &Rig, name: &str) -> Option<BoneId> {
+    let index = name.strip_prefix("bone/").and_then(|n| n.parse().ok());
+    index
+        .and_then(|index| rig.skeleton.bone_at(index))
+        .or_else(|| rig.skeleton.bone(name).ok())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use kinopt::Skeleton;
+    use kinopt::animation::EulerClip;
+    use kinopt::model::Limits;
+    use kinopt::skeleton::Bone;
+    use kinopt::spatial::Placement;
+
+    use super::*;
+
+    fn named() -> LoadedModel {
+        let bone = |name: &str| Bone {
+            name: name.to_owned(),
+            parent: None,
+            length: 1.0,
+            model_from_rest: Placement::identity(),
+            limits: [Limits::UNBOUNDED; 3],
+        };
+        // The last one is named after another's number.
+        let bones = ["hip", "arm/left", "bone/0"].map(bone).to_vec();
+        let skeleton = Skeleton::new("named", bones).unwrap();
+        LoadedModel {
+            file: "named.json".to_owned(),
+            model: skeleton.model().clone(),
+            rig: Some(Box::new(Rig {
+                skeleton,
+                mesh: None,
+                weights: None,
+                clip: EulerClip::default(),
+                constrained: Vec::new(),
+            })),
+        }
+    }
+
+    #[test]
+    fn names_numbers_and_ends() {
+        let loaded = named();
+        let index = |name: &str, bare| loaded.frame(name, bare).unwrap().index();
+        for (name, bone) in [("hip", 0), ("arm/left", 1), ("bone/1", 1), ("bone/2", 2)] {
+            assert_eq!(index(name, BareName::Tail), 2 * bone, "{name}");
+            assert_eq!(index(name, BareName::Tip), 2 * bone + 1, "{name}");
+            let (tip, tail) = (format!("{name}/tip"), format!("{name}/tail"));
+            for bare in [BareName::Tip, BareName::Tail] {
+                assert_eq!(index(&tip, bare), 2 * bone + 1);
+                assert_eq!(index(&tail, bare), 2 * bone);
+            }
+        }
+        // Numbers win, so that they always work.
+        assert_eq!(index("bone/0", BareName::Tail), 0);
+    }
+
+    #[test]
+    fn unknown_names_come_with_the_valid_ones() {
+        for name in ["arm", "bone/3", "bone/-1", "hip/top", "", "/tip"] {
+            let error = named().frame(name, BareName::Tip).unwrap_err().to_string();
+            assert!(error.contains(&format!("`{name}`")), "{error}");
+            assert!(error.contains("hip, arm/left, bone/0"), "{error}");
+        }
+    }
+}

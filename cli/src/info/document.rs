@@ -1,0 +1,159 @@
+//! What there is to say about a model, as the JSON document says it.
+
+use kinopt::io::rig::Rig;
+use kinopt::model::{Joint, JointKind};
+use kinopt::skeleton::BoneId;
+use serde::Serialize;
+
+use crate::loaded_model::LoadedModel;
+
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    pub(super) file: &'a str,
+    pub(super) kind: &'static str,
+    pub(super) degrees_of_freedom: usize,
+    pub(super) free: usize,
+    pub(super) size: f64,
+    pub(super) joints: Vec<JointDocument<'a>>,
+    pub(super) frames: Vec<&'a str>,
+    #[serde(flatten)]
+    pub(super) rig: Option<RigDocument<'a>>,
+}
+
+#[derive(Serialize)]
+pub(super) struct JointDocument<'a> {
+    pub(super) name: &'a str,
+    pub(super) kind: &'static str,
+    /// Its place in a configuration; none for a fixed joint.
+    pub(super) coordinate: Option<usize>,
+    pub(super) free: bool,
+    /// Radians or metres; none where there is no limit.
+    pub(super) lower: Option<f64>,
+    pub(super) upper: Option<f64>,
+}
+
+#[derive(Serialize)]
+pub(super) struct RigDocument<'a> {
+    pub(super) bones: Vec<BoneDocument<'a>>,
+    pub(super) mesh: Option<MeshDocument>,
+    pub(super) weights: Option<WeightsDocument>,
+    pub(super) keyframes: Option<KeyframesDocument>,
+    pub(super) constrained: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+pub(super) struct BoneDocument<'a> {
+    pub(super) name: &'a str,
+    pub(super) parent: Option<&'a str>,
+    pub(super) length: f64,
+    pub(super) rest_tail: [f64; 3],
+    pub(super) rest_tip: [f64; 3],
+}
+
+#[derive(Serialize)]
+pub(super) struct MeshDocument {
+    pub(super) vertices: usize,
+    pub(super) triangles: usize,
+    pub(super) normals: bool,
+    pub(super) closed: bool,
+    pub(super) bounding_box: Option<[[f32; 3]; 2]>,
+}
+
+#[derive(Serialize)]
+pub(super) struct WeightsDocument {
+    pub(super) max_influences: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct KeyframesDocument {
+    pub(super) bones: usize,
+    pub(super) keys: usize,
+    /// In seconds.
+    pub(super) start: f64,
+    pub(super) end: f64,
+}
+
+/// Everything there is to say about a model.
+pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
+    let model = &loaded.model;
+    let free = loaded.free_coordinates();
+    let moving = model.moving_joints().iter().enumerate();
+    let moving = moving.filter_map(|(coordinate, id)| {
+        let joint = model.joints().get(id.index())?;
+        let free = free.get(coordinate).copied().unwrap_or(false);
+        Some(joint_document(joint, Some(coordinate), free))
+    });
+    let fixed = model.joints().iter().filter(|j| j.kind == JointKind::Fixed);
+    let fixed = fixed.map(|joint| joint_document(joint, None, false));
+    Document {
+        file: &loaded.file,
+        kind: loaded.kind(),
+        degrees_of_freedom: model.degrees_of_freedom(),
+        free: free.iter().filter(|free| **free).count(),
+        size: loaded.size(),
+        joints: moving.chain(fixed).collect(),
+        frames: match &loaded.rig {
+            Some(rig) => bone_names(rig).collect(),
+            None => model.frames().iter().map(|f| f.name.as_str()).collect(),
+        },
+        rig: loaded.rig.as_deref().map(rig_document),
+    }
+}
+
+fn joint_document(joint: &Joint, coordinate: Option<usize>, free: bool) -> JointDocument<'_> {
+    let finite = |limit: f64| limit.is_finite().then_some(limit);
+    let limited = coordinate.is_some();
+    JointDocument {
+        name: &joint.name,
+        kind: match joint.kind {
+            JointKind::Fixed => "fixed",
+            JointKind::Revolute => "revolute",
+            JointKind::Continuous => "continuous",
+            JointKind::Prismatic => "prismatic",
+        },
+        coordinate,
+        free,
+        lower: finite(joint.limits.lower).filter(|_| limited),
+        upper: finite(joint.limits.upper).filter(|_| limited),
+    }
+}
+
+fn bone_names(rig: &Rig) -> impl Iterator<Item = &str> {
+    rig.skeleton.bones().iter().map(|bone| bone.name.as_str())
+}
+
+fn rig_document(rig: &Rig) -> RigDocument<'_> {
+    let bones = rig.skeleton.bones();
+    let name = |bone: BoneId| Some(bones.get(bone.index())?.name.as_str());
+    RigDocument {
+        bones: bones
+            .iter()
+            .map(|bone| BoneDocument {
+                name: &bone.name,
+                parent: bone.parent.and_then(name),
+                length: bone.length,
+                rest_tail: bone.rest_tail().to_array(),
+                rest_tip: bone.rest_tip().to_array(),
+            })
+            .collect(),
+        mesh: rig.mesh.as_ref().map(|mesh| MeshDocument {
+            vertices: mesh.positions().len(),
+            triangles: mesh.triangles().len(),
+            normals: !mesh.normals().is_empty(),
+            closed: mesh.is_closed(),
+            bounding_box: mesh
+                .bounding_box()
+                .map(|b| b.map(|corner| corner.to_array())),
+        }),
+        weights: rig.weights.as_ref().map(|weights| WeightsDocument {
+            max_influences: weights.max_influences(),
+        }),
+        keyframes: rig.clip.time_span().map(|[start, end]| KeyframesDocument {
+            bones: rig.clip.tracks().len(),
+            keys: rig.clip.tracks().iter().map(|t| t.keys.len()).sum(),
+            start,
+            end,
+        }),
+        constrained: rig.constrained.iter().copied().filter_map(name).collect(),
+    }
+}

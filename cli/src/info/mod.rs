@@ -1,0 +1,39 @@
+//! `kinopt info`: what a model has.
+
+mod document;
+mod text;
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::failure::Outcome;
+use crate::loaded_model::LoadedModel;
+use crate::output;
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt info arm.json           for people: limits in degrees and in radians
+  kinopt info arm.json --json    for programs: limits in radians, null where there is none";
+
+/// What a model has: joints with their limits, frames, degrees of freedom and which of them are
+/// free, and for a rig its mesh, skin weights, keyframes and pinned tips.
+///
+/// Joints are listed in the order in which a configuration holds their values.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The model: a rig's .json file.
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let loaded = LoadedModel::read(&arguments.model)?;
+    let document = document::document(&loaded);
+    if json {
+        output::json(&document)
+    } else {
+        output::result(&text::text(&loaded, &document))
+    }
+}

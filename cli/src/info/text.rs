@@ -1,0 +1,154 @@
+//! The document for people.
+
+use super::document::{Document, KeyframesDocument, RigDocument};
+use crate::loaded_model::LoadedModel;
+use crate::number_format::{LengthFormat, six_digits, three_digits};
+use crate::table::{Align, Table};
+
+/// The document as text with aligned tables.
+pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
+    let lengths = LengthFormat::of_size(document.size);
+    let mut lines = vec![
+        ("model", format!("{} ({})", document.file, document.kind)),
+        (
+            "freedom",
+            format!(
+                "{} degrees of freedom, {} of them free",
+                document.degrees_of_freedom, document.free
+            ),
+        ),
+        (
+            "size",
+            format!("{} {}", lengths.number(document.size), loaded.length_unit()),
+        ),
+    ];
+    if let Some(rig) = &document.rig {
+        lines.extend(rig_lines(rig));
+    }
+    let mut text = String::new();
+    for (name, line) in lines {
+        text.push_str(&format!("{name:<10}{line}\n"));
+    }
+    text.push_str("\njoints\n");
+    text.push_str(&joint_table(document));
+    text.push_str("\nframes\n");
+    match &document.rig {
+        Some(rig) => text.push_str(&bone_table(rig, lengths)),
+        None => {
+            for name in &document.frames {
+                text.push_str(&format!("  {name}\n"));
+            }
+        }
+    }
+    text
+}
+
+fn rig_lines(rig: &RigDocument) -> Vec<(&'static str, String)> {
+    let none = || "none".to_owned();
+    let mesh = rig.mesh.as_ref().map(|mesh| {
+        format!(
+            "{} vertices, {} triangles, {}, {}",
+            mesh.vertices,
+            mesh.triangles,
+            if mesh.closed { "closed" } else { "not closed" },
+            if mesh.normals {
+                "with normals"
+            } else {
+                "without normals"
+            },
+        )
+    });
+    let weights = rig
+        .weights
+        .as_ref()
+        .map(|weights| format!("at most {} bones to a vertex", weights.max_influences));
+    let keyframes = rig.keyframes.as_ref().map(|keyframes| {
+        let KeyframesDocument {
+            bones,
+            keys,
+            start,
+            end,
+        } = keyframes;
+        format!("{keys} keys on {bones} bones, {start} s to {end} s")
+    });
+    let pinned = match rig.constrained.as_slice() {
+        [] => none(),
+        names => format!("the tips of {}", names.join(", ")),
+    };
+    vec![
+        ("bones", rig.bones.len().to_string()),
+        ("mesh", mesh.unwrap_or_else(none)),
+        ("weights", weights.unwrap_or_else(none)),
+        ("keyframes", keyframes.unwrap_or_else(none)),
+        ("pinned", pinned),
+    ]
+}
+
+fn joint_table(document: &Document) -> String {
+    let (left, right) = (Align::Left, Align::Right);
+    let slides = document.joints.iter().any(|j| j.kind == "prismatic");
+    let (lower, upper) = if slides {
+        ("lower (rad or m)", "upper (rad or m)")
+    } else {
+        ("lower (rad)", "upper (rad)")
+    };
+    let mut table = Table::new([
+        ("q", right),
+        ("name", left),
+        ("kind", left),
+        ("lower (deg)", right),
+        ("upper (deg)", right),
+        (lower, right),
+        (upper, right),
+        ("", left),
+    ]);
+    let shown = |limit: Option<f64>, format: fn(f64) -> String| {
+        limit.map_or_else(|| "-".to_owned(), format)
+    };
+    let degrees = |radians: f64| three_digits(radians.to_degrees());
+    for joint in &document.joints {
+        let turns = |limit: Option<f64>| limit.filter(|_| joint.kind != "prismatic");
+        table.row([
+            joint.coordinate.map_or("-".to_owned(), |c| c.to_string()),
+            joint.name.to_owned(),
+            joint.kind.to_owned(),
+            shown(turns(joint.lower), degrees),
+            shown(turns(joint.upper), degrees),
+            shown(joint.lower, six_digits),
+            shown(joint.upper, six_digits),
+            if joint.free { "free" } else { "locked" }.to_owned(),
+        ]);
+    }
+    table.text()
+}
+
+fn bone_table(rig: &RigDocument, lengths: LengthFormat) -> String {
+    let (left, right) = (Align::Left, Align::Right);
+    let mut table = Table::new([
+        ("name", left),
+        ("parent", left),
+        ("length", right),
+        ("rest tail x", right),
+        ("y", right),
+        ("z", right),
+        ("rest tip x", right),
+        ("y", right),
+        ("z", right),
+    ]);
+    for bone in &rig.bones {
+        let [tail_x, tail_y, tail_z] = lengths.vector(bone.rest_tail);
+        let [tip_x, tip_y, tip_z] = lengths.vector(bone.rest_tip);
+        table.row([
+            bone.name.to_owned(),
+            bone.parent.unwrap_or("-").to_owned(),
+            lengths.number(bone.length),
+            tail_x,
+            tail_y,
+            tail_z,
+            tip_x,
+            tip_y,
+            tip_z,
+        ]);
+    }
+    table.text()
+}

@@ -1,0 +1,176 @@
+//! Whatever file a model comes from, as one thing.
+
+use std::path::Path;
+
+use kinopt::Model;
+use kinopt::io::rig::Rig;
+use kinopt::model::{JointKind, ParameterMap};
+
+use crate::failure::{Failure, Outcome};
+
+/// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
+const SUPPORTED: &str = ".json (a rig)";
+
+/// Rigs count as reached within this share of their size; an angle within as many radians.
+const RIG_TOLERANCE: f64 = 1e-9;
+/// Robots count as reached within so many metres and radians.
+const ROBOT_TOLERANCE: f64 = 1e-6;
+
+/// A model and what else its file holds.
+#[derive(Debug)]
+pub(crate) struct LoadedModel {
+    /// The file, as typed.
+    pub(crate) file: String,
+    /// What problems are stated on.
+    pub(crate) model: Model,
+    /// The rest of a rig; `None` for a robot.
+    pub(crate) rig: Option<Box<Rig>>,
+}
+
+impl LoadedModel {
+    /// Reads any supported file, told apart by its extension.
+    pub(crate) fn read(path: &Path) -> Outcome<Self> {
+        let file = path.display().to_string();
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        match extension.to_ascii_lowercase().as_str() {
+            "json" => {
+                let rig = Rig::read(path)?;
+                Ok(Self {
+                    file,
+                    model: rig.skeleton.model().clone(),
+                    rig: Some(Box::new(rig)),
+                })
+            }
+            "" => Err(Failure::new(format!(
+                "{file}: a model file needs an extension; supported: {SUPPORTED}"
+            ))),
+            other => Err(Failure::new(format!(
+                "{file}: models in .{other} files are not supported; supported: {SUPPORTED}"
+            ))),
+        }
+    }
+
+    /// "rig" or "robot".
+    pub(crate) fn kind(&self) -> &'static str {
+        match self.rig {
+            Some(_) => "rig",
+            None => "robot",
+        }
+    }
+
+    /// A length of the model's own scale: a rig's mesh (or, without one, its bones) in the rig's
+    /// unit, a robot's reach in metres.
+    pub(crate) fn size(&self) -> f64 {
+        match &self.rig {
+            Some(rig) => match rig.mesh.as_ref().map(|mesh| mesh.size()) {
+                Some(size) if size > 0.0 => size,
+                _ => rig.skeleton.size(),
+            },
+            None => self.model.reach(),
+        }
+    }
+
+    /// How far off counts as reached: a length in metres (rigs: their own unit), and radians.
+    pub(crate) fn default_tolerances(&self) -> (f64, f64) {
+        match self.rig {
+            Some(_) => (RIG_TOLERANCE * self.size(), RIG_TOLERANCE),
+            None => (ROBOT_TOLERANCE, ROBOT_TOLERANCE),
+        }
+    }
+
+    /// The name of the unit of length.
+    pub(crate) fn length_unit(&self) -> &'static str {
+        match self.rig {
+            Some(_) => "rig units",
+            None => "m",
+        }
+    }
+
+    /// Which coordinates of a configuration a solver may change.
+    pub(crate) fn free_coordinates(&self) -> Vec<bool> {
+        let mut free = vec![false; self.model.degrees_of_freedom()];
+        for &leader in ParameterMap::free(&self.model).leaders() {
+            if let Some(flag) = free.get_mut(leader) {
+                *flag = true;
+            }
+        }
+        free
+    }
+
+    /// Which coordinates of a configuration are angles; the others are lengths.
+    pub(crate) fn is_angle(&self) -> impl Iterator<Item = bool> + '_ {
+        let joints = self.model.joints();
+        let moving = self.model.moving_joints().iter();
+        moving.map(|id| {
+            let joint = joints.get(id.index());
+            joint.is_none_or(|joint| joint.kind != JointKind::Prismatic)
+        })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use kinopt::model::Limits;
+    use kinopt::spatial::{Placement, Vector3};
+
+    use super::*;
+    use crate::frame_name::BareName;
+
+    fn robot() -> LoadedModel {
+        let mut builder = Model::builder("crane");
+        let [x, _, z] = Vector3::UNITS;
+        let half = Limits::new(-0.5, 0.5);
+        let turn = builder.revolute("turn", None, Placement::identity(), z, half);
+        let on = Some(turn);
+        let slide = builder.prismatic("slide", on, Placement::translation(x), x, half);
+        builder.frame("hook", Some(slide), Placement::translation(x));
+        LoadedModel {
+            file: "crane.urdf".to_owned(),
+            model: builder.build().unwrap(),
+            rig: None,
+        }
+    }
+
+    #[test]
+    fn a_robot_needs_no_rig() {
+        let robot = robot();
+        assert_eq!((robot.kind(), robot.length_unit()), ("robot", "m"));
+        assert_eq!(robot.size(), 2.5);
+        assert_eq!(robot.default_tolerances(), (1e-6, 1e-6));
+        assert!(robot.frame("hook", BareName::Tip).is_ok());
+        let error = robot.frame("hand", BareName::Tip).unwrap_err().to_string();
+        assert!(error.contains("`hand`") && error.contains("hook"));
+        assert!(robot.skin().is_err() && robot.keyframes_at(0.0, Default::default()).is_err());
+    }
+
+    #[test]
+    fn degrees_are_for_turning_joints_only() {
+        let robot = robot();
+        let q = robot
+            .typed_configuration(&[90.0, 0.25], true, "--q")
+            .unwrap();
+        assert_eq!(q, [std::f64::consts::FRAC_PI_2, 0.25]);
+        let q = robot
+            .typed_configuration(&[0.1, 0.25], false, "--q")
+            .unwrap();
+        assert_eq!(q, [0.1, 0.25]);
+        assert!(robot.typed_configuration(&[0.1], false, "--q").is_err());
+    }
+
+    #[test]
+    fn a_robot_s_frames_are_placed() {
+        let robot = robot();
+        let report = robot
+            .frame_report(&[], &[std::f64::consts::FRAC_PI_2, 0.5])
+            .unwrap();
+        let json = serde_json::to_value(&report).unwrap();
+        let number = |key: &str, k: usize| json["hook"][key][k].as_f64().unwrap();
+        assert!((number("position", 1) - 2.5).abs() < 1e-15);
+        assert!(number("position", 0).abs() < 1e-15);
+        let half = 0.5_f64.sqrt();
+        assert!((number("quaternion", 0) - half).abs() < 1e-15);
+        assert!((number("quaternion", 3) - half).abs() < 1e-15);
+        assert!(json["hook"].get("tip").is_none());
+    }
+}

@@ -1,0 +1,79 @@
+//! Numbers as people type them: separated by commas, spaces or both.
+
+/// Reads finite numbers out of `text`.
+pub(crate) fn parse(text: &str) -> Result<Vec<f64>, String> {
+    let separators = |c: char| c == ',' || c.is_whitespace();
+    text.split(separators)
+        .filter(|word| !word.is_empty())
+        .map(number)
+        .collect()
+}
+
+/// As [`parse`], with exactly N numbers between N − 1 commas.
+pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f64; N], String> {
+    let numbers = text
+        .split(',')
+        .map(|word| number(word.trim()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let given = numbers.len();
+    numbers
+        .try_into()
+        .map_err(|_| format!("{what} takes {N} numbers separated by commas, not {given}"))
+}
+
+/// One finite number.
+pub(crate) fn number(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err(format!("`{word}` is not a finite number")),
+        Err(_) => Err(format!("`{word}` is not a number")),
+    }
+}
+
+/// One number above zero.
+pub(crate) fn positive(word: &str) -> Result<f64, String> {
+    match number(word)? {
+        number if number > 0.0 => Ok(number),
+        _ => Err(format!("`{word}` is not above 0")),
+    }
+}
+
+/// One number that is not negative.
+pub(crate) fn not_negative(word: &str) -> Result<f64, String> {
+    match number(word)? {
+        number if number >= 0.0 => Ok(number),
+        _ => Err(format!("`{word}` is below 0")),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn separators_mix() {
+        assert_eq!(
+            parse("1,2 3, -4e-1\n,5").unwrap(),
+            [1.0, 2.0, 3.0, -0.4, 5.0]
+        );
+        assert!(parse("").unwrap().is_empty());
+        assert_eq!(parse_exactly::<2>("1, 2", "a pair").unwrap(), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn what_is_no_number_is_named() {
+        for bad in ["x", "1,nan", "1,inf", "--json"] {
+            let word = bad.rsplit(',').next().unwrap_or(bad);
+            assert!(parse(bad).unwrap_err().contains(word), "{bad}");
+        }
+        assert!(
+            parse_exactly::<3>("1,2", "a point")
+                .unwrap_err()
+                .contains("3 numbers")
+        );
+        assert!(parse_exactly::<3>("1,,2", "a point").is_err());
+        assert!(positive("0").is_err() && positive("-1").is_err() && positive("2").is_ok());
+        assert!(not_negative("0").is_ok() && not_negative("-1").is_err());
+    }
+}

@@ -1,0 +1,197 @@
+//! What came out, for people and for programs.
+
+use kinopt::Solution;
+use kinopt::ik::Side;
+use serde::Serialize;
+
+use super::tasks::AskedTask;
+use crate::loaded_model::LoadedModel;
+use crate::number_format::{magnitude, six_digits};
+use crate::table::{Align, Table};
+
+/// A solution and what it answers.
+pub(super) struct Report<'a> {
+    pub(super) loaded: &'a LoadedModel,
+    pub(super) solution: &'a Solution,
+    pub(super) tasks: &'a [AskedTask],
+    /// Time spent solving, in microseconds.
+    pub(super) micros: f64,
+}
+
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    q: &'a [f64],
+    reached: bool,
+    termination: &'static str,
+    cost: f64,
+    tasks: Vec<TaskDocument<'a>>,
+    active_limits: Vec<LimitDocument<'a>>,
+    iterations: usize,
+    attempts: usize,
+    evaluations: Evaluations,
+    micros: f64,
+    explanation: String,
+}
+
+#[derive(Serialize)]
+struct TaskDocument<'a> {
+    name: &'a str,
+    frame: &'a str,
+    /// In metres (rigs: their own unit).
+    position_error: Option<f64>,
+    /// In radians.
+    orientation_error: Option<f64>,
+    reached: bool,
+    held: bool,
+}
+
+#[derive(Serialize)]
+struct LimitDocument<'a> {
+    joint: &'a str,
+    side: &'static str,
+    /// In radians or metres.
+    value: f64,
+}
+
+#[derive(Serialize)]
+struct Evaluations {
+    residuals: usize,
+    jacobians: usize,
+    gradients: usize,
+}
+
+impl<'a> Report<'a> {
+    pub(super) fn document(&self) -> Document<'a> {
+        let solution = self.solution;
+        let tasks = solution
+            .tasks()
+            .zip(self.tasks)
+            .map(|(task, asked)| TaskDocument {
+                name: task.name,
+                frame: &asked.frame,
+                position_error: task.position_error(),
+                orientation_error: task.orientation_error(),
+                reached: task.reached,
+                held: asked.held,
+            });
+        let limits = solution.active_limits().map(|limit| LimitDocument {
+            joint: limit.joint,
+            side: side(limit.side),
+            value: limit.value,
+        });
+        Document {
+            q: &solution.q,
+            reached: solution.reached,
+            termination: solution.termination.name(),
+            cost: solution.cost,
+            tasks: tasks.collect(),
+            active_limits: limits.collect(),
+            iterations: solution.iterations,
+            attempts: solution.attempts,
+            evaluations: Evaluations {
+                residuals: solution.counts.residuals,
+                jacobians: solution.counts.jacobians,
+                gradients: solution.counts.gradients,
+            },
+            micros: self.micros,
+            explanation: solution.explain(),
+        }
+    }
+
+    /// The explanation, the tasks' errors, and the free joints' values.
+    pub(super) fn text(&self, degrees: bool) -> String {
+        let mut text = self.solution.explain();
+        if !self.solution.reached && self.tasks.iter().any(|task| task.held) {
+            text.push_str("\n  Pinned tips are held where they were; --free lets them go.");
+        }
+        text.push_str(&format!("\n  Solved in {}.\n\n", duration(self.micros)));
+        text.push_str(&self.task_table());
+        text.push('\n');
+        text.push_str(&self.joint_table(degrees));
+        text
+    }
+
+    fn task_table(&self) -> String {
+        let position = format!("position error ({})", self.loaded.length_unit());
+        let turns = self
+            .solution
+            .tasks()
+            .any(|task| task.orientation_error().is_some());
+        let (left, right) = (Align::Left, Align::Right);
+        let mut table = if turns {
+            Table::new([
+                ("task", left),
+                (&position, right),
+                ("orientation error (rad)", right),
+                ("reached", left),
+            ])
+        } else {
+            Table::new([("task", left), (&position, right), ("reached", left)])
+        };
+        let error = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), magnitude);
+        for task in self.solution.tasks() {
+            let name = task.name.to_owned();
+            let position = error(task.position_error());
+            let reached = if task.reached { "yes" } else { "no" }.to_owned();
+            if turns {
+                table.row([name, position, error(task.orientation_error()), reached]);
+            } else {
+                table.row([name, position, reached]);
+            }
+        }
+        table.text()
+    }
+
+    fn joint_table(&self, degrees: bool) -> String {
+        let unit = if degrees { "degrees" } else { "radians" };
+        // Lengths stay lengths, so only a model that slides needs the second unit.
+        let slides = self.loaded.is_angle().any(|is_angle| !is_angle);
+        let value = if slides {
+            format!("{unit} or metres")
+        } else {
+            unit.to_owned()
+        };
+        let (left, right) = (Align::Left, Align::Right);
+        let mut table = Table::new([("joint", left), (&value, right), ("", left)]);
+        let model = &self.loaded.model;
+        let coordinates = model.moving_joints().iter().zip(&self.solution.q);
+        let coordinates = coordinates.zip(self.loaded.is_angle()).zip(model.limits());
+        let free = self.loaded.free_coordinates();
+        for ((((id, &value), is_angle), limits), free) in coordinates.zip(free) {
+            let Some(joint) = model.joints().get(id.index()).filter(|_| free) else {
+                continue;
+            };
+            let shown = if degrees && is_angle {
+                value.to_degrees()
+            } else {
+                value
+            };
+            let note = if value <= limits.lower {
+                "at its lower limit"
+            } else if value >= limits.upper {
+                "at its upper limit"
+            } else {
+                ""
+            };
+            table.row([joint.name.clone(), six_digits(shown), note.to_owned()]);
+        }
+        table.text()
+    }
+}
+
+fn side(side: Side) -> &'static str {
+    match side {
+        Side::Lower => "lower",
+        Side::Upper => "upper",
+    }
+}
+
+fn duration(micros: f64) -> String {
+    if micros < 1e3 {
+        format!("{micros:.0} µs")
+    } else if micros < 1e6 {
+        format!("{:.1} ms", micros * 1e-3)
+    } else {
+        format!("{:.2} s", micros * 1e-6)
+    }
+}

@@ -1,0 +1,175 @@
+//! `--target` and `--ray` as they are typed.
+
+use crate::number_list::{number, parse_exactly};
+
+/// How far a typed quaternion's length may be from 1; it is normalised.
+const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
+
+/// `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Target {
+    pub(crate) frame: String,
+    pub(crate) position: [f64; 3],
+    /// Unit quaternion, w first.
+    pub(crate) quaternion: Option<[f64; 4]>,
+}
+
+/// `FRAME=ex,ey,ez:mx,my,mz`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RayTarget {
+    pub(crate) frame: String,
+    pub(crate) eye: [f64; 3],
+    pub(crate) through: [f64; 3],
+}
+
+impl Target {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let (frame, numbers) = split(text, "FRAME=x,y,z or FRAME=x,y,z,qw,qx,qy,qz")?;
+        let count = numbers.split(',').count();
+        if count != 3 && count != 7 {
+            return Err(format!(
+                "a target takes 3 numbers (x,y,z) or 7 (x,y,z,qw,qx,qy,qz), not {count}"
+            ));
+        }
+        if count == 3 {
+            return Ok(Self {
+                frame,
+                position: parse_exactly(numbers, "a position")?,
+                quaternion: None,
+            });
+        }
+        let [x, y, z, qw, qx, qy, qz] = parse_exactly(numbers, "a pose")?;
+        Ok(Self {
+            frame,
+            position: [x, y, z],
+            quaternion: Some(normalised([qw, qx, qy, qz])?),
+        })
+    }
+}
+
+impl RayTarget {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let shape = "FRAME=ex,ey,ez:mx,my,mz";
+        let (frame, numbers) = split(text, shape)?;
+        let Some((eye, through)) = numbers.split_once(':') else {
+            return Err(format!("expected {shape}: a colon between the two points"));
+        };
+        let (eye, through) = (
+            parse_exactly(eye, "the eye")?,
+            parse_exactly(through, "the point")?,
+        );
+        if eye == through {
+            return Err("the eye and the point coincide, so they span no ray".to_owned());
+        }
+        Ok(Self {
+            frame,
+            eye,
+            through,
+        })
+    }
+}
+
+/// The frame's name may hold anything, also `=`; numbers cannot.
+fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
+    match text.rsplit_once('=') {
+        Some((frame, numbers)) if !frame.trim().is_empty() => {
+            Ok((frame.trim().to_owned(), numbers))
+        }
+        _ => Err(format!("expected {shape}")),
+    }
+}
+
+fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
+    let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if (length - 1.0).abs() <= QUATERNION_LENGTH_WITHIN {
+        return Ok(quaternion.map(|c| c / length));
+    }
+    Err(format!(
+        "the quaternion (w,x,y,z) has length {length:.6}; a rotation's is 1"
+    ))
+}
+
+/// `--start`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Start {
+    Rest,
+    Random,
+    Numbers(Vec<f64>),
+}
+
+impl Start {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "rest" => Ok(Self::Rest),
+            "random" => Ok(Self::Random),
+            numbers => match crate::number_list::parse(numbers) {
+                Ok(numbers) => Ok(Self::Numbers(numbers)),
+                Err(problem) if number(first_word(numbers)).is_ok() => Err(problem),
+                Err(_) => Err("expected `rest`, `random` or the configuration's numbers".into()),
+            },
+        }
+    }
+}
+
+fn first_word(text: &str) -> &str {
+    text.split([',', ' ']).next().unwrap_or("")
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_and_poses() {
+        let target = Target::parse("left=hand=1,-2.5,3e-1").unwrap();
+        assert_eq!(target.frame, "left=hand");
+        assert_eq!(target.position, [1.0, -2.5, 0.3]);
+        assert_eq!(target.quaternion, None);
+        let pose = Target::parse("a=0,0,0,0.7071,0,0.7071,0").unwrap();
+        let half = 0.5_f64.sqrt();
+        let [w, x, y, z] = pose.quaternion.unwrap();
+        assert!((w - half).abs() < 1e-12 && (y - half).abs() < 1e-12);
+        assert_eq!([x, z], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn malformed_targets_say_why() {
+        for (text, reason) in [
+            ("a", "expected FRAME="),
+            ("=1,2,3", "expected FRAME="),
+            ("a=1,2", "not 2"),
+            ("a=1,2,3,4", "not 4"),
+            ("a=1,2,x", "`x` is not a number"),
+            ("a=1,2,inf", "not a finite number"),
+            ("a=1,2,3,0,0,0,0", "length 0"),
+            ("a=1,2,3,1,1,0,0", "length 1.41"),
+        ] {
+            let error = Target::parse(text).unwrap_err();
+            assert!(error.contains(reason), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn rays() {
+        let ray = RayTarget::parse("tip=0,0,5:1,1,0").unwrap();
+        assert_eq!((ray.eye, ray.through), ([0.0, 0.0, 5.0], [1.0, 1.0, 0.0]));
+        for text in [
+            "tip=0,0,5",
+            "tip=0,0,5:1,1",
+            "tip=1,1,1:1,1,1",
+            "0,0,5:1,1,1",
+        ] {
+            assert!(RayTarget::parse(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn starts() {
+        assert_eq!(Start::parse("rest"), Ok(Start::Rest));
+        assert_eq!(Start::parse(" random "), Ok(Start::Random));
+        assert_eq!(Start::parse("1, -2"), Ok(Start::Numbers(vec![1.0, -2.0])));
+        assert!(Start::parse("1, x").unwrap_err().contains("`x`"));
+        assert!(Start::parse("home").unwrap_err().contains("`random`"));
+    }
+}

@@ -1,0 +1,210 @@
+//! Promise: 0 is done, 1 is failed with a one-line reason, 2 is wrong usage; and each error names
+//! the thing and, where there is a list, the valid names. Never anything on standard output.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod forked_rig;
+
+use std::process::{Command, Stdio};
+
+use forked_rig::{Folder, kinopt, rig, stderr, stdout};
+
+/// Runs the command, which must end with `code` and say all of `words`.
+fn refused(arguments: &[&str], code: i32, words: &[&str]) {
+    let output = kinopt(arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert_eq!(stdout(&output), "", "{arguments:?}");
+    for word in words {
+        assert!(
+            message.contains(word),
+            "{arguments:?}: no {word} in {message}"
+        );
+    }
+    if code == 1 {
+        assert_eq!(message.lines().count(), 1, "{message}");
+        assert!(message.starts_with("kinopt: error: "), "{message}");
+    }
+}
+
+const TARGET: &str = "--target=bone/2=-2.5,0.5,0";
+
+#[test]
+fn wrong_names_come_with_the_valid_ones() {
+    let folder = Folder::new("names");
+    let rig = folder.rig();
+    let bones = ["bone/0", "bone/4", "/tip"];
+    for target in ["--target=hand=1,2,3", "--ray=hand=0,0,1:0,0,0"] {
+        refused(
+            &["solve", &rig, target],
+            1,
+            &[&bones[..], &["`hand`"]].concat(),
+        );
+    }
+    refused(
+        &["solve", &rig, "--target=bone/5=1,2,3", "--json"],
+        1,
+        &["`bone/5`", "bone/4"],
+    );
+    refused(&["fk", &rig, "--frame", "hand"], 1, &["`hand`", "bone/0"]);
+    let solvers = [
+        "newton",
+        "levenberg-marquardt",
+        "gauss-newton",
+        "projected-gradient-bb",
+    ];
+    refused(&["solve", &rig, TARGET, "--solver", "newton"], 2, &solvers);
+    let routes = ["exact", "analytic", "dual", "fd", "central"];
+    refused(&["solve", &rig, TARGET, "--jacobian", "exact"], 2, &routes);
+}
+
+#[test]
+fn wrong_usage_is_two() {
+    let folder = Folder::new("usage");
+    let rig = folder.rig();
+    refused(&[], 2, &["info", "fk", "solve"]);
+    refused(&["dance"], 2, &["dance"]);
+    refused(&["info"], 2, &["MODEL"]);
+    refused(&["solve", &rig], 2, &["--target", "--ray"]);
+    refused(&["solve", &rig, "--json"], 2, &["--target"]);
+    refused(&["solve", &rig, TARGET, "--fast"], 2, &["--fast"]);
+    refused(
+        &["solve", &rig, "--target=bone/2=1,2"],
+        2,
+        &["bone/2=1,2", "not 2"],
+    );
+    refused(&["solve", &rig, "--target=bone/2=1,2,nan"], 2, &["`nan`"]);
+    refused(
+        &["solve", &rig, "--target=bone/2=1,2,3,2,0,0,0"],
+        2,
+        &["length 2"],
+    );
+    refused(&["solve", &rig, "--ray=bone/2=1,2,3"], 2, &["colon"]);
+    refused(
+        &["solve", &rig, TARGET, "--start", "home"],
+        2,
+        &["rest", "random"],
+    );
+    refused(&["solve", &rig, TARGET, "--start=1,x"], 2, &["`x`"]);
+    refused(&["solve", &rig, TARGET, "--tolerance=-1"], 2, &["`-1`"]);
+    refused(
+        &["solve", &rig, TARGET, "--time-limit", "0"],
+        2,
+        &["above 0"],
+    );
+    refused(
+        &["solve", &rig, TARGET, "--time-limit", "1e300"],
+        2,
+        &["1e300"],
+    );
+    refused(&["solve", &rig, TARGET, "--restarts", "many"], 2, &["many"]);
+    refused(
+        &["solve", &rig, TARGET, "--out", "posed.stl"],
+        2,
+        &["posed.stl", ".obj", ".ply"],
+    );
+    refused(&["fk", &rig, "--q", "1,two"], 2, &["`two`"]);
+    refused(&["fk", &rig, "--q=1", "--time=1"], 2, &["--time"]);
+    refused(&["fk", &rig, "--loop"], 2, &["--time"]);
+}
+
+#[test]
+fn what_cannot_be_done_is_one() {
+    let folder = Folder::new("failed");
+    let rig_file = folder.rig();
+    let missing = folder.file("missing.json");
+    refused(&["info", &missing], 1, &["missing.json"]);
+    refused(&["info", "arm.urdx"], 1, &["arm.urdx", ".urdx", ".json"]);
+    refused(&["info", "arm"], 1, &["extension", ".json"]);
+    let broken = folder.file("broken.json");
+    std::fs::write(&broken, "{\"bones\":\n[}").unwrap();
+    refused(&["solve", &broken, TARGET], 1, &["broken.json"]);
+    refused(
+        &["fk", &rig_file, "--q", "1,2,3"],
+        1,
+        &["--q", "3 numbers", "15", "5 bones"],
+    );
+    refused(
+        &["solve", &rig_file, TARGET, "--start", "1"],
+        1,
+        &["--start", "1 numbers", "15"],
+    );
+
+    for (name, content, reason) in [
+        ("text.json", "hello", "JSON"),
+        ("words.json", "{\"q\": [\"a\"]}", "list of numbers"),
+        ("short.json", "[1, 2]", "2 numbers"),
+    ] {
+        let file = folder.file(name);
+        std::fs::write(&file, content).unwrap();
+        refused(&["fk", &rig_file, "--q-file", &file], 1, &[name, reason]);
+    }
+    refused(
+        &["fk", &rig_file, "--q-file", &missing],
+        1,
+        &["missing.json"],
+    );
+
+    let mut bare = rig();
+    bare.weights = None;
+    bare.clip = Default::default();
+    let bare_file = folder.write("bare.json", &bare);
+    refused(
+        &["fk", &bare_file, "--time", "1"],
+        1,
+        &["--time", "keyframes"],
+    );
+    let out = folder.file("posed.obj");
+    let words = ["--out", "skin weights", "bare.json"];
+    refused(&["solve", &bare_file, TARGET, "--out", &out], 1, &words);
+    bare.mesh = None;
+    let meshless = folder.write("meshless.json", &bare);
+    refused(
+        &["solve", &meshless, TARGET, "--out", &out],
+        1,
+        &["--out", "a mesh"],
+    );
+    assert!(!std::path::Path::new(&out).exists());
+
+    let nowhere = folder.file("absent/posed.ply");
+    refused(
+        &["solve", &rig_file, TARGET, "--out", &nowhere],
+        1,
+        &["absent/posed.ply"],
+    );
+}
+
+#[test]
+fn help_says_units_defaults_and_examples() {
+    for subcommand in ["info", "fk", "solve"] {
+        let output = kinopt(&[subcommand, "--help"]);
+        assert_eq!(output.status.code(), Some(0));
+        for word in ["Examples:", "metres", "Usage: kinopt", "Default"] {
+            assert!(stdout(&output).contains(word), "{subcommand}: no {word}");
+        }
+    }
+    let version = kinopt(&["--version"]);
+    assert!(stdout(&version).contains(env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let folder = Folder::new("pipe");
+    let rig = folder.rig();
+    for arguments in [
+        vec!["info", &rig],
+        vec!["fk", &rig, "--json"],
+        vec!["solve", &rig, TARGET, "--json"],
+        vec!["solve", "--help"],
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
+        command
+            .args(&arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert_eq!(stderr(&output), "", "{arguments:?}");
+    }
+}

@@ -1,0 +1,162 @@
+//! A small rig with two arms, written by the library, and the command run on it.
+#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use glam::Vec3;
+use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
+use kinopt::io::rig::Rig;
+use kinopt::mesh::TriangleMesh;
+use kinopt::model::Limits;
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::skinning::SkinWeights;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use serde_json::Value;
+
+/// A folder of its own for each test, gone afterwards.
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    pub(crate) fn new(test: &str) -> Self {
+        let name = format!("kinopt-cli-{}-{test}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    pub(crate) fn file(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    /// Writes the whole rig; the path of its JSON.
+    pub(crate) fn rig(&self) -> String {
+        self.write("rig.json", &rig())
+    }
+
+    pub(crate) fn write(&self, name: &str, rig: &Rig) -> String {
+        let path = self.file(name);
+        rig.write(&path).unwrap();
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Bone 0 is a locked root at the origin. Two arms of two bones stand on it: bones 1 and 2 go left
+/// from (−1, 0, 0) to (−3, 0, 0), bones 3 and 4 right from (1, 0, 0) to (3, 0, 0). Both tips are
+/// pinned, bone 1 has keyframes, and a strip of mesh runs along each arm.
+pub(crate) fn rig() -> Rig {
+    let [x, y, z] = Vector3::UNITS;
+    let towards_left = Matrix3::from_columns(-x, -y, z);
+    let [root, left, right] = [
+        Placement::identity(),
+        Placement::new(towards_left, -x),
+        Placement::translation(x),
+    ];
+    let beside = |placement: Placement<f64>| placement * Placement::translation(x);
+    let locked = [Limits::new(0.0, 0.0); 3];
+    let shoulder = [-1.5, -2.0, -1.0].map(|lower: f64| Limits::new(lower, -lower));
+    let elbow = [
+        Limits::new(-0.5, 0.5),
+        Limits::new(-2.2, 0.1),
+        Limits::new(0.0, 0.0),
+    ];
+    let plan = [
+        (None, 0.0, root, locked),
+        (Some(0), 1.0, left, shoulder),
+        (Some(1), 1.0, beside(left), elbow),
+        (Some(0), 1.0, right, shoulder),
+        (Some(3), 1.0, beside(right), elbow),
+    ];
+    let mut skeleton = Skeleton::new("forked", Vec::new()).unwrap();
+    for (index, (parent, length, model_from_rest, limits)) in plan.into_iter().enumerate() {
+        let mut bones = skeleton.bones().to_vec();
+        bones.push(Bone {
+            name: format!("bone/{index}"),
+            parent: parent.map(|index| skeleton.bone_at(index).unwrap()),
+            length,
+            model_from_rest,
+            limits,
+        });
+        skeleton = Skeleton::new("forked", bones).unwrap();
+    }
+    let bone = |index| skeleton.bone_at(index).unwrap();
+    let key = |time, bend| EulerKey {
+        time,
+        angles: [0.25, bend, -0.5],
+    };
+    let clip = EulerClip::new(vec![EulerTrack {
+        bone: bone(1),
+        keys: vec![key(0.5, 0.0), key(1.0, 1.0), key(2.0, -0.5)],
+    }]);
+    let (mesh, weights) = strips();
+    Rig {
+        mesh: Some(mesh),
+        weights: Some(weights),
+        clip: clip.unwrap(),
+        constrained: vec![bone(2), bone(4)],
+        skeleton,
+    }
+}
+
+/// Twice five pairs of vertices along an arm; each vertex follows the bone it lies on.
+fn strips() -> (TriangleMesh, SkinWeights) {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let mut weights = SkinWeights::builder(20, 5);
+    for (side, upper) in [(-1.0, 1), (1.0, 3)] {
+        for pair in 0..5_u32 {
+            let along = side * (1.0 + 0.5 * pair as f32);
+            let first = positions.len() as u32;
+            let bone = if pair < 2 { upper } else { upper + 1 };
+            for y in [-0.1, 0.1] {
+                weights.add(positions.len(), bone, 1.0).unwrap();
+                positions.push(Vec3::new(along, y, 0.0));
+            }
+            if pair > 0 {
+                triangles.push([first - 2, first - 1, first]);
+                triangles.push([first, first - 1, first + 1]);
+            }
+        }
+    }
+    let mesh = TriangleMesh::new(positions, Vec::new(), triangles).unwrap();
+    (mesh, weights.build().unwrap())
+}
+
+pub(crate) fn kinopt(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
+    command.args(arguments).output().unwrap()
+}
+
+/// The one document of a run that must succeed.
+pub(crate) fn json(arguments: &[&str]) -> Value {
+    let output = kinopt(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+pub(crate) fn stdout(output: &Output) -> &str {
+    std::str::from_utf8(&output.stdout).unwrap()
+}
+
+pub(crate) fn stderr(output: &Output) -> &str {
+    std::str::from_utf8(&output.stderr).unwrap()
+}
+
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap();
+    list.iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}

@@ -1,0 +1,78 @@
+//! Promise: --out writes the mesh in the pose found, and it reads back.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod forked_rig;
+
+use forked_rig::{Folder, json, rig};
+use glam::Vec3;
+use kinopt::io::ply;
+
+/// Elbow of the right arm bent by a right angle, so that bone 4 points along −y from (2, 0, 0).
+const START: &str = "--start=0,0,0,0,0,0,0,0,0,0,0,0,0,-90,0";
+
+/// Where the vertices belong: those of bone 4 turned by −90 degrees about (2, 0, 0).
+fn expected() -> Vec<Vec3> {
+    let mesh = rig().mesh.unwrap();
+    let turned = |p: &Vec3| match p.x >= 2.0 {
+        true => Vec3::new(2.0 + p.y, -(p.x - 2.0), 0.0),
+        false => *p,
+    };
+    mesh.positions().iter().map(turned).collect()
+}
+
+fn solve_to(folder: &Folder, out: &str) {
+    let rig = folder.rig();
+    let target = "--target=bone/4=2,-1,0";
+    let solution = json(&[
+        "solve",
+        &rig,
+        target,
+        START,
+        "--degrees",
+        "--out",
+        out,
+        "--json",
+    ]);
+    assert_eq!(solution["reached"], true);
+}
+
+fn close(got: &[Vec3]) {
+    let expected = expected();
+    assert_eq!(got.len(), expected.len());
+    for (got, expected) in got.iter().zip(expected) {
+        assert!((*got - expected).length() < 6e-6, "{got} is not {expected}");
+    }
+}
+
+#[test]
+fn as_ply() {
+    let folder = Folder::new("ply");
+    let out = folder.file("posed.PLY");
+    solve_to(&folder, &out);
+    let posed = ply::read(&out).unwrap();
+    close(posed.positions());
+    assert_eq!(posed.triangles(), rig().mesh.unwrap().triangles());
+}
+
+#[test]
+fn as_obj() {
+    let folder = Folder::new("obj");
+    let out = folder.file("posed.obj");
+    solve_to(&folder, &out);
+    let text = std::fs::read_to_string(&out).unwrap();
+    let of = |kind: &'static str| {
+        let lines = text.lines().filter_map(move |line| line.strip_prefix(kind));
+        lines.map(|line| line.split_whitespace().collect::<Vec<_>>())
+    };
+    let positions: Vec<Vec3> = of("v ")
+        .map(|words| {
+            let numbers: Vec<f32> = words.iter().map(|w| w.parse().unwrap()).collect();
+            Vec3::from_slice(&numbers)
+        })
+        .collect();
+    close(&positions);
+    let triangles: Vec<[u32; 3]> = of("f ")
+        .map(|words| [0, 1, 2].map(|k| words[k].parse::<u32>().unwrap() - 1))
+        .collect();
+    assert_eq!(triangles, rig().mesh.unwrap().triangles());
+}

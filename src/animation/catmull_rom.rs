@@ -1,0 +1,117 @@
+//! Catmull-Rom interpolation of keyframes at times that need not be evenly spaced.
+
+use super::{EulerClip, EulerKey};
+use crate::skeleton::ANGLES_PER_BONE;
+
+/// What happens before the first and after the last key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Playback {
+    /// The first pose before the clip, the last one after it.
+    #[default]
+    Hold,
+    /// The clip again, with the period of its [`time_span`](EulerClip::time_span). Within the span,
+    /// both ends included, it plays as it is.
+    Loop,
+}
+
+/// Why a clip cannot be sampled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SampleError {
+    /// The time is NaN or infinite.
+    #[error("the time {time} is not finite")]
+    NonFiniteTime {
+        /// In seconds.
+        time: f64,
+    },
+    /// The clip moves a bone that the configuration has no angles for.
+    #[error("the clip moves bone {bone}, but there is room for {angles} angles only")]
+    TooFewAngles {
+        /// The bone's index.
+        bone: usize,
+        /// How many angles there is room for.
+        angles: usize,
+    },
+}
+
+impl EulerClip {
+    /// Writes the angles at `time` (seconds) into the stacked configuration `q` (radians, shape
+    /// 3 × bones: θ₁, θ₂, θ₃ of bone 0, of bone 1, …). Bones without keys are at 0.
+    ///
+    /// Between keys P_i at t_i runs the cubic Hermite segment whose tangents are
+    /// m_i = (P_{i+1} − P_{i−1}) / (t_{i+1} − t_{i−1}), times the segment's own length in time; at a
+    /// track's first and last key the tangent is one-sided. At evenly spaced keys this is the
+    /// classic Catmull-Rom spline (Catmull & Rom 1974). At a key's time the values are the key's, to
+    /// the bit. A track shorter than the clip holds its ends. Limits are not looked at, and a cubic
+    /// may leave the range of its keys.
+    ///
+    /// # Errors
+    /// A [`SampleError`]: the time is not finite, or `q` is too short for a bone that has keys.
+    pub fn sample(&self, time: f64, playback: Playback, q: &mut [f64]) -> Result<(), SampleError> {
+        if !time.is_finite() {
+            return Err(SampleError::NonFiniteTime { time });
+        }
+        let time = match (playback, self.time_span()) {
+            (Playback::Loop, Some(span)) => wrapped(time, span),
+            _ => time,
+        };
+        q.fill(0.0);
+        let angles = q.len();
+        for track in self.tracks() {
+            let bone = track.bone.index();
+            let first = ANGLES_PER_BONE * bone;
+            let room = q
+                .get_mut(first..first + ANGLES_PER_BONE)
+                .ok_or(SampleError::TooFewAngles { bone, angles })?;
+            room.copy_from_slice(&at(&track.keys, time));
+        }
+        Ok(())
+    }
+}
+
+/// The time within the span that looks the same when the clip repeats.
+fn wrapped(time: f64, [start, end]: [f64; 2]) -> f64 {
+    if (start..=end).contains(&time) || start >= end {
+        return time;
+    }
+    start + (time - start).rem_euclid(end - start)
+}
+
+/// One track's angles; zero without keys.
+fn at(keys: &[EulerKey], time: f64) -> [f64; ANGLES_PER_BONE] {
+    // `next` is the first key at or after the time.
+    let next = keys.partition_point(|key| key.time < time);
+    let (before, after) = match (
+        next.checked_sub(1).and_then(|i| keys.get(i)),
+        keys.get(next),
+    ) {
+        (None, None) => return [0.0; ANGLES_PER_BONE],
+        (Some(last), None) => return last.angles,
+        (None, Some(first)) => return first.angles,
+        (Some(_), Some(key)) if key.time == time => return key.angles,
+        (Some(before), Some(after)) => (before, after),
+    };
+    let length = after.time - before.time;
+    let u = (time - before.time) / length;
+    let leaving = scaled_tangent(keys, next - 1, length);
+    let arriving = scaled_tangent(keys, next, length);
+    // The Hermite basis, written so that equal ends give that value exactly.
+    let rest = 1.0 - u;
+    let toward_after = u * u * (3.0 - 2.0 * u);
+    std::array::from_fn(|k| {
+        let (p, p_next) = (before.angles[k], after.angles[k]);
+        let along = leaving[k] * rest - arriving[k] * u;
+        p + (p_next - p) * toward_after + along * u * rest
+    })
+}
+
+/// m_i · `length`; the quotient of times comes first, because it cannot overflow.
+fn scaled_tangent(keys: &[EulerKey], index: usize, length: f64) -> [f64; ANGLES_PER_BONE] {
+    let before = keys.get(index.saturating_sub(1));
+    let after = keys.get(index + 1).or_else(|| keys.get(index));
+    let (Some(before), Some(after)) = (before, after) else {
+        return [0.0; ANGLES_PER_BONE];
+    };
+    let share = length / (after.time - before.time);
+    std::array::from_fn(|k| (after.angles[k] - before.angles[k]) * share)
+}

@@ -1,0 +1,73 @@
+//! Promise: a random configuration lies within the limits and depends on its seed alone.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::model::{Limits, Model};
+use kinopt::spatial::{Placement, Vector3};
+
+fn model() -> Model {
+    let mut builder = Model::builder("all kinds");
+    let [x, _, z] = Vector3::UNITS;
+    let still = Placement::identity();
+    let turns = [
+        Limits::new(-0.25, 0.75),
+        Limits::new(7.0, f64::INFINITY),
+        Limits::new(f64::NEG_INFINITY, -9.0),
+        Limits::new(-1e308, 1e308),
+        Limits::new(0.3, 0.3),
+    ];
+    let mut last = None;
+    for (index, limits) in turns.into_iter().enumerate() {
+        last = Some(builder.revolute(format!("turn {index}"), last, still, z, limits));
+    }
+    last = Some(builder.continuous("around", last, still, z));
+    last = Some(builder.prismatic(
+        "slide",
+        last,
+        Placement::translation(x),
+        x,
+        Limits::UNBOUNDED,
+    ));
+    builder.prismatic("short", last, still, x, Limits::new(-0.5, 0.0));
+    builder.build().unwrap()
+}
+
+#[test]
+fn within_limits_and_finite() {
+    let model = model();
+    for seed in 0..2000 {
+        let q = model.random_configuration(seed);
+        assert_eq!(q.len(), model.degrees_of_freedom());
+        for (value, limits) in q.iter().zip(model.limits()) {
+            assert!(
+                value.is_finite() && limits.contains(*value),
+                "{value} in {limits:?}"
+            );
+        }
+        // Missing limits end half a turn, or the reach, from the neutral value.
+        let pi = std::f64::consts::PI;
+        assert!(q[1] <= 7.0 + pi && q[2] >= -9.0 - pi && q[5].abs() <= pi);
+        assert!(q[6].abs() <= model.reach());
+    }
+}
+
+#[test]
+fn spread_over_the_whole_range() {
+    let model = model();
+    let mut tenths = [0; 10];
+    for seed in 0..2000 {
+        let q = model.random_configuration(seed);
+        tenths[((q[0] + 0.25) * 10.0) as usize] += 1;
+    }
+    // 200 each on average, with a standard deviation of 13.
+    assert!(
+        tenths.iter().all(|&n| (130..270).contains(&n)),
+        "{tenths:?}"
+    );
+}
+
+#[test]
+fn the_seed_decides() {
+    let model = model();
+    assert_eq!(model.random_configuration(3), model.random_configuration(3));
+    assert_ne!(model.random_configuration(3), model.random_configuration(4));
+}
