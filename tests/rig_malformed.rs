@@ -196,6 +196,34 @@ fn trees_that_are_none() {
 }
 
 #[test]
+fn names_that_are_none() {
+    let named = |case: &str, name: Value, parts: &[&str]| {
+        refused(case, |j| j["bones"][1]["name"] = name, parts);
+    };
+    named("empty", json!(""), &["bones[1].name: ", "empty"]);
+    named("null", Value::Null, &["bones[1].name", "null"]);
+    named("number", json!(7), &["bones[1].name", "string"]);
+    named(
+        "slash",
+        json!("arm/tip"),
+        &["bones[1].name: ", "`arm/tip`", "slash"],
+    );
+    named(
+        "other",
+        json!("bone/2"),
+        &["bones[1].name: ", "`bone/2`", "`bone/1`"],
+    );
+    refused(
+        "twice",
+        |j| {
+            j["bones"][0]["name"] = json!("arm");
+            j["bones"][2]["name"] = json!("arm");
+        },
+        &["bones[2].name: ", "`arm`", "twice"],
+    );
+}
+
+#[test]
 fn numbers_out_of_range() {
     refused(
         "length",

@@ -7,6 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use kinopt::io::rig::Rig;
 use kinopt::io::{dmat, ply};
+use kinopt::skeleton::Skeleton;
 use kinopt::skinning::Influence;
 use small_rig::SmallRig;
 
@@ -85,6 +86,47 @@ fn pinned_tips_may_be_a_list_a_number_or_absent() {
     assert_eq!(with("\"ik_constraints\": 0,"), [0]);
     assert_eq!(with("\"ik_constraints\": [],"), [0_usize; 0]);
     assert_eq!(with(""), [2]);
+}
+
+#[test]
+fn names_are_optional_and_survive() {
+    // "bone/1" on bone 1 is its default name, spelt out.
+    let json = small_rig::JSON
+        .replace("\"length\":0.5,", "\"length\":0.5,\"name\":\"bone/1\",")
+        .replace(
+            "\"length\":0.25,",
+            "\"length\":0.25,\"name\":\"Hand \\\"é\\\"\",",
+        );
+    let rig = SmallRig::with_json(&json).parse().unwrap();
+    let names: Vec<&str> = rig
+        .skeleton
+        .bones()
+        .iter()
+        .map(|b| b.name.as_str())
+        .collect();
+    assert_eq!(names, ["bone/0", "bone/1", "Hand \"é\""]);
+    assert_eq!(rig.skeleton.bone("Hand \"é\"").unwrap().index(), 2);
+    assert!(rig.skeleton.model().frame("Hand \"é\"/tip").is_ok());
+
+    let written = rig.to_json("small.ply", "small.dmat");
+    // Default names are not written: files that had none get none.
+    assert_eq!(written.matches("\"name\"").count(), 1);
+    assert_same(&rig, &SmallRig::with_json(&written).parse().unwrap());
+}
+
+#[test]
+fn names_that_could_not_be_read_are_not_written() {
+    let mut rig = SmallRig::with_json(small_rig::JSON).parse().unwrap();
+    let mut bones = rig.skeleton.bones().to_vec();
+    bones[2].name = "arm/hand".into();
+    rig.skeleton = Skeleton::new("renamed", bones).unwrap();
+    let path = std::env::temp_dir().join(format!("kinopt-names-{}.json", std::process::id()));
+    let error = rig.write(&path).unwrap_err().to_string();
+    assert!(
+        error.contains("arm/hand") && error.contains("bone 2"),
+        "{error}"
+    );
+    assert!(!path.exists());
 }
 
 #[test]

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use super::degrees::{self, UNBOUNDED};
 use super::json::{BoneEntry, Constraints, RigFile};
+use super::names;
 use crate::animation::{ClipError, EulerClip, EulerKey, EulerTrack};
 use crate::io::{Place, ReadError};
-use crate::skeleton::{Bone, BoneId, Skeleton};
+use crate::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// How far `rest_T` may stand from a rigid motion, entry by entry: files with seven digits pass.
@@ -26,7 +27,22 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError
             |(key, problem): (String, String)| at(name, format!("bones[{index}].{key}"), problem);
         bones.push(bone(index, entry).map_err(fail)?);
     }
-    Skeleton::new(name, bones).map_err(|error| at(name, "bones", error.to_string()))
+    let second_of = |wanted: &str| {
+        let named = file.bones.iter().enumerate();
+        let mut same = named.filter(|(_, bone)| bone.name.as_deref() == Some(wanted));
+        same.nth(1).map(|(index, _)| format!("bones[{index}].name"))
+    };
+    Skeleton::new(name, bones).map_err(|error| {
+        let path = match &error {
+            SkeletonError::DuplicateName { name } => second_of(name),
+            _ => None,
+        };
+        at(
+            name,
+            path.unwrap_or_else(|| "bones".into()),
+            error.to_string(),
+        )
+    })
 }
 
 /// A bone, or the key that is wrong and why.
@@ -62,9 +78,14 @@ fn bone(index: usize, entry: &BoneEntry) -> Result<Bone, (String, String)> {
         let problem = format!("{end} degrees lies beyond {UNBOUNDED:e}, which stands for no limit");
         return fail(&format!("{key}[{angle}]"), problem);
     }
+    let name = entry.name.clone();
+    let name = name.unwrap_or_else(|| names::default_name(index));
+    if let Some(problem) = names::problem(&name, index) {
+        return fail("name", problem);
+    }
     let ([a, b, c], [d, e, f]) = (min, max);
     Ok(Bone {
-        name: format!("bone/{index}"),
+        name,
         parent,
         length: entry.length,
         model_from_rest: rest(&entry.rest)?,

@@ -25,6 +25,12 @@ pub(super) struct PartFile {
 
 #[derive(Debug, Deserialize, Serialize)]
 pub(super) struct BoneEntry {
+    #[serde(
+        default,
+        deserialize_with = "present",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub(super) name: Option<String>,
     pub(super) parent_id: i64,
     pub(super) weight_id: i64,
     pub(super) length: f64,

@@ -8,8 +8,11 @@
 //! - `ik_constraints`: the bones whose tips are pinned: an array, one number, or absent for the
 //!   last bone. A bone named twice counts once.
 //!
-//! Other keys are ignored. Bones are named `bone/0`, `bone/1`, …; the format has no names. A tail
-//! need not be on its parent's tip: `rest_T` is taken as it is, and the offset between them turns
+//! One key is an extension of ours: a bone may have a `name`, a string that is not empty, unique
+//! and free of slashes (`NAME/tip` is the frame at its tip). A bone without one is called `bone/0`,
+//! `bone/1`, … after its place in the list; programs that know no names skip the key.
+//!
+//! Other keys are ignored. A tail need not be on its parent's tip: `rest_T` is taken as it is, and the offset between them turns
 //! with the parent.
 //!
 //! Degrees exist only here: everything that comes out is in radians.
@@ -18,6 +21,7 @@ mod check;
 mod columns;
 mod degrees;
 mod json;
+mod names;
 mod write;
 
 use std::path::Path;

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::Rig;
 use super::degrees;
 use super::json::{BoneEntry, KeyEntry, PartFile, TrackEntry};
+use super::names;
 use crate::io::dmat::{self, DmatEncoding};
 use crate::io::ply::{self, PlyEncoding};
 use crate::io::{WriteError, write_bytes};
@@ -18,14 +19,15 @@ use crate::skinning::SkinWeights;
 
 impl Rig {
     /// Writes the rig to `path`, its mesh and weights beside it under the same name with the
-    /// extensions `ply` and `dmat` (both binary). Names of bones are lost: the format has none.
+    /// extensions `ply` and `dmat` (both binary).
     ///
     /// Reading it again gives the same rig to the bit, except for angles that no number of degrees
     /// converts to; they are off by rounding.
     ///
     /// # Errors
     /// A [`WriteError`] naming the file: it cannot be written, `path` has one of those extensions
-    /// itself or is not Unicode, or the weights are for another number of vertices or bones.
+    /// itself or is not Unicode, a bone has a name that the format cannot hold (see the
+    /// [module](super)), or the weights are for another number of vertices or bones.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let refuse = |problem: &str| {
@@ -45,6 +47,11 @@ impl Rig {
                 || vertices.is_some_and(|n| n != weights.vertex_count())
             {
                 return refuse("its weights are for another number of vertices or bones");
+            }
+        }
+        for (index, bone) in self.skeleton.bones().iter().enumerate() {
+            if let Some(problem) = names::problem(&bone.name, index) {
+                return refuse(&format!("bone {index}: {problem}"));
             }
         }
         let file_name = |path: &Path| Some(path.file_name()?.to_str()?.to_owned());
@@ -70,8 +77,8 @@ impl Rig {
             Some(weights) => columns(weights).0,
             None => vec![-1; self.skeleton.bones().len()],
         };
-        let bones = self.skeleton.bones().iter().zip(ids);
-        let bones = bones.map(|(bone, weight_id)| line(&bone_entry(bone, weight_id)));
+        let bones = self.skeleton.bones().iter().zip(ids).enumerate();
+        let bones = bones.map(|(index, (bone, id))| line(&bone_entry(index, bone, id)));
         let tracks = self.clip.tracks().iter().map(|track| {
             line(&TrackEntry {
                 bone_id: track.bone.index() as i64,
@@ -124,7 +131,7 @@ fn line(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
 }
 
-fn bone_entry(bone: &Bone, weight_id: i64) -> BoneEntry {
+fn bone_entry(index: usize, bone: &Bone, weight_id: i64) -> BoneEntry {
     let rest = &bone.model_from_rest;
     let (r, t) = (rest.rotation, rest.translation);
     let end = |end: fn(&Limits) -> f64| {
@@ -136,6 +143,7 @@ fn bone_entry(bone: &Bone, weight_id: i64) -> BoneEntry {
         )
     };
     BoneEntry {
+        name: (bone.name != names::default_name(index)).then(|| bone.name.clone()),
         parent_id: bone.parent.map_or(-1, |parent| parent.index() as i64),
         weight_id,
         length: bone.length,

@@ -1,0 +1,260 @@
+//! The humanoid's bones: a standing adult of 1.75 m in an A-pose, x forward, y to its left, z up.
+//!
+//! Lengths: segments as shares of the stature after Drillis & Contini (1966), as given by Winter,
+//! "Biomechanics and Motor Control of Human Movement", fig. 4.1. Ranges of motion: American Academy
+//! of Orthopaedic Surgeons, "Joint Motion: Method of Measuring and Recording" (1965; the same
+//! numbers in Greene & Heckman 1994). A box of twist, bend and twist cannot follow the true shape
+//! of a ball joint's range; shoulders and hips are cut so that their ends are the book's.
+
+use glam::DVec3;
+use kinopt::animation::EulerClip;
+use kinopt::io::rig::Rig;
+
+use crate::Failure;
+use crate::figure::{BoneSpec, Figure};
+use crate::humanoid_body;
+
+/// In metres.
+const STATURE: f64 = 1.75;
+/// How far the arms point below the horizontal at rest, in degrees.
+const ARM_SLOPE: f64 = 40.0;
+
+/// Tips that are held: the bones' names.
+const PINNED: [&str; 5] = ["head", "left_hand", "right_hand", "left_foot", "right_foot"];
+
+const FORWARD: DVec3 = DVec3::X;
+const LEFT: DVec3 = DVec3::Y;
+const UP: DVec3 = DVec3::Z;
+const FIXED: [f64; 2] = [0.0, 0.0];
+
+/// Where the joints of the left side and the middle are, in metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Landmarks {
+    pub(crate) spine: [DVec3; 7],
+    pub(crate) shoulder: DVec3,
+    pub(crate) elbow: DVec3,
+    pub(crate) wrist: DVec3,
+    pub(crate) fingertips: DVec3,
+    pub(crate) hip: DVec3,
+    pub(crate) knee: DVec3,
+    pub(crate) ankle: DVec3,
+    pub(crate) ball: DVec3,
+    pub(crate) toes: DVec3,
+}
+
+impl Landmarks {
+    pub(crate) fn new() -> Self {
+        let height = |share: f64| UP * (share * STATURE);
+        let (sin, cos) = ARM_SLOPE.to_radians().sin_cos();
+        let arm = LEFT * cos - UP * sin;
+        // The joint's centre: below and inside the acromion, which is at 0.818 and 0.129.
+        let shoulder = height(0.802) + LEFT * (0.11 * STATURE);
+        let elbow = shoulder + arm * (0.186 * STATURE);
+        let wrist = elbow + arm * (0.146 * STATURE);
+        let hip = height(0.53) + LEFT * (0.05 * STATURE);
+        let ankle = height(0.039) + LEFT * hip.y;
+        // The foot is 0.152 of the stature long, a quarter of it behind the ankle.
+        let sole = |share: f64| LEFT * hip.y + FORWARD * (share * 0.152 * STATURE) + UP * 0.022;
+        Self {
+            // Hips, waist, lower and upper end of the ribs, base and top of the neck, crown.
+            spine: [0.53, 0.59, 0.66, 0.74, 0.825, 0.875, 1.0].map(height),
+            shoulder,
+            elbow,
+            wrist,
+            fingertips: wrist + arm * (0.108 * STATURE),
+            hip,
+            knee: height(0.285) + LEFT * hip.y,
+            ankle,
+            ball: sole(0.48),
+            toes: sole(0.74),
+        }
+    }
+}
+
+/// The humanoid with its skin.
+pub(crate) fn rig() -> Result<Rig, Failure> {
+    let mut figure = Figure {
+        bones: bones(),
+        ..Figure::default()
+    };
+    figure.surface = humanoid_body::surface(&figure, &Landmarks::new())?;
+    let skeleton = figure.skeleton("humanoid")?;
+    figure.rig(skeleton, EulerClip::default(), &PINNED, 0.006)
+}
+
+fn bones() -> Vec<BoneSpec> {
+    let at = Landmarks::new();
+    let mut list = Tree { bones: Vec::new() };
+    let [hips, waist, ribs, breast, neck, skull, crown] = at.spine;
+    // Hinges across and along take turns up the spine: 80° forward, 30° back, 35° to either side
+    // and 45° of turning in all. The pelvis turns the whole figure where its tips let it.
+    list.add(
+        "pelvis",
+        None,
+        [hips, waist],
+        FORWARD,
+        [[-45.0, 45.0], [-30.0, 60.0], FIXED],
+    );
+    list.add(
+        "spine",
+        Some("pelvis"),
+        [waist, ribs],
+        FORWARD,
+        [[-15.0, 15.0], [-15.0, 40.0], FIXED],
+    );
+    list.add(
+        "chest",
+        Some("spine"),
+        [ribs, breast],
+        LEFT,
+        [[-15.0, 15.0], [-35.0, 35.0], FIXED],
+    );
+    list.add(
+        "upper_chest",
+        Some("chest"),
+        [breast, neck],
+        FORWARD,
+        [[-15.0, 15.0], [-15.0, 40.0], FIXED],
+    );
+    list.add(
+        "neck",
+        Some("upper_chest"),
+        [neck, skull],
+        FORWARD,
+        [[-30.0, 30.0], [-45.0, 45.0], FIXED],
+    );
+    list.add(
+        "head",
+        Some("neck"),
+        [skull, crown],
+        LEFT,
+        [[-30.0, 30.0], [-45.0, 45.0], FIXED],
+    );
+
+    let palm = (at.wrist - at.elbow).cross(FORWARD);
+    list.pair(
+        "clavicle",
+        "upper_chest",
+        [neck, at.shoulder],
+        UP,
+        [FIXED, [-10.0, 35.0], FIXED],
+    );
+    // A ball joint: the second twist tilts the plane of the swing from forward (0) to upward (−90)
+    // or inward, the first turns the arm about itself.
+    list.pair(
+        "upper_arm",
+        "clavicle",
+        [at.shoulder, at.elbow],
+        FORWARD,
+        [[-45.0, 75.0], [-50.0, 130.0], [-90.0, 60.0]],
+    );
+    list.pair(
+        "forearm",
+        "upper_arm",
+        [at.elbow, at.wrist],
+        FORWARD,
+        [FIXED, [0.0, 150.0], FIXED],
+    );
+    // Pronation and supination (80° each) turn the hand before it flexes (80°) or extends (70°).
+    list.pair(
+        "hand",
+        "forearm",
+        [at.wrist, at.fingertips],
+        palm,
+        [FIXED, [-70.0, 80.0], [-80.0, 80.0]],
+    );
+
+    // A ball joint as well: 120° forward, 30° back, outward at a second twist of −60.
+    list.pair(
+        "thigh",
+        "pelvis",
+        [at.hip, at.knee],
+        FORWARD,
+        [[-45.0, 75.0], [-30.0, 120.0], [-60.0, 30.0]],
+    );
+    list.pair(
+        "shin",
+        "thigh",
+        [at.knee, at.ankle],
+        -FORWARD,
+        [FIXED, [0.0, 135.0], FIXED],
+    );
+    // Inversion 35°, eversion 15°; up 20°, down 50°.
+    list.pair(
+        "foot",
+        "shin",
+        [at.ankle, at.ball],
+        UP,
+        [[-35.0, 15.0], [-50.0, 20.0], FIXED],
+    );
+    list.pair(
+        "toes",
+        "foot",
+        [at.ball, at.toes],
+        UP,
+        [FIXED, [-45.0, 70.0], FIXED],
+    );
+    list.bones
+}
+
+/// Bones in the order in which they are added, parents first.
+struct Tree {
+    bones: Vec<BoneSpec>,
+}
+
+impl Tree {
+    fn add(
+        &mut self,
+        name: &str,
+        parent: Option<&str>,
+        ends: [DVec3; 2],
+        towards: DVec3,
+        limits: [[f64; 2]; 3],
+    ) {
+        let number = |name: &str| self.bones.iter().position(|bone| bone.name == name);
+        self.bones.push(BoneSpec {
+            name: name.into(),
+            parent: parent.and_then(number),
+            tail: ends[0],
+            tip: ends[1],
+            towards,
+            limits,
+        });
+    }
+
+    /// A bone of the left side and its mirror image; a parent with sides has the same side.
+    fn pair(
+        &mut self,
+        name: &str,
+        parent: &str,
+        ends: [DVec3; 2],
+        towards: DVec3,
+        limits: [[f64; 2]; 3],
+    ) {
+        let flip = DVec3::new(1.0, -1.0, 1.0);
+        let [twist1, bend, twist2] = limits;
+        // The mirror image of a twist turns the other way; a bend is its own.
+        let mirrored = |[low, high]: [f64; 2]| [0.0 - high, 0.0 - low];
+        let sides = [
+            ("left", ends, towards, limits),
+            (
+                "right",
+                ends.map(|p| p * flip),
+                towards * flip,
+                [mirrored(twist1), bend, mirrored(twist2)],
+            ),
+        ];
+        for (side, ends, towards, limits) in sides {
+            let own = format!("{side}_{parent}");
+            let sided = self.bones.iter().any(|bone| bone.name == own);
+            let parent = if sided { own.as_str() } else { parent };
+            self.add(
+                &format!("{side}_{name}"),
+                Some(parent),
+                ends,
+                towards,
+                limits,
+            );
+        }
+    }
+}

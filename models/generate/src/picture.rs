@@ -1,0 +1,131 @@
+//! The picture of the README: the humanoid at rest, and reaching five targets at once.
+
+use std::path::Path;
+
+use glam::DVec3;
+use kinopt::io::rig::Rig;
+use kinopt::task::{Orientation, Point, Posture, Quantity, Task};
+use kinopt::{Problem, Solver};
+
+use crate::Failure;
+use crate::render::{Image, Scene, View, linear, render};
+use crate::skin::add_posed;
+
+/// Where the tips go, in metres.
+const TARGETS: [(&str, [f64; 3]); 5] = [
+    ("head", [0.14, 0.05, 1.72]),
+    ("left_hand", [0.46, 0.42, 1.84]),
+    ("right_hand", [-0.08, -0.86, 1.3]),
+    ("left_foot", [0.1, 0.1, 0.06]),
+    ("right_foot", [-0.62, -0.28, 0.52]),
+];
+/// How much a radian away from the rest pose counts against a metre: enough to choose among the
+/// poses that reach, too little to pull away from a target.
+const POSTURE: f64 = 1e-3;
+/// Reached within a tenth of a millimetre.
+const TOLERANCE: f64 = 1e-4;
+
+const SIZE: [usize; 2] = [1200, 900];
+const PAPER: u32 = 0xfafafa;
+const AT_REST: u32 = 0xc9ccd1;
+const POSED: u32 = 0x5b9bd5;
+const TARGET: u32 = 0xf2542d;
+const BONE: u32 = 0xffffff;
+
+/// The stacked angles that take every tip to its target.
+pub(crate) fn reach(rig: &Rig) -> Result<Vec<f64>, Failure> {
+    let skeleton = &rig.skeleton;
+    let mut problem = Problem::builder(skeleton.model());
+    for (bone, target) in TARGETS {
+        let tip = skeleton.tip(skeleton.bone(bone)?);
+        let task = Task::new(Point::new(tip, target)).tolerance(Quantity::Metres, TOLERANCE);
+        problem.add(task);
+    }
+    // The sole that stands stays level.
+    let foot = skeleton.bone("left_foot")?;
+    if let Some(bone) = skeleton.bones().get(foot.index()) {
+        let level = Orientation::new(skeleton.tail(foot), bone.model_from_rest.rotation);
+        problem.add(
+            Task::new(level)
+                .weight(Quantity::Radians, 0.02)
+                .preference(),
+        );
+    }
+    let rest = vec![0.0; skeleton.angles()];
+    let posture = Posture::new(skeleton.model(), &rest);
+    problem.add(Task::new(posture).weight(Quantity::JointUnits, POSTURE));
+    let solution = Solver::default().solve_once(&problem.build()?, &rest)?;
+    if !solution.reached {
+        return Err(format!(
+            "the picture's targets are not reached: {}",
+            solution.explain()
+        )
+        .into());
+    }
+    Ok(solution.q)
+}
+
+/// Draws both figures.
+pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
+    let rest = vec![0.0; rig.skeleton.angles()];
+    let posed = reach(rig)?;
+    let mut scene = Scene {
+        paper: linear(PAPER),
+        ..Scene::default()
+    };
+    let (beside, here) = (DVec3::new(-0.35, -1.25, 0.0), DVec3::new(0.0, 0.3, 0.0));
+    // Each stands on the paper with its lowest point.
+    let mut stand = |q: &[f64], place: DVec3, colour: u32| -> Result<DVec3, Failure> {
+        let mut alone = Scene::default();
+        add_posed(&mut alone, rig, q, place, DVec3::ZERO)?;
+        let low = alone
+            .positions
+            .iter()
+            .fold(f64::INFINITY, |low, p| low.min(p.z));
+        let place = place - DVec3::Z * low;
+        add_posed(&mut scene, rig, q, place, linear(colour))?;
+        Ok(place)
+    };
+    let beside = stand(&rest, beside, AT_REST)?;
+    let here = stand(&posed, here, POSED)?;
+
+    let centre = DVec3::new(0.0, -0.28, 0.9);
+    let view = View::new(centre + DVec3::new(6.2, -1.8, 1.1), centre, 2.25);
+    let mut image = render(&scene, &view, SIZE, 3);
+    draw_bones(&mut image, &view, rig, &rest, beside);
+    draw_bones(&mut image, &view, rig, &posed, here);
+    for (_, target) in TARGETS {
+        ring(&mut image, &view, DVec3::from(target) + here);
+    }
+    image.write(path)
+}
+
+fn draw_bones(image: &mut Image, view: &View, rig: &Rig, q: &[f64], place: DVec3) {
+    let placements = rig.skeleton.pose(q);
+    for bone in rig.skeleton.bone_ids() {
+        let ends = [placements.tail(bone), placements.tip(&rig.skeleton, bone)];
+        let ends = ends.map(|p| DVec3::from_array(p.to_array()) + place);
+        view.line(image, ends, 0.008, linear(BONE), 0.55);
+        view.line(image, [ends[0]; 2], 0.024, linear(BONE), 0.8);
+    }
+}
+
+/// A ring around a target and a dot on it.
+fn ring(image: &mut Image, view: &View, centre: DVec3) {
+    const CORNERS: usize = 48;
+    let (right, up) = view.across();
+    let at = |corner: usize| {
+        let (sin, cos) = (corner as f64 / CORNERS as f64 * std::f64::consts::TAU).sin_cos();
+        centre + (right * cos + up * sin) * 0.052
+    };
+    for corner in 0..CORNERS {
+        view.line(
+            image,
+            [at(corner), at(corner + 1)],
+            0.011,
+            linear(TARGET),
+            1.0,
+        );
+    }
+    view.line(image, [centre; 2], 0.026, linear(TARGET), 1.0);
+}
