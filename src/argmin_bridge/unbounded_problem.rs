@@ -11,7 +11,7 @@ use super::pool::{Buffers, Pool};
 use super::solution::{Place, is_finished_at, solution_at, start_of};
 use crate::ik::{Solution, SolveError};
 use crate::problem::{Evaluation, Problem};
-use crate::solver::LeastSquares;
+use crate::solver::{LeastSquares, half_squared};
 
 /// Keeps the Gauss-Newton Hessian of a redundant arm invertible, as a share of its largest
 /// diagonal entry.
@@ -179,7 +179,7 @@ impl Buffers {
     }
 
     pub(super) fn cost(&self) -> f64 {
-        0.5 * self.residual.iter().map(|r| r * r).sum::<f64>()
+        half_squared(&self.residual)
     }
 }
 

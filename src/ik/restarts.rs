@@ -36,6 +36,17 @@ pub(super) enum Trial {
     Full(usize),
 }
 
+impl Trial {
+    /// Whether the trial's end says something of its own about what can be reached: nudged starts
+    /// fall into the hole that the start is in.
+    pub(super) fn counts_for_agreement(self) -> bool {
+        match self {
+            Self::Quick(index) | Self::Full(index) => index % 2 == 0,
+            Self::FinishBest => true,
+        }
+    }
+}
+
 /// How often to try again, and from where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Restarts {

@@ -97,7 +97,7 @@ impl Search<'_> {
 
             let cost = memory.cost();
             let reached = self.problem.is_reached(memory.residual());
-            if settled(outcome.termination) {
+            if settled(outcome.termination) && trial.counts_for_agreement() {
                 agreeing = if cost < found.cost * (1.0 - SAME_COST) {
                     1
                 } else {

@@ -274,6 +274,6 @@ impl Memory {
 }
 
 /// ½‖r‖².
-pub(super) fn half_squared(residual: &[f64]) -> f64 {
+pub(crate) fn half_squared(residual: &[f64]) -> f64 {
     0.5 * dot(residual, residual)
 }

@@ -99,9 +99,10 @@ pub(crate) fn minimise_until(
     }
 }
 
-/// A search that may climb for a while returns the best place it has seen.
+/// A search that may climb, or wander where the cost is flat, returns the first of the best places
+/// it has seen.
 fn return_best(problem: &mut dyn LeastSquares, memory: &mut Memory) {
-    if memory.best_cost < memory.cost {
+    if memory.best_cost <= memory.cost && memory.best_x != memory.x {
         memory.trial.copy_from_slice(&memory.best_x);
         let cost = memory.evaluate_trial(problem);
         memory.accept_trial(cost);

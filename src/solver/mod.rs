@@ -25,6 +25,8 @@ pub(crate) use active_set::projected_gradient_norm;
 pub use gauss_newton::GaussNewton;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt};
+#[cfg(feature = "argmin")]
+pub(crate) use memory::half_squared;
 pub use memory::{Counts, Memory};
 pub use method::{Method, Step};
 pub(crate) use minimise::minimise_until;
