@@ -49,21 +49,31 @@ impl Scratch {
             problem.degrees_of_freedom(),
         );
         let zero = Dual::zero();
+        let mut local = LocalJacobian::default();
+        let mut gathered = DualScratch::default();
+        for task in &problem.tasks {
+            let (rows, frames, joints) =
+                (task.rows.len(), task.frames.len(), task.coordinates.len());
+            local.reserve(rows, frames, joints);
+            gathered.reserve(rows, frames, joints);
+        }
+        let most =
+            |count: fn(&CompiledTask) -> usize| problem.tasks.iter().map(count).max().unwrap_or(0);
         Self {
             owner: Arc::clone(&problem.names),
             state: TreeState::new(&problem.tree),
             at: vec![f64::NAN; n],
             q: vec![0.0; dof],
-            frames: Vec::new(),
-            joints: Vec::new(),
-            local: LocalJacobian::default(),
-            local_dual: DualScratch::default(),
+            frames: Vec::with_capacity(most(|task| task.frames.len())),
+            joints: Vec::with_capacity(most(|task| task.coordinates.len())),
+            local,
+            local_dual: gathered.clone_empty(),
             wrenches: Wrenches::new(&problem.tree),
             dual: Box::new(DualPass {
                 state: TreeState::new(&problem.tree),
                 x: vec![zero; n],
                 q: vec![zero; dof],
-                gathered: DualScratch::default(),
+                gathered,
             }),
             shifted: vec![0.0; n],
             shifted_residual: [vec![0.0; m], vec![0.0; m]],

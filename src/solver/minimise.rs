@@ -91,20 +91,23 @@ pub(crate) fn minimise_until(
             break termination;
         }
     };
-    return_best(problem, memory);
+    let projected_gradient = return_best(problem, memory).or(search.projected_gradient);
     Outcome {
         termination,
         iterations: search.iterations,
-        projected_gradient: search.projected_gradient,
+        projected_gradient,
     }
 }
 
 /// A search that may climb, or wander where the cost is flat, returns the first of the best places
-/// it has seen.
-fn return_best(problem: &mut dyn LeastSquares, memory: &mut Memory) {
-    if memory.best_cost <= memory.cost && memory.best_x != memory.x {
-        memory.trial.copy_from_slice(&memory.best_x);
-        let cost = memory.evaluate_trial(problem);
-        memory.accept_trial(cost);
+/// it has seen, and the projected gradient there if it is elsewhere.
+fn return_best(problem: &mut dyn LeastSquares, memory: &mut Memory) -> Option<f64> {
+    if memory.best_cost > memory.cost || memory.best_x == memory.x {
+        return None;
     }
+    memory.trial.copy_from_slice(&memory.best_x);
+    let cost = memory.evaluate_trial(problem);
+    memory.accept_trial(cost);
+    memory.differentiate_cost(problem);
+    Some(memory.projected_gradient_norm(problem))
 }

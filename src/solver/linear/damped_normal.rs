@@ -27,6 +27,7 @@ impl DampedNormal {
         for (vector, room) in [
             (&mut self.gram, order * order),
             (&mut self.factor, order * order),
+            (&mut self.pivot_column, order),
             (&mut self.unknown, order),
         ] {
             vector.clear();
