@@ -1,5 +1,6 @@
 //! Inverse kinematics by optimisation.
 
+pub mod lanes;
 pub mod scalar;
 pub mod spatial;
 

@@ -1,0 +1,274 @@
+//! One lock-step iteration of Levenberg-Marquardt on every lane at once.
+//!
+//! All kinematics is written in the goal's frame, where the tip should come to the identity. With
+//! `p` the tip's position there and `s = sin θ · n` half the skew part of its rotation R (angle θ
+//! about n), the cost is `½(|p|² + w² · 2(1 − cos θ))`; its gradient is exactly `Jᵀ(p, w² s)`, with
+//! no arc function, for J the spatial Jacobian: column `(p_i × z_i, z_i)` of a turning joint with
+//! axis z_i through p_i, the velocity of the point at the goal's origin. That column needs nothing
+//! from the joints after it. A step solves the dual system `(J Jᵀ + λ D) y = −e`, Δ = Jᵀ y, with
+//! e = (p + ½ p × s, s), the twist to the goal to second order.
+//!
+//! A joint on its bound that the gradient pushes outward is left out of the step (Bertsekas 1982);
+//! the rest is clamped. A point that does not lower the cost is not accepted: the next one lies a
+//! quarter of the way from the last accepted point to it, which needs no old Jacobian.
+
+use super::lane::LaneScalar;
+use super::links::Links;
+use super::chain::JointKind;
+use crate::scalar::Scalar;
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// What the iteration is told about the task, the same for all lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Settings {
+    /// Position counts as reached below this, metres.
+    pub(crate) position_tolerance: f64,
+    /// Orientation counts as reached below this, radians.
+    pub(crate) orientation_tolerance: f64,
+    /// Metres that weigh as much as one radian.
+    pub(crate) metres_per_radian: f64,
+    /// λ = damping · cost at the start of an attempt.
+    pub(crate) damping: f64,
+    /// An attempt whose error has not halved in this many iterations is given up.
+    pub(crate) stall_limit: f64,
+}
+
+/// The state of one group of lanes.
+pub(crate) struct Group<V, const N: usize> {
+    /// Number of joints, at most N; N itself in the kernels made for one size.
+    joints: usize,
+    goal_from_first: Placement<V>,
+    /// The point to evaluate next.
+    q: [V; N],
+    /// The best point so far, and twice its cost.
+    accepted: [V; N],
+    accepted_cost: V,
+    damping: V,
+    /// Cost at the last real progress, and iterations since.
+    reference_cost: V,
+    stalled: V,
+}
+
+/// Which lanes ended, bit by bit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ended {
+    /// The evaluated point is within the tolerances.
+    pub(crate) reached: u32,
+    /// No progress.
+    pub(crate) stalled: u32,
+}
+
+/// Where the tip stands and how it moves.
+struct Evaluation<V, const N: usize> {
+    /// Velocity of the point at the goal's origin per unit of each joint's velocity.
+    linear: [Vector3<V>; N],
+    /// Axis of each turning joint.
+    angular: [Vector3<V>; N],
+    position: Vector3<V>,
+    rotation: Matrix3<V>,
+}
+
+impl<V: LaneScalar, const N: usize> Group<V, N> {
+    pub(crate) fn new(joints: usize) -> Self {
+        let zero = V::zero();
+        Self {
+            joints,
+            goal_from_first: Placement::identity(),
+            q: [zero; N],
+            accepted: [zero; N],
+            accepted_cost: zero,
+            damping: zero,
+            reference_cost: zero,
+            stalled: zero,
+        }
+    }
+
+    /// Starts an attempt in `lane`. The values of `q` lie within the bounds.
+    #[inline(always)]
+    pub(crate) fn load(
+        &mut self,
+        lane: usize,
+        goal_from_first: &Placement<f64>,
+        q: &[f64],
+        settings: &Settings,
+    ) {
+        let set = |to: &mut Vector3<V>, from: Vector3<f64>| {
+            to.x.set_lane(lane, from.x);
+            to.y.set_lane(lane, from.y);
+            to.z.set_lane(lane, from.z);
+        };
+        let (to, from) = (&mut self.goal_from_first, goal_from_first);
+        set(&mut to.rotation.x, from.rotation.x);
+        set(&mut to.rotation.y, from.rotation.y);
+        set(&mut to.rotation.z, from.rotation.z);
+        set(&mut to.translation, from.translation);
+        for (i, &value) in q.iter().enumerate().take(self.joints) {
+            self.q[i].set_lane(lane, value);
+            self.accepted[i].set_lane(lane, value);
+        }
+        self.accepted_cost.set_lane(lane, f64::INFINITY);
+        self.reference_cost.set_lane(lane, f64::INFINITY);
+        self.stalled.set_lane(lane, 0.0);
+        self.damping.set_lane(lane, settings.damping);
+    }
+
+    /// The point of `lane` that the last [`step`](Self::step) found reached.
+    #[inline(always)]
+    pub(crate) fn point(&self, lane: usize, q: &mut [f64]) {
+        for (i, value) in q.iter_mut().enumerate().take(self.joints) {
+            *value = self.accepted[i].lane(lane);
+        }
+    }
+
+    /// Twice the cost at [`point`](Self::point).
+    #[inline(always)]
+    pub(crate) fn cost(&self, lane: usize) -> f64 {
+        self.accepted_cost.lane(lane)
+    }
+
+    /// Evaluates every lane's point, judges it, and moves every lane that has not ended.
+    #[inline(always)]
+    pub(crate) fn step<const EXACT: bool>(&mut self, links: &Links, settings: &Settings) -> Ended {
+        let n = if EXACT { N } else { self.joints };
+        let c = V::constant;
+        let weight = settings.metres_per_radian * settings.metres_per_radian;
+        let at = self.evaluate::<EXACT>(links);
+        let p = at.position;
+        let r = &at.rotation;
+        let half = c(0.5);
+        let s = Vector3::new(
+            (r.y.z - r.z.y) * half,
+            (r.z.x - r.x.z) * half,
+            (r.x.y - r.y.x) * half,
+        );
+        let cos = (r.x.x + r.y.y + r.z.z - V::one()) * half;
+        let (pp, ss) = (p.norm_squared(), s.norm_squared());
+        // 2(1 − cos θ) in powers of sin² θ where the difference would cancel.
+        let series = ss.mul_add(c(5.0 / 64.0), c(1.0 / 8.0));
+        let series = ss.mul_add(ss.mul_add(series, c(0.25)), V::one()) * ss;
+        let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);
+        let turned = V::select(near, series, (V::one() - cos) * c(2.0));
+        let cost = turned.mul_add(c(weight), pp);
+
+        let tp = settings.position_tolerance * settings.position_tolerance;
+        let to = settings.orientation_tolerance * settings.orientation_tolerance;
+        let reached = pp.less_than(c(tp)) & turned.less_than(c(to));
+        let accept = cost.less_than(self.accepted_cost) | reached;
+
+        // Damping: halved on a step that takes the cost below a quarter, times four on a rejection.
+        let fast = cost.less_than(self.accepted_cost * c(0.25));
+        let factor = V::select(fast, c(0.5), V::one());
+        self.damping = self.damping * V::select(accept, factor, c(4.0));
+        self.accepted_cost = V::select(accept, cost, self.accepted_cost);
+        let progress = cost.less_than(self.reference_cost * c(0.25));
+        self.reference_cost = V::select(progress, cost, self.reference_cost);
+        self.stalled = V::select(progress, V::zero(), self.stalled + V::one());
+        let stalled = c(settings.stall_limit - 0.5).less_than(self.stalled);
+
+        let ended = Ended {
+            reached: V::mask_bits(reached),
+            stalled: V::mask_bits(stalled),
+        };
+
+        // The damped normal equations over the free joints.
+        let sw = s * c(weight);
+        let mut free = [V::one(); N];
+        let mut m = [[V::zero(); 6]; 6];
+        for i in 0..n {
+            let (l, a) = (at.linear[i], at.angular[i]);
+            let gradient = l.dot(p) + a.dot(sw);
+            let q = self.q[i];
+            let (lower, upper) = (c(links.links[i].lower), c(links.links[i].upper));
+            let at_lower = !lower.less_than(q) & V::zero().less_than(gradient);
+            let at_upper = !q.less_than(upper) & gradient.less_than(V::zero());
+            free[i] = V::select(at_lower | at_upper, V::zero(), V::one());
+            let column = [l.x, l.y, l.z, a.x, a.y, a.z];
+            let (fl, fa) = (l * free[i], a * free[i]);
+            let scaled = [fl.x, fl.y, fl.z, fa.x, fa.y, fa.z];
+            for row in 0..6 {
+                for col in 0..=row {
+                    m[row][col] = scaled[row].mul_add(column[col], m[row][col]);
+                }
+            }
+        }
+        let lambda = (self.damping * cost).max(c(1e-14));
+        let lambda_turn = lambda * c(weight.recip());
+        for k in 0..3 {
+            m[k][k] += lambda;
+            m[k + 3][k + 3] += lambda_turn;
+        }
+        let e = p + p.cross(s) * half;
+        let y = solve(m, [-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]);
+        let y_linear = Vector3::new(y[0], y[1], y[2]);
+        let y_angular = Vector3::new(y[3], y[4], y[5]);
+        for i in 0..n {
+            let delta = (at.linear[i].dot(y_linear) + at.angular[i].dot(y_angular)) * free[i];
+            let link = &links.links[i];
+            let q = self.q[i];
+            let moved = (q + delta).max(c(link.lower)).min(c(link.upper));
+            let old = self.accepted[i];
+            let back = (q - old).mul_add(c(0.25), old);
+            self.accepted[i] = V::select(accept, q, old);
+            self.q[i] = V::select(accept, moved, back);
+        }
+        ended
+    }
+
+    /// Forward kinematics and the Jacobian's columns in the goal's frame.
+    #[inline(always)]
+    fn evaluate<const EXACT: bool>(&self, links: &Links) -> Evaluation<V, N> {
+        let n = if EXACT { N } else { self.joints };
+        let c = V::constant;
+        let mut linear = [Vector3::zero(); N];
+        let mut angular = [Vector3::zero(); N];
+        let mut r = self.goal_from_first.rotation;
+        let mut p = self.goal_from_first.translation;
+        for i in 0..n {
+            let link = &links.links[i];
+            let sin_cos = if EXACT || link.kind == JointKind::Revolute {
+                angular[i] = r.z;
+                linear[i] = p.cross(r.z);
+                (self.q[i] + c(link.offset)).sin_cos()
+            } else {
+                linear[i] = r.z;
+                angular[i] = Vector3::zero();
+                p = r.z.mul_add(self.q[i], p);
+                (c(link.offset_sin_cos.0), c(link.offset_sin_cos.1))
+            };
+            r = r.rotated_about_z(sin_cos);
+            p = r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
+            r = r.rotated_about_x((c(link.twist.0), c(link.twist.1)));
+        }
+        Evaluation {
+            linear,
+            angular,
+            position: p,
+            rotation: r,
+        }
+    }
+}
+
+/// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read.
+#[inline(always)]
+fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
+    let mut inverse = [V::zero(); 6];
+    for j in 0..6 {
+        inverse[j] = V::one() / m[j][j];
+        for i in j + 1..6 {
+            let l = m[i][j] * inverse[j];
+            for k in j + 1..=i {
+                m[i][k] = (-l).mul_add(m[k][j], m[i][k]);
+            }
+            b[i] = (-l).mul_add(b[j], b[i]);
+        }
+        // Column j is needed unscaled above, scaled in the back substitution: both come from m.
+    }
+    for i in (0..6).rev() {
+        let mut sum = b[i];
+        for k in i + 1..6 {
+            sum = (-m[k][i]).mul_add(b[k], sum);
+        }
+        b[i] = sum * inverse[i];
+    }
+    b
+}
