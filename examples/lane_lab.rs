@@ -34,12 +34,16 @@ fn stats(name: &str, mut t: Vec<f64>) {
     println!("{name}: median {:.2} p99 {:.2} mean {:.2} max {:.1} us", t[t.len() / 2], t[t.len() * 99 / 100], mean, t[t.len() - 1]);
 }
 fn main() {
-    let options = LaneOptions::default();
+    let env = |n: &str, d: f64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+    let mut options = LaneOptions::default();
+    options.damping = env("DAMP", options.damping);
+    options.metres_per_radian = env("MPR", options.metres_per_radian);
+    options.stall_limit = env("STALL", f64::from(options.stall_limit)) as u32;
     for name in ["panda", "ur5"] {
         let w = load(name);
         let t0 = Instant::now();
         let solver = PoseSolver::new(&w.chain, options.clone());
-        println!("build {:?}", t0.elapsed());
+        println!("build {:?}, atlas {} kB", t0.elapsed(), solver.atlas_memory() / 1024);
         let n = w.chain.joints().len();
         for (label, search) in [("first", Search::First), ("start", Search::Start)] {
             let mut q = vec![0.0; n];
@@ -62,8 +66,44 @@ fn main() {
             }
             println!("{name} {label}: solved {ok}/{} iterations/solve {:.2} attempts/solve {:.2}", w.targets.len(), iters as f64 / w.targets.len() as f64, atts as f64 / w.targets.len() as f64);
             stats("   single", best);
+            let starts = w.starts.concat();
+            let mut qs = vec![0.0; starts.len()];
+            let blank = Outcome { reached: false, position_error: 0.0, orientation_error: 0.0, iterations: 0, attempts: 0, attempt: None };
+            let mut outs = vec![blank; w.targets.len()];
+            let mut best = f64::INFINITY;
+            for _ in 0..7 {
+                let t0 = Instant::now();
+                solver.solve_batch(&w.targets, &starts, search, &mut qs, &mut outs);
+                best = best.min(t0.elapsed().as_nanos() as f64 / 1e3 / w.targets.len() as f64);
+            }
+            println!("   batch {:.3} us/pose, solved {}, iterations {:.2} attempts {:.3}", best, outs.iter().filter(|o| o.reached).count(),
+                outs.iter().map(|o| o.iterations).sum::<u32>() as f64 / outs.len() as f64, outs.iter().map(|o| o.attempts).sum::<u32>() as f64 / outs.len() as f64);
+            for (i, o) in outs.iter().enumerate().filter(|(_, o)| !o.reached) { println!("   unsolved {i} {o:?} truth {:?}", w.truth[i]); }
         }
         let fk = w.chain.base_from_tip(&w.truth[0]);
         println!("check fk {:e}", (fk.translation - w.targets[0].translation).norm());
     }
+    let w = load("panda_track");
+    let solver = PoseSolver::new(&w.chain, options);
+    let n = w.chain.joints().len();
+    let mut qs = vec![0.0; n * w.targets.len()];
+    let blank = Outcome { reached: false, position_error: 0.0, orientation_error: 0.0, iterations: 0, attempts: 0, attempt: None };
+    let mut outs = vec![blank; w.targets.len()];
+    let mut best = f64::INFINITY;
+    for _ in 0..15 {
+        let t0 = Instant::now();
+        solver.track(&w.targets, &w.starts[0], &mut qs, &mut outs);
+        best = best.min(t0.elapsed().as_nanos() as f64 / 1e3 / w.targets.len() as f64);
+    }
+    let mut flips = 0;
+    let mut worst: f64 = 0.0;
+    for i in 1..w.targets.len() {
+        for j in 0..n {
+            let moved = (qs[i * n + j] - qs[(i - 1) * n + j]).abs() - (w.truth[i][j] - w.truth[i - 1][j]).abs();
+            worst = worst.max(moved);
+            flips += usize::from(moved > 0.2);
+        }
+    }
+    println!("track {best:.3} us/step solved {} flips {flips} worst excess {worst:.4} iterations {:.2}", outs.iter().filter(|o| o.reached).count(),
+        outs.iter().map(|o| o.iterations).sum::<u32>() as f64 / outs.len() as f64);
 }

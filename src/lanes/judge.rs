@@ -4,7 +4,6 @@ use super::chain::{Chain, JointKind};
 use super::lane::Lanes;
 use super::links::frame_along;
 use super::trigonometry;
-use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// A chain whose axes are all z; nothing else is rearranged.

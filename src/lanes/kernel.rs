@@ -250,7 +250,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
 
 /// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read.
 #[inline(always)]
-fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
+pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
     let mut inverse = [V::zero(); 6];
     for j in 0..6 {
         inverse[j] = V::one() / m[j][j];

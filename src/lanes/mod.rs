@@ -1,5 +1,7 @@
 //! Pose inverse kinematics of serial chains, several attempts or queries at once in SIMD lanes.
 
+mod atlas;
+mod batch;
 mod chain;
 mod dispatch;
 mod judge;

@@ -2,25 +2,34 @@
 
 use super::chain::JointKind;
 use super::race::Query;
-use super::solver::PoseSolver;
+use super::atlas::Candidates;
+use super::solver::{PoseSolver, Search};
 use crate::spatial::Placement;
 
 /// The seeds of one query, by attempt number.
 pub(crate) struct QuerySeeds<'a> {
     solver: &'a PoseSolver,
     start: &'a [f64],
+    candidates: Candidates,
+    start_first: bool,
 }
 
 impl<'a> QuerySeeds<'a> {
     #[inline(always)]
     pub(crate) fn new(
         solver: &'a PoseSolver,
-        _goal_from_first: &Placement<f64>,
+        goal_from_first: &Placement<f64>,
         query: &Query<'a>,
     ) -> Self {
+        let candidates = match &solver.atlas {
+            Some(atlas) => atlas.look_up(&solver.links, goal_from_first),
+            None => Candidates::none(),
+        };
         Self {
             solver,
             start: query.start,
+            candidates,
+            start_first: query.search == Search::Start || candidates.count == 0,
         }
     }
 
@@ -28,9 +37,16 @@ impl<'a> QuerySeeds<'a> {
     #[inline(always)]
     pub(crate) fn fill(&self, attempt: u32, q: &mut [f64]) {
         let links = &self.solver.links.links;
-        if attempt == 0 {
+        let count = self.candidates.count as u32;
+        let (start_at, atlas_from) = if self.start_first { (0, 1) } else { (count, 0) };
+        if attempt >= atlas_from && attempt < atlas_from + count {
+            self.candidates.fill((attempt - atlas_from) as usize, q);
+            for (q, link) in q.iter_mut().zip(links) {
+                *q = q.max(link.lower).min(link.upper);
+            }
+        } else if attempt == start_at {
             for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
-                *q = start.clamp(link.lower, link.upper);
+                *q = start.max(link.lower).min(link.upper);
             }
         } else {
             let mut state = mix(self.solver.options.seed ^ mix(u64::from(attempt)));
@@ -43,7 +59,7 @@ impl<'a> QuerySeeds<'a> {
                 };
                 let lower = if link.lower.is_finite() { link.lower } else { start - half };
                 let upper = if link.upper.is_finite() { link.upper } else { start + half };
-                *q = (lower + unit * (upper - lower)).clamp(link.lower, link.upper);
+                *q = (lower + unit * (upper - lower)).max(link.lower).min(link.upper);
             }
         }
     }

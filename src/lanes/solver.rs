@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::atlas::{Atlas, Resolution};
 use super::chain::Chain;
 use super::dispatch;
 use super::judge::Judge;
@@ -89,6 +90,7 @@ pub struct PoseSolver {
     pub(crate) judge: Judge,
     pub(crate) settings: Settings,
     pub(crate) options: LaneOptions,
+    pub(crate) atlas: Option<Atlas>,
 }
 
 impl PoseSolver {
@@ -102,12 +104,23 @@ impl PoseSolver {
             damping: options.damping,
             stall_limit: f64::from(options.stall_limit),
         };
+        let links = Links::new(chain);
+        let env = |n: &str, d: usize| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+        let resolution = Resolution { radius: env("AR", 8), height: env("AH", 12), direction: env("AD", 8), samples: env("AS", 16) };
+        let atlas = if env("AR", 8) == 0 { None } else { Atlas::new(&links, resolution, options.seed) };
         Self {
-            links: Links::new(chain),
+            atlas,
+            links,
             judge: Judge::new(chain),
             settings,
             options,
         }
+    }
+
+    /// Bytes of the seed atlas.
+    #[must_use]
+    pub fn atlas_memory(&self) -> usize {
+        self.atlas.as_ref().map_or(0, Atlas::memory)
     }
 
     /// Solves one pose.
@@ -119,6 +132,35 @@ impl PoseSolver {
         q: &mut [f64],
     ) -> Outcome {
         dispatch::race(self, &Query { target, start, search }, q)
+    }
+
+    /// Solves many poses.
+    pub fn solve_batch(
+        &self,
+        targets: &[Placement<f64>],
+        starts: &[f64],
+        search: Search,
+        q: &mut [f64],
+        outcomes: &mut [Outcome],
+    ) {
+        dispatch::batch(self, (targets, starts, search, q, outcomes));
+    }
+
+    /// Follows a path of targets.
+    pub fn track(
+        &self,
+        path: &[Placement<f64>],
+        start: &[f64],
+        q: &mut [f64],
+        outcomes: &mut [Outcome],
+    ) {
+        let n = self.links.links.len();
+        let mut last = [0.0; super::chain::MAX_JOINTS];
+        last[..n].copy_from_slice(&start[..n]);
+        for ((target, q), outcome) in path.iter().zip(q.chunks_exact_mut(n)).zip(outcomes) {
+            *outcome = self.solve(target, &last[..n], Search::Start, q);
+            last[..n].copy_from_slice(q);
+        }
     }
 
     #[inline(always)]

@@ -1,0 +1,112 @@
+//! Many queries: every lane works on its own, and takes the next when it is done.
+
+use super::chain::MAX_JOINTS;
+use super::kernel::Group;
+use super::lane::LaneScalar;
+use super::race::Query;
+use super::seeds::QuerySeeds;
+use super::solver::{Outcome, PoseSolver, Search};
+use crate::spatial::Placement;
+
+/// What a lane is busy with.
+struct Job<'a> {
+    index: usize,
+    query: Query<'a>,
+    goal_from_first: Placement<f64>,
+    seeds: QuerySeeds<'a>,
+    attempt: u32,
+    age: u32,
+    iterations: u32,
+    best_cost: f64,
+}
+
+/// Runs the attempts of each query one after another in one lane, so that what a query gives depends
+/// on nothing but itself. The winner is the lowest attempt that reaches.
+#[inline(always)]
+pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: bool>(
+    solver: &PoseSolver,
+    targets: &[Placement<f64>],
+    starts: &[f64],
+    search: Search,
+    q_out: &mut [f64],
+    outcomes: &mut [Outcome],
+) {
+    let n = solver.links.links.len();
+    let settings = &solver.settings;
+    let options = &solver.options;
+    let mut group = Group::<V, N>::new(n);
+    let mut seed = [0.0; MAX_JOINTS];
+    let mut queue = targets
+        .iter()
+        .zip(starts.chunks_exact(n))
+        .enumerate();
+    let mut take = || {
+        queue.next().map(|(index, (target, start))| {
+            let query = Query {
+                target,
+                start,
+                search,
+            };
+            let goal_from_first = solver.links.goal_from_first(target);
+            Job {
+                index,
+                goal_from_first,
+                seeds: QuerySeeds::new(solver, &goal_from_first, &query),
+                query,
+                attempt: 0,
+                age: 0,
+                iterations: 0,
+                best_cost: f64::INFINITY,
+            }
+        })
+    };
+    let mut jobs: [Option<Job<'_>>; L] = std::array::from_fn(|_| take());
+    let mut active = 0u32;
+    for (lane, job) in jobs.iter().enumerate() {
+        if let Some(job) = job {
+            job.seeds.fill(0, &mut seed);
+            group.load(lane, &job.goal_from_first, &seed, settings);
+            active |= 1 << lane;
+        }
+    }
+    while active != 0 {
+        let ended = group.step::<EXACT>(&solver.links, settings);
+        let mut over = (ended.reached | ended.stalled) & active;
+        for (lane, job) in jobs.iter_mut().enumerate() {
+            if let Some(job) = job {
+                job.age += 1;
+                over |= u32::from(job.age >= options.iterations) << lane;
+            }
+        }
+        while over != 0 {
+            let lane = over.trailing_zeros() as usize;
+            over &= over - 1;
+            let Some(job) = jobs.get_mut(lane).and_then(Option::as_mut) else {
+                continue;
+            };
+            let reached = ended.reached >> lane & 1 != 0;
+            let q = &mut q_out[job.index * n..(job.index + 1) * n];
+            if reached || group.cost(lane) < job.best_cost {
+                job.best_cost = group.cost(lane);
+                group.point(lane, q);
+            }
+            job.iterations += job.age;
+            job.age = 0;
+            let attempt = job.attempt;
+            job.attempt += 1;
+            if reached || job.attempt >= options.attempts {
+                let winner = reached.then_some(attempt);
+                outcomes[job.index] =
+                    solver.finish(&job.query, q, job.iterations, winner, job.attempt);
+                jobs[lane] = take();
+            }
+            match &jobs[lane] {
+                Some(job) => {
+                    job.seeds.fill(job.attempt, &mut seed);
+                    group.load(lane, &job.goal_from_first, &seed, settings);
+                }
+                None => active &= !(1 << lane),
+            }
+        }
+    }
+}
