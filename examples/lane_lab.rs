@@ -39,17 +39,20 @@ fn main() {
     options.damping = env("DAMP", options.damping);
     options.metres_per_radian = env("MPR", options.metres_per_radian);
     options.stall_limit = env("STALL", f64::from(options.stall_limit)) as u32;
+    let only = std::env::var("ONLY").unwrap_or_default();
     for name in ["panda", "ur5"] {
+        if !only.is_empty() && !only.contains(name) { continue; }
         let w = load(name);
         let t0 = Instant::now();
         let solver = PoseSolver::new(&w.chain, options.clone());
         println!("build {:?}, atlas {} kB", t0.elapsed(), solver.atlas_memory() / 1024);
         let n = w.chain.joints().len();
         for (label, search) in [("first", Search::First), ("start", Search::Start)] {
+            if !only.is_empty() && !only.contains(label) { continue; }
             let mut q = vec![0.0; n];
             let mut best = vec![f64::INFINITY; w.targets.len()];
             let (mut ok, mut iters, mut atts) = (0, 0, 0);
-            for round in 0..5 {
+            for round in 0..env("ROUNDS", 5.0) as u32 {
                 for (i, (t, s)) in w.targets.iter().zip(&w.starts).enumerate() {
                     let t0 = Instant::now();
                     let out = solver.solve(t, s, search, &mut q);
@@ -71,7 +74,7 @@ fn main() {
             let blank = Outcome { reached: false, position_error: 0.0, orientation_error: 0.0, iterations: 0, attempts: 0, attempt: None };
             let mut outs = vec![blank; w.targets.len()];
             let mut best = f64::INFINITY;
-            for _ in 0..7 {
+            for _ in 0..env("BROUNDS", 7.0) as u32 {
                 let t0 = Instant::now();
                 solver.solve_batch(&w.targets, &starts, search, &mut qs, &mut outs);
                 best = best.min(t0.elapsed().as_nanos() as f64 / 1e3 / w.targets.len() as f64);
@@ -90,7 +93,7 @@ fn main() {
     let blank = Outcome { reached: false, position_error: 0.0, orientation_error: 0.0, iterations: 0, attempts: 0, attempt: None };
     let mut outs = vec![blank; w.targets.len()];
     let mut best = f64::INFINITY;
-    for _ in 0..15 {
+    for _ in 0..env("TROUNDS", 15.0) as u32 {
         let t0 = Instant::now();
         solver.track(&w.targets, &w.starts[0], &mut qs, &mut outs);
         best = best.min(t0.elapsed().as_nanos() as f64 / 1e3 / w.targets.len() as f64);

@@ -8,8 +8,11 @@
 //! key. A seed is then a table look-up, a first-order correction and two angles.
 
 use super::chain::JointKind;
+use super::lane::LaneScalar;
 use super::links::Links;
 use super::seeds::mix;
+use super::trigonometry::{ROUNDER, rough_atan2};
+use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 use std::f64::consts::TAU;
 
@@ -46,9 +49,10 @@ pub(crate) struct Atlas {
     middles: [f64; 2],
 }
 
+#[derive(Clone, Copy)]
 /// A goal reduced by the symmetries of the first and last joint.
 struct Key {
-    /// What the first joint adds: radians or metres.
+    /// What a sliding first joint adds, metres.
     shift: f64,
     /// Distance and height (or the two coordinates across a sliding first joint), metres.
     place: [f64; 2],
@@ -166,7 +170,7 @@ impl Atlas {
         &mut self,
         cell: usize,
         slot: usize,
-        key: &Key,
+        key_in: &Key,
         q: &[f64],
         place: &Placement<f64>,
         joints: &[(Vector3<f64>, Vector3<f64>)],
@@ -174,9 +178,14 @@ impl Atlas {
     ) {
         let n = self.joints;
         let (centre, h) = self.direction_frame(cell);
-        let _ = centre;
+        let mut shifted = *key_in;
+        if self.first_turns {
+            shifted.shift = place.translation.y.atan2(place.translation.x);
+        }
+        let key = &shifted;
         // The sample, turned so that its shift and roll are zero.
-        let roll = self.roll(key, h);
+        let (roll_y, roll_x) = self.roll_parts(key, h);
+        let roll = if self.last_turns { roll_y.atan2(roll_x) } else { 0.0 };
         let mut canonical = q.to_vec();
         canonical[0] -= key.shift;
         if self.last_turns {
@@ -265,7 +274,7 @@ impl Atlas {
                 Vector3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z)
             };
             Key {
-                shift: p.y.atan2(p.x),
+                shift: 0.0,
                 place: [radius, p.z],
                 axis: back(r.z),
                 side: back(r.x),
@@ -317,90 +326,103 @@ impl Atlas {
         (centre, super::links::frame_along(centre).x)
     }
 
+    /// Sine and cosine, times a common factor, of the turn about the last axis.
     #[inline(always)]
-    fn roll(&self, key: &Key, h: Vector3<f64>) -> f64 {
-        if self.last_turns {
-            let x = key.side;
-            x.dot(key.axis.cross(h)).atan2(x.dot(h))
-        } else {
-            0.0
-        }
+    fn roll_parts(&self, key: &Key, h: Vector3<f64>) -> (f64, f64) {
+        let x = key.side;
+        (x.dot(key.axis.cross(h)), x.dot(h))
     }
 
     /// Seeds for a goal, best first.
     #[inline(always)]
-    pub(crate) fn look_up(&self, links: &Links, goal_from_first: &Placement<f64>) -> Candidates {
+    pub(crate) fn look_up<V: LaneScalar>(
+        &self,
+        links: &Links,
+        goal_from_first: &Placement<f64>,
+    ) -> Candidates {
+        let c = V::Four::constant;
         let n = self.joints;
         let mut place = goal_from_first.inverse();
-        let last = &links.links[n - 1];
+        let Some(last) = links.links.last() else {
+            return Candidates::none();
+        };
         place.translation = place.translation
             - (place.rotation.x * last.along_x + place.rotation.y * last.along_y);
         let key = self.key(&place);
         let cell = self.cell(&key);
         let count = usize::from(self.counts[cell]);
         let mut found = Candidates::none();
-        found.count = count;
         if count == 0 {
             return found;
         }
-        let (centre, h) = self.direction_frame(cell);
-        let roll = self.roll(&key, h);
+        found.count = count;
+        let (_, h) = self.direction_frame(cell);
+        let (roll_y, roll_x) = self.roll_parts(&key, h);
+        let (mut y, mut x) = (V::Four::zero(), V::Four::zero());
+        if self.first_turns {
+            y.set_lane(0, place.translation.y);
+            x.set_lane(0, place.translation.x);
+        }
+        y.set_lane(1, roll_y);
+        x.set_lane(1, roll_x);
+        let angles = rough_atan2(y, x);
+        let shift = if self.first_turns { angles.lane(0) } else { key.shift };
+        let roll = if self.last_turns { angles.lane(1) } else { 0.0 };
+        let (centre, _) = self.direction_frame(cell);
         let across = centre.cross(h);
+
         let stride = n + 5 + 4 * n;
         let Some(rows) = self.rows.get(cell * stride..(cell + 1) * stride) else {
             return Candidates::none();
         };
         let (q_rows, rest) = rows.split_at(n);
         let (key_rows, slopes) = rest.split_at(5);
-        let mut delta = [[0.0f64; PER_CELL]; 4];
-        for s in 0..PER_CELL {
-            let da = key.axis
-                - Vector3::new(
-                    f64::from(key_rows[2][s]),
-                    f64::from(key_rows[3][s]),
-                    f64::from(key_rows[4][s]),
-                );
-            delta[0][s] = key.place[0] - f64::from(key_rows[0][s]);
-            delta[1][s] = key.place[1] - f64::from(key_rows[1][s]);
-            delta[2][s] = da.dot(h);
-            delta[3][s] = da.dot(across);
-        }
-        let mut score = [0.0; PER_CELL];
-        for i in 0..n {
-            let link = &links.links[i];
-            let slope = &slopes[4 * i..4 * i + 4];
-            let add = if i == 0 {
-                key.shift
+        let row = |row: &Row| V::Four::from_singles(row);
+        let axis = Vector3::<V::Four>::constant(key.axis)
+            - Vector3::new(row(&key_rows[2]), row(&key_rows[3]), row(&key_rows[4]));
+        let delta = [
+            c(key.place[0]) - row(&key_rows[0]),
+            c(key.place[1]) - row(&key_rows[1]),
+            axis.dot(Vector3::constant(h)),
+            axis.dot(Vector3::constant(across)),
+        ];
+        let mut score = V::Four::zero();
+        let per_joint = links.links.iter().zip(q_rows).zip(slopes.chunks_exact(4));
+        for (i, ((link, q_row), slope)) in per_joint.enumerate() {
+            let mut step = row(&slope[0]) * delta[0];
+            for k in 1..4 {
+                step = row(&slope[k]).mul_add(delta[k], step);
+            }
+            let mut q = row(q_row) + step;
+            let ends = (i == 0 && self.first_turns, i == n - 1 && self.last_turns);
+            if i == 0 {
+                q += c(shift);
             } else if i == n - 1 {
-                roll
-            } else {
-                0.0
-            };
+                q += c(roll);
+            }
+            if ends.0 || ends.1 {
+                let middle = self.middles[usize::from(i != 0)];
+                let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
+                q = turns.mul_add(c(-TAU), q);
+            }
+            let out = (c(link.lower) - q).max(q - c(link.upper)).max(V::Four::zero());
+            score = step.mul_add(step, out.mul_add(c(4.0), score));
             for s in 0..PER_CELL {
-                let mut step = 0.0;
-                for k in 0..4 {
-                    step += f64::from(slope[k][s]) * delta[k][s];
-                }
-                let mut q = f64::from(q_rows[i][s]) + step + add;
-                if i == 0 && self.first_turns || i == n - 1 && self.last_turns {
-                    let middle = self.middles[usize::from(i != 0)];
-                    q -= TAU * ((q - middle) * (1.0 / TAU)).round_ties_even();
-                }
-                let out = (link.lower - q).max(q - link.upper).max(0.0);
-                score[s] += step * step + 4.0 * out;
-                found.q[i][s] = q;
+                found.q[i][s] = q.lane(s);
             }
         }
-        let mut order = [0u8, 1, 2, 3];
-        for (s, score) in score.iter_mut().enumerate() {
-            if s >= count {
-                *score = f64::INFINITY;
+        // Sorting network for four; the index makes keys differ, empty slots come last.
+        let mut keys = [(0.0, 0u8); PER_CELL];
+        for (s, key) in keys.iter_mut().enumerate() {
+            let score = if s < count { score.lane(s) } else { f64::INFINITY };
+            *key = (score, s as u8);
+        }
+        for (a, b) in [(0, 1), (2, 3), (0, 2), (1, 3), (1, 2)] {
+            if keys[b].0 < keys[a].0 {
+                keys.swap(a, b);
             }
         }
-        order.sort_unstable_by(|&a, &b| {
-            score[usize::from(a)].total_cmp(&score[usize::from(b)])
-        });
-        found.order = order;
+        found.order = keys.map(|key| key.1);
         found
     }
 }

@@ -62,16 +62,16 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: 
     };
     let mut jobs: [Option<Job<'_>>; L] = std::array::from_fn(|_| take());
     let mut active = 0u32;
-    for (lane, job) in jobs.iter().enumerate() {
+    for (lane, job) in jobs.iter_mut().enumerate() {
         if let Some(job) = job {
-            job.seeds.fill(0, &mut seed);
+            job.seeds.fill::<V>(0, &mut seed);
             group.load(lane, &job.goal_from_first, &seed, settings);
             active |= 1 << lane;
         }
     }
     while active != 0 {
         let ended = group.step::<EXACT>(&solver.links, settings);
-        let mut over = (ended.reached | ended.stalled) & active;
+        let mut over = (ended.reached | ended.stalled | ended.closing) & active;
         for (lane, job) in jobs.iter_mut().enumerate() {
             if let Some(job) = job {
                 job.age += 1;
@@ -84,9 +84,21 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: 
             let Some(job) = jobs.get_mut(lane).and_then(Option::as_mut) else {
                 continue;
             };
-            let reached = ended.reached >> lane & 1 != 0;
             let q = &mut q_out[job.index * n..(job.index + 1) * n];
-            if reached || group.cost(lane) < job.best_cost {
+            let mut reached = ended.reached >> lane & 1 != 0;
+            let mut errors = None;
+            if !reached && ended.closing >> lane & 1 != 0 {
+                group.next_point(lane, &mut seed);
+                let (close, found) = solver.judge::<V>(&job.goal_from_first, &seed[..n]);
+                if close {
+                    reached = true;
+                    errors = Some(found);
+                    q.copy_from_slice(&seed[..n]);
+                } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
+                    continue;
+                }
+            }
+            if errors.is_none() && (reached || group.cost(lane) < job.best_cost) {
                 job.best_cost = group.cost(lane);
                 group.point(lane, q);
             }
@@ -96,13 +108,27 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: 
             job.attempt += 1;
             if reached || job.attempt >= options.attempts {
                 let winner = reached.then_some(attempt);
-                outcomes[job.index] =
-                    solver.finish(&job.query, q, job.iterations, winner, job.attempt);
+                let errors = match errors {
+                    Some(errors) => errors,
+                    None => {
+                        let (close, errors) = solver.judge::<V>(&job.goal_from_first, q);
+                        reached = close;
+                        errors
+                    }
+                };
+                outcomes[job.index] = Outcome {
+                    reached,
+                    position_error: errors.position,
+                    orientation_error: errors.orientation,
+                    iterations: job.iterations,
+                    attempts: job.attempt,
+                    attempt: winner,
+                };
                 jobs[lane] = take();
             }
-            match &jobs[lane] {
+            match &mut jobs[lane] {
                 Some(job) => {
-                    job.seeds.fill(job.attempt, &mut seed);
+                    job.seeds.fill::<V>(job.attempt, &mut seed);
                     group.load(lane, &job.goal_from_first, &seed, settings);
                 }
                 None => active &= !(1 << lane),

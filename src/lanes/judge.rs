@@ -1,69 +1,63 @@
-//! The errors of a returned q, by forward kinematics on the chain as it was given.
+//! The errors of the q that is returned, by forward kinematics at that q in plain `f64`.
 
-use super::chain::{Chain, JointKind};
-use super::lane::Lanes;
-use super::links::frame_along;
-use super::trigonometry;
-use crate::spatial::{Matrix3, Placement, Vector3};
+use super::chain::{JointKind, MAX_JOINTS};
+use super::lane::LaneScalar;
+use super::links::Links;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
 
-/// A chain whose axes are all z; nothing else is rearranged.
-#[derive(Clone, Debug)]
-pub(crate) struct Judge {
-    joints: Vec<(Placement<f64>, JointKind)>,
-    last_from_tip: Placement<f64>,
+/// How far the tip is from its goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errors {
+    /// Metres.
+    pub(crate) position: f64,
+    /// Radians, 0 to π.
+    pub(crate) orientation: f64,
 }
 
-impl Judge {
-    pub(crate) fn new(chain: &Chain) -> Self {
-        let mut before = Matrix3::identity();
-        let joints = chain
-            .joints()
-            .iter()
-            .map(|joint| {
-                let alignment = frame_along(joint.axis);
-                let step = Placement::new(before.transpose(), Vector3::zero())
-                    * joint.parent_from_joint
-                    * Placement::new(alignment, Vector3::zero());
-                before = alignment;
-                (step, joint.kind)
-            })
-            .collect();
-        let last_from_tip =
-            Placement::new(before.transpose(), Vector3::zero()) * *chain.joint_from_tip();
-        Self {
-            joints,
-            last_from_tip,
+/// Distance and angle of the tip at `q` from the goal.
+#[inline(always)]
+pub(crate) fn errors<V: LaneScalar>(
+    links: &Links,
+    goal_from_first: &Placement<f64>,
+    q: &[f64],
+) -> Errors {
+    // The angles of four joints at a time.
+    let mut sin_cos = [(0.0, 1.0); MAX_JOINTS];
+    for ((out, q), links) in sin_cos.chunks_mut(4).zip(q.chunks(4)).zip(links.links.chunks(4)) {
+        let mut angle = V::Four::zero();
+        for (i, (q, link)) in q.iter().zip(links).enumerate() {
+            let turn = if link.kind == JointKind::Revolute { *q } else { 0.0 };
+            angle.set_lane(i, turn + link.offset);
+        }
+        let (sin, cos) = angle.sin_cos();
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = (sin.lane(i), cos.lane(i));
         }
     }
-
-    /// Distance (m) and angle (rad) of the tip at `q` from the target.
-    #[inline(always)]
-    pub(crate) fn errors(&self, base_from_target: &Placement<f64>, q: &[f64]) -> (f64, f64) {
-        let tip = self.base_from_tip(q);
-        let p = tip.translation - base_from_target.translation;
-        let (a, b) = (&base_from_target.rotation, &tip.rotation);
-        // Twice sin θ n in the base frame, and 1 + 2 cos θ.
-        let skew = a.x.cross(b.x) + a.y.cross(b.y) + a.z.cross(b.z);
-        let trace = a.x.dot(b.x) + a.y.dot(b.y) + a.z.dot(b.z);
-        (p.norm(), skew.norm().atan2(trace - 1.0))
-    }
-
-    #[inline(always)]
-    pub(crate) fn base_from_tip(&self, q: &[f64]) -> Placement<f64> {
-        let mut placement = Placement::identity();
-        for (i, ((step, kind), &value)) in self.joints.iter().zip(q).enumerate() {
-            placement = if i == 0 { *step } else { placement * *step };
-            match kind {
-                JointKind::Revolute => {
-                    let (s, c) = trigonometry::sin_cos(Lanes::<1, false>([value]));
-                    placement.rotation = placement.rotation.rotated_about_z((s.0[0], c.0[0]));
-                }
-                JointKind::Prismatic => {
-                    placement.translation =
-                        placement.rotation.z.mul_add(value, placement.translation);
-                }
-            }
+    let c = V::One::constant;
+    let mut r = crate::spatial::Matrix3::<V::One>::constant(goal_from_first.rotation);
+    let mut p = Vector3::<V::One>::constant(goal_from_first.translation);
+    for ((link, &q), &(sin, cos)) in links.links.iter().zip(q).zip(&sin_cos) {
+        if link.kind == JointKind::Prismatic {
+            p = r.z.mul_add(c(q), p);
         }
-        placement * self.last_from_tip
+        r = r.rotated_about_z((c(sin), c(cos)));
+        p = r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
+        r = r.rotated_about_x((c(link.twist.0), c(link.twist.1)));
+    }
+    let skew = Vector3::new(r.y.z - r.z.y, r.z.x - r.x.z, r.x.y - r.y.x);
+    let sin = 0.5 * skew.norm().lane(0);
+    let cos = 0.5 * ((r.x.x + r.y.y + r.z.z).lane(0) - 1.0);
+    let orientation = if cos > 0.0 && sin < 1e-3 {
+        // The arc sine's series; the next term is below 1e-22.
+        let s = sin * sin;
+        sin * (1.0 + s * (1.0 / 6.0 + s * (3.0 / 40.0)))
+    } else {
+        sin.atan2(cos)
+    };
+    Errors {
+        position: p.norm().lane(0),
+        orientation,
     }
 }

@@ -29,6 +29,8 @@ pub(crate) struct Settings {
     pub(crate) metres_per_radian: f64,
     /// λ = damping · cost at the start of an attempt.
     pub(crate) damping: f64,
+    /// Twice the cost below which one more step should reach.
+    pub(crate) closing_cost: f64,
     /// An attempt whose error has not halved in this many iterations is given up.
     pub(crate) stall_limit: f64,
 }
@@ -56,6 +58,8 @@ pub(crate) struct Ended {
     pub(crate) reached: u32,
     /// No progress.
     pub(crate) stalled: u32,
+    /// So close that the point after this step should be within the tolerances.
+    pub(crate) closing: u32,
 }
 
 /// Where the tip stands and how it moves.
@@ -120,6 +124,14 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         }
     }
 
+    /// The point of `lane` that the next [`step`](Self::step) will evaluate.
+    #[inline(always)]
+    pub(crate) fn next_point(&self, lane: usize, q: &mut [f64]) {
+        for (i, value) in q.iter_mut().enumerate().take(self.joints) {
+            *value = self.q[i].lane(lane);
+        }
+    }
+
     /// Twice the cost at [`point`](Self::point).
     #[inline(always)]
     pub(crate) fn cost(&self, lane: usize) -> f64 {
@@ -162,12 +174,17 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         self.accepted_cost = V::select(accept, cost, self.accepted_cost);
         let progress = cost.less_than(self.reference_cost * c(0.25));
         self.reference_cost = V::select(progress, cost, self.reference_cost);
-        self.stalled = V::select(progress, V::zero(), self.stalled + V::one());
+        self.stalled = V::select(
+            progress,
+            V::zero(),
+            self.stalled + V::select(cost.less_than(c(1e-6)), c(0.25), V::one()),
+        );
         let stalled = c(settings.stall_limit - 0.5).less_than(self.stalled);
 
         let ended = Ended {
             reached: V::mask_bits(reached),
             stalled: V::mask_bits(stalled),
+            closing: V::mask_bits(cost.less_than(c(settings.closing_cost)) & accept),
         };
 
         // The damped normal equations over the free joints.

@@ -24,6 +24,13 @@ pub struct LaneMask<const L: usize>(pub [u64; L]);
 pub trait LaneScalar: Scalar {
     /// Number of lanes.
     const WIDTH: usize;
+    /// One number in the same arithmetic.
+    type One: LaneScalar;
+    /// Four numbers in the same arithmetic.
+    type Four: LaneScalar;
+
+    /// The lanes of single-precision numbers; missing ones are zero.
+    fn from_singles(values: &[f32; 4]) -> Self;
 
     /// The value in `lane`, which is below [`WIDTH`](Self::WIDTH).
     fn lane(&self, lane: usize) -> f64;
@@ -57,6 +64,17 @@ impl<const L: usize, const FMA: bool> Lanes<L, FMA> {
 
 impl<const L: usize, const FMA: bool> LaneScalar for Lanes<L, FMA> {
     const WIDTH: usize = L;
+    type One = Lanes<1, FMA>;
+    type Four = Lanes<4, FMA>;
+
+    #[inline(always)]
+    fn from_singles(values: &[f32; 4]) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L.min(4) {
+            out[i] = f64::from(values[i]);
+        }
+        Self(out)
+    }
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> f64 {

@@ -1,119 +1,148 @@
 //! One query: its attempts race in the lanes.
 
+use super::chain::MAX_JOINTS;
+use super::judge::Errors;
 use super::kernel::Group;
 use super::lane::LaneScalar;
-use super::solver::{Outcome, PoseSolver, Search};
 use super::seeds::QuerySeeds;
+use super::solver::{Outcome, PoseSolver, Search};
+use crate::spatial::Placement;
 
-/// One query as the driver sees it.
+/// One query as the drivers see it.
+#[derive(Clone, Copy)]
 pub(crate) struct Query<'a> {
-    pub(crate) target: &'a crate::spatial::Placement<f64>,
+    pub(crate) target: &'a Placement<f64>,
     pub(crate) start: &'a [f64],
     pub(crate) search: Search,
 }
 
-/// The best lane of those that ended reached, or the least cost of those that gave up.
+/// A lane that reached.
 struct Winner {
     attempt: u32,
     iterations: u32,
+    errors: Errors,
 }
+
+/// Most lanes a group can have here.
+const MAX_LANES: usize = 8;
 
 /// Runs numbered attempts, a group of lanes in lock step, until the rule of the search has a winner.
 ///
-/// Among lanes that reach in the same or different iterations the fewest iterations win, then the
-/// lowest attempt. A lane that gives up is refilled with the next attempt at once. Nothing here
-/// depends on time unless a deadline is set.
+/// Among lanes that reach, the fewest iterations win, then the lowest attempt. A lane that gives up
+/// is refilled with the next attempt at once. Nothing here depends on time unless a deadline is set.
+///
+/// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
+/// tracking, where it nearly never does.
 #[inline(always)]
 pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
     solver: &PoseSolver,
     query: &Query<'_>,
+    lone: bool,
     q_out: &mut [f64],
 ) -> Outcome {
     let settings = &solver.settings;
     let options = &solver.options;
-    let mut group = Group::<V, N>::new(solver.links.links.len());
+    let n = solver.links.links.len();
     let goal_from_first = solver.links.goal_from_first(query.target);
-    let seeds = QuerySeeds::new(solver, &goal_from_first, query);
+    let mut seeds = QuerySeeds::new(solver, &goal_from_first, query);
     let attempts = options.attempts.max(1);
 
-    let mut seed = [0.0; super::chain::MAX_JOINTS];
-    let mut attempt = [0u32; 32];
-    let mut age = [0u32; 32];
-    let mut active = 0u32;
-    let mut next = 0u32;
-    let mut total_iterations = 0u32;
-    for lane in 0..V::WIDTH {
-        if next == attempts {
-            seeds.fill(0, &mut seed);
-        } else {
-            seeds.fill(next, &mut seed);
-            attempt[lane] = next;
-            active |= 1 << lane;
-            next += 1;
-        }
+    let mut group = Group::<V, N>::new(n);
+    let mut seed = [0.0; MAX_JOINTS];
+    let (mut attempt, mut age) = ([0u32; MAX_LANES], [0u32; MAX_LANES]);
+    let (mut active, mut next, mut iterations) = (0u32, 0u32, 0u32);
+    let mut fill_to = if lone { 1 } else { V::WIDTH };
+    let mut best_cost = f64::INFINITY;
+    let mut winner: Option<Winner> = None;
+    let mut late = false;
+    seeds.fill::<V>(0, &mut seed);
+    for lane in 1..V::WIDTH {
+        // Idle lanes carry harmless numbers.
         group.load(lane, &goal_from_first, &seed, settings);
     }
-    let mut best_cost = f64::INFINITY;
-    let mut rescue: Option<Winner> = None;
-    let mut steps = 0u32;
-    let winner = loop {
+    loop {
+        for lane in 0..fill_to {
+            if active >> lane & 1 == 0 && next < attempts && winner.is_none() && !late {
+                seeds.fill::<V>(next, &mut seed);
+                group.load(lane, &goal_from_first, &seed, settings);
+                (attempt[lane], age[lane]) = (next, 0);
+                active |= 1 << lane;
+                next += 1;
+            }
+        }
+        if active == 0 {
+            break;
+        }
         let ended = group.step::<EXACT>(&solver.links, settings);
-        total_iterations += active.count_ones();
-        steps += 1;
-        let mut spent = 0;
+        iterations += active.count_ones();
+        late = options.deadline_passed();
+        let mut spent = if late { u32::MAX } else { 0 };
         for (lane, age) in age.iter_mut().enumerate().take(V::WIDTH) {
             *age += 1;
             spent |= u32::from(*age >= options.iterations) << lane;
         }
-        let late = solver.options.deadline_passed(query.search, steps);
-        let reached = ended.reached & active;
-        let failed = (ended.stalled | spent | if late { u32::MAX } else { 0 }) & active & !reached;
-        if reached | failed == 0 {
-            continue;
-        }
-        let mut start_failed = false;
-        for lane in 0..V::WIDTH {
+        let failed = (ended.stalled | spent) & active;
+        let mut over = (ended.reached | ended.closing) & active | failed;
+        while over != 0 {
+            let lane = over.trailing_zeros() as usize;
             let bit = 1 << lane;
-            if reached & bit != 0 {
-                active &= !bit;
-                let better = rescue.as_ref().is_none_or(|old| {
-                    (age[lane], attempt[lane]) < (old.iterations, old.attempt)
-                });
-                if better || attempt[lane] == 0 && query.search == Search::Start {
-                    group.point(lane, q_out);
-                    rescue = Some(Winner {
+            over &= over - 1;
+            let close = (ended.reached | ended.closing) & bit != 0;
+            // The start's own attempt beats the others under `Start`, fewer iterations otherwise.
+            let better = winner.as_ref().is_none_or(|old| {
+                let key = |attempt, iterations| {
+                    (query.search == Search::Start && attempt != 0, iterations, attempt)
+                };
+                key(attempt[lane], age[lane]) < key(old.attempt, old.iterations)
+            });
+            if close && better {
+                if ended.reached & bit != 0 {
+                    group.point(lane, &mut seed);
+                } else {
+                    group.next_point(lane, &mut seed);
+                }
+                let (reached, errors) = solver.judge::<V>(&goal_from_first, &seed[..n]);
+                if reached {
+                    q_out.copy_from_slice(&seed[..n]);
+                    winner = Some(Winner {
                         attempt: attempt[lane],
                         iterations: age[lane],
+                        errors,
                     });
+                    active &= !bit;
+                    continue;
                 }
             }
             if failed & bit != 0 {
                 active &= !bit;
-                start_failed |= attempt[lane] == 0;
-                if rescue.is_none() && group.cost(lane) < best_cost {
+                if winner.is_none() && group.cost(lane) < best_cost {
                     best_cost = group.cost(lane);
                     group.point(lane, q_out);
                 }
-                if next < attempts && rescue.is_none() && !late {
-                    attempt[lane] = next;
-                    next += 1;
-                    age[lane] = 0;
-                    active |= bit;
-                    seeds.fill(attempt[lane], &mut seed);
-                    group.load(lane, &goal_from_first, &seed, settings);
-                }
             }
         }
-        let start_runs = (0..V::WIDTH).any(|lane| active >> lane & 1 != 0 && attempt[lane] == 0);
-        let _ = start_failed;
-        if let Some(winner) = &rescue {
-            if query.search == Search::First || winner.attempt == 0 || !start_runs {
-                break rescue;
+        if let Some(winner) = &winner {
+            let start_runs = query.search == Search::Start
+                && (0..V::WIDTH).any(|lane| active >> lane & 1 != 0 && attempt[lane] == 0);
+            if winner.attempt == 0 || !start_runs {
+                break;
             }
         }
-        if active == 0 {
-            break rescue;
+        fill_to = V::WIDTH.min(MAX_LANES);
+        if lone && winner.is_none() && active != 0 {
+            fill_to = 1;
         }
+    }
+    let (reached, errors) = match &winner {
+        Some(winner) => (true, winner.errors),
+        None => solver.judge::<V>(&goal_from_first, q_out),
     };
-    solver.finish(query, q_out, total_iterations, winner.map(|w| w.attempt), next)
+    Outcome {
+        reached,
+        position_error: errors.position,
+        orientation_error: errors.orientation,
+        iterations,
+        attempts: next,
+        attempt: winner.map(|winner| winner.attempt),
+    }
 }

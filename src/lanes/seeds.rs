@@ -1,16 +1,20 @@
 //! Where attempts begin.
 
-use super::chain::JointKind;
-use super::race::Query;
 use super::atlas::Candidates;
+use super::chain::JointKind;
+use super::lane::LaneScalar;
+use super::race::Query;
 use super::solver::{PoseSolver, Search};
 use crate::spatial::Placement;
 
-/// The seeds of one query, by attempt number.
+/// The seeds of one query, by attempt number: the start, those of the atlas, then random ones; the
+/// start comes after the atlas under [`Search::First`].
 pub(crate) struct QuerySeeds<'a> {
     solver: &'a PoseSolver,
     start: &'a [f64],
-    candidates: Candidates,
+    goal_from_first: Placement<f64>,
+    /// Looked up when first asked for.
+    candidates: Option<Candidates>,
     start_first: bool,
 }
 
@@ -21,36 +25,49 @@ impl<'a> QuerySeeds<'a> {
         goal_from_first: &Placement<f64>,
         query: &Query<'a>,
     ) -> Self {
-        let candidates = match &solver.atlas {
-            Some(atlas) => atlas.look_up(&solver.links, goal_from_first),
-            None => Candidates::none(),
-        };
         Self {
             solver,
             start: query.start,
-            candidates,
-            start_first: query.search == Search::Start || candidates.count == 0,
+            goal_from_first: *goal_from_first,
+            candidates: None,
+            start_first: query.search == Search::Start,
         }
     }
 
     /// Writes the seed of an attempt.
     #[inline(always)]
-    pub(crate) fn fill(&self, attempt: u32, q: &mut [f64]) {
-        let links = &self.solver.links.links;
-        let count = self.candidates.count as u32;
-        let (start_at, atlas_from) = if self.start_first { (0, 1) } else { (count, 0) };
+    pub(crate) fn fill<V: LaneScalar>(&mut self, attempt: u32, q: &mut [f64]) {
+        let links = &self.solver.links;
+        if self.start_first && attempt == 0 {
+            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
+                *q = start.max(link.lower).min(link.upper);
+            }
+            return;
+        }
+        // No closure here: one that is not inlined would be compiled without the vector features.
+        if self.candidates.is_none() {
+            self.candidates = Some(match &self.solver.atlas {
+                Some(atlas) => atlas.look_up::<V>(links, &self.goal_from_first),
+                None => Candidates::none(),
+            });
+        }
+        let Some(candidates) = &self.candidates else {
+            return;
+        };
+        let count = candidates.count as u32;
+        let atlas_from = u32::from(self.start_first);
         if attempt >= atlas_from && attempt < atlas_from + count {
-            self.candidates.fill((attempt - atlas_from) as usize, q);
-            for (q, link) in q.iter_mut().zip(links) {
+            candidates.fill((attempt - atlas_from) as usize, q);
+            for (q, link) in q.iter_mut().zip(&links.links) {
                 *q = q.max(link.lower).min(link.upper);
             }
-        } else if attempt == start_at {
-            for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
+        } else if attempt == count && !self.start_first {
+            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
                 *q = start.max(link.lower).min(link.upper);
             }
         } else {
             let mut state = mix(self.solver.options.seed ^ mix(u64::from(attempt)));
-            for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
+            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
                 state = mix(state);
                 let unit = (state >> 11) as f64 * (0.5f64).powi(53);
                 let half = match link.kind {

@@ -5,7 +5,8 @@ use std::time::Instant;
 use super::atlas::{Atlas, Resolution};
 use super::chain::Chain;
 use super::dispatch;
-use super::judge::Judge;
+use super::judge::{self, Errors};
+use super::lane::LaneScalar;
 use super::kernel::Settings;
 use super::links::Links;
 use super::race::Query;
@@ -61,7 +62,7 @@ impl Default for LaneOptions {
 }
 
 impl LaneOptions {
-    pub(crate) fn deadline_passed(&self, _search: Search, _steps: u32) -> bool {
+    pub(crate) fn deadline_passed(&self) -> bool {
         self.deadline.is_some_and(|at| Instant::now() >= at)
     }
 }
@@ -87,7 +88,6 @@ pub struct Outcome {
 #[derive(Debug)]
 pub struct PoseSolver {
     pub(crate) links: Links,
-    pub(crate) judge: Judge,
     pub(crate) settings: Settings,
     pub(crate) options: LaneOptions,
     pub(crate) atlas: Option<Atlas>,
@@ -103,6 +103,8 @@ impl PoseSolver {
             metres_per_radian: options.metres_per_radian,
             damping: options.damping,
             stall_limit: f64::from(options.stall_limit),
+            closing_cost: std::env::var("CLOSE").ok().and_then(|v| v.parse().ok()).unwrap_or(0.1)
+                * options.position_tolerance.min(options.orientation_tolerance * options.metres_per_radian),
         };
         let links = Links::new(chain);
         let env = |n: &str, d: usize| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
@@ -111,7 +113,6 @@ impl PoseSolver {
         Self {
             atlas,
             links,
-            judge: Judge::new(chain),
             settings,
             options,
         }
@@ -131,7 +132,7 @@ impl PoseSolver {
         search: Search,
         q: &mut [f64],
     ) -> Outcome {
-        dispatch::race(self, &Query { target, start, search }, q)
+        dispatch::race(self, &Query { target, start, search }, false, q)
     }
 
     /// Solves many poses.
@@ -158,29 +159,22 @@ impl PoseSolver {
         let mut last = [0.0; super::chain::MAX_JOINTS];
         last[..n].copy_from_slice(&start[..n]);
         for ((target, q), outcome) in path.iter().zip(q.chunks_exact_mut(n)).zip(outcomes) {
-            *outcome = self.solve(target, &last[..n], Search::Start, q);
+            let query = Query { target, start: &last[..n], search: Search::Start };
+            *outcome = dispatch::race(self, &query, true, q);
             last[..n].copy_from_slice(q);
         }
     }
 
+    /// Brings `q` to the form in which it is returned, and judges it there.
     #[inline(always)]
-    pub(crate) fn finish(
+    pub(crate) fn judge<V: LaneScalar>(
         &self,
-        query: &Query<'_>,
-        q: &mut [f64],
-        iterations: u32,
-        attempt: Option<u32>,
-        attempts: u32,
-    ) -> Outcome {
-        let (position_error, orientation_error) = self.judge.errors(query.target, q);
-        Outcome {
-            reached: position_error <= self.options.position_tolerance
-                && orientation_error <= self.options.orientation_tolerance,
-            position_error,
-            orientation_error,
-            iterations,
-            attempts,
-            attempt,
-        }
+        goal_from_first: &Placement<f64>,
+        q: &[f64],
+    ) -> (bool, Errors) {
+        let errors = judge::errors::<V>(&self.links, goal_from_first, q);
+        let reached = errors.position <= self.options.position_tolerance
+            && errors.orientation <= self.options.orientation_tolerance;
+        (reached, errors)
     }
 }
