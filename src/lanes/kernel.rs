@@ -40,6 +40,7 @@ pub(crate) struct Group<V, const N: usize> {
     /// Number of joints, at most N; N itself in the kernels made for one size.
     joints: usize,
     goal_from_first: Placement<V>,
+    frames: [Placement<V>; 2],
     /// The point to evaluate next.
     q: [V; N],
     /// The best point so far, and twice its cost.
@@ -78,6 +79,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         Self {
             joints,
             goal_from_first: Placement::identity(),
+            frames: [Placement::identity(); 2],
             q: [zero; N],
             accepted: [zero; N],
             accepted_cost: zero,
@@ -233,15 +235,15 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
 
     /// Forward kinematics and the Jacobian's columns in the goal's frame.
     #[inline(always)]
-    fn evaluate<const EXACT: bool>(&self, links: &Links) -> Evaluation<V, N> {
+    fn evaluate<const EXACT: bool>(&mut self, links: &Links) -> Evaluation<V, N> {
         let n = if EXACT { N } else { self.joints };
         let c = V::constant;
         let mut linear = [Vector3::zero(); N];
         let mut angular = [Vector3::zero(); N];
-        let mut r = self.goal_from_first.rotation;
-        let mut p = self.goal_from_first.translation;
+        self.frames[0] = self.goal_from_first;
         for i in 0..n {
             let link = &links.links[i];
+            let Placement { rotation: mut r, translation: mut p } = self.frames[link.from & 1];
             let sin_cos = if EXACT || link.kind == JointKind::Revolute {
                 angular[i] = r.z;
                 linear[i] = p.cross(r.z);
@@ -255,7 +257,9 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             r = r.rotated_about_z(sin_cos);
             p = r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
             r = r.rotated_about_x((c(link.twist.0), c(link.twist.1)));
+            self.frames[link.to & 1] = Placement::new(r, p);
         }
+        let Placement { rotation: r, translation: p } = self.frames[links.links[n - 1].to & 1];
         Evaluation {
             linear,
             angular,

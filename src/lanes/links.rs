@@ -14,6 +14,8 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link {
     pub(crate) kind: JointKind,
+    pub(crate) from: usize,
+    pub(crate) to: usize,
     /// Constant turn about z, radians.
     pub(crate) offset: f64,
     /// Sine and cosine of the offset, for sliding joints.
@@ -68,6 +70,8 @@ impl Links {
             debug_assert_eq!(links.len(), index);
             links.push(Link {
                 kind: joint.kind,
+                from: index & 1,
+                to: (index + 1) & 1,
                 offset,
                 offset_sin_cos: (0.0, 1.0),
                 along_x: 0.0,
@@ -120,6 +124,7 @@ impl Links {
 }
 
 /// A right-handed frame whose z axis is the unit vector `axis`.
+#[inline(always)]
 pub(crate) fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
     // The coordinate axis least aligned with it, so that nothing cancels.
     let other = if axis.x.abs() < 0.6 {
