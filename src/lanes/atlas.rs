@@ -29,6 +29,17 @@ pub(crate) struct Resolution {
     pub(crate) samples: usize,
 }
 
+impl Default for Resolution {
+    fn default() -> Self {
+        Self {
+            radius: 8,
+            height: 12,
+            direction: 8,
+            samples: 16,
+        }
+    }
+}
+
 /// One number of the cell's configurations each.
 type Row = [f32; PER_CELL];
 
@@ -49,8 +60,8 @@ pub(crate) struct Atlas {
     middles: [f64; 2],
 }
 
-#[derive(Clone, Copy)]
 /// A goal reduced by the symmetries of the first and last joint.
+#[derive(Clone, Copy)]
 struct Key {
     /// What a sliding first joint adds, metres.
     shift: f64,
@@ -122,8 +133,16 @@ impl Atlas {
             for (i, (q, link)) in q.iter_mut().zip(&links.links).enumerate() {
                 state = mix(state);
                 let unit = (state >> 11) as f64 * (0.5f64).powi(53);
-                let lower = if link.lower.is_finite() { link.lower } else { -TAU / 2.0 };
-                let upper = if link.upper.is_finite() { link.upper } else { TAU / 2.0 };
+                let lower = if link.lower.is_finite() {
+                    link.lower
+                } else {
+                    -TAU / 2.0
+                };
+                let upper = if link.upper.is_finite() {
+                    link.upper
+                } else {
+                    TAU / 2.0
+                };
                 *q = if i == 0 || i == n - 1 && links.links[i].kind == JointKind::Revolute {
                     0.0
                 } else {
@@ -185,7 +204,11 @@ impl Atlas {
         let key = &shifted;
         // The sample, turned so that its shift and roll are zero.
         let (roll_y, roll_x) = self.roll_parts(key, h);
-        let roll = if self.last_turns { roll_y.atan2(roll_x) } else { 0.0 };
+        let roll = if self.last_turns {
+            roll_y.atan2(roll_x)
+        } else {
+            0.0
+        };
         let mut canonical = q.to_vec();
         canonical[0] -= key.shift;
         if self.last_turns {
@@ -270,9 +293,8 @@ impl Atlas {
             } else {
                 (0.0, 1.0)
             };
-            let back = |v: Vector3<f64>| {
-                Vector3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z)
-            };
+            let back =
+                |v: Vector3<f64>| Vector3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
             Key {
                 shift: 0.0,
                 place: [radius, p.z],
@@ -346,8 +368,8 @@ impl Atlas {
         let Some(last) = links.links.last() else {
             return Candidates::none();
         };
-        place.translation = place.translation
-            - (place.rotation.x * last.along_x + place.rotation.y * last.along_y);
+        place.translation =
+            place.translation - (place.rotation.x * last.along_x + place.rotation.y * last.along_y);
         let key = self.key(&place);
         let cell = self.cell(&key);
         let count = usize::from(self.counts[cell]);
@@ -366,7 +388,11 @@ impl Atlas {
         y.set_lane(1, roll_y);
         x.set_lane(1, roll_x);
         let angles = rough_atan2(y, x);
-        let shift = if self.first_turns { angles.lane(0) } else { key.shift };
+        let shift = if self.first_turns {
+            angles.lane(0)
+        } else {
+            key.shift
+        };
         let roll = if self.last_turns { angles.lane(1) } else { 0.0 };
         let (centre, _) = self.direction_frame(cell);
         let across = centre.cross(h);
@@ -405,7 +431,9 @@ impl Atlas {
                 let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
                 q = turns.mul_add(c(-TAU), q);
             }
-            let out = (c(link.lower) - q).max(q - c(link.upper)).max(V::Four::zero());
+            let out = (c(link.lower) - q)
+                .max(q - c(link.upper))
+                .max(V::Four::zero());
             score = step.mul_add(step, out.mul_add(c(4.0), score));
             for s in 0..PER_CELL {
                 found.q[i][s] = q.lane(s);
@@ -414,7 +442,11 @@ impl Atlas {
         // Sorting network for four; the index makes keys differ, empty slots come last.
         let mut keys = [(0.0, 0u8); PER_CELL];
         for (s, key) in keys.iter_mut().enumerate() {
-            let score = if s < count { score.lane(s) } else { f64::INFINITY };
+            let score = if s < count {
+                score.lane(s)
+            } else {
+                f64::INFINITY
+            };
             *key = (score, s as u8);
         }
         for (a, b) in [(0, 1), (2, 3), (0, 2), (1, 3), (1, 2)] {

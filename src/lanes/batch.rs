@@ -15,62 +15,94 @@ struct Job<'a> {
     goal_from_first: Placement<f64>,
     seeds: QuerySeeds<'a>,
     attempt: u32,
+    /// Attempts ended.
+    begun: u32,
     age: u32,
     iterations: u32,
     best_cost: f64,
 }
 
+/// What a batch is given.
+pub(crate) struct Work<'a> {
+    /// One a query; or one alone, whose attempts are the work.
+    pub(crate) targets: &'a [Placement<f64>],
+    /// One start a target, joint values one after another.
+    pub(crate) starts: &'a [f64],
+    pub(crate) search: Search,
+    /// Run only this attempt and those that follow it, one a result, of the single target.
+    pub(crate) attempts_from: Option<u32>,
+    pub(crate) q: &'a mut [f64],
+    pub(crate) outcomes: &'a mut [Outcome],
+}
+
 /// Runs the attempts of each query one after another in one lane, so that what a query gives depends
 /// on nothing but itself. The winner is the lowest attempt that reaches.
 #[inline(always)]
-pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: bool>(
+pub(crate) fn batch<
+    V: LaneScalar,
+    const L: usize,
+    const N: usize,
+    const EXACT: bool,
+    const AXES: bool,
+>(
     solver: &PoseSolver,
-    targets: &[Placement<f64>],
-    starts: &[f64],
-    search: Search,
-    q_out: &mut [f64],
-    outcomes: &mut [Outcome],
+    work: Work<'_>,
 ) {
     let n = solver.links.links.len();
     let settings = &solver.settings;
     let options = &solver.options;
     let mut group = Group::<V, N>::new(n);
     let mut seed = [0.0; MAX_JOINTS];
-    let mut queue = targets
-        .iter()
-        .zip(starts.chunks_exact(n))
-        .enumerate();
-    let mut take = || {
-        queue.next().map(|(index, (target, start))| {
-            let query = Query {
-                target,
-                start,
-                search,
-            };
-            let goal_from_first = solver.links.goal_from_first(target);
-            Job {
-                index,
-                goal_from_first,
-                seeds: QuerySeeds::new(solver, &goal_from_first, &query),
-                query,
-                attempt: 0,
-                age: 0,
-                iterations: 0,
-                best_cost: f64::INFINITY,
+    let Work {
+        targets,
+        starts,
+        search,
+        attempts_from,
+        q: q_out,
+        outcomes,
+    } = work;
+    let mut next = 0;
+    let mut jobs: [Option<Job<'_>>; L] = [const { None }; L];
+    // A macro, as a closure might be compiled without the vector features.
+    macro_rules! take {
+        () => {{
+            let source = if attempts_from.is_some() { 0 } else { next };
+            match (targets.get(source), outcomes.get(next)) {
+                (Some(target), Some(_)) => {
+                    let query = Query {
+                        target,
+                        start: &starts[source * n..(source + 1) * n],
+                        search,
+                        deadline: None,
+                    };
+                    next += 1;
+                    Some(Job {
+                        index: next - 1,
+                        goal_from_first: solver.links.goal_from_first::<AXES>(target),
+                        seeds: QuerySeeds::new(solver, &query),
+                        query,
+                        attempt: attempts_from.map_or(0, |first| first + (next - 1) as u32),
+                        begun: 0,
+                        age: 0,
+                        iterations: 0,
+                        best_cost: f64::INFINITY,
+                    })
+                }
+                _ => None,
             }
-        })
-    };
-    let mut jobs: [Option<Job<'_>>; L] = std::array::from_fn(|_| take());
+        }};
+    }
     let mut active = 0u32;
     for (lane, job) in jobs.iter_mut().enumerate() {
+        *job = take!();
         if let Some(job) = job {
-            job.seeds.fill::<V>(0, &mut seed);
+            job.seeds.fill::<V>(job.attempt, &mut seed);
             group.load(lane, &job.goal_from_first, &seed, settings);
             active |= 1 << lane;
         }
     }
     while active != 0 {
-        let ended = group.step::<EXACT>(&solver.links, settings);
+        let ended = group.step::<EXACT, AXES>(&solver.links, settings);
         let mut over = (ended.reached | ended.stalled | ended.closing) & active;
         for (lane, job) in jobs.iter_mut().enumerate() {
             if let Some(job) = job {
@@ -89,7 +121,8 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: 
             let mut errors = None;
             if !reached && ended.closing >> lane & 1 != 0 {
                 group.next_point(lane, &mut seed);
-                let (close, found) = solver.judge::<V>(&job.goal_from_first, &seed[..n]);
+                solver.unwrap_towards(job.query.start, &mut seed[..n]);
+                let (close, found) = solver.judge::<V, N, AXES>(&job.goal_from_first, &seed[..n]);
                 if close {
                     reached = true;
                     errors = Some(found);
@@ -106,12 +139,14 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: 
             job.age = 0;
             let attempt = job.attempt;
             job.attempt += 1;
-            if reached || job.attempt >= options.attempts {
+            job.begun += 1;
+            if reached || attempts_from.is_some() || job.begun >= options.attempts {
                 let winner = reached.then_some(attempt);
                 let errors = match errors {
                     Some(errors) => errors,
                     None => {
-                        let (close, errors) = solver.judge::<V>(&job.goal_from_first, q);
+                        solver.unwrap_towards(job.query.start, q);
+                        let (close, errors) = solver.judge::<V, N, AXES>(&job.goal_from_first, q);
                         reached = close;
                         errors
                     }
@@ -121,10 +156,10 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize, const EXACT: 
                     position_error: errors.position,
                     orientation_error: errors.orientation,
                     iterations: job.iterations,
-                    attempts: job.attempt,
-                    attempt: winner,
+                    attempts: job.begun,
+                    winner,
                 };
-                jobs[lane] = take();
+                jobs[lane] = take!();
             }
             match &mut jobs[lane] {
                 Some(job) => {

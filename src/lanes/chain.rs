@@ -125,7 +125,11 @@ impl Chain {
     #[must_use]
     pub fn base_from_tip(&self, q: &[f64]) -> Placement<f64> {
         let mut base_from_joint = Placement::identity();
-        for (joint, &value) in self.joints.iter().zip(q.iter().chain(std::iter::repeat(&0.0))) {
+        for (joint, &value) in self
+            .joints
+            .iter()
+            .zip(q.iter().chain(std::iter::repeat(&0.0)))
+        {
             base_from_joint = base_from_joint * joint.parent_from_joint * joint.motion(value);
         }
         base_from_joint * self.joint_from_tip
@@ -147,9 +151,13 @@ impl ChainJoint {
 }
 
 /// Whether the numbers are finite and the rotation orthonormal and right-handed, to 1e-6.
-fn is_rigid(placement: &Placement<f64>) -> bool {
+pub(crate) fn is_rigid(placement: &Placement<f64>) -> bool {
     let r = &placement.rotation;
-    let finite = placement.translation.to_array().iter().all(|v| v.is_finite());
+    let finite = placement
+        .translation
+        .to_array()
+        .iter()
+        .all(|v| v.is_finite());
     let near = |value: f64, wanted: f64| (value - wanted).abs() < 1e-6;
     finite
         && near(r.x.norm_squared(), 1.0)

@@ -12,9 +12,11 @@
 //! the rest is clamped. A point that does not lower the cost is not accepted: the next one lies a
 //! quarter of the way from the last accepted point to it, which needs no old Jacobian.
 
+use super::axes;
+use super::chain::JointKind;
+use super::goal::AxisGoal;
 use super::lane::LaneScalar;
 use super::links::Links;
-use super::chain::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
@@ -29,6 +31,8 @@ pub(crate) struct Settings {
     pub(crate) metres_per_radian: f64,
     /// λ = damping · cost at the start of an attempt.
     pub(crate) damping: f64,
+    /// Weights and dead bands of the six components, for the weighted kernel.
+    pub(crate) axes: AxisGoal,
     /// Twice the cost below which one more step should reach.
     pub(crate) closing_cost: f64,
     /// An attempt whose error has not halved in this many iterations is given up.
@@ -64,13 +68,13 @@ pub(crate) struct Ended {
 }
 
 /// Where the tip stands and how it moves.
-struct Evaluation<V, const N: usize> {
+pub(crate) struct Evaluation<V, const N: usize> {
     /// Velocity of the point at the goal's origin per unit of each joint's velocity.
-    linear: [Vector3<V>; N],
+    pub(crate) linear: [Vector3<V>; N],
     /// Axis of each turning joint.
-    angular: [Vector3<V>; N],
-    position: Vector3<V>,
-    rotation: Matrix3<V>,
+    pub(crate) angular: [Vector3<V>; N],
+    pub(crate) position: Vector3<V>,
+    pub(crate) rotation: Matrix3<V>,
 }
 
 impl<V: LaneScalar, const N: usize> Group<V, N> {
@@ -142,31 +146,25 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
 
     /// Evaluates every lane's point, judges it, and moves every lane that has not ended.
     #[inline(always)]
-    pub(crate) fn step<const EXACT: bool>(&mut self, links: &Links, settings: &Settings) -> Ended {
+    pub(crate) fn step<const EXACT: bool, const AXES: bool>(
+        &mut self,
+        links: &Links,
+        settings: &Settings,
+    ) -> Ended {
         let n = if EXACT { N } else { self.joints };
         let c = V::constant;
         let weight = settings.metres_per_radian * settings.metres_per_radian;
-        let at = self.evaluate::<EXACT>(links);
-        let p = at.position;
-        let r = &at.rotation;
-        let half = c(0.5);
-        let s = Vector3::new(
-            (r.y.z - r.z.y) * half,
-            (r.z.x - r.x.z) * half,
-            (r.x.y - r.y.x) * half,
-        );
-        let cos = (r.x.x + r.y.y + r.z.z - V::one()) * half;
-        let (pp, ss) = (p.norm_squared(), s.norm_squared());
-        // 2(1 − cos θ) in powers of sin² θ where the difference would cancel.
-        let series = ss.mul_add(c(5.0 / 64.0), c(1.0 / 8.0));
-        let series = ss.mul_add(ss.mul_add(series, c(0.25)), V::one()) * ss;
-        let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);
-        let turned = V::select(near, series, (V::one() - cos) * c(2.0));
-        let cost = turned.mul_add(c(weight), pp);
-
+        let mut at = self.evaluate::<EXACT>(links);
         let tp = settings.position_tolerance * settings.position_tolerance;
         let to = settings.orientation_tolerance * settings.orientation_tolerance;
-        let reached = pp.less_than(c(tp)) & turned.less_than(c(to));
+        let weighed = if AXES {
+            at.rotation = at.rotation * Matrix3::constant(links.last_from_tip);
+            axes::weigh(&mut at, n, settings)
+        } else {
+            weigh(&at, weight)
+        };
+        let cost = weighed.cost;
+        let reached = weighed.position.less_than(c(tp)) & weighed.orientation.less_than(c(to));
         let accept = cost.less_than(self.accepted_cost) | reached;
 
         // Damping: halved on a step that takes the cost below a quarter, times four on a rejection.
@@ -190,12 +188,11 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         };
 
         // The damped normal equations over the free joints.
-        let sw = s * c(weight);
         let mut free = [V::one(); N];
         let mut m = [[V::zero(); 6]; 6];
         for i in 0..n {
             let (l, a) = (at.linear[i], at.angular[i]);
-            let gradient = l.dot(p) + a.dot(sw);
+            let gradient = l.dot(weighed.gradient.0) + a.dot(weighed.gradient.1);
             let q = self.q[i];
             let (lower, upper) = (c(links.links[i].lower), c(links.links[i].upper));
             let at_lower = !lower.less_than(q) & V::zero().less_than(gradient);
@@ -211,12 +208,17 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             }
         }
         let lambda = (self.damping * cost).max(c(1e-14));
-        let lambda_turn = lambda * c(weight.recip());
+        // In the weighted kernel the rows carry their weights already.
+        let lambda_turn = if AXES {
+            lambda
+        } else {
+            lambda * c(weight.recip())
+        };
         for k in 0..3 {
             m[k][k] += lambda;
             m[k + 3][k + 3] += lambda_turn;
         }
-        let e = p + p.cross(s) * half;
+        let (e, s) = weighed.twist;
         let y = solve(m, [-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]);
         let y_linear = Vector3::new(y[0], y[1], y[2]);
         let y_angular = Vector3::new(y[3], y[4], y[5]);
@@ -243,7 +245,10 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         self.frames[0] = self.goal_from_first;
         for i in 0..n {
             let link = &links.links[i];
-            let Placement { rotation: mut r, translation: mut p } = self.frames[link.from & 1];
+            let Placement {
+                rotation: mut r,
+                translation: mut p,
+            } = self.frames[link.from & 1];
             let sin_cos = if EXACT || link.kind == JointKind::Revolute {
                 angular[i] = r.z;
                 linear[i] = p.cross(r.z);
@@ -255,17 +260,62 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
                 (c(link.offset_sin_cos.0), c(link.offset_sin_cos.1))
             };
             r = r.rotated_about_z(sin_cos);
-            p = r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
+            p =
+                r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
             r = r.rotated_about_x((c(link.twist.0), c(link.twist.1)));
             self.frames[link.to & 1] = Placement::new(r, p);
         }
-        let Placement { rotation: r, translation: p } = self.frames[links.links[n - 1].to & 1];
+        let Placement {
+            rotation: r,
+            translation: p,
+        } = self.frames[links.links[n - 1].to & 1];
         Evaluation {
             linear,
             angular,
             position: p,
             rotation: r,
         }
+    }
+}
+
+/// What the residual says about a point.
+pub(crate) struct Weighed<V> {
+    /// Twice the cost.
+    pub(crate) cost: V,
+    /// Squared position error, square metres.
+    pub(crate) position: V,
+    /// Squared orientation error, square radians.
+    pub(crate) orientation: V,
+    /// The cost's gradient by the columns' two halves.
+    pub(crate) gradient: (Vector3<V>, Vector3<V>),
+    /// What the step should undo.
+    pub(crate) twist: (Vector3<V>, Vector3<V>),
+}
+
+/// The full pose.
+#[inline(always)]
+fn weigh<V: LaneScalar, const N: usize>(at: &Evaluation<V, N>, weight: f64) -> Weighed<V> {
+    let c = V::constant;
+    let (p, r) = (at.position, &at.rotation);
+    let half = c(0.5);
+    let s = Vector3::new(
+        (r.y.z - r.z.y) * half,
+        (r.z.x - r.x.z) * half,
+        (r.x.y - r.y.x) * half,
+    );
+    let cos = (r.x.x + r.y.y + r.z.z - V::one()) * half;
+    let (pp, ss) = (p.norm_squared(), s.norm_squared());
+    // 2(1 − cos θ) in powers of sin² θ where the difference would cancel.
+    let series = ss.mul_add(c(5.0 / 64.0), c(1.0 / 8.0));
+    let series = ss.mul_add(ss.mul_add(series, c(0.25)), V::one()) * ss;
+    let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);
+    let turned = V::select(near, series, (V::one() - cos) * c(2.0));
+    Weighed {
+        cost: turned.mul_add(c(weight), pp),
+        position: pp,
+        orientation: turned,
+        gradient: (p, s * c(weight)),
+        twist: (p + p.cross(s) * half, s),
     }
 }
 

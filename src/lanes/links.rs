@@ -40,8 +40,6 @@ pub(crate) struct Links {
     pub(crate) last_from_tip: Matrix3<f64>,
     /// Whether every joint turns.
     pub(crate) all_revolute: bool,
-    /// Longest possible distance of the tip from the first joint, metres (bounded joints).
-    pub(crate) reach: f64,
 }
 
 impl Links {
@@ -63,7 +61,9 @@ impl Links {
                 before.offset += beta;
                 before.twist = twist;
                 offset = gamma;
-                ways.push(Matrix3::identity().rotated_about_z((-beta).sin_cos()) * step.translation);
+                ways.push(
+                    Matrix3::identity().rotated_about_z((-beta).sin_cos()) * step.translation,
+                );
             } else {
                 base_from_first = step;
             }
@@ -86,7 +86,6 @@ impl Links {
         let last_from_tip = previous_alignment.transpose() * tip.rotation;
 
         // Slide origins along their axes, tip to base, until no way has a z part.
-        let mut reach = 0.0;
         for index in (0..links.len()).rev() {
             let z = ways[index].z;
             if let Some(before) = index.checked_sub(1) {
@@ -98,26 +97,45 @@ impl Links {
             let link = &mut links[index];
             (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
             link.offset_sin_cos = link.offset.sin_cos();
-            reach += link.along_x.hypot(link.along_y);
-            if link.kind == JointKind::Prismatic {
-                let farthest = link.lower.abs().max(link.upper.abs());
-                reach += if farthest.is_finite() { farthest } else { 1.0 };
-            }
         }
         Self {
             all_revolute: links.iter().all(|link| link.kind == JointKind::Revolute),
             links,
             base_from_first,
             last_from_tip,
-            reach,
         }
+    }
+
+    /// Where the tip stands at `q`.
+    pub(crate) fn base_from_tip(&self, q: &[f64]) -> Placement<f64> {
+        let mut r = self.base_from_first.rotation;
+        let mut p = self.base_from_first.translation;
+        for (link, &q) in self.links.iter().zip(q) {
+            if link.kind == JointKind::Revolute {
+                r = r.rotated_about_z((q + link.offset).sin_cos());
+            } else {
+                p += r.z * q;
+                r = r.rotated_about_z(link.offset_sin_cos);
+            }
+            p = p + r.x * link.along_x + r.y * link.along_y;
+            r = r.rotated_about_x(link.twist);
+        }
+        Placement::new(r * self.last_from_tip, p)
     }
 
     /// The frame in which the kernel works: the target, its orientation turned so that the frame
     /// after the last joint should come to it; and from there to the first joint.
     #[inline(always)]
-    pub(crate) fn goal_from_first(&self, base_from_target: &Placement<f64>) -> Placement<f64> {
-        let rotation = base_from_target.rotation * self.last_from_tip.transpose();
+    pub(crate) fn goal_from_first<const AXES: bool>(
+        &self,
+        base_from_target: &Placement<f64>,
+    ) -> Placement<f64> {
+        // The weighted kernel needs the target's own axes, and turns the tip itself.
+        let rotation = if AXES {
+            base_from_target.rotation
+        } else {
+            base_from_target.rotation * self.last_from_tip.transpose()
+        };
         let goal = Placement::new(rotation, base_from_target.translation);
         goal.inverse() * self.base_from_first
     }

@@ -1,5 +1,7 @@
 //! One query: its attempts race in the lanes.
 
+use std::time::Instant;
+
 use super::chain::MAX_JOINTS;
 use super::judge::Errors;
 use super::kernel::Group;
@@ -14,6 +16,8 @@ pub(crate) struct Query<'a> {
     pub(crate) target: &'a Placement<f64>,
     pub(crate) start: &'a [f64],
     pub(crate) search: Search,
+    /// When to give up, checked between iterations.
+    pub(crate) deadline: Option<Instant>,
 }
 
 /// A lane that reached.
@@ -34,7 +38,7 @@ const MAX_LANES: usize = 8;
 /// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
 /// tracking, where it nearly never does.
 #[inline(always)]
-pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
+pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES: bool>(
     solver: &PoseSolver,
     query: &Query<'_>,
     lone: bool,
@@ -43,8 +47,8 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
     let settings = &solver.settings;
     let options = &solver.options;
     let n = solver.links.links.len();
-    let goal_from_first = solver.links.goal_from_first(query.target);
-    let mut seeds = QuerySeeds::new(solver, &goal_from_first, query);
+    let goal_from_first = solver.links.goal_from_first::<AXES>(query.target);
+    let mut seeds = QuerySeeds::new(solver, query);
     let attempts = options.attempts.max(1);
 
     let mut group = Group::<V, N>::new(n);
@@ -73,9 +77,9 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
         if active == 0 {
             break;
         }
-        let ended = group.step::<EXACT>(&solver.links, settings);
+        let ended = group.step::<EXACT, AXES>(&solver.links, settings);
         iterations += active.count_ones();
-        late = options.deadline_passed();
+        late = query.deadline.is_some_and(|at| Instant::now() >= at);
         let mut spent = if late { u32::MAX } else { 0 };
         for (lane, age) in age.iter_mut().enumerate().take(V::WIDTH) {
             *age += 1;
@@ -91,7 +95,11 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
             // The start's own attempt beats the others under `Start`, fewer iterations otherwise.
             let better = winner.as_ref().is_none_or(|old| {
                 let key = |attempt, iterations| {
-                    (query.search == Search::Start && attempt != 0, iterations, attempt)
+                    (
+                        query.search == Search::Start && attempt != 0,
+                        iterations,
+                        attempt,
+                    )
                 };
                 key(attempt[lane], age[lane]) < key(old.attempt, old.iterations)
             });
@@ -101,7 +109,8 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
                 } else {
                     group.next_point(lane, &mut seed);
                 }
-                let (reached, errors) = solver.judge::<V>(&goal_from_first, &seed[..n]);
+                solver.unwrap_towards(query.start, &mut seed[..n]);
+                let (reached, errors) = solver.judge::<V, N, AXES>(&goal_from_first, &seed[..n]);
                 if reached {
                     q_out.copy_from_slice(&seed[..n]);
                     winner = Some(Winner {
@@ -135,7 +144,10 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
     }
     let (reached, errors) = match &winner {
         Some(winner) => (true, winner.errors),
-        None => solver.judge::<V>(&goal_from_first, q_out),
+        None => {
+            solver.unwrap_towards(query.start, q_out);
+            solver.judge::<V, N, AXES>(&goal_from_first, q_out)
+        }
     };
     Outcome {
         reached,
@@ -143,6 +155,6 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool>(
         orientation_error: errors.orientation,
         iterations,
         attempts: next,
-        attempt: winner.map(|winner| winner.attempt),
+        winner: winner.map(|winner| winner.attempt),
     }
 }

@@ -1,5 +1,7 @@
 //! Where attempts begin.
 
+use std::f64::consts::TAU;
+
 use super::atlas::Candidates;
 use super::chain::JointKind;
 use super::lane::LaneScalar;
@@ -7,12 +9,15 @@ use super::race::Query;
 use super::solver::{PoseSolver, Search};
 use crate::spatial::Placement;
 
+/// Beyond this an angle loses digits, radians.
+const LARGE_ANGLE: f64 = 1.0e3;
+
 /// The seeds of one query, by attempt number: the start, those of the atlas, then random ones; the
 /// start comes after the atlas under [`Search::First`].
 pub(crate) struct QuerySeeds<'a> {
     solver: &'a PoseSolver,
     start: &'a [f64],
-    goal_from_first: Placement<f64>,
+    target: &'a Placement<f64>,
     /// Looked up when first asked for.
     candidates: Option<Candidates>,
     start_first: bool,
@@ -20,17 +25,26 @@ pub(crate) struct QuerySeeds<'a> {
 
 impl<'a> QuerySeeds<'a> {
     #[inline(always)]
-    pub(crate) fn new(
-        solver: &'a PoseSolver,
-        goal_from_first: &Placement<f64>,
-        query: &Query<'a>,
-    ) -> Self {
+    pub(crate) fn new(solver: &'a PoseSolver, query: &Query<'a>) -> Self {
         Self {
             solver,
             start: query.start,
-            goal_from_first: *goal_from_first,
+            target: query.target,
             candidates: None,
             start_first: query.search == Search::Start,
+        }
+    }
+
+    /// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
+    #[inline(always)]
+    fn fill_start(&self, q: &mut [f64]) {
+        let links = &self.solver.links.links;
+        for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
+            *q = start.max(link.lower).min(link.upper);
+            if link.kind == JointKind::Revolute && q.abs() > LARGE_ANGLE {
+                let turned = *q - TAU * (*q / TAU).round();
+                *q = turned.max(link.lower).min(link.upper);
+            }
         }
     }
 
@@ -39,15 +53,22 @@ impl<'a> QuerySeeds<'a> {
     pub(crate) fn fill<V: LaneScalar>(&mut self, attempt: u32, q: &mut [f64]) {
         let links = &self.solver.links;
         if self.start_first && attempt == 0 {
-            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
-                *q = start.max(link.lower).min(link.upper);
-            }
+            self.fill_start(q);
             return;
         }
         // No closure here: one that is not inlined would be compiled without the vector features.
         if self.candidates.is_none() {
             self.candidates = Some(match &self.solver.atlas {
-                Some(atlas) => atlas.look_up::<V>(links, &self.goal_from_first),
+                Some(atlas) => {
+                    let mut goal = links.goal_from_first::<false>(self.target);
+                    if self.solver.settings.axes.orientation_weights == [0.0; 3] {
+                        // Any orientation will do: the start's is the nearest.
+                        let tip = links.base_from_tip(self.start);
+                        let target = Placement::new(tip.rotation, self.target.translation);
+                        goal = links.goal_from_first::<false>(&target);
+                    }
+                    atlas.look_up::<V>(links, &goal)
+                }
                 None => Candidates::none(),
             });
         }
@@ -62,9 +83,7 @@ impl<'a> QuerySeeds<'a> {
                 *q = q.max(link.lower).min(link.upper);
             }
         } else if attempt == count && !self.start_first {
-            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
-                *q = start.max(link.lower).min(link.upper);
-            }
+            self.fill_start(q);
         } else {
             let mut state = mix(self.solver.options.seed ^ mix(u64::from(attempt)));
             for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
@@ -74,9 +93,19 @@ impl<'a> QuerySeeds<'a> {
                     JointKind::Revolute => std::f64::consts::PI,
                     JointKind::Prismatic => 1.0,
                 };
-                let lower = if link.lower.is_finite() { link.lower } else { start - half };
-                let upper = if link.upper.is_finite() { link.upper } else { start + half };
-                *q = (lower + unit * (upper - lower)).max(link.lower).min(link.upper);
+                let lower = if link.lower.is_finite() {
+                    link.lower
+                } else {
+                    start - half
+                };
+                let upper = if link.upper.is_finite() {
+                    link.upper
+                } else {
+                    start + half
+                };
+                *q = (lower + unit * (upper - lower))
+                    .max(link.lower)
+                    .min(link.upper);
             }
         }
     }

@@ -105,7 +105,15 @@ pub(crate) fn rough_atan2<S: Scalar>(y: S, x: S) -> S {
         sum = sum.mul_add(z, c(ATAN[k]));
     }
     let octant = sum * t;
-    let quadrant = S::select(ax.less_than(ay), c(std::f64::consts::FRAC_PI_2) - octant, octant);
-    let half = S::select(x.less_than(S::zero()), c(std::f64::consts::PI) - quadrant, quadrant);
+    let quadrant = S::select(
+        ax.less_than(ay),
+        c(std::f64::consts::FRAC_PI_2) - octant,
+        octant,
+    );
+    let half = S::select(
+        x.less_than(S::zero()),
+        c(std::f64::consts::PI) - quadrant,
+        quadrant,
+    );
     S::select(y.less_than(S::zero()), -half, half)
 }
