@@ -94,7 +94,7 @@ impl Candidates {
     }
 
     /// Writes candidate `index` into `q`, unclamped.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill(&self, index: usize, q: &mut [f64]) {
         let slot = usize::from(self.order[index % PER_CELL]) % PER_CELL;
         for (value, row) in q.iter_mut().zip(&self.q) {
@@ -282,7 +282,7 @@ impl Atlas {
     }
 
     /// Reduces a goal, given as the placement of the frame after the last turn.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn key(&self, place: &Placement<f64>) -> Key {
         let p = place.translation;
         let r = &place.rotation;
@@ -311,7 +311,7 @@ impl Atlas {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn cell(&self, key: &Key) -> usize {
         let bin = |value: f64, count: usize| (value.max(0.0) as usize).min(count - 1);
         let r = &self.resolution;
@@ -331,7 +331,7 @@ impl Atlas {
     }
 
     /// The middle direction of a cell and a unit vector across it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn direction_frame(&self, cell: usize) -> (Vector3<f64>, Vector3<f64>) {
         let d = self.resolution.direction;
         let (k, l) = (cell / d % d, cell % d);
@@ -349,14 +349,14 @@ impl Atlas {
     }
 
     /// Sine and cosine, times a common factor, of the turn about the last axis.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn roll_parts(&self, key: &Key, h: Vector3<f64>) -> (f64, f64) {
         let x = key.side;
         (x.dot(key.axis.cross(h)), x.dot(h))
     }
 
     /// Seeds for a goal, best first.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn look_up<V: LaneScalar>(
         &self,
         links: &Links,

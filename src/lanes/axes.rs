@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Quaternion, Vector3};
 
 /// Weighs the residual and turns the columns into rows of its derivative.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn weigh<V: LaneScalar, const N: usize>(
     at: &mut Evaluation<V, N>,
     joints: usize,
@@ -65,7 +65,7 @@ pub(crate) fn errors<S: LaneScalar>(
 }
 
 /// The one of q and −q with w ≥ 0.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn upright<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
     let flip = q.w.less_than(S::zero());
     Quaternion {
@@ -75,7 +75,7 @@ fn upright<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
 }
 
 /// What lies outside ±half width, and 1 there, 0 inside.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn band<S: Scalar>(r: Vector3<S>, half_widths: [f64; 3]) -> (Vector3<S>, Vector3<S>) {
     let one = |r: S, h: f64| {
         let h = S::constant(h);
@@ -94,13 +94,13 @@ fn band<S: Scalar>(r: Vector3<S>, half_widths: [f64; 3]) -> (Vector3<S>, Vector3
     (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn product<S: Scalar>(a: Vector3<S>, b: Vector3<S>) -> Vector3<S> {
     Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
 }
 
 /// The components whose weight is not zero.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn counted<S: Scalar>(v: Vector3<S>, weights: [f64; 3]) -> Vector3<S> {
     let gate = |v: S, w: f64| if w > 0.0 { v } else { S::zero() };
     Vector3::new(

@@ -37,7 +37,7 @@ pub(crate) struct Work<'a> {
 
 /// Runs the attempts of each query one after another in one lane, so that what a query gives depends
 /// on nothing but itself. The winner is the lowest attempt that reaches.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn batch<
     V: LaneScalar,
     const L: usize,

@@ -18,7 +18,7 @@ pub(crate) struct Errors {
 }
 
 /// Distance and angle of the tip at `q` from the goal.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
     links: &Links,
     settings: &Settings,

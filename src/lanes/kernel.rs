@@ -94,7 +94,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
     }
 
     /// Starts an attempt in `lane`. The values of `q` lie within the bounds.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn load(
         &mut self,
         lane: usize,
@@ -123,7 +123,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
     }
 
     /// The point of `lane` that the last [`step`](Self::step) found reached.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn point(&self, lane: usize, q: &mut [f64]) {
         for (i, value) in q.iter_mut().enumerate().take(self.joints) {
             *value = self.accepted[i].lane(lane);
@@ -131,7 +131,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
     }
 
     /// The point of `lane` that the next [`step`](Self::step) will evaluate.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next_point(&self, lane: usize, q: &mut [f64]) {
         for (i, value) in q.iter_mut().enumerate().take(self.joints) {
             *value = self.q[i].lane(lane);
@@ -139,13 +139,13 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
     }
 
     /// Twice the cost at [`point`](Self::point).
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn cost(&self, lane: usize) -> f64 {
         self.accepted_cost.lane(lane)
     }
 
     /// Evaluates every lane's point, judges it, and moves every lane that has not ended.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn step<const EXACT: bool, const AXES: bool>(
         &mut self,
         links: &Links,
@@ -236,7 +236,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
     }
 
     /// Forward kinematics and the Jacobian's columns in the goal's frame.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn evaluate<const EXACT: bool>(&mut self, links: &Links) -> Evaluation<V, N> {
         let n = if EXACT { N } else { self.joints };
         let c = V::constant;
@@ -293,7 +293,7 @@ pub(crate) struct Weighed<V> {
 }
 
 /// The full pose.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn weigh<V: LaneScalar, const N: usize>(at: &Evaluation<V, N>, weight: f64) -> Weighed<V> {
     let c = V::constant;
     let (p, r) = (at.position, &at.rotation);
@@ -320,7 +320,7 @@ fn weigh<V: LaneScalar, const N: usize>(at: &Evaluation<V, N>, weight: f64) -> W
 }
 
 /// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
     let mut inverse = [V::zero(); 6];
     for j in 0..6 {

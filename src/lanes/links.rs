@@ -125,7 +125,7 @@ impl Links {
 
     /// The frame in which the kernel works: the target, its orientation turned so that the frame
     /// after the last joint should come to it; and from there to the first joint.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn goal_from_first<const AXES: bool>(
         &self,
         base_from_target: &Placement<f64>,
@@ -142,7 +142,7 @@ impl Links {
 }
 
 /// A right-handed frame whose z axis is the unit vector `axis`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
     // The coordinate axis least aligned with it, so that nothing cancels.
     let other = if axis.x.abs() < 0.6 {

@@ -37,7 +37,7 @@ const MAX_LANES: usize = 8;
 ///
 /// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
 /// tracking, where it nearly never does.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES: bool>(
     solver: &PoseSolver,
     query: &Query<'_>,

@@ -24,7 +24,7 @@ pub(crate) struct QuerySeeds<'a> {
 }
 
 impl<'a> QuerySeeds<'a> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new(solver: &'a PoseSolver, query: &Query<'a>) -> Self {
         Self {
             solver,
@@ -36,7 +36,7 @@ impl<'a> QuerySeeds<'a> {
     }
 
     /// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fill_start(&self, q: &mut [f64]) {
         let links = &self.solver.links.links;
         for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
@@ -49,7 +49,7 @@ impl<'a> QuerySeeds<'a> {
     }
 
     /// Writes the seed of an attempt.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill<V: LaneScalar>(&mut self, attempt: u32, q: &mut [f64]) {
         let links = &self.solver.links;
         if self.start_first && attempt == 0 {

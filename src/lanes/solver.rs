@@ -394,7 +394,7 @@ impl PoseSolver {
     }
 
     /// Judges a q that is to be returned.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn judge<V: LaneScalar, const N: usize, const AXES: bool>(
         &self,
         goal_from_first: &Placement<f64>,
@@ -407,7 +407,7 @@ impl PoseSolver {
     }
 
     /// Adds whole turns to the joints that can make them, as near to the start as bounds allow.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn unwrap_towards(&self, start: &[f64], q: &mut [f64]) {
         if !self.wide {
             return;

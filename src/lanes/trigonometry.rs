@@ -39,7 +39,7 @@ const COS: [f64; 6] = [
 ];
 
 /// Sine and cosine of angles in radians, |x| ≤ [`MAX_ANGLE`].
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn sin_cos<const L: usize, const FMA: bool>(
     x: Lanes<L, FMA>,
 ) -> (Lanes<L, FMA>, Lanes<L, FMA>) {
@@ -71,7 +71,7 @@ pub fn sin_cos<const L: usize, const FMA: bool>(
 }
 
 /// Σ cₖ zᵏ by Horner's rule.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn horner<S: Scalar>(z: S, coefficients: &[f64; 6]) -> S {
     let mut sum = S::constant(coefficients[5]);
     for k in (0..5).rev() {
@@ -83,7 +83,7 @@ fn horner<S: Scalar>(z: S, coefficients: &[f64; 6]) -> S {
 /// Angle of the point (x, y) in radians, to 1e-7: for seeds, not for results.
 ///
 /// The polynomial is Abramowitz and Stegun 4.4.49.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn rough_atan2<S: Scalar>(y: S, x: S) -> S {
     const ATAN: [f64; 9] = [
         1.0,
