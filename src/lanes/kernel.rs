@@ -170,7 +170,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         // Damping: halved on a step that takes the cost below a quarter, times four on a rejection.
         let fast = cost.less_than(self.accepted_cost * c(0.25));
         let factor = V::select(fast, c(0.5), V::one());
-        self.damping = self.damping * V::select(accept, factor, c(4.0));
+        self.damping *= V::select(accept, factor, c(4.0));
         self.accepted_cost = V::select(accept, cost, self.accepted_cost);
         let progress = cost.less_than(self.reference_cost * c(0.25));
         self.reference_cost = V::select(progress, cost, self.reference_cost);

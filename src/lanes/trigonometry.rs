@@ -21,6 +21,8 @@ const HALF_PI: [f64; 3] = [
 /// 1.5 · 2⁵²: added to a small number it leaves the nearest integer in the low bits.
 pub(crate) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
+// The digits as published.
+#[allow(clippy::excessive_precision)]
 const SIN: [f64; 6] = [
     -1.666_666_666_666_663_243_48e-1,
     8.333_333_333_322_489_461_24e-3,
@@ -29,6 +31,7 @@ const SIN: [f64; 6] = [
     -2.505_076_025_340_686_341_95e-8,
     1.589_690_995_211_550_102_21e-10,
 ];
+#[allow(clippy::excessive_precision)]
 const COS: [f64; 6] = [
     4.166_666_666_666_660_190_37e-2,
     -1.388_888_888_887_410_957_49e-3,
