@@ -13,9 +13,10 @@ use crate::spatial::{Matrix3, Quaternion, Vector3};
 
 /// Weighs the residual and turns the columns into rows of its derivative.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn weigh<V: LaneScalar, const N: usize>(
-    at: &mut Evaluation<V, N>,
-    joints: usize,
+pub(crate) fn weigh<V: LaneScalar>(
+    at: &Evaluation<V>,
+    linear: &mut [Vector3<V>],
+    angular: &mut [Vector3<V>],
     settings: &Settings,
 ) -> Weighed<V> {
     let axes = &settings.axes;
@@ -31,10 +32,10 @@ pub(crate) fn weigh<V: LaneScalar, const N: usize>(
         Vector3::constant(axes.orientation_weights.into()) * V::constant(metres),
         r_gate,
     );
-    for i in 0..joints.min(N) {
-        let (m, z) = (at.linear[i], at.angular[i]);
-        at.linear[i] = product(m + z.cross(p), p_weight);
-        at.angular[i] = product(z * w + z.cross(v), r_weight);
+    for (linear, angular) in linear.iter_mut().zip(angular) {
+        let (m, z) = (*linear, *angular);
+        *linear = product(m + z.cross(p), p_weight);
+        *angular = product(z * w + z.cross(v), r_weight);
     }
     let p_residual = product(p_out, p_weight);
     let r_residual = product(r_out, r_weight);

@@ -44,7 +44,16 @@ pub(crate) struct Group<V, const N: usize> {
     /// Number of joints, at most N; N itself in the kernels made for one size.
     joints: usize,
     goal_from_first: Placement<V>,
+    /// The frame that travels along the chain, from one place to the other and back.
     frames: [Placement<V>; 2],
+    /// Jacobian columns: velocity of the point at the goal's origin per unit of each joint's
+    /// velocity, and the axis of each turning joint.
+    linear: [Vector3<V>; N],
+    angular: [Vector3<V>; N],
+    /// Sine and cosine of each turning joint's angle.
+    sin_cos: [(V, V); N],
+    /// J Jᵀ, lower triangle.
+    normal: [[V; 6]; 6],
     /// The point to evaluate next.
     q: [V; N],
     /// The best point so far, and twice its cost.
@@ -68,13 +77,23 @@ pub(crate) struct Ended {
 }
 
 /// Where the tip stands and how it moves.
-pub(crate) struct Evaluation<V, const N: usize> {
-    /// Velocity of the point at the goal's origin per unit of each joint's velocity.
-    pub(crate) linear: [Vector3<V>; N],
-    /// Axis of each turning joint.
-    pub(crate) angular: [Vector3<V>; N],
+pub(crate) struct Evaluation<V> {
     pub(crate) position: Vector3<V>,
     pub(crate) rotation: Matrix3<V>,
+}
+
+/// Runs the body for each joint, written out where their number is known.
+macro_rules! each_joint {
+    ($n:expr, $i:ident, $body:block) => {
+        if EXACT {
+            each_joint!(@ $i, $body, 0 1 2 3 4 5 6)
+        } else {
+            for $i in 0..$n $body
+        }
+    };
+    (@ $i:ident, $body:block, $($k:literal)*) => {{
+        $(if $k < N { let $i = $k; $body })*
+    }};
 }
 
 impl<V: LaneScalar, const N: usize> Group<V, N> {
@@ -84,6 +103,10 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             joints,
             goal_from_first: Placement::identity(),
             frames: [Placement::identity(); 2],
+            linear: [Vector3::zero(); N],
+            angular: [Vector3::zero(); N],
+            sin_cos: [(zero, zero); N],
+            normal: [[zero; 6]; 6],
             q: [zero; N],
             accepted: [zero; N],
             accepted_cost: zero,
@@ -159,7 +182,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         let to = settings.orientation_tolerance * settings.orientation_tolerance;
         let weighed = if AXES {
             at.rotation = at.rotation * Matrix3::constant(links.last_from_tip);
-            axes::weigh(&mut at, n, settings)
+            axes::weigh(&at, &mut self.linear[..n], &mut self.angular[..n], settings)
         } else {
             weigh(&at, weight)
         };
@@ -188,25 +211,19 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         };
 
         // The damped normal equations over the free joints.
-        let mut free = [V::one(); N];
-        let mut m = [[V::zero(); 6]; 6];
         for i in 0..n {
-            let (l, a) = (at.linear[i], at.angular[i]);
+            let (l, a) = (self.linear[i], self.angular[i]);
             let gradient = l.dot(weighed.gradient.0) + a.dot(weighed.gradient.1);
             let q = self.q[i];
             let (lower, upper) = (c(links.links[i].lower), c(links.links[i].upper));
             let at_lower = !lower.less_than(q) & V::zero().less_than(gradient);
             let at_upper = !q.less_than(upper) & gradient.less_than(V::zero());
-            free[i] = V::select(at_lower | at_upper, V::zero(), V::one());
-            let column = [l.x, l.y, l.z, a.x, a.y, a.z];
-            let (fl, fa) = (l * free[i], a * free[i]);
-            let scaled = [fl.x, fl.y, fl.z, fa.x, fa.y, fa.z];
-            for row in 0..6 {
-                for col in 0..=row {
-                    m[row][col] = scaled[row].mul_add(column[col], m[row][col]);
-                }
-            }
+            let held = at_lower | at_upper;
+            self.linear[i] = Vector3::select(held, Vector3::zero(), l);
+            self.angular[i] = Vector3::select(held, Vector3::zero(), a);
         }
+        self.normal_equations::<EXACT>(n);
+        let m = &mut self.normal;
         let lambda = (self.damping * cost).max(c(1e-14));
         // In the weighted kernel the rows carry their weights already.
         let lambda_turn = if AXES {
@@ -219,11 +236,11 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             m[k + 3][k + 3] += lambda_turn;
         }
         let (e, s) = weighed.twist;
-        let y = solve(m, [-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]);
+        let y = solve(self.normal, [-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]);
         let y_linear = Vector3::new(y[0], y[1], y[2]);
         let y_angular = Vector3::new(y[3], y[4], y[5]);
         for i in 0..n {
-            let delta = (at.linear[i].dot(y_linear) + at.angular[i].dot(y_angular)) * free[i];
+            let delta = self.linear[i].dot(y_linear) + self.angular[i].dot(y_angular);
             let link = &links.links[i];
             let q = self.q[i];
             let moved = (q + delta).max(c(link.lower)).min(c(link.upper));
@@ -235,13 +252,37 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         ended
     }
 
+    /// J Jᵀ, in three blocks whose sums fit the registers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn normal_equations<const EXACT: bool>(&mut self, n: usize) {
+        macro_rules! block {
+            ($left:ident, $right:ident, $row:literal, $column:literal, $($r:literal $k:literal),*) => {{
+                let mut sum = [[V::zero(); 3]; 3];
+                each_joint!(n, i, {
+                    let (left, right) = (self.$left[i].to_array(), self.$right[i].to_array());
+                    $(sum[$r][$k] = left[$r].mul_add(right[$k], sum[$r][$k]);)*
+                });
+                $(self.normal[$row + $r][$column + $k] = sum[$r][$k];)*
+            }};
+        }
+        block!(linear, linear, 0, 0, 0 0, 1 0, 1 1, 2 0, 2 1, 2 2);
+        block!(angular, linear, 3, 0, 0 0, 0 1, 0 2, 1 0, 1 1, 1 2, 2 0, 2 1, 2 2);
+        block!(angular, angular, 3, 3, 0 0, 1 0, 1 1, 2 0, 2 1, 2 2);
+    }
+
     /// Forward kinematics and the Jacobian's columns in the goal's frame.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn evaluate<const EXACT: bool>(&mut self, links: &Links) -> Evaluation<V, N> {
+    fn evaluate<const EXACT: bool>(&mut self, links: &Links) -> Evaluation<V> {
         let n = if EXACT { N } else { self.joints };
         let c = V::constant;
-        let mut linear = [Vector3::zero(); N];
-        let mut angular = [Vector3::zero(); N];
+        for i in 0..n {
+            let link = &links.links[i];
+            self.sin_cos[i] = if EXACT || link.kind == JointKind::Revolute {
+                (self.q[i] + c(link.offset)).sin_cos()
+            } else {
+                (c(link.offset_sin_cos.0), c(link.offset_sin_cos.1))
+            };
+        }
         self.frames[0] = self.goal_from_first;
         for i in 0..n {
             let link = &links.links[i];
@@ -249,16 +290,15 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
                 rotation: mut r,
                 translation: mut p,
             } = self.frames[link.from & 1];
-            let sin_cos = if EXACT || link.kind == JointKind::Revolute {
-                angular[i] = r.z;
-                linear[i] = p.cross(r.z);
-                (self.q[i] + c(link.offset)).sin_cos()
+            if EXACT || link.kind == JointKind::Revolute {
+                self.angular[i] = r.z;
+                self.linear[i] = p.cross(r.z);
             } else {
-                linear[i] = r.z;
-                angular[i] = Vector3::zero();
+                self.linear[i] = r.z;
+                self.angular[i] = Vector3::zero();
                 p = r.z.mul_add(self.q[i], p);
-                (c(link.offset_sin_cos.0), c(link.offset_sin_cos.1))
-            };
+            }
+            let sin_cos = self.sin_cos[i];
             r = r.rotated_about_z(sin_cos);
             p =
                 r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
@@ -270,8 +310,6 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             translation: p,
         } = self.frames[links.links[n - 1].to & 1];
         Evaluation {
-            linear,
-            angular,
             position: p,
             rotation: r,
         }
@@ -294,7 +332,7 @@ pub(crate) struct Weighed<V> {
 
 /// The full pose.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn weigh<V: LaneScalar, const N: usize>(at: &Evaluation<V, N>, weight: f64) -> Weighed<V> {
+fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V> {
     let c = V::constant;
     let (p, r) = (at.position, &at.rotation);
     let half = c(0.5);
