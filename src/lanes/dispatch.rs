@@ -10,6 +10,9 @@ use super::solver::{Outcome, PoseSolver};
 const RACE: usize = 4;
 const BATCH: usize = 8;
 
+/// Whether this processor family has no faster lanes than the portable ones.
+const PORTABLE_IS_MAIN: bool = !cfg!(target_arch = "x86_64");
+
 /// Calls `$run` with the lane type and the kernel for this chain: number of joints, whether that is
 /// exact, whether the goal has weighted axes.
 macro_rules! by_chain {
@@ -17,8 +20,9 @@ macro_rules! by_chain {
         let links = &$solver.links;
         match (links.links.len(), links.all_revolute, $solver.weighted) {
             (_, _, true) => by_chain!(@ $race, $fma, MAX_JOINTS, false, true, $($argument),*),
-            (6, true, _) => by_chain!(@ $race, $fma, 6, true, false, $($argument),*),
-            (7, true, _) => by_chain!(@ $race, $fma, 7, true, false, $($argument),*),
+            // Where the portable lanes are only the fallback, one kernel of them is enough code.
+            (6, true, false) if $fma || PORTABLE_IS_MAIN => by_chain!(@ $race, $fma, 6, true, false, $($argument),*),
+            (7, true, false) if $fma || PORTABLE_IS_MAIN => by_chain!(@ $race, $fma, 7, true, false, $($argument),*),
             _ => by_chain!(@ $race, $fma, MAX_JOINTS, false, false, $($argument),*),
         }
     }};

@@ -190,17 +190,19 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         let reached = weighed.position.less_than(c(tp)) & weighed.orientation.less_than(c(to));
         let accept = cost.less_than(self.accepted_cost) | reached;
 
-        // Damping: halved on a step that takes the cost below a quarter, times four on a rejection.
+        // Damping: halved on a step that takes the cost below a quarter, a little less on other
+        // descents, times four on a rejection.
         let fast = cost.less_than(self.accepted_cost * c(0.25));
-        let factor = V::select(fast, c(0.5), V::one());
+        let factor = V::select(fast, c(0.5), c(0.8));
         self.damping *= V::select(accept, factor, c(4.0));
         self.accepted_cost = V::select(accept, cost, self.accepted_cost);
         let progress = cost.less_than(self.reference_cost * c(0.25));
         self.reference_cost = V::select(progress, cost, self.reference_cost);
+        // Near the goal convergence may be slow but sure (a singular goal): more patience.
         self.stalled = V::select(
             progress,
             V::zero(),
-            self.stalled + V::select(cost.less_than(c(1e-6)), c(0.25), V::one()),
+            self.stalled + V::select(cost.less_than(c(1e-6)), c(0.1), V::one()),
         );
         let stalled = c(settings.stall_limit - 0.5).less_than(self.stalled);
 
@@ -218,9 +220,10 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             let (lower, upper) = (c(links.links[i].lower), c(links.links[i].upper));
             let at_lower = !lower.less_than(q) & V::zero().less_than(gradient);
             let at_upper = !q.less_than(upper) & gradient.less_than(V::zero());
-            let held = at_lower | at_upper;
-            self.linear[i] = Vector3::select(held, Vector3::zero(), l);
-            self.angular[i] = Vector3::select(held, Vector3::zero(), a);
+            // A product, as a select of the old value would become a masked store, which is slow.
+            let free = V::select(at_lower | at_upper, V::zero(), V::one());
+            self.linear[i] = l * free;
+            self.angular[i] = a * free;
         }
         self.normal_equations::<EXACT>(n);
         let m = &mut self.normal;
@@ -357,27 +360,39 @@ fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V> {
     }
 }
 
-/// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read.
+/// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read. Written
+/// out, as nested loops stay loops.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
     let mut inverse = [V::zero(); 6];
-    for j in 0..6 {
-        inverse[j] = V::one() / m[j][j];
-        for i in j + 1..6 {
-            let l = m[i][j] * inverse[j];
-            for k in j + 1..=i {
-                m[i][k] = (-l).mul_add(m[k][j], m[i][k]);
-            }
-            b[i] = (-l).mul_add(b[j], b[i]);
-        }
-        // Column j is needed unscaled above, scaled in the back substitution: both come from m.
+    // Each row below the pivot, with its entries right of the pivot's column.
+    macro_rules! eliminate {
+        ($j:literal: $($i:literal [$($k:literal)*])*) => {
+            inverse[$j] = V::one() / m[$j][$j];
+            $(
+                let factor = -(m[$i][$j] * inverse[$j]);
+                $(m[$i][$k] = factor.mul_add(m[$k][$j], m[$i][$k]);)*
+                b[$i] = factor.mul_add(b[$j], b[$i]);
+            )*
+        };
     }
-    for i in (0..6).rev() {
-        let mut sum = b[i];
-        for k in i + 1..6 {
-            sum = (-m[k][i]).mul_add(b[k], sum);
-        }
-        b[i] = sum * inverse[i];
+    eliminate!(0: 1 [1] 2 [1 2] 3 [1 2 3] 4 [1 2 3 4] 5 [1 2 3 4 5]);
+    eliminate!(1: 2 [2] 3 [2 3] 4 [2 3 4] 5 [2 3 4 5]);
+    eliminate!(2: 3 [3] 4 [3 4] 5 [3 4 5]);
+    eliminate!(3: 4 [4] 5 [4 5]);
+    eliminate!(4: 5 [5]);
+    eliminate!(5:);
+    macro_rules! substitute {
+        ($i:literal: $($k:literal)*) => {
+            $(b[$i] = (-m[$k][$i]).mul_add(b[$k], b[$i]);)*
+            b[$i] *= inverse[$i];
+        };
     }
+    substitute!(5:);
+    substitute!(4: 5);
+    substitute!(3: 5 4);
+    substitute!(2: 5 4 3);
+    substitute!(1: 5 4 3 2);
+    substitute!(0: 5 4 3 2 1);
     b
 }

@@ -38,7 +38,8 @@ pub struct LaneOptions {
     pub axes: AxisGoal,
     /// Levenberg-Marquardt's λ at the start of an attempt is this times twice the cost. Default 0.07.
     pub damping: f64,
-    /// An attempt whose error has not halved in this many iterations is given up. Default 4.
+    /// An attempt whose error has not halved in this many iterations is given up, ten
+    /// times as many where the cost is below 1e-6 m². Default 6.
     pub stall_limit: u32,
     /// Most iterations of one attempt. Default 100.
     pub iterations: u32,
@@ -62,7 +63,7 @@ impl Default for LaneOptions {
             metres_per_radian: 0.3,
             axes: AxisGoal::full_pose(),
             damping: 0.07,
-            stall_limit: 4,
+            stall_limit: 6,
             iterations: 100,
             attempts: 200,
             seed: 0,
