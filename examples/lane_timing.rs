@@ -76,9 +76,10 @@ fn poses(name: &str, chain: &Chain) {
             fastest = fastest.min(micros(begun) / POSES as f64);
         }
         println!(
-            "  {search:?} batch: {fastest:.3} us a pose, solved {}, {:.2} iterations",
+            "  {search:?} batch: {fastest:.3} us a pose, solved {}, {:.2} iterations, at most {}",
             outcomes.iter().filter(|o| o.reached).count(),
             mean(outcomes.iter().map(|o| o.iterations)),
+            outcomes.iter().map(|o| o.iterations).max().unwrap(),
         );
     }
 }

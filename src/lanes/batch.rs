@@ -3,9 +3,10 @@
 use super::chain::MAX_JOINTS;
 use super::kernel::Group;
 use super::lane::LaneScalar;
+use super::options::{Outcome, Search};
 use super::race::Query;
 use super::seeds::QuerySeeds;
-use super::solver::{Outcome, PoseSolver, Search};
+use super::solver::PoseSolver;
 use crate::spatial::Placement;
 
 /// What a lane is busy with.

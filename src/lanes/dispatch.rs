@@ -3,8 +3,9 @@
 use super::batch::{self, Work};
 use super::chain::MAX_JOINTS;
 use super::lane::Lanes;
+use super::options::Outcome;
 use super::race::{self, Query};
-use super::solver::{Outcome, PoseSolver};
+use super::solver::PoseSolver;
 
 /// Lanes of a single query and of a batch: a batch has independent work to hide latencies with.
 const RACE: usize = 4;

@@ -16,8 +16,9 @@ use super::axes;
 use super::chain::JointKind;
 use super::goal::AxisGoal;
 use super::lane::LaneScalar;
+use super::ldlt;
 use super::links::Links;
-use crate::scalar::Scalar;
+use super::pose;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// What the iteration is told about the task, the same for all lanes.
@@ -184,7 +185,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             at.rotation = at.rotation * Matrix3::constant(links.last_from_tip);
             axes::weigh(&at, &mut self.linear[..n], &mut self.angular[..n], settings)
         } else {
-            weigh(&at, weight)
+            pose::weigh(&at, weight)
         };
         let cost = weighed.cost;
         let reached = weighed.position.less_than(c(tp)) & weighed.orientation.less_than(c(to));
@@ -239,7 +240,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             m[k + 3][k + 3] += lambda_turn;
         }
         let (e, s) = weighed.twist;
-        let y = solve(self.normal, [-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]);
+        let y = ldlt::solve(self.normal, [-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]);
         let y_linear = Vector3::new(y[0], y[1], y[2]);
         let y_angular = Vector3::new(y[3], y[4], y[5]);
         for i in 0..n {
@@ -331,68 +332,4 @@ pub(crate) struct Weighed<V> {
     pub(crate) gradient: (Vector3<V>, Vector3<V>),
     /// What the step should undo.
     pub(crate) twist: (Vector3<V>, Vector3<V>),
-}
-
-/// The full pose.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V> {
-    let c = V::constant;
-    let (p, r) = (at.position, &at.rotation);
-    let half = c(0.5);
-    let s = Vector3::new(
-        (r.y.z - r.z.y) * half,
-        (r.z.x - r.x.z) * half,
-        (r.x.y - r.y.x) * half,
-    );
-    let cos = (r.x.x + r.y.y + r.z.z - V::one()) * half;
-    let (pp, ss) = (p.norm_squared(), s.norm_squared());
-    // 2(1 − cos θ) in powers of sin² θ where the difference would cancel.
-    let series = ss.mul_add(c(5.0 / 64.0), c(1.0 / 8.0));
-    let series = ss.mul_add(ss.mul_add(series, c(0.25)), V::one()) * ss;
-    let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);
-    let turned = V::select(near, series, (V::one() - cos) * c(2.0));
-    Weighed {
-        cost: turned.mul_add(c(weight), pp),
-        position: pp,
-        orientation: turned,
-        gradient: (p, s * c(weight)),
-        twist: (p + p.cross(s) * half, s),
-    }
-}
-
-/// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read. Written
-/// out, as nested loops stay loops.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
-    let mut inverse = [V::zero(); 6];
-    // Each row below the pivot, with its entries right of the pivot's column.
-    macro_rules! eliminate {
-        ($j:literal: $($i:literal [$($k:literal)*])*) => {
-            inverse[$j] = V::one() / m[$j][$j];
-            $(
-                let factor = -(m[$i][$j] * inverse[$j]);
-                $(m[$i][$k] = factor.mul_add(m[$k][$j], m[$i][$k]);)*
-                b[$i] = factor.mul_add(b[$j], b[$i]);
-            )*
-        };
-    }
-    eliminate!(0: 1 [1] 2 [1 2] 3 [1 2 3] 4 [1 2 3 4] 5 [1 2 3 4 5]);
-    eliminate!(1: 2 [2] 3 [2 3] 4 [2 3 4] 5 [2 3 4 5]);
-    eliminate!(2: 3 [3] 4 [3 4] 5 [3 4 5]);
-    eliminate!(3: 4 [4] 5 [4 5]);
-    eliminate!(4: 5 [5]);
-    eliminate!(5:);
-    macro_rules! substitute {
-        ($i:literal: $($k:literal)*) => {
-            $(b[$i] = (-m[$k][$i]).mul_add(b[$k], b[$i]);)*
-            b[$i] *= inverse[$i];
-        };
-    }
-    substitute!(5:);
-    substitute!(4: 5);
-    substitute!(3: 5 4);
-    substitute!(2: 5 4 3);
-    substitute!(1: 5 4 3 2);
-    substitute!(0: 5 4 3 2 1);
-    b
 }

@@ -17,7 +17,10 @@ mod goal;
 mod judge;
 mod kernel;
 pub mod lane;
+mod ldlt;
 mod links;
+mod options;
+mod pose;
 mod race;
 mod seeds;
 mod solver;
@@ -25,4 +28,5 @@ pub mod trigonometry;
 
 pub use chain::{Chain, ChainError, ChainJoint, JointKind, MAX_JOINTS};
 pub use goal::AxisGoal;
-pub use solver::{LaneError, LaneOptions, Outcome, PoseSolver, Search};
+pub use options::{LaneError, LaneOptions, Outcome, Search};
+pub use solver::PoseSolver;

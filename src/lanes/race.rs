@@ -6,8 +6,9 @@ use super::chain::MAX_JOINTS;
 use super::judge::Errors;
 use super::kernel::Group;
 use super::lane::LaneScalar;
+use super::options::{Outcome, Search};
 use super::seeds::QuerySeeds;
-use super::solver::{Outcome, PoseSolver, Search};
+use super::solver::PoseSolver;
 use crate::spatial::Placement;
 
 /// One query as the drivers see it.

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use super::atlas::Candidates;
 use super::chain::JointKind;
 use super::lane::LaneScalar;
+use super::options::Search;
 use super::race::Query;
-use super::solver::{PoseSolver, Search};
+use super::solver::PoseSolver;
 use crate::spatial::Placement;
 
 /// Beyond this an angle loses digits, radians.

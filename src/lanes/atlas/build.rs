@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::key::Key;
 use super::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
 use crate::lanes::chain::JointKind;
-use crate::lanes::kernel;
+use crate::lanes::ldlt;
 use crate::lanes::links::Links;
 use crate::lanes::seeds::mix;
 use crate::spatial::{Matrix3, Placement, Vector3};
@@ -192,7 +192,7 @@ impl Atlas {
             self.rows[base + n + i][slot] = *value as f32;
         }
         for (k, twist) in twists.iter().enumerate() {
-            let y = kernel::solve(m, *twist);
+            let y = ldlt::solve(m, *twist);
             for (i, column) in columns.iter().enumerate() {
                 let value: f64 = column.iter().zip(&y).map(|(a, b)| a * b).sum();
                 self.rows[base + n + 5 + 4 * i + k][slot] = value as f32;
