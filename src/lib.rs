@@ -6,6 +6,7 @@ pub mod argmin_bridge;
 pub mod ik;
 pub mod io;
 pub mod kinematics;
+pub mod lanes;
 pub mod mesh;
 pub mod model;
 pub mod problem;
