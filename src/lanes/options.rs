@@ -12,7 +12,7 @@ pub enum Search {
     First,
 }
 
-/// Options of a [`PoseSolver`].
+/// Options of a [`PoseSolver`](super::PoseSolver).
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaneOptions {
     /// How far the tip may be from the target, metres; positive. Default 1e-6.
