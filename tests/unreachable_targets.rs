@@ -164,3 +164,23 @@ fn a_three_link_arm_with_limits_against_a_search_of_its_box() {
         assert!(!held.is_empty());
     }
 }
+
+#[test]
+fn a_target_out_of_reach_that_moves_is_followed_without_jumps() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.5, 2.5)));
+    let solver = Solver::default();
+    let mut q = vec![0.3, 0.2, 0.1];
+    for frame in 0..120 {
+        let angle = 0.02 * f64::from(frame);
+        let target = na::Vector3::new(2.0 * angle.cos(), 2.0 * angle.sin(), 0.0);
+        let solution = solve(&solver, &model, target, &q);
+        assert!(!solution.reached);
+        let moved = solution.q.iter().zip(&q).map(|(a, b)| (a - b).abs());
+        let most = moved.fold(0.0, f64::max);
+        assert!(
+            frame == 0 || most < 0.1,
+            "frame {frame} jumped by {most} rad"
+        );
+        q.clone_from(&solution.q);
+    }
+}

@@ -58,6 +58,7 @@ pub(super) fn solution_at<I: State>(
         let projected_gradient = projected_gradient_norm(
             &buffers.x,
             &buffers.gradient,
+            1.0,
             problem.lower(),
             problem.upper(),
         );

@@ -157,7 +157,7 @@ impl<'m> ProblemBuilder<'m> {
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
             task_frames,
         };
-        Ok(Problem {
+        let mut problem = Problem {
             names: Arc::new(names),
             tree: Tree::new(model, &map, &frames),
             lower: map.lower().to_vec(),
@@ -168,7 +168,10 @@ impl<'m> ProblemBuilder<'m> {
             spread,
             reach,
             derivatives: self.derivatives,
-        })
+            felt: Vec::new(),
+        };
+        problem.mark_felt();
+        Ok(problem)
     }
 }
 

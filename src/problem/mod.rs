@@ -66,6 +66,8 @@ pub struct Problem {
     upper: Vec<f64>,
     /// How far around the start an unbounded variable is drawn at random: π or the reach.
     spread: Vec<f64>,
+    /// Whether any task depends on each variable.
+    felt: Vec<bool>,
     /// A length of the model's own scale, in metres.
     reach: f64,
     derivatives: Derivatives,
@@ -203,15 +205,15 @@ impl Problem {
         (lower.max(at - spread), upper.min(at + spread))
     }
 
-    /// Marks the variables that move a missed goal and no other task, given the weighted residual
-    /// there; all of them where there is none such.
+    /// Marks the variables that move a missed goal and no reached one, given the weighted residual
+    /// there; all that any task feels where there is none such.
     pub(crate) fn mark_free_to_wander(&self, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
             for (index, task) in self.tasks.iter().enumerate() {
                 let mut blocks = self.errors(r).filter(|block| block.task == index);
-                let missed = task.role == Role::Goal && blocks.any(|block| !block.reached);
-                if missed != pass_reached {
+                let missed = blocks.any(|block| !block.reached);
+                if task.role == Role::Goal && missed != pass_reached {
                     for variable in self.variables_moving(task) {
                         marked[variable] = missed;
                     }
@@ -219,8 +221,25 @@ impl Problem {
             }
         }
         if !marked.contains(&true) {
-            marked.fill(true);
+            marked.copy_from_slice(&self.felt);
         }
+    }
+
+    /// Whether any task depends on a variable.
+    pub(crate) fn is_felt(&self, variable: usize) -> bool {
+        self.felt[variable]
+    }
+
+    fn mark_felt(&mut self) {
+        let mut felt = vec![false; self.variables()];
+        for variable in self
+            .tasks
+            .iter()
+            .flat_map(|task| self.variables_moving(task))
+        {
+            felt[variable] = true;
+        }
+        self.felt = felt;
     }
 
     /// The variables that a task feels.

@@ -219,7 +219,24 @@ impl Memory {
     }
 
     pub(super) fn projected_gradient_norm(&self, problem: &dyn LeastSquares) -> f64 {
-        projected_gradient_norm(&self.x, &self.gradient, problem.lower(), problem.upper())
+        self.projected_step_norm(1.0, problem)
+    }
+
+    fn projected_step_norm(&self, curvature: f64, problem: &dyn LeastSquares) -> f64 {
+        let (lower, upper) = (problem.lower(), problem.upper());
+        projected_gradient_norm(&self.x, &self.gradient, curvature, lower, upper)
+    }
+
+    /// s ‖proj(x − g/s²) − x‖∞ / ‖r‖ with s the largest column norm of J: the cosine between r and
+    /// what a free variable can do about it (MINPACK's test, Moré 1978, for bounds). The step
+    /// g/s² is of the size of x, so the test does not depend on the unit of r.
+    pub(super) fn stationarity(&self, problem: &dyn LeastSquares) -> f64 {
+        let length = (2.0 * self.cost).sqrt();
+        if length == 0.0 || self.column_norm == 0.0 {
+            return 0.0;
+        }
+        let scale = self.column_norm;
+        self.projected_step_norm(scale * scale, problem) * scale / length
     }
 
     /// Projects `trial`, evaluates it and returns its cost; `step` becomes trial − x, after

@@ -68,7 +68,7 @@ pub(crate) fn minimise_until(
             damping: memory.damping,
             x: &memory.x,
         });
-        if let Some(termination) = search.judge(memory, stopping) {
+        if let Some(termination) = search.judge(stopping) {
             break termination;
         }
         if seen.is_break() {

@@ -9,6 +9,8 @@ pub(crate) struct Search {
     pub(crate) iterations: usize,
     /// ‖proj(x − g) − x‖∞; `None` where x is good enough to need no derivatives.
     pub(crate) projected_gradient: Option<f64>,
+    /// What [`Stopping::with_gradient_tolerance`] is compared with.
+    stationarity: f64,
     last_step: Step,
 }
 
@@ -24,6 +26,7 @@ impl Search {
         usable.then_some(Self {
             iterations: 0,
             projected_gradient: None,
+            stationarity: f64::INFINITY,
             last_step: Step::Taken,
         })
     }
@@ -34,6 +37,7 @@ impl Search {
         Self {
             iterations,
             projected_gradient,
+            stationarity: f64::INFINITY,
             last_step: Step::Refused,
         }
     }
@@ -63,15 +67,18 @@ impl Search {
             memory.differentiate_cost(problem);
         }
         self.projected_gradient = Some(memory.projected_gradient_norm(problem));
+        self.stationarity = memory.stationarity(problem);
         true
     }
 
     /// Whether the search ends where it stands.
-    pub(crate) fn judge(&self, memory: &Memory, stopping: &Stopping) -> Option<Termination> {
+    pub(crate) fn judge(&self, stopping: &Stopping) -> Option<Termination> {
         match self.projected_gradient {
             None => Some(Termination::Reached),
             Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
-            Some(norm) if is_stationary(norm, memory, stopping) => Some(Termination::Stationary),
+            Some(_) if self.stationarity <= stopping.gradient_tolerance => {
+                Some(Termination::Stationary)
+            }
             Some(_) => None,
         }
     }
@@ -101,10 +108,4 @@ impl Search {
             _ => 0.0,
         }
     }
-}
-
-/// The cosine test of MINPACK (Moré 1978), with the largest column norm for every column.
-fn is_stationary(projected_gradient: f64, memory: &Memory, stopping: &Stopping) -> bool {
-    let length = (2.0 * memory.cost).sqrt();
-    projected_gradient <= stopping.gradient_tolerance * memory.column_norm * length
 }
