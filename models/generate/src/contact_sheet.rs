@@ -49,5 +49,5 @@ pub(crate) fn contact_sheet(
         centre,
         1.2 * tall - scene.ground,
     );
-    render(&scene, &view, size, 1).write(path)
+    render(&scene, &view, size, 2).write(path)
 }
