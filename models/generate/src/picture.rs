@@ -14,8 +14,8 @@ use crate::skin::add_posed;
 /// Where the tips go, in metres.
 const TARGETS: [(&str, [f64; 3]); 5] = [
     ("head", [0.14, 0.05, 1.72]),
-    ("left_hand", [0.46, 0.42, 1.84]),
-    ("right_hand", [-0.08, -0.86, 1.3]),
+    ("left_hand", [0.34, 0.5, 1.9]),
+    ("right_hand", [0.06, -0.91, 1.32]),
     ("left_foot", [0.1, 0.1, 0.06]),
     ("right_foot", [-0.62, -0.28, 0.52]),
 ];
@@ -25,7 +25,7 @@ const POSTURE: f64 = 1e-3;
 /// Reached within a tenth of a millimetre.
 const TOLERANCE: f64 = 1e-4;
 
-const SIZE: [usize; 2] = [1200, 900];
+const SIZE: [usize; 2] = [1280, 820];
 const PAPER: u32 = 0xfafafa;
 const AT_REST: u32 = 0xc9ccd1;
 const POSED: u32 = 0x5b9bd5;
@@ -73,7 +73,7 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
         paper: linear(PAPER),
         ..Scene::default()
     };
-    let (beside, here) = (DVec3::new(-0.35, -1.25, 0.0), DVec3::new(0.0, 0.3, 0.0));
+    let (beside, here) = (DVec3::new(-0.35, -1.24, 0.0), DVec3::new(0.0, 0.42, 0.0));
     // Each stands on the paper with its lowest point.
     let mut stand = |q: &[f64], place: DVec3, colour: u32| -> Result<DVec3, Failure> {
         let mut alone = Scene::default();
@@ -89,8 +89,8 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
     let beside = stand(&rest, beside, AT_REST)?;
     let here = stand(&posed, here, POSED)?;
 
-    let centre = DVec3::new(0.0, -0.28, 0.9);
-    let view = View::new(centre + DVec3::new(6.2, -1.8, 1.1), centre, 2.25);
+    let centre = DVec3::new(0.0, -0.4, 0.97);
+    let view = View::new(centre + DVec3::new(6.2, -1.3, 1.1), centre, 2.2);
     let mut image = render(&scene, &view, SIZE, 3);
     draw_bones(&mut image, &view, rig, &rest, beside);
     draw_bones(&mut image, &view, rig, &posed, here);

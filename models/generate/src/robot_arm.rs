@@ -105,7 +105,7 @@ fn part(bone: usize, shape: Shape, origin: DVec3, along: DVec3) -> Part {
         axes: axes(along, towards),
         fillet: 0.008,
         edge: 0.0105,
-        softness: 0.004,
+        softness: 0.008,
     }
 }
 
@@ -153,7 +153,7 @@ fn parts() -> Vec<Part> {
         drum(2, z * ELBOW, y, 0.058, 0.036),
         taper(
             3,
-            z * ELBOW + x * 0.1,
+            z * ELBOW + x * 0.122,
             z * ELBOW + x * (WRIST - 0.1),
             [0.05, 0.036],
             1.0,
