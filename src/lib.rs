@@ -1,13 +1,17 @@
 //! Inverse kinematics by optimisation.
 
 pub mod animation;
+#[cfg(feature = "argmin")]
+pub mod argmin_bridge;
 pub mod ik;
 pub mod io;
 pub mod kinematics;
+pub mod lanes;
 pub mod mesh;
 pub mod model;
 pub mod problem;
 mod random;
+pub mod robot;
 pub mod scalar;
 pub mod skeleton;
 pub mod skinning;

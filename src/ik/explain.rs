@@ -76,6 +76,7 @@ fn why(termination: Termination) -> &'static str {
             "no free joint can lower the error from here"
         }
         Termination::SmallStep => "steps became too small to change anything",
+        Termination::Stalled => "progress became too slow",
         Termination::IterationLimit => "the iteration limit was hit",
         Termination::TimeLimit => "the time limit was hit",
         Termination::Cancelled => "the observer stopped the search",

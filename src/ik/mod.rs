@@ -3,6 +3,7 @@
 mod error;
 mod explain;
 mod restarts;
+mod search;
 mod solution;
 mod solver;
 mod workspace;
@@ -11,4 +12,6 @@ pub use error::SolveError;
 pub use restarts::Restarts;
 pub use solution::{ActiveLimit, RowsReport, Side, Solution, TaskReport};
 pub use solver::Solver;
+#[cfg(feature = "argmin")]
+pub(crate) use solver::check_start;
 pub use workspace::Workspace;

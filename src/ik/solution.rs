@@ -158,7 +158,7 @@ impl Solution {
     }
 
     /// Takes the configuration, the errors and the blocking limits at x.
-    pub(super) fn measure(&mut self, problem: &Problem, x: &[f64], r: &[f64], gradient: &[f64]) {
+    pub(crate) fn measure(&mut self, problem: &Problem, x: &[f64], r: &[f64], gradient: &[f64]) {
         self.q.resize(problem.degrees_of_freedom(), 0.0);
         problem.parameters().expand_within_limits(x, &mut self.q);
         self.rows.clear();

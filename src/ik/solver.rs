@@ -1,17 +1,11 @@
 //! A method with its limits and restarts: what a user calls.
 
 use std::sync::Arc;
-use std::time::Instant;
 
+use super::search::Search;
 use super::{Restarts, Solution, SolveError, Workspace};
-use crate::problem::{Evaluation, Problem};
-use crate::solver::{
-    Counts, LevenbergMarquardt, Method, Observer, Outcome, Silent, Stopping, Termination,
-    minimise_until,
-};
-
-/// Costs of attempts within this share of each other count as the same miss.
-const SAME_COST: f64 = 1e-6;
+use crate::problem::Problem;
+use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping, project};
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
 /// [`Workspace`].
@@ -108,93 +102,25 @@ impl Solver {
         observer: &mut dyn Observer,
     ) -> Result<&'w Solution, SolveError> {
         check_start(problem, start)?;
-        workspace.fit(problem);
-        let deadline = self.stopping.deadline();
-        let Workspace {
-            memory,
-            scratch,
-            start: start_x,
-            attempt,
-            best_x,
-            best_residual,
-            solution,
-        } = workspace;
-        let Some((_, scratch)) = scratch else {
-            return Ok(solution);
+        let mut scratch = workspace.fit(problem);
+        problem.parameters().reduce(start, &mut workspace.start);
+        project(&mut workspace.start, problem.lower(), problem.upper());
+
+        let search = Search {
+            problem,
+            method: &*self.method,
+            stopping: self.stopping,
+            restarts: self.restarts,
         };
-        problem.parameters().reduce(start, start_x);
-        crate::solver::project(start_x, problem.lower(), problem.upper());
-
-        let mut best: Option<(Outcome, f64)> = None;
-        let (mut iterations, mut attempts, mut agreeing) = (0, 0, 0);
-        let mut counts = Counts::default();
-        for index in 0..self.restarts.attempts {
-            self.restarts.start_of(
-                index,
-                start_x,
-                problem.lower(),
-                problem.upper(),
-                problem.spread(),
-                attempt,
-            );
-            let mut evaluation = Evaluation::new(problem, scratch);
-            let outcome = minimise_until(
-                &mut evaluation,
-                &*self.method,
-                attempt,
-                &self.stopping,
-                deadline,
-                observer,
-                memory,
-            );
-            attempts += 1;
-            iterations += outcome.iterations;
-            counts += memory.counts();
-
-            let cost = memory.cost();
-            let reached = problem.is_reached(memory.residual());
-            let lowest = best.map_or(f64::INFINITY, |(_, cost)| cost);
-            agreeing = match settled(outcome.termination) {
-                true if cost < lowest * (1.0 - SAME_COST) => 1,
-                true if cost <= lowest * (1.0 + SAME_COST) => agreeing + 1,
-                _ => agreeing,
-            };
-            if reached || best.is_none() || cost < lowest {
-                best = Some((outcome, cost));
-                best_x.copy_from_slice(memory.x());
-                best_residual.copy_from_slice(memory.residual());
-            }
-            let out_of_time = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            let cancelled = outcome.termination == Termination::Cancelled;
-            if reached || cancelled || out_of_time || agreeing >= self.restarts.agreeing {
-                break;
-            }
-        }
-
-        if let Some((outcome, cost)) = best {
-            solution.termination = outcome.termination;
-            solution.projected_gradient = outcome.projected_gradient;
-            solution.cost = cost;
-        }
-        solution.iterations = iterations;
-        solution.attempts = attempts;
-        solution.counts = counts;
-        let mut evaluation = Evaluation::new(problem, scratch);
-        let gradient = memory.gradient_at(&mut evaluation, best_x, best_residual);
-        solution.measure(problem, best_x, best_residual, gradient);
-        Ok(solution)
+        let found = search.run(workspace, &mut scratch, observer);
+        workspace.report(problem, &mut scratch, &found);
+        workspace.scratch = Some(scratch);
+        Ok(&workspace.solution)
     }
 }
 
-/// Whether an attempt ended because nothing better is near, rather than for lack of patience.
-fn settled(termination: Termination) -> bool {
-    matches!(
-        termination,
-        Termination::Stationary | Termination::SmallStep
-    )
-}
-
-fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
+/// A start must have one finite number for every coordinate that leads a variable.
+pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
     if start.len() != problem.degrees_of_freedom() {
         return Err(SolveError::StartLength {
             model: problem.names().model.clone(),

@@ -1,9 +1,8 @@
 //! The memory of solving, which belongs to the caller.
 
-use std::sync::Arc;
-
 use super::Solution;
-use crate::problem::{Names, Problem, Scratch};
+use super::search::Found;
+use crate::problem::{Evaluation, Problem, Scratch};
 use crate::solver::Memory;
 
 /// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
@@ -11,9 +10,10 @@ use crate::solver::Memory;
 #[derive(Debug, Default)]
 pub struct Workspace {
     pub(super) memory: Memory,
-    pub(super) scratch: Option<(Arc<Names>, Scratch)>,
+    pub(super) scratch: Option<Scratch>,
     pub(super) start: Vec<f64>,
     pub(super) attempt: Vec<f64>,
+    pub(super) wander: Vec<bool>,
     pub(super) best_x: Vec<f64>,
     pub(super) best_residual: Vec<f64>,
     pub(super) solution: Solution,
@@ -32,18 +32,38 @@ impl Workspace {
         &self.solution
     }
 
-    /// Takes the problem's shape, unless it already has it.
-    pub(super) fn fit(&mut self, problem: &Problem) {
-        let known = self
-            .scratch
-            .as_ref()
-            .is_some_and(|(names, _)| Arc::ptr_eq(names, problem.names()));
-        if !known {
-            self.scratch = Some((Arc::clone(problem.names()), problem.scratch()));
-        }
+    /// Takes the problem's shape and hands out its scratch memory, new only for a new problem.
+    pub(super) fn fit(&mut self, problem: &Problem) -> Scratch {
         for vector in [&mut self.start, &mut self.attempt, &mut self.best_x] {
             vector.resize(problem.variables(), 0.0);
         }
+        self.wander.resize(problem.variables(), true);
         self.best_residual.resize(problem.rows(), 0.0);
+        // A first solve that reaches its target names no limit; a later one may name them all.
+        self.solution.blocked.clear();
+        self.solution.blocked.reserve(problem.variables());
+        match self.scratch.take() {
+            Some(scratch) if scratch.fits(problem) => scratch,
+            _ => problem.scratch(),
+        }
+    }
+
+    /// Fills the solution in from what a search found.
+    pub(super) fn report(&mut self, problem: &Problem, scratch: &mut Scratch, found: &Found) {
+        let solution = &mut self.solution;
+        solution.termination = found.outcome.termination;
+        solution.projected_gradient = found.outcome.projected_gradient;
+        solution.cost = found.cost;
+        solution.iterations = found.iterations;
+        solution.attempts = found.attempts;
+        solution.counts = found.counts;
+        let (x, residual) = (&self.best_x, &self.best_residual);
+        let gradient = if problem.is_reached(residual) {
+            &[]
+        } else {
+            let mut evaluation = Evaluation::new(problem, scratch);
+            self.memory.gradient_at(&mut evaluation, x, residual)
+        };
+        solution.measure(problem, x, residual, gradient);
     }
 }

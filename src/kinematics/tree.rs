@@ -223,6 +223,13 @@ impl Tree {
         self.variables
     }
 
+    /// The variables that move a frame, from the frame to the root; unknown slots have none.
+    pub fn variables_moving(&self, slot: FrameSlot) -> impl Iterator<Item = usize> + '_ {
+        let first = self.leaves.get(slot).and_then(|leaf| leaf.node);
+        let nodes = std::iter::successors(first, |&node| self.nodes[node].parent);
+        nodes.map(|node| self.nodes[node].variable)
+    }
+
     /// How many joints move the frames.
     #[must_use]
     pub fn moving_joints(&self) -> usize {

@@ -47,6 +47,18 @@ impl ModelBuilder {
         }
     }
 
+    /// Starts from a model that is already built, to add joints or frames to it. The ids of what is
+    /// there stay valid.
+    #[must_use]
+    pub fn from_model(model: &Model) -> Self {
+        Self {
+            name: model.name.clone(),
+            joints: model.joints.clone(),
+            frames: model.frames.clone(),
+            configuration_order: Some(model.moving.clone()),
+        }
+    }
+
     /// Says in which order a configuration holds the moving joints, where the order of the joints
     /// themselves will not do. `joints` must name every moving joint once.
     pub fn configuration_order(&mut self, joints: Vec<JointId>) {

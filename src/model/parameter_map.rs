@@ -119,6 +119,35 @@ impl ParameterMap {
         &self.upper
     }
 
+    /// Narrows one coordinate's limits, and with them the bounds of the variable it comes from.
+    ///
+    /// # Errors
+    /// The interval that is left, if it is none.
+    pub(crate) fn narrow(&mut self, coordinate: usize, limits: &Limits) -> Result<(), Limits> {
+        let own = self.limits[coordinate].intersection(limits);
+        if !limits.is_valid() || !own.is_valid() {
+            return Err(if limits.is_valid() { own } else { *limits });
+        }
+        self.limits[coordinate] = own;
+        match self.sources[coordinate] {
+            Source::Constant(value) if own.contains(value) => Ok(()),
+            Source::Constant(_) => Err(*limits),
+            Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } => {
+                let bounds = Limits::new(self.lower[variable], self.upper[variable]);
+                let left = bounds.intersection(&preimage(&own, ratio, offset));
+                if !left.is_valid() {
+                    return Err(left);
+                }
+                (self.lower[variable], self.upper[variable]) = (left.lower, left.upper);
+                Ok(())
+            }
+        }
+    }
+
     /// Writes q = S x + s₀. Shapes: `x` [`variables`](Self::variables), `q` the model's degrees of
     /// freedom; a shorter slice leaves the rest untouched.
     #[inline]

@@ -76,7 +76,8 @@ impl<'m> ProblemBuilder<'m> {
         TaskId::new(self.tasks.len() - 1)
     }
 
-    /// Narrows a joint's limits for this problem, in radians or metres.
+    /// Narrows a joint's limits for this problem, in radians or metres. Bounds on a joint that
+    /// follows another narrow the one it follows; bounds on a locked joint must hold its value.
     pub fn bound(&mut self, joint: JointId, limits: Limits) -> &mut Self {
         self.extra_bounds.push((joint, limits));
         self
@@ -102,7 +103,7 @@ impl<'m> ProblemBuilder<'m> {
     /// targets that are not finite, weights or tolerances out of range, bounds that leave nothing.
     pub fn build(self) -> Result<Problem, ProblemError> {
         let model = self.model;
-        let map = match self.map {
+        let mut map = match self.map {
             Some(map) => map,
             None => ParameterMap::free(model),
         };
@@ -136,7 +137,7 @@ impl<'m> ProblemBuilder<'m> {
             tasks.push(task);
         }
 
-        let (lower, upper) = narrowed(model, &map, &self.extra_bounds)?;
+        narrow(model, &mut map, &self.extra_bounds)?;
         let reach = model.reach();
         let variables = 0..map.variables();
         let leading_joint = |variable: usize| {
@@ -159,11 +160,11 @@ impl<'m> ProblemBuilder<'m> {
         Ok(Problem {
             names: Arc::new(names),
             tree: Tree::new(model, &map, &frames),
+            lower: map.lower().to_vec(),
+            upper: map.upper().to_vec(),
             map,
             tasks,
             rows,
-            lower,
-            upper,
             spread,
             reach,
             derivatives: self.derivatives,
@@ -301,31 +302,29 @@ fn default_tolerance(quantity: Quantity) -> f64 {
     }
 }
 
-/// The map's bounds, narrowed by the problem's own.
-fn narrowed(
+/// Narrows the map by the problem's own bounds.
+fn narrow(
     model: &Model,
-    map: &ParameterMap,
+    map: &mut ParameterMap,
     extra: &[(JointId, Limits)],
-) -> Result<(Vec<f64>, Vec<f64>), ProblemError> {
-    let mut lower = map.lower().to_vec();
-    let mut upper = map.upper().to_vec();
-    for &(joint, limits) in extra {
-        let leader = model
-            .coordinate(joint)
-            .and_then(|c| map.leaders().iter().position(|&leader| leader == c));
-        let Some(variable) = leader else {
-            // A joint that cannot move needs no narrowing; one that follows is bound by its master.
-            continue;
-        };
-        let left = Limits::new(lower[variable], upper[variable]).intersection(&limits);
-        if !left.is_valid() {
-            return Err(ProblemError::EmptyRange {
-                joint: model.joints()[joint.index()].name.clone(),
-                lower: left.lower,
-                upper: left.upper,
+) -> Result<(), ProblemError> {
+    for &(id, limits) in extra {
+        let Some(joint) = model.joints().get(id.index()) else {
+            return Err(ProblemError::ForeignBound {
+                model: model.name().to_owned(),
             });
-        }
-        (lower[variable], upper[variable]) = (left.lower, left.upper);
+        };
+        let narrowed = match model.coordinate(id) {
+            Some(coordinate) => map.narrow(coordinate, &limits),
+            // A fixed joint stands at zero.
+            None if limits.is_valid() && limits.contains(0.0) => Ok(()),
+            None => Err(limits),
+        };
+        narrowed.map_err(|left| ProblemError::EmptyRange {
+            joint: joint.name.clone(),
+            lower: left.lower,
+            upper: left.upper,
+        })?;
     }
-    Ok((lower, upper))
+    Ok(())
 }

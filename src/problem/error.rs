@@ -76,6 +76,12 @@ pub enum ProblemError {
         /// Coordinates in the model.
         model_coordinates: usize,
     },
+    /// Bounds for a joint of another model.
+    #[error("bounds are set on a joint that model `{model}` does not have")]
+    ForeignBound {
+        /// The model.
+        model: String,
+    },
     /// Extra bounds that leave a joint no value.
     #[error("joint `{joint}`: extra bounds [{lower}, {upper}] leave it no value")]
     EmptyRange {

@@ -1,9 +1,11 @@
 //! Evaluating a problem: one forward pass gives all residuals, and the derivatives reuse it.
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
 use super::compiled_task::CompiledTask;
-use super::{Derivatives, Problem};
+use super::{Derivatives, Names, Problem};
 use crate::kinematics::{Partials, TreeState, Wrench, Wrenches};
 use crate::model::Source;
 use crate::scalar::{Dual, Scalar};
@@ -14,6 +16,8 @@ use crate::task::{CHUNK, DualScratch, LocalJacobian};
 /// A problem's scratch memory. It belongs to one caller at a time; a problem may have many.
 #[derive(Clone, Debug)]
 pub struct Scratch {
+    /// Tells the problem that this memory was made for.
+    owner: Arc<Names>,
     state: TreeState<f64>,
     /// The x of the last forward pass; NaN before the first.
     at: Vec<f64>,
@@ -45,24 +49,42 @@ impl Scratch {
             problem.degrees_of_freedom(),
         );
         let zero = Dual::zero();
+        let mut local = LocalJacobian::default();
+        let mut gathered = DualScratch::default();
+        for task in &problem.tasks {
+            let (rows, frames, joints) =
+                (task.rows.len(), task.frames.len(), task.coordinates.len());
+            local.reserve(rows, frames, joints);
+            gathered.reserve(rows, frames, joints);
+        }
+        let most =
+            |count: fn(&CompiledTask) -> usize| problem.tasks.iter().map(count).max().unwrap_or(0);
         Self {
+            owner: Arc::clone(&problem.names),
             state: TreeState::new(&problem.tree),
             at: vec![f64::NAN; n],
             q: vec![0.0; dof],
-            frames: Vec::new(),
-            joints: Vec::new(),
-            local: LocalJacobian::default(),
-            local_dual: DualScratch::default(),
+            frames: Vec::with_capacity(most(|task| task.frames.len())),
+            joints: Vec::with_capacity(most(|task| task.coordinates.len())),
+            local,
+            local_dual: gathered.clone_empty(),
             wrenches: Wrenches::new(&problem.tree),
             dual: Box::new(DualPass {
                 state: TreeState::new(&problem.tree),
                 x: vec![zero; n],
                 q: vec![zero; dof],
-                gathered: DualScratch::default(),
+                gathered,
             }),
             shifted: vec![0.0; n],
             shifted_residual: [vec![0.0; m], vec![0.0; m]],
         }
+    }
+}
+
+impl Scratch {
+    /// Whether this memory was made for `problem`.
+    pub(crate) fn fits(&self, problem: &Problem) -> bool {
+        Arc::ptr_eq(&self.owner, &problem.names)
     }
 }
 

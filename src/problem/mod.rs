@@ -18,7 +18,7 @@ pub(crate) use names::Names;
 use std::sync::Arc;
 
 use crate::kinematics::Tree;
-use crate::model::{Model, ParameterMap};
+use crate::model::{Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
 use compiled_task::CompiledTask;
 
@@ -64,7 +64,7 @@ pub struct Problem {
     rows: usize,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// Where each variable may be drawn from at random: its bounds, or a stretch of ±π or ± reach.
+    /// How far around the start an unbounded variable is drawn at random: π or the reach.
     spread: Vec<f64>,
     /// A length of the model's own scale, in metres.
     reach: f64,
@@ -192,8 +192,50 @@ impl Problem {
         &self.names
     }
 
-    pub(crate) fn spread(&self) -> &[f64] {
-        &self.spread
+    /// Where random values of a variable are drawn from: its bounds, or where one is infinite as
+    /// far as ±π or ± the reach around `at` allows.
+    pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
+        let (lower, upper) = (self.lower[variable], self.upper[variable]);
+        if lower.is_finite() && upper.is_finite() {
+            return (lower, upper);
+        }
+        let spread = self.spread[variable];
+        (lower.max(at - spread), upper.min(at + spread))
+    }
+
+    /// Marks the variables that move a missed goal and no other task, given the weighted residual
+    /// there; all of them where there is none such.
+    pub(crate) fn mark_free_to_wander(&self, r: &[f64], marked: &mut [bool]) {
+        marked.fill(false);
+        for pass_reached in [false, true] {
+            for (index, task) in self.tasks.iter().enumerate() {
+                let mut blocks = self.errors(r).filter(|block| block.task == index);
+                let missed = task.role == Role::Goal && blocks.any(|block| !block.reached);
+                if missed != pass_reached {
+                    for variable in self.variables_moving(task) {
+                        marked[variable] = missed;
+                    }
+                }
+            }
+        }
+        if !marked.contains(&true) {
+            marked.fill(true);
+        }
+    }
+
+    /// The variables that a task feels.
+    fn variables_moving<'a>(&'a self, task: &'a CompiledTask) -> impl Iterator<Item = usize> + 'a {
+        let by_frames = task
+            .frames
+            .iter()
+            .flat_map(|&slot| self.tree.variables_moving(slot));
+        let by_joints = task.coordinates.iter().filter_map(|&coordinate| {
+            match self.map.sources()[coordinate] {
+                Source::Variable { variable, .. } => Some(variable),
+                Source::Constant(_) => None,
+            }
+        });
+        by_frames.chain(by_joints)
     }
 
     /// For every block of rows: its task, its quantity, the error in that quantity's unit for the

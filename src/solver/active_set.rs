@@ -29,8 +29,9 @@ pub(super) fn list_free(
     }));
 }
 
-/// ‖proj(x − g) − x‖∞: zero exactly at the stationary points of the bounded problem.
-pub(super) fn projected_gradient_norm(
+/// ‖proj(x − g) − x‖∞: zero exactly at the stationary points of the bounded problem, NaN where the
+/// gradient is not finite.
+pub(crate) fn projected_gradient_norm(
     x: &[f64],
     gradient: &[f64],
     lower: &[f64],
@@ -38,6 +39,10 @@ pub(super) fn projected_gradient_norm(
 ) -> f64 {
     let mut largest = 0.0_f64;
     for j in 0..x.len() {
+        if !gradient[j].is_finite() {
+            // `min` and `max` would drop a NaN.
+            return f64::NAN;
+        }
         let room = if gradient[j] > 0.0 {
             x[j] - lower[j]
         } else {

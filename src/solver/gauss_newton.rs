@@ -6,6 +6,7 @@ use super::{LeastSquares, Memory, Method, Step};
 /// Gauss-Newton with a rank-revealing factorisation: where J loses rank, as in singular poses,
 /// the shortest Δ among the minimisers is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct GaussNewton {
     rank_tolerance: f64,
 }

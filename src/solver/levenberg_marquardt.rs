@@ -4,6 +4,7 @@ use super::{LeastSquares, Memory, Method, Step, project};
 
 /// How λ follows the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub enum Damping {
     /// From the ratio of won to promised decrease (Nielsen 1999, "Damping parameter in
     /// Marquardt's method", IMM-REP-1999-05).
@@ -15,6 +16,7 @@ pub enum Damping {
 
 /// Levenberg-Marquardt with hard bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct LevenbergMarquardt {
     damping: Damping,
     initial: f64,
@@ -111,15 +113,17 @@ impl Method for LevenbergMarquardt {
 impl Memory {
     /// Puts the damped step over the free variables into `step`.
     fn solve_damped(&mut self) {
-        self.step.fill(0.0);
-        self.normal.solve(
-            &self.jacobian,
-            &self.residual,
-            &self.gradient,
-            &self.free,
-            self.damping,
-            &mut self.step,
-        );
+        let Self {
+            jacobian,
+            free,
+            residual,
+            step,
+            normal,
+            ..
+        } = self;
+        step.fill(0.0);
+        normal.factorise(jacobian, free, self.damping);
+        normal.solve(jacobian, free, residual, step);
     }
 
     /// Puts the projected x + Δ into `trial` and what is left of Δ into `step`.

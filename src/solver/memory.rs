@@ -6,7 +6,10 @@ use nalgebra::DMatrix;
 
 use super::LeastSquares;
 use super::active_set::{list_free, project, projected_gradient_norm};
-use super::linear::{CompleteOrthogonal, DampedNormal};
+use super::linear::{CompleteOrthogonal, DampedNormal, add_scaled, dot};
+
+/// How many past costs a search may remember.
+pub(super) const MOST_RECENT_COSTS: usize = 10;
 
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -106,6 +109,12 @@ impl Memory {
         &self.gradient
     }
 
+    /// λ for Levenberg-Marquardt, the step length σ or α for the others.
+    #[must_use]
+    pub fn damping(&self) -> f64 {
+        self.damping
+    }
+
     /// Evaluations so far in this search.
     #[must_use]
     pub fn counts(&self) -> Counts {
@@ -137,10 +146,12 @@ impl Memory {
         self.free.clear();
         self.free.reserve(n);
         self.recent_costs.clear();
+        self.recent_costs.reserve(MOST_RECENT_COSTS);
+        self.normal.reserve(m, n);
+        self.orthogonal.reserve(m, n);
         self.counts = Counts::default();
         self.damping = 0.0;
         self.damping_growth = 0.0;
-        self.normal.forget();
 
         for (own, &given) in self.x.iter_mut().zip(start) {
             *own = given;
@@ -162,13 +173,8 @@ impl Memory {
         let rows = self.residual.len();
         let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
         for (entry, column) in self.gradient.iter_mut().zip(columns) {
-            let (mut along, mut squared) = (0.0, 0.0);
-            for (&j, &r) in column.iter().zip(&self.residual) {
-                along += j * r;
-                squared += j * j;
-            }
-            *entry = along;
-            self.column_norm = self.column_norm.max(squared);
+            *entry = dot(column, &self.residual);
+            self.column_norm = self.column_norm.max(dot(column, column));
         }
         self.column_norm = self.column_norm.sqrt();
         self.list_free(problem);
@@ -184,6 +190,11 @@ impl Memory {
         );
         self.counts.gradients += 1;
         self.list_free(problem);
+    }
+
+    /// Puts r(x) at any x into [`residual`](Self::residual).
+    pub(crate) fn evaluate_at(&mut self, problem: &mut dyn LeastSquares, x: &[f64]) {
+        problem.residual(x, &mut self.residual);
     }
 
     /// The gradient Jᵀr at any x with residual r.
@@ -242,9 +253,7 @@ impl Memory {
         let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
         for (&step, column) in self.step.iter().zip(columns) {
             if step != 0.0 {
-                for (p, &j) in predicted.iter_mut().zip(column) {
-                    *p += step * j;
-                }
+                add_scaled(predicted, step, column);
             }
         }
         half_squared(predicted)
@@ -265,6 +274,6 @@ impl Memory {
 }
 
 /// ½‖r‖².
-pub(super) fn half_squared(residual: &[f64]) -> f64 {
-    0.5 * residual.iter().map(|r| r * r).sum::<f64>()
+pub(crate) fn half_squared(residual: &[f64]) -> f64 {
+    0.5 * dot(residual, residual)
 }

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::{Iteration, LeastSquares, Memory, Method, Observer, Step, Stopping, Termination};
+use super::search::Search;
+use super::{Iteration, LeastSquares, Memory, Method, Observer, Stopping, Termination};
 
 /// How a search ended; where, is in the memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,87 +48,66 @@ pub(crate) fn minimise_until(
     observer: &mut dyn Observer,
     memory: &mut Memory,
 ) -> Outcome {
-    memory.start_at(problem, start);
-    let mut outcome = Outcome {
-        termination: Termination::NonFinite,
-        iterations: 0,
-        projected_gradient: None,
+    let Some(mut search) = Search::start(problem, start, memory) else {
+        return Outcome {
+            termination: Termination::NonFinite,
+            iterations: 0,
+            projected_gradient: None,
+        };
     };
-    if start.len() != problem.variables() || start.iter().any(|v| !v.is_finite()) {
-        return outcome;
-    }
-    let mut last_step = Step::Taken;
-    outcome.termination = loop {
-        if !memory.cost.is_finite() {
+    let mut milestone = (0, memory.cost);
+    let termination = loop {
+        if !search.look(problem, method, memory) {
             break Termination::NonFinite;
         }
-        let done = problem.stops_when_reached() && problem.is_reached(&memory.residual);
-        outcome.projected_gradient = None;
-        if !done {
-            if outcome.iterations == 0 {
-                // Its size scales the gradient test, also for methods that use gradients only.
-                memory.differentiate(problem);
-                method.begin(memory);
-            } else if last_step == Step::Taken && method.needs_jacobian() {
-                memory.differentiate(problem);
-            } else if last_step == Step::Taken {
-                memory.differentiate_cost(problem);
-            }
-            outcome.projected_gradient = Some(memory.projected_gradient_norm(problem));
-        }
         let seen = observer.observe(&Iteration {
-            index: outcome.iterations,
+            index: search.iterations,
             cost: memory.cost,
-            projected_gradient: outcome.projected_gradient,
-            step: match last_step {
-                Step::Taken if outcome.iterations > 0 => memory.step_norm(),
-                _ => 0.0,
-            },
+            projected_gradient: search.projected_gradient,
+            step: search.step_norm(memory),
             damping: memory.damping,
             x: &memory.x,
         });
-        let Some(projected_gradient) = outcome.projected_gradient else {
-            break Termination::Reached;
-        };
-        if !projected_gradient.is_finite() {
-            break Termination::NonFinite;
-        }
-        if is_stationary(projected_gradient, memory, stopping) {
-            break Termination::Stationary;
+        if let Some(termination) = search.judge(memory, stopping) {
+            break termination;
         }
         if seen.is_break() {
             break Termination::Cancelled;
         }
-        if outcome.iterations >= stopping.max_iterations {
+        if memory.cost < 0.5 * milestone.1 {
+            milestone = (search.iterations, memory.cost);
+        }
+        let waited = search.iterations - milestone.0;
+        if stopping.patience.is_some_and(|patience| waited >= patience) {
+            break Termination::Stalled;
+        }
+        if search.iterations >= stopping.max_iterations {
             break Termination::IterationLimit;
         }
         if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             break Termination::TimeLimit;
         }
-
-        last_step = method.step(problem, memory);
-        outcome.iterations += 1;
-        let negligible = memory.step_is_negligible(stopping.step_tolerance);
-        let reached = last_step == Step::Taken && problem.is_reached(&memory.residual);
-        if last_step == Step::Stuck || (negligible && !reached) {
-            break Termination::SmallStep;
+        if let Some(termination) = search.step(problem, method, memory, stopping) {
+            break termination;
         }
     };
-    return_best(problem, memory);
-    outcome
-}
-
-/// The cosine test of MINPACK (Moré 1978), with the largest column norm for every column.
-fn is_stationary(projected_gradient: f64, memory: &Memory, stopping: &Stopping) -> bool {
-    let length = (2.0 * memory.cost).sqrt();
-    projected_gradient <= stopping.gradient_tolerance * memory.column_norm * length
-}
-
-/// A search that may climb for a while returns the best place it has seen.
-fn return_best(problem: &mut dyn LeastSquares, memory: &mut Memory) {
-    if memory.best_cost < memory.cost {
-        memory.trial.copy_from_slice(&memory.best_x);
-        let cost = memory.evaluate_trial(problem);
-        memory.accept_trial(cost);
+    let projected_gradient = return_best(problem, memory).or(search.projected_gradient);
+    Outcome {
+        termination,
+        iterations: search.iterations,
+        projected_gradient,
     }
+}
+
+/// A search that may climb, or wander where the cost is flat, returns the first of the best places
+/// it has seen, and the projected gradient there if it is elsewhere.
+fn return_best(problem: &mut dyn LeastSquares, memory: &mut Memory) -> Option<f64> {
+    if memory.best_cost > memory.cost || memory.best_x == memory.x {
+        return None;
+    }
+    memory.trial.copy_from_slice(&memory.best_x);
+    let cost = memory.evaluate_trial(problem);
+    memory.accept_trial(cost);
+    memory.differentiate_cost(problem);
+    Some(memory.projected_gradient_norm(problem))
 }

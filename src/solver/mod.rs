@@ -14,16 +14,27 @@ mod method;
 mod minimise;
 mod observer;
 mod projected_gradient;
+mod search;
+#[cfg(feature = "argmin")]
+mod snapshot;
 mod stopping;
 
 pub use active_set::project;
+#[cfg(feature = "argmin")]
+pub(crate) use active_set::projected_gradient_norm;
 pub use gauss_newton::GaussNewton;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt};
+#[cfg(feature = "argmin")]
+pub(crate) use memory::half_squared;
 pub use memory::{Counts, Memory};
 pub use method::{Method, Step};
 pub(crate) use minimise::minimise_until;
 pub use minimise::{Outcome, minimise};
 pub use observer::{Iteration, Observer, Silent};
 pub use projected_gradient::{FirstStep, ProjectedGradient};
+#[cfg(feature = "argmin")]
+pub(crate) use search::Search;
+#[cfg(feature = "argmin")]
+pub(crate) use snapshot::Snapshot;
 pub use stopping::{Stopping, Termination};

@@ -1,15 +1,17 @@
 //! Projected gradient descent: x ← proj(x − σ g).
 
 use super::line_search::along_projected_path;
+use super::memory::MOST_RECENT_COSTS;
 use super::{LeastSquares, Memory, Method, Step};
 
 /// The source documents' large first σ.
 const LARGE: f64 = 10_000.0;
 /// How many past costs a spectral step may climb back to (Birgin, Martínez & Raydan 2000).
-const HISTORY: usize = 10;
+const HISTORY: usize = MOST_RECENT_COSTS;
 
 /// Which σ a step tries first.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub enum FirstStep {
     /// The same σ every time, halved until the cost falls. The sources use 10 000.
     Fixed(f64),
@@ -20,6 +22,7 @@ pub enum FirstStep {
 
 /// Projected gradient descent with backtracking along the projected path.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProjectedGradient {
     first_step: FirstStep,
 }
@@ -58,7 +61,6 @@ impl Method for ProjectedGradient {
         } else {
             1.0
         };
-        memory.recent_costs.reserve(HISTORY);
         memory.recent_costs.push(memory.cost);
     }
 

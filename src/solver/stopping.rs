@@ -11,6 +11,7 @@ pub struct Stopping {
     pub(super) gradient_tolerance: f64,
     pub(super) step_tolerance: f64,
     pub(super) time_limit: Option<Duration>,
+    pub(super) patience: Option<usize>,
 }
 
 impl Default for Stopping {
@@ -21,6 +22,7 @@ impl Default for Stopping {
             gradient_tolerance: 1e-9,
             step_tolerance: 1e-15,
             time_limit: None,
+            patience: None,
         }
     }
 }
@@ -48,6 +50,14 @@ impl Stopping {
         self
     }
 
+    /// Gives up as stalled when so many steps in a row have not halved the cost. Without it a
+    /// search goes on until it is stationary.
+    #[must_use]
+    pub fn with_patience(mut self, steps: Option<usize>) -> Self {
+        self.patience = steps;
+        self
+    }
+
     /// Looks at the clock before every step and stops after `limit`. Results then depend on the
     /// machine.
     #[must_use]
@@ -56,19 +66,42 @@ impl Stopping {
         self
     }
 
+    /// The share of the gradient's scale that counts as stationary.
+    #[must_use]
+    pub fn gradient_tolerance(&self) -> f64 {
+        self.gradient_tolerance
+    }
+
+    /// The relative step that counts as none.
+    #[must_use]
+    pub fn step_tolerance(&self) -> f64 {
+        self.step_tolerance
+    }
+
     /// The wall-clock limit, if there is one.
     #[must_use]
     pub fn time_limit(&self) -> Option<Duration> {
         self.time_limit
     }
 
+    /// The same limits with at most this patience.
+    pub(crate) fn impatient(self, steps: usize) -> Self {
+        let patience = self.patience.map_or(steps, |own| own.min(steps));
+        self.with_patience(Some(patience))
+    }
+
     pub(crate) fn deadline(&self) -> Option<Instant> {
-        self.time_limit.map(|limit| Instant::now() + limit)
+        // A limit beyond what the clock can tell is none.
+        let now = self
+            .time_limit
+            .map(|limit| Instant::now().checked_add(limit));
+        now.flatten()
     }
 }
 
 /// Which test ended a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Termination {
     /// Every goal is within its tolerance.
@@ -77,6 +110,8 @@ pub enum Termination {
     Stationary,
     /// Steps became too small to change anything.
     SmallStep,
+    /// Progress became too slow for the patience asked for.
+    Stalled,
     /// The iteration limit.
     IterationLimit,
     /// The wall-clock limit.
@@ -95,6 +130,7 @@ impl Termination {
             Self::Reached => "reached",
             Self::Stationary => "stationary",
             Self::SmallStep => "small_step",
+            Self::Stalled => "stalled",
             Self::IterationLimit => "iteration_limit",
             Self::TimeLimit => "time_limit",
             Self::Cancelled => "cancelled",

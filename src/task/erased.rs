@@ -18,6 +18,29 @@ pub(crate) struct DualScratch {
     pub(crate) residual: Vec<Dual<CHUNK>>,
 }
 
+impl DualScratch {
+    /// Makes room for a task of this shape.
+    pub(crate) fn reserve(&mut self, rows: usize, frames: usize, joints: usize) {
+        make_room(&mut self.frames, frames);
+        make_room(&mut self.joints, joints);
+        make_room(&mut self.residual, rows);
+    }
+
+    /// The same room, empty.
+    pub(crate) fn clone_empty(&self) -> Self {
+        Self {
+            frames: Vec::with_capacity(self.frames.capacity()),
+            joints: Vec::with_capacity(self.joints.capacity()),
+            residual: Vec::with_capacity(self.residual.capacity()),
+        }
+    }
+}
+
+/// Grows an empty vector's capacity to at least `count`.
+pub(super) fn make_room<T>(vector: &mut Vec<T>, count: usize) {
+    vector.reserve(count.saturating_sub(vector.len()));
+}
+
 /// What a problem asks of a residual.
 pub(crate) trait ErasedResidual: Send + Sync + Any {
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]);

@@ -1,5 +1,6 @@
 //! The derivative of one residual by what it reads: its frames' twists and its joints' values.
 
+use super::erased::make_room;
 use crate::spatial::Vector3;
 
 /// ∂r/∂twist for each frame and ∂r/∂value for each joint of one residual.
@@ -31,6 +32,15 @@ impl LocalJacobian {
         self.joint_count = joints;
         self.joints.clear();
         self.diagonal.clear();
+    }
+
+    /// Makes room for a residual of this shape.
+    pub(crate) fn reserve(&mut self, rows: usize, frames: usize, joints: usize) {
+        make_room(&mut self.linear, rows * frames);
+        make_room(&mut self.angular, rows * frames);
+        make_room(&mut self.turning, frames);
+        make_room(&mut self.joints, rows * joints);
+        make_room(&mut self.diagonal, rows.min(joints));
     }
 
     /// How many rows the residual has.
@@ -89,14 +99,16 @@ impl LocalJacobian {
 
     /// Multiplies each row by its weight.
     pub(crate) fn scale_rows(&mut self, weights: &[f64]) {
+        // A residual may have no rows, but chunks must have a length.
+        let rows = self.rows.max(1);
         for part in [&mut self.linear, &mut self.angular] {
-            for row in part.chunks_exact_mut(self.rows) {
+            for row in part.chunks_exact_mut(rows) {
                 for (entry, &weight) in row.iter_mut().zip(weights) {
                     *entry = *entry * weight;
                 }
             }
         }
-        for row in self.joints.chunks_exact_mut(self.rows) {
+        for row in self.joints.chunks_exact_mut(rows) {
             for (entry, &weight) in row.iter_mut().zip(weights) {
                 *entry *= weight;
             }

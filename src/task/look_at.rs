@@ -60,8 +60,8 @@ impl Residual for LookAt {
         let sight = Vector3::select(blind, axis, sight * (S::one() / length));
 
         // The half-way quaternion (1 + a·s, a × s) turns a onto s; opposite vectors leave it
-        // empty, and any axis across a does.
-        let w = S::one() + axis.dot(sight);
+        // empty, and any axis across a does. ½‖a + s‖² is 1 + a·s without cancellation.
+        let w = (axis + sight).norm_squared() * S::constant(0.5);
         let opposite = w.less_than(S::constant(1e-12));
         let v = Vector3::select(opposite, across(axis), axis.cross(sight));
         let w = S::select(opposite, S::zero(), w);

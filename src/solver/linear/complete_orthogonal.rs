@@ -19,6 +19,23 @@ pub(in crate::solver) struct CompleteOrthogonal {
 }
 
 impl CompleteOrthogonal {
+    /// Makes room for every problem of this shape, whatever is free and of whatever rank.
+    pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
+        let rank = rows.min(columns);
+        self.q_r.reserve(rows, columns);
+        self.z_u.reserve(columns, rank);
+        self.pivots.clear();
+        self.pivots.reserve(columns);
+        for (vector, room) in [
+            (&mut self.r_transposed, columns * rank),
+            (&mut self.right_side, rows),
+            (&mut self.solution, columns),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+    }
+
     /// Factorises the given columns of `matrix`. Columns whose remaining length is at most
     /// `tolerance` times the longest column add no rank.
     pub(in crate::solver) fn factorise(

@@ -12,6 +12,18 @@ pub(super) struct HouseholderQr {
 }
 
 impl HouseholderQr {
+    /// Makes room for matrices of up to this shape.
+    pub(super) fn reserve(&mut self, rows: usize, columns: usize) {
+        for (vector, room) in [
+            (&mut self.entries, rows * columns),
+            (&mut self.diagonal, columns),
+            (&mut self.scale, columns),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+    }
+
     /// Starts with a matrix given by its columns.
     pub(super) fn load<'a>(&mut self, rows: usize, entries: impl Iterator<Item = &'a f64>) {
         self.rows = rows;

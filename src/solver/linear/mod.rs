@@ -3,7 +3,9 @@
 
 mod complete_orthogonal;
 mod damped_normal;
+mod dense;
 mod householder;
 
 pub(super) use complete_orthogonal::CompleteOrthogonal;
 pub(super) use damped_normal::DampedNormal;
+pub(super) use dense::{add_scaled, dot};

@@ -1,0 +1,110 @@
+//! How often, how fast and in how many steps each solver reaches five random tip targets of a
+//! figure from its rest pose: `cargo run --release -p kinopt-benches --bin solve_rate -- [problems]`.
+#![allow(clippy::print_stdout)]
+
+use std::time::Instant;
+
+use kinopt::ik::Restarts;
+use kinopt::solver::{
+    Damping, FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient, Stopping,
+};
+use kinopt::task::{Point, Quantity};
+use kinopt::{Problem, Solver, Workspace};
+use kinopt_benches::{Sequence, figure, random_targets};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let problems: usize = std::env::args().nth(1).map_or(Ok(1000), |n| n.parse())?;
+    let (skeleton, tips) = figure(2, 4);
+    let size = skeleton.size();
+    let mut builder = Problem::builder(skeleton.model());
+    let tasks: Vec<_> = tips
+        .iter()
+        .map(|&tip| builder.add(Point::new(skeleton.tip(tip), [0.0; 3])))
+        .collect();
+    builder.tolerance(Quantity::Metres, 1e-8 * size);
+    let mut problem = builder.build()?;
+
+    // The same targets for everyone: tips of random poses across the full limits.
+    let targets = random_targets(&skeleton, &tips, problems, &mut Sequence::new(0.5));
+
+    println!(
+        "{} bones, {} variables, {} rows, {problems} problems, tolerance 1e-8 of the size",
+        skeleton.bones().len(),
+        problem.variables(),
+        problem.rows()
+    );
+    println!(
+        "{:<28} {:>8} {:>9} {:>9} {:>9} {:>8} {:>8}",
+        "solver", "solved", "median µs", "p99 µs", "mean µs", "steps", "tries"
+    );
+    let first = Restarts::none();
+    let again = Restarts::default();
+    let lm = |damping| LevenbergMarquardt::new(damping);
+    let long = Stopping::default().with_max_iterations(2000);
+    let solvers = [
+        (
+            "LM gain ratio, first try",
+            Solver::new(lm(Damping::GainRatio)).with_restarts(first),
+        ),
+        (
+            "LM error, first try",
+            Solver::new(lm(Damping::ErrorProportional)).with_restarts(first),
+        ),
+        (
+            "Gauss-Newton, first try",
+            Solver::new(GaussNewton::default()).with_restarts(first),
+        ),
+        (
+            "gradient BB, first try",
+            Solver::new(ProjectedGradient::new(FirstStep::BarzilaiBorwein))
+                .with_stopping(long)
+                .with_restarts(first),
+        ),
+        (
+            "gradient, first try",
+            Solver::new(ProjectedGradient::default()).with_restarts(first),
+        ),
+        (
+            "LM gain ratio",
+            Solver::new(lm(Damping::GainRatio)).with_restarts(again),
+        ),
+        (
+            "LM error",
+            Solver::new(lm(Damping::ErrorProportional)).with_restarts(again),
+        ),
+        (
+            "Gauss-Newton",
+            Solver::new(GaussNewton::default()).with_restarts(again),
+        ),
+    ];
+    let rest = skeleton.model().neutral();
+    let mut workspace = Workspace::new();
+    for (name, solver) in solvers {
+        let (mut solved, mut steps, mut tries) = (0, 0, 0);
+        let mut micros = Vec::with_capacity(problems);
+        for target in &targets {
+            for (&task, &at) in tasks.iter().zip(target) {
+                if let Some(point) = problem.residual_mut(task) {
+                    point.set_target(at);
+                }
+            }
+            let begun = Instant::now();
+            let solution = solver.solve(&problem, &rest, &mut workspace)?;
+            micros.push(begun.elapsed().as_secs_f64() * 1e6);
+            solved += usize::from(solution.reached);
+            steps += solution.iterations;
+            tries += solution.attempts;
+        }
+        micros.sort_by(f64::total_cmp);
+        println!(
+            "{name:<28} {:>7.2}% {:>9.1} {:>9.1} {:>9.1} {:>8.1} {:>8.2}",
+            100.0 * solved as f64 / problems as f64,
+            micros[problems / 2],
+            micros[problems * 99 / 100],
+            micros.iter().sum::<f64>() / problems as f64,
+            steps as f64 / problems as f64,
+            tries as f64 / problems as f64,
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,8 @@
+//! What the benches of kinopt share: models built in code and numbers that never change.
+#![allow(clippy::expect_used)]
+
+mod figure;
+mod sequence;
+
+pub use figure::{every_angle_free, figure, random_targets};
+pub use sequence::Sequence;

@@ -1,0 +1,179 @@
+//! A problem in its own variables: for argmin's derivative-free solvers, and for our methods.
+
+use argmin::core::{CostFunction, Error, OptimizationResult, State};
+use nalgebra::{DMatrix, DVector};
+
+use super::error::{BridgeError, check_length};
+use super::pool::Pool;
+use super::solution::{Place, solution_at, start_of};
+use crate::ik::{Solution, SolveError};
+use crate::problem::{Evaluation, Problem};
+use crate::solver::{LeastSquares, project};
+
+/// How far the corners of a first simplex stand from the start, as a share of the range.
+const SIMPLEX_SIZE: f64 = 0.1;
+
+/// A problem in its own variables x.
+///
+/// To argmin it has a cost only, taken at the nearest point within the bounds: outside, the cost
+/// is that of the bound, and a solution is always within. So Nelder-Mead and particle swarm run on
+/// it, and a solver that needs derivatives, which would be wrong outside, does not compile.
+///
+/// To our methods it is a [`LeastSquares`] with its bounds: run them with
+/// [`ExecutorMethod`](super::ExecutorMethod).
+#[derive(Clone, Debug)]
+pub struct BoundedProblem<'p> {
+    problem: &'p Problem,
+    pool: Pool,
+}
+
+impl<'p> BoundedProblem<'p> {
+    /// Offers `problem` to argmin.
+    #[must_use]
+    pub fn new(problem: &'p Problem) -> Self {
+        Self {
+            problem,
+            pool: Pool::default(),
+        }
+    }
+
+    /// The variables of the configuration `q` (shape: degrees of freedom), projected into the
+    /// limits.
+    ///
+    /// # Errors
+    /// A configuration of the wrong length or not finite.
+    pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
+        Ok(DVector::from_vec(start_of(self.problem, q)?))
+    }
+
+    /// Where a search from `q` may look: the bounds, or π radians or the model's reach to either
+    /// side of the start where a variable has none. Lower corner, upper corner: what particle
+    /// swarm asks for.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn window(&self, q: &[f64]) -> Result<(DVector<f64>, DVector<f64>), SolveError> {
+        let start = self.start(q)?;
+        let (mut low, mut high) = (start.clone(), start);
+        for k in 0..low.len() {
+            (low[k], high[k]) = self.problem.sampling_range(k, low[k]);
+        }
+        Ok((low, high))
+    }
+
+    /// n + 1 corners for Nelder-Mead: the start, and one step of a tenth of the window along each
+    /// variable, towards the farther end.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn simplex(&self, q: &[f64]) -> Result<Vec<DVector<f64>>, SolveError> {
+        let start = self.start(q)?;
+        let (low, high) = self.window(q)?;
+        let mut corners = vec![start.clone()];
+        for k in 0..start.len() {
+            let mut corner = start.clone();
+            let forward = high[k] - start[k] >= start[k] - low[k];
+            let step = SIMPLEX_SIZE * (high[k] - low[k]);
+            corner[k] += if forward { step } else { -step };
+            corners.push(corner);
+        }
+        Ok(corners)
+    }
+
+    /// The best point of a run, measured: errors, limits and costs are those of the returned `q`.
+    ///
+    /// # Errors
+    /// A run of another problem, or one without any parameter vector.
+    pub fn solution<S, I>(
+        &self,
+        run: &OptimizationResult<Self, S, I>,
+    ) -> Result<Solution, BridgeError>
+    where
+        I: State<Float = f64>,
+        I::Param: Place,
+    {
+        let state = run.state();
+        let best = state.get_best_param().or_else(|| state.get_param());
+        let x = best.ok_or(BridgeError::NoParameters)?.coordinates();
+        if x.len() != self.problem.variables() {
+            return Err(BridgeError::Variables {
+                given: x.len(),
+                expected: self.problem.variables(),
+            });
+        }
+        Ok(solution_at(
+            self.problem,
+            &self.pool,
+            x.as_slice(),
+            Some((state, &run.problem.counts)),
+        ))
+    }
+}
+
+impl CostFunction for BoundedProblem<'_> {
+    type Param = DVector<f64>;
+    type Output = f64;
+
+    fn cost(&self, x: &DVector<f64>) -> Result<f64, Error> {
+        let problem = self.problem;
+        check_length(x.len(), problem.variables())?;
+        Ok(self.pool.with(problem, |buffers| {
+            buffers.x.copy_from_slice(x.as_slice());
+            project(&mut buffers.x, problem.lower(), problem.upper());
+            Evaluation::new(problem, &mut buffers.scratch)
+                .residual(&buffers.x, &mut buffers.residual);
+            buffers.cost()
+        }))
+    }
+}
+
+impl LeastSquares for BoundedProblem<'_> {
+    fn variables(&self) -> usize {
+        self.problem.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.problem.rows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.problem.lower()
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.problem.upper()
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        self.pool.with(self.problem, |buffers| {
+            Evaluation::new(self.problem, &mut buffers.scratch).residual(x, residual);
+        });
+    }
+
+    fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        self.pool.with(self.problem, |buffers| {
+            Evaluation::new(self.problem, &mut buffers.scratch).jacobian(x, jacobian);
+        });
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        residual: &[f64],
+        gradient: &mut [f64],
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        self.pool.with(self.problem, |buffers| {
+            Evaluation::new(self.problem, &mut buffers.scratch)
+                .gradient(x, residual, gradient, jacobian);
+        });
+    }
+
+    fn is_reached(&self, residual: &[f64]) -> bool {
+        self.problem.is_reached(residual)
+    }
+
+    fn stops_when_reached(&self) -> bool {
+        !self.problem.has_preferences()
+    }
+}

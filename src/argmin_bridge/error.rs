@@ -1,0 +1,35 @@
+//! What can go wrong between argmin and us.
+
+use argmin::core::{ArgminError, Error};
+use thiserror::Error as ThisError;
+
+/// Why a run has no solution to report.
+#[derive(Debug, ThisError)]
+#[non_exhaustive]
+pub enum BridgeError {
+    /// The run failed before it returned a state, and not for want of anything to improve.
+    #[error("argmin: {0:#}")]
+    Argmin(Error),
+    /// The state holds no parameter vector.
+    #[error("the argmin state holds no parameter vector: the solver was never initialised")]
+    NoParameters,
+    /// The state is of another problem.
+    #[error("the argmin run has {given} variables, the problem has {expected}")]
+    Variables {
+        /// Variables of the run.
+        given: usize,
+        /// Variables of the problem.
+        expected: usize,
+    },
+}
+
+/// What an evaluation answers to a parameter vector of the wrong length.
+pub(super) fn check_length(given: usize, expected: usize) -> Result<(), Error> {
+    if given == expected {
+        return Ok(());
+    }
+    Err(ArgminError::InvalidParameter {
+        text: format!("the parameter vector has {given} numbers, the problem {expected} variables"),
+    }
+    .into())
+}

@@ -1,0 +1,182 @@
+//! Our methods as solvers of argmin's executor.
+
+use argmin::core::{
+    ArgminError, Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus,
+};
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+
+use super::course::Course;
+use crate::solver::{LeastSquares, Memory, Method, Search, Stopping, Termination};
+
+/// The state in which our methods run: parameters x, gradient Jᵀr and residuals r.
+pub type MethodState = IterState<DVector<f64>, DVector<f64>, (), (), DVector<f64>, f64>;
+
+/// One of our methods under argmin's `Executor`, on any [`LeastSquares`], such as a
+/// [`BoundedProblem`](super::BoundedProblem): the same steps and the same tests as
+/// [`minimise`](crate::solver::minimise), bit for bit, with argmin's observers, counters, timeout
+/// and checkpoints.
+///
+/// The start is the state's `param`, projected into the bounds. Iterations are counted and limited
+/// by the executor (`max_iters`, without limit by default). Observers see as key-values `damping`
+/// (λ for Levenberg-Marquardt, the step length for the others), `projected_gradient` and `step`,
+/// and in the state `param`, `cost`, `gradient` (when the goals were missed) and `residuals`.
+/// A search ends as `SolverConverged` where the goals are reached or no free variable lowers the
+/// cost, and as `SolverExit` with the name of our [`Termination`] otherwise.
+///
+/// It serialises whole, settings and search, between two iterations: a resumed run takes the same
+/// steps as one that was never interrupted. Evaluations that a resumed search repeats are counted.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ExecutorMethod<M> {
+    method: M,
+    gradient_tolerance: f64,
+    step_tolerance: f64,
+    course: Course,
+    /// How the search ended, if it has.
+    ended: Option<Termination>,
+}
+
+impl<M: Method> ExecutorMethod<M> {
+    /// Runs `method` with the default tolerances of [`Stopping`].
+    #[must_use]
+    pub fn new(method: M) -> Self {
+        let stopping = Stopping::default();
+        Self {
+            method,
+            gradient_tolerance: stopping.gradient_tolerance(),
+            step_tolerance: stopping.step_tolerance(),
+            course: Course::default(),
+            ended: None,
+        }
+    }
+
+    /// Takes the gradient and step tolerances of `stopping`. Its limits of iterations and time are
+    /// the executor's to set.
+    #[must_use]
+    pub fn with_tolerances_of(mut self, stopping: &Stopping) -> Self {
+        self.gradient_tolerance = stopping.gradient_tolerance();
+        self.step_tolerance = stopping.step_tolerance();
+        self
+    }
+
+    /// The method, with its settings.
+    #[must_use]
+    pub fn method(&self) -> &M {
+        &self.method
+    }
+
+    /// Which test ended the search; `None` while it goes on, or where the executor ended it.
+    #[must_use]
+    pub fn termination(&self) -> Option<Termination> {
+        self.ended
+    }
+
+    fn stopping(&self) -> Stopping {
+        Stopping::default()
+            .with_gradient_tolerance(self.gradient_tolerance)
+            .with_step_tolerance(self.step_tolerance)
+    }
+
+    /// Looks at where the search stands, judges it and writes it down.
+    fn look<O: LeastSquares>(
+        &mut self,
+        problem: &mut Problem<O>,
+        state: MethodState,
+    ) -> Result<(MethodState, Option<KV>), Error> {
+        let stopping = self.stopping();
+        let least_squares = inner(problem)?;
+        let (search, memory) = self.course.running(least_squares, &self.method)?;
+        if !search.look(least_squares, &self.method, memory) {
+            self.ended = Some(Termination::NonFinite);
+        } else if self.ended.is_none() {
+            self.ended = search.judge(memory, &stopping);
+        }
+
+        let mut seen = KV::new();
+        seen.insert("damping", memory.damping().into());
+        seen.insert("step", search.step_norm(memory).into());
+        let mut state = state
+            .param(DVector::from_column_slice(memory.x()))
+            .cost(memory.cost())
+            .residuals(DVector::from_column_slice(memory.residual()));
+        if let Some(norm) = search.projected_gradient {
+            seen.insert("projected_gradient", norm.into());
+            state = state.gradient(DVector::from_column_slice(memory.gradient()));
+        }
+        let counts = memory.counts();
+        for (name, count) in [
+            ("cost_count", counts.residuals),
+            ("jacobian_count", counts.jacobians),
+            ("gradient_count", counts.gradients),
+        ] {
+            problem.counts.insert(name, count as u64);
+        }
+        Ok((state, Some(seen)))
+    }
+}
+
+impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
+    fn name(&self) -> &str {
+        self.method.name()
+    }
+
+    fn init(
+        &mut self,
+        problem: &mut Problem<O>,
+        mut state: MethodState,
+    ) -> Result<(MethodState, Option<KV>), Error> {
+        let least_squares = inner(problem)?;
+        let start = state
+            .take_param()
+            .ok_or_else(|| ArgminError::NotInitialized {
+                text: format!(
+                    "`{}` needs a start: configure the state's `param`",
+                    self.method.name()
+                ),
+            })?;
+        let mut memory = Box::<Memory>::default();
+        let search = Search::start(least_squares, start.as_slice(), &mut memory);
+        let search = search.ok_or_else(|| ArgminError::InvalidParameter {
+            text: format!(
+                "`{}` needs a start of {} finite numbers",
+                self.method.name(),
+                least_squares.variables()
+            ),
+        })?;
+        self.course = Course::Running { search, memory };
+        self.ended = None;
+        self.look(problem, state)
+    }
+
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<O>,
+        state: MethodState,
+    ) -> Result<(MethodState, Option<KV>), Error> {
+        let stopping = self.stopping();
+        let least_squares = inner(problem)?;
+        let (search, memory) = self.course.running(least_squares, &self.method)?;
+        self.ended = search.step(least_squares, &self.method, memory, &stopping);
+        self.look(problem, state)
+    }
+
+    fn terminate(&mut self, _state: &MethodState) -> TerminationStatus {
+        match self.ended {
+            None => TerminationStatus::NotTerminated,
+            Some(Termination::Reached | Termination::Stationary) => {
+                TerminationStatus::Terminated(TerminationReason::SolverConverged)
+            }
+            Some(other) => TerminationStatus::Terminated(TerminationReason::SolverExit(
+                other.name().to_owned(),
+            )),
+        }
+    }
+}
+
+/// argmin takes the problem out now and then; a solver should never see it so.
+fn inner<O>(problem: &mut Problem<O>) -> Result<&mut O, ArgminError> {
+    let inner = problem.problem.as_mut();
+    inner.ok_or_else(|| ArgminError::NotInitialized {
+        text: "the executor holds no problem".to_owned(),
+    })
+}

@@ -1,0 +1,39 @@
+//! Evaluating a problem through a shared reference, from any thread.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use nalgebra::DMatrix;
+
+use crate::problem::{Problem, Scratch};
+
+/// The memory of one evaluation.
+#[derive(Debug)]
+pub(super) struct Buffers {
+    pub(super) scratch: Scratch,
+    pub(super) x: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    pub(super) gradient: Vec<f64>,
+    pub(super) jacobian: DMatrix<f64>,
+}
+
+/// Buffers not in use. A thread takes one, or makes one where none is left, and puts it back: the
+/// lock is held for the taking only. Clones share the pool.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pool(Arc<Mutex<Vec<Buffers>>>);
+
+impl Pool {
+    pub(super) fn with<T>(&self, problem: &Problem, work: impl FnOnce(&mut Buffers) -> T) -> T {
+        let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let taken = free().pop();
+        let mut buffers = taken.unwrap_or_else(|| Buffers {
+            scratch: problem.scratch(),
+            x: vec![0.0; problem.variables()],
+            residual: vec![0.0; problem.rows()],
+            gradient: vec![0.0; problem.variables()],
+            jacobian: DMatrix::zeros(problem.rows(), problem.variables()),
+        });
+        let result = work(&mut buffers);
+        free().push(buffers);
+        result
+    }
+}

@@ -1,0 +1,250 @@
+//! A problem for argmin's solvers that know no bounds.
+
+use argmin::core::{
+    CostFunction, Error, Gradient, Hessian, Jacobian, Operator, OptimizationResult, State,
+};
+use nalgebra::{DMatrix, DVector};
+
+use super::bounds_transform::{BoundsTransform, Image};
+use super::error::{BridgeError, check_length};
+use super::pool::{Buffers, Pool};
+use super::solution::{Place, is_finished_at, solution_at, start_of};
+use crate::ik::{Solution, SolveError};
+use crate::problem::{Evaluation, Problem};
+use crate::solver::{LeastSquares, half_squared};
+
+/// Keeps the Gauss-Newton Hessian of a redundant arm invertible, as a share of its largest
+/// diagonal entry.
+const HESSIAN_FLOOR: f64 = 1e-10;
+
+/// A problem over unbounded variables y: every y gives an x(y) within the bounds, and all
+/// derivatives are those by y, exactly.
+///
+/// A variable with two bounds is x = mid + half · sin(y / half), one with one bound
+/// x = bound ± (√(y² + 1) − 1), one without is y itself. Where a solution stands on a bound,
+/// dx/dy is 0, so solvers approach it quadratically rather than land on it, and a start on a bound
+/// would never leave it: [`start`](Self::start) nudges it inwards. Our own methods need none of
+/// this, see [`ExecutorMethod`](super::ExecutorMethod).
+///
+/// Implements argmin's `CostFunction` (½‖r‖²), `Gradient`, `Operator` (the weighted residual r),
+/// `Jacobian` (∂r/∂y) and `Hessian`. The Hessian is Gauss-Newton's JᵀJ, plus the non-negative part
+/// of the exact term that the change of variables adds, plus 1e-10 of its largest diagonal entry:
+/// positive definite, as the dogleg method needs, on redundant arms too.
+///
+/// Clones share their memory; evaluation from several threads at once is fine.
+#[derive(Clone, Debug)]
+pub struct UnboundedProblem<'p> {
+    problem: &'p Problem,
+    transforms: Vec<BoundsTransform>,
+    pool: Pool,
+}
+
+impl<'p> UnboundedProblem<'p> {
+    /// Offers `problem` to argmin.
+    #[must_use]
+    pub fn new(problem: &'p Problem) -> Self {
+        let bounds = problem.lower().iter().zip(problem.upper());
+        Self {
+            problem,
+            transforms: bounds
+                .map(|(&lower, &upper)| BoundsTransform::new(lower, upper))
+                .collect(),
+            pool: Pool::default(),
+        }
+    }
+
+    /// The y of the configuration `q` (shape: degrees of freedom), projected into the limits and
+    /// then kept off them by 1 % of half the range, or by 0.01 where there is one limit only.
+    ///
+    /// # Errors
+    /// A configuration of the wrong length or not finite.
+    pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
+        let x = start_of(self.problem, q)?;
+        let y = self.transforms.iter().zip(x).map(|(t, x)| t.start(x));
+        Ok(DVector::from_iterator(self.transforms.len(), y))
+    }
+
+    /// The variables x(y) of the problem, within its bounds to the bit. NaN where y is not finite.
+    #[must_use]
+    pub fn variables_at(&self, y: &DVector<f64>) -> Vec<f64> {
+        self.images(y).map(|image| image.value).collect()
+    }
+
+    /// The best point of a run, measured: errors, limits and costs are those of the returned `q`.
+    ///
+    /// # Errors
+    /// A run of another problem, or one without any parameter vector.
+    pub fn solution<S, I>(
+        &self,
+        run: &OptimizationResult<Self, S, I>,
+    ) -> Result<Solution, BridgeError>
+    where
+        I: State<Float = f64>,
+        I::Param: Place,
+    {
+        let state = run.state();
+        let best = state.get_best_param().or_else(|| state.get_param());
+        let y = best.ok_or(BridgeError::NoParameters)?.coordinates();
+        let x = self.checked_variables(y)?;
+        Ok(solution_at(
+            self.problem,
+            &self.pool,
+            &x,
+            Some((state, &run.problem.counts)),
+        ))
+    }
+
+    /// As [`solution`](Self::solution), also for a run that failed. argmin's line searches answer
+    /// an error when they are started at the optimum: where nothing within the bounds improves on
+    /// `start` (the y that the run began at), `start` is the solution.
+    ///
+    /// # Errors
+    /// Any other failure of the run, and the errors of [`solution`](Self::solution).
+    pub fn solution_from<S, I>(
+        &self,
+        start: &DVector<f64>,
+        run: Result<OptimizationResult<Self, S, I>, Error>,
+    ) -> Result<Solution, BridgeError>
+    where
+        I: State<Float = f64>,
+        I::Param: Place,
+    {
+        match run {
+            Ok(run) => self.solution(&run),
+            Err(error) => {
+                let x = self.checked_variables(start)?;
+                let solution = solution_at(self.problem, &self.pool, &x, None::<(&I, _)>);
+                if is_finished_at(&solution) {
+                    Ok(solution)
+                } else {
+                    Err(BridgeError::Argmin(error))
+                }
+            }
+        }
+    }
+
+    fn checked_variables(&self, y: &DVector<f64>) -> Result<Vec<f64>, BridgeError> {
+        if y.len() != self.transforms.len() {
+            return Err(BridgeError::Variables {
+                given: y.len(),
+                expected: self.transforms.len(),
+            });
+        }
+        Ok(self.variables_at(y))
+    }
+
+    fn images(&self, y: &DVector<f64>) -> impl Iterator<Item = Image> {
+        let pairs = self.transforms.iter().zip(y.iter());
+        pairs.map(|(transform, &y)| transform.image(y))
+    }
+
+    /// Evaluates x(y) and r(x) and lets `work` go on from there.
+    fn evaluate<T>(
+        &self,
+        y: &DVector<f64>,
+        work: impl FnOnce(&Problem, &mut Buffers) -> T,
+    ) -> Result<T, Error> {
+        check_length(y.len(), self.transforms.len())?;
+        Ok(self.pool.with(self.problem, |buffers| {
+            for (x, image) in buffers.x.iter_mut().zip(self.images(y)) {
+                *x = image.value;
+            }
+            Evaluation::new(self.problem, &mut buffers.scratch)
+                .residual(&buffers.x, &mut buffers.residual);
+            work(self.problem, buffers)
+        }))
+    }
+
+    /// ∂r/∂y of buffers that hold x.
+    fn jacobian_of(&self, y: &DVector<f64>, buffers: &mut Buffers) -> DMatrix<f64> {
+        Evaluation::new(self.problem, &mut buffers.scratch)
+            .jacobian(&buffers.x, &mut buffers.jacobian);
+        let mut jacobian = buffers.jacobian.clone();
+        for (mut column, image) in jacobian.column_iter_mut().zip(self.images(y)) {
+            column *= image.slope;
+        }
+        jacobian
+    }
+}
+
+impl Buffers {
+    /// Jᵀr by x of buffers that hold x and r.
+    pub(super) fn differentiate_cost(&mut self, problem: &Problem) {
+        Evaluation::new(problem, &mut self.scratch).gradient(
+            &self.x,
+            &self.residual,
+            &mut self.gradient,
+            &mut self.jacobian,
+        );
+    }
+
+    pub(super) fn cost(&self) -> f64 {
+        half_squared(&self.residual)
+    }
+}
+
+impl CostFunction for UnboundedProblem<'_> {
+    type Param = DVector<f64>;
+    type Output = f64;
+
+    fn cost(&self, y: &DVector<f64>) -> Result<f64, Error> {
+        self.evaluate(y, |_, buffers| buffers.cost())
+    }
+}
+
+impl Gradient for UnboundedProblem<'_> {
+    type Param = DVector<f64>;
+    type Gradient = DVector<f64>;
+
+    fn gradient(&self, y: &DVector<f64>) -> Result<DVector<f64>, Error> {
+        self.evaluate(y, |problem, buffers| {
+            buffers.differentiate_cost(problem);
+            let slopes = self.images(y).map(|image| image.slope);
+            let entries = buffers.gradient.iter().zip(slopes).map(|(g, s)| g * s);
+            DVector::from_iterator(y.len(), entries)
+        })
+    }
+}
+
+impl Operator for UnboundedProblem<'_> {
+    type Param = DVector<f64>;
+    type Output = DVector<f64>;
+
+    fn apply(&self, y: &DVector<f64>) -> Result<DVector<f64>, Error> {
+        self.evaluate(y, |_, buffers| {
+            DVector::from_column_slice(&buffers.residual)
+        })
+    }
+}
+
+impl Jacobian for UnboundedProblem<'_> {
+    type Param = DVector<f64>;
+    type Jacobian = DMatrix<f64>;
+
+    fn jacobian(&self, y: &DVector<f64>) -> Result<DMatrix<f64>, Error> {
+        self.evaluate(y, |_, buffers| self.jacobian_of(y, buffers))
+    }
+}
+
+impl Hessian for UnboundedProblem<'_> {
+    type Param = DVector<f64>;
+    type Hessian = DMatrix<f64>;
+
+    fn hessian(&self, y: &DVector<f64>) -> Result<DMatrix<f64>, Error> {
+        self.evaluate(y, |problem, buffers| {
+            let jacobian = self.jacobian_of(y, buffers);
+            buffers.differentiate_cost(problem);
+            let mut hessian = jacobian.tr_mul(&jacobian);
+            for (k, image) in self.images(y).enumerate() {
+                // ∂cost/∂x · d²x/dy²: positive where a bound holds the solution.
+                hessian[(k, k)] += (buffers.gradient[k] * image.curvature).max(0.0);
+            }
+            let largest = hessian.diagonal().iter().copied().fold(0.0, f64::max);
+            let floor = if largest > 0.0 { largest } else { 1.0 } * HESSIAN_FLOOR;
+            for k in 0..y.len() {
+                hessian[(k, k)] += floor;
+            }
+            hessian
+        })
+    }
+}

@@ -1,0 +1,131 @@
+//! The search over attempts: which one runs next, and which one counts.
+
+use std::time::Instant;
+
+use super::Workspace;
+use super::restarts::{Restarts, Trial};
+use crate::problem::{Evaluation, Problem, Scratch};
+use crate::solver::{Counts, Method, Observer, Outcome, Stopping, Termination, minimise_until};
+
+/// Costs within this share of each other count as the same miss.
+const SAME_COST: f64 = 1e-6;
+
+/// What the attempts together came to; where, is in the workspace.
+pub(super) struct Found {
+    /// How the attempt that counts ended.
+    pub(super) outcome: Outcome,
+    pub(super) cost: f64,
+    pub(super) iterations: usize,
+    pub(super) attempts: usize,
+    pub(super) counts: Counts,
+}
+
+impl Found {
+    fn nothing() -> Self {
+        Self {
+            outcome: Outcome {
+                termination: Termination::NonFinite,
+                iterations: 0,
+                projected_gradient: None,
+            },
+            cost: f64::INFINITY,
+            iterations: 0,
+            attempts: 0,
+            counts: Counts::default(),
+        }
+    }
+}
+
+/// One search of one problem.
+pub(super) struct Search<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) method: &'a dyn Method,
+    pub(super) stopping: Stopping,
+    pub(super) restarts: Restarts,
+}
+
+impl Search<'_> {
+    /// Runs the trials from the workspace's start until one reaches the goals, several agree that
+    /// none can, or they run out.
+    pub(super) fn run(
+        &self,
+        workspace: &mut Workspace,
+        scratch: &mut Scratch,
+        observer: &mut dyn Observer,
+    ) -> Found {
+        let Workspace {
+            memory,
+            start,
+            attempt,
+            wander,
+            best_x,
+            best_residual,
+            ..
+        } = workspace;
+        let deadline = self.stopping.deadline();
+        let mut found = Found::nothing();
+        let mut agreeing = 0;
+        for trial in self.restarts.trials() {
+            match trial {
+                Trial::Quick(index) | Trial::Full(index) => {
+                    if index == 1 {
+                        let mut evaluation = Evaluation::new(self.problem, scratch);
+                        memory.evaluate_at(&mut evaluation, start);
+                        self.problem.mark_free_to_wander(memory.residual(), wander);
+                    }
+                    self.restarts
+                        .start_of(index, start, wander, self.problem, attempt);
+                    found.attempts += 1;
+                }
+                Trial::FinishBest => attempt.copy_from_slice(best_x),
+            }
+            let stopping = match trial {
+                Trial::Quick(index) => self.stopping.impatient(Restarts::patience(index)),
+                Trial::FinishBest | Trial::Full(_) => self.stopping,
+            };
+            let outcome = minimise_until(
+                &mut Evaluation::new(self.problem, scratch),
+                self.method,
+                attempt,
+                &stopping,
+                deadline,
+                observer,
+                memory,
+            );
+            found.iterations += outcome.iterations;
+            found.counts += memory.counts();
+
+            let cost = memory.cost();
+            let reached = self.problem.is_reached(memory.residual());
+            if settled(outcome.termination) && trial.counts_for_agreement() {
+                agreeing = if cost < found.cost * (1.0 - SAME_COST) {
+                    1
+                } else {
+                    agreeing + usize::from(cost <= found.cost * (1.0 + SAME_COST))
+                };
+            }
+            let first = found.attempts == 1 && trial != Trial::FinishBest;
+            let better = cost < found.cost || found.cost.is_nan();
+            if reached || first || better || trial == Trial::FinishBest {
+                (found.outcome, found.cost) = (outcome, cost);
+                best_x.copy_from_slice(memory.x());
+                best_residual.copy_from_slice(memory.residual());
+            }
+            let cancelled = outcome.termination == Termination::Cancelled;
+            let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+            let tired = found.iterations >= self.restarts.steps;
+            if reached || cancelled || late || tired || agreeing >= self.restarts.agreeing {
+                break;
+            }
+        }
+        found
+    }
+}
+
+/// Whether an attempt ended because nothing better is near, rather than for lack of patience.
+fn settled(termination: Termination) -> bool {
+    matches!(
+        termination,
+        Termination::Stationary | Termination::SmallStep
+    )
+}

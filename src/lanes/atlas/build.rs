@@ -1,0 +1,225 @@
+//! Filling the atlas: random configurations, each put into the cell of its key.
+
+use std::f64::consts::TAU;
+
+use super::key::Key;
+use super::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
+use crate::lanes::chain::JointKind;
+use crate::lanes::ldlt;
+use crate::lanes::links::Links;
+use crate::lanes::seeds::mix;
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// A joint's axis and a point on it.
+type Axis = (Vector3<f64>, Vector3<f64>);
+
+/// A configuration and where it brings the last frame.
+struct Sample {
+    key: Key,
+    q: Vec<f64>,
+    place: Placement<f64>,
+    joints: Vec<Axis>,
+}
+
+impl Atlas {
+    /// Samples a chain; none for chains too short or too long.
+    pub(crate) fn new(links: &Links, resolution: Resolution, seed: u64) -> Option<Self> {
+        let n = links.links.len();
+        if !(4..=MAX_ATLAS_JOINTS).contains(&n) {
+            return None;
+        }
+        let middle = |i: usize| {
+            let link = &links.links[i];
+            let sum = 0.5 * (link.lower + link.upper);
+            if sum.is_finite() { sum } else { 0.0 }
+        };
+        let cells = resolution.radius * resolution.height * resolution.direction.pow(2);
+        let rows_per_cell = n + 5 + 4 * n;
+        let mut atlas = Self {
+            joints: n,
+            resolution,
+            low: [0.0; 2],
+            scale: [1.0; 2],
+            rows: vec![[0.0; PER_CELL]; cells * rows_per_cell],
+            counts: vec![0; cells],
+            first_turns: links.links[0].kind == JointKind::Revolute,
+            last_turns: links.links[n - 1].kind == JointKind::Revolute,
+            middles: [middle(0), middle(n - 1)],
+        };
+        let samples = cells * resolution.samples;
+        let mut state = mix(seed ^ 0xA71A5);
+        let mut draw = |q: &mut [f64]| {
+            for (i, (q, link)) in q.iter_mut().zip(&links.links).enumerate() {
+                state = mix(state);
+                let unit = (state >> 11) as f64 * (0.5f64).powi(53);
+                let lower = if link.lower.is_finite() {
+                    link.lower
+                } else {
+                    -TAU / 2.0
+                };
+                let upper = if link.upper.is_finite() {
+                    link.upper
+                } else {
+                    TAU / 2.0
+                };
+                *q = if i == 0 || i == n - 1 && links.links[i].kind == JointKind::Revolute {
+                    0.0
+                } else {
+                    lower + unit * (upper - lower)
+                };
+            }
+        };
+        // The range of the keys, from a first few samples.
+        let mut q = vec![0.0; n];
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for _ in 0..2000 {
+            draw(&mut q);
+            let key = atlas.key(&forward(links, &q).0);
+            for k in 0..2 {
+                low[k] = low[k].min(key.place[k]);
+                high[k] = high[k].max(key.place[k]);
+            }
+        }
+        atlas.low = low;
+        let counts = [resolution.radius, resolution.height];
+        for k in 0..2 {
+            atlas.scale[k] = counts[k] as f64 / (high[k] - low[k]).max(1e-9);
+        }
+        for _ in 0..samples {
+            draw(&mut q);
+            let (place, joints) = forward(links, &q);
+            let key = atlas.key(&place);
+            let cell = atlas.cell(&key);
+            let count = usize::from(atlas.counts[cell]);
+            if count < PER_CELL {
+                let sample = Sample {
+                    key,
+                    q: q.clone(),
+                    place,
+                    joints,
+                };
+                atlas.store(cell, count, &sample, links);
+                atlas.counts[cell] += 1;
+            }
+        }
+        Some(atlas)
+    }
+
+    /// Puts a sample into a cell, with the derivative of its joint values by the key.
+    fn store(&mut self, cell: usize, slot: usize, sample: &Sample, links: &Links) {
+        let Sample {
+            key: key_in,
+            q,
+            place,
+            joints,
+        } = sample;
+
+        let n = self.joints;
+        let (centre, h) = self.direction_frame(cell);
+        let mut shifted = *key_in;
+        if self.first_turns {
+            shifted.shift = place.translation.y.atan2(place.translation.x);
+        }
+        let key = &shifted;
+        // The sample, turned so that its shift and roll are zero.
+        let (roll_y, roll_x) = self.roll_parts(key, h);
+        let roll = if self.last_turns {
+            roll_y.atan2(roll_x)
+        } else {
+            0.0
+        };
+        let mut canonical = q.to_vec();
+        canonical[0] -= key.shift;
+        if self.last_turns {
+            canonical[n - 1] -= roll;
+        }
+        // Geometry in the half plane's frame.
+        let turn = if self.first_turns { -key.shift } else { 0.0 };
+        let turned = Matrix3::identity().rotated_about_z(turn.sin_cos());
+        let lift = if self.first_turns { 0.0 } else { -key.shift };
+        let origin = turned * place.translation + Vector3::new(0.0, 0.0, lift);
+        let columns: Vec<[f64; 6]> = joints
+            .iter()
+            .zip(&links.links)
+            .map(|(&(axis, point), link)| {
+                let axis = turned * axis;
+                let point = turned * point + Vector3::new(0.0, 0.0, lift);
+                if link.kind == JointKind::Revolute {
+                    let v = axis.cross(origin - point);
+                    [v.x, v.y, v.z, axis.x, axis.y, axis.z]
+                } else {
+                    [axis.x, axis.y, axis.z, 0.0, 0.0, 0.0]
+                }
+            })
+            .collect();
+        let a = key.axis;
+        let side = h - a * h.dot(a);
+        let length = side.norm().max(1e-6);
+        let x = side * length.recip();
+        let turn_towards = |direction: Vector3<f64>| {
+            let tangent = direction - a * direction.dot(a);
+            let omega = a.cross(tangent) + a * (-x.dot(tangent.cross(h)) / length);
+            [0.0, 0.0, 0.0, omega.x, omega.y, omega.z]
+        };
+        let along = if self.first_turns {
+            [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+        } else {
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+        };
+        let twists = [
+            [along[0][0], along[0][1], along[0][2], 0.0, 0.0, 0.0],
+            [along[1][0], along[1][1], along[1][2], 0.0, 0.0, 0.0],
+            turn_towards(h),
+            turn_towards(centre.cross(h)),
+        ];
+        let mut m = [[0.0; 6]; 6];
+        for column in &columns {
+            for r in 0..6 {
+                for c in 0..6 {
+                    m[r][c] += column[r] * column[c];
+                }
+            }
+        }
+        for (k, row) in m.iter_mut().enumerate() {
+            row[k] += if k < 3 { 1e-4 } else { 1e-3 };
+        }
+        let base = cell * (n + 5 + 4 * n);
+        for (i, value) in canonical.iter().enumerate() {
+            self.rows[base + i][slot] = *value as f32;
+        }
+        let numbers = [key.place[0], key.place[1], a.x, a.y, a.z];
+        for (i, value) in numbers.iter().enumerate() {
+            self.rows[base + n + i][slot] = *value as f32;
+        }
+        for (k, twist) in twists.iter().enumerate() {
+            let y = ldlt::solve(m, *twist);
+            for (i, column) in columns.iter().enumerate() {
+                let value: f64 = column.iter().zip(&y).map(|(a, b)| a * b).sum();
+                self.rows[base + n + 5 + 4 * i + k][slot] = value as f32;
+            }
+        }
+    }
+}
+
+/// The placement of the frame after the last turn, its origin on the last axis, in the frame of the
+/// first joint; and every joint's axis and a point on it.
+fn forward(links: &Links, q: &[f64]) -> (Placement<f64>, Vec<Axis>) {
+    let mut r = Matrix3::identity();
+    let mut p = Vector3::zero();
+    let mut joints = Vec::with_capacity(q.len());
+    let last = q.len() - 1;
+    for (i, (link, &q)) in links.links.iter().zip(q).enumerate() {
+        joints.push((r.z, p));
+        if link.kind == JointKind::Revolute {
+            r = r.rotated_about_z((q + link.offset).sin_cos());
+        } else {
+            p += r.z * q;
+            r = r.rotated_about_z(link.offset_sin_cos);
+        }
+        if i < last {
+            p = p + r.x * link.along_x + r.y * link.along_y;
+            r = r.rotated_about_x(link.twist);
+        }
+    }
+    (Placement::new(r, p), joints)
+}

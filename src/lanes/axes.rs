@@ -1,0 +1,112 @@
+//! The residual of goals that leave axes free or give them room.
+//!
+//! Orientation is the vector part of the relative quaternion, 2 sin(θ/2) n, whose components are
+//! zero together only where the rotation is about the free axes; the sine of the whole angle, which
+//! the full pose uses, would also vanish half a turn away. Derivatives are exact: with the tip's
+//! position p and the quaternion (w, v), a twist (u, ω) moves p by u + ω × p and 2v by w ω + ω × v.
+
+use super::judge::Errors;
+use super::kernel::{Evaluation, Settings, Weighed};
+use super::lane::LaneScalar;
+use crate::scalar::Scalar;
+use crate::spatial::{Matrix3, Quaternion, Vector3};
+
+/// Weighs the residual and turns the columns into rows of its derivative.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn weigh<V: LaneScalar>(
+    at: &Evaluation<V>,
+    linear: &mut [Vector3<V>],
+    angular: &mut [Vector3<V>],
+    settings: &Settings,
+) -> Weighed<V> {
+    let axes = &settings.axes;
+    let p = at.position;
+    let quaternion = upright(Quaternion::from_matrix(&at.rotation));
+    let (w, v) = (quaternion.w, quaternion.v);
+    let turn = v * V::constant(2.0);
+    let (p_out, p_gate) = band(p, axes.position_half_widths);
+    let (r_out, r_gate) = band(turn, axes.orientation_half_widths);
+    let metres = settings.metres_per_radian;
+    let p_weight = product(Vector3::constant(axes.position_weights.into()), p_gate);
+    let r_weight = product(
+        Vector3::constant(axes.orientation_weights.into()) * V::constant(metres),
+        r_gate,
+    );
+    for (linear, angular) in linear.iter_mut().zip(angular) {
+        let (m, z) = (*linear, *angular);
+        *linear = product(m + z.cross(p), p_weight);
+        *angular = product(z * w + z.cross(v), r_weight);
+    }
+    let p_residual = product(p_out, p_weight);
+    let r_residual = product(r_out, r_weight);
+    Weighed {
+        cost: p_residual.norm_squared() + r_residual.norm_squared(),
+        position: counted(p_out, axes.position_weights).norm_squared(),
+        orientation: counted(r_out, axes.orientation_weights).norm_squared(),
+        gradient: (p_residual, r_residual),
+        twist: (p_residual, r_residual),
+    }
+}
+
+/// The errors over the axes that count, beyond their dead bands.
+pub(crate) fn errors<S: LaneScalar>(
+    position: Vector3<S>,
+    rotation: &Matrix3<S>,
+    settings: &Settings,
+) -> Errors {
+    let axes = &settings.axes;
+    let turn = upright(Quaternion::from_matrix(rotation)).v * S::constant(2.0);
+    let (p, _) = band(position, axes.position_half_widths);
+    let (r, _) = band(turn, axes.orientation_half_widths);
+    let chord = counted(r, axes.orientation_weights).norm().lane(0);
+    Errors {
+        position: counted(p, axes.position_weights).norm().lane(0),
+        orientation: 2.0 * (0.5 * chord).min(1.0).asin(),
+    }
+}
+
+/// The one of q and −q with w ≥ 0.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn upright<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
+    let flip = q.w.less_than(S::zero());
+    Quaternion {
+        w: S::select(flip, -q.w, q.w),
+        v: Vector3::select(flip, -q.v, q.v),
+    }
+}
+
+/// What lies outside ±half width, and 1 there, 0 inside.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn band<S: Scalar>(r: Vector3<S>, half_widths: [f64; 3]) -> (Vector3<S>, Vector3<S>) {
+    let one = |r: S, h: f64| {
+        let h = S::constant(h);
+        let out = r - r.max(-h).min(h);
+        let inside = !(h.less_than(r.abs())) & S::zero().less_than(h);
+        (
+            S::select(inside, S::zero(), out),
+            S::select(inside, S::zero(), S::one()),
+        )
+    };
+    let (x, y, z) = (
+        one(r.x, half_widths[0]),
+        one(r.y, half_widths[1]),
+        one(r.z, half_widths[2]),
+    );
+    (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn product<S: Scalar>(a: Vector3<S>, b: Vector3<S>) -> Vector3<S> {
+    Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
+}
+
+/// The components whose weight is not zero.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn counted<S: Scalar>(v: Vector3<S>, weights: [f64; 3]) -> Vector3<S> {
+    let gate = |v: S, w: f64| if w > 0.0 { v } else { S::zero() };
+    Vector3::new(
+        gate(v.x, weights[0]),
+        gate(v.y, weights[1]),
+        gate(v.z, weights[2]),
+    )
+}

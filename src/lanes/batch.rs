@@ -1,0 +1,174 @@
+//! Many queries: every lane works on its own, and takes the next when it is done.
+
+use super::chain::MAX_JOINTS;
+use super::kernel::Group;
+use super::lane::LaneScalar;
+use super::options::{Outcome, Search};
+use super::race::Query;
+use super::seeds::QuerySeeds;
+use super::solver::PoseSolver;
+use crate::spatial::Placement;
+
+/// What a lane is busy with.
+struct Job<'a> {
+    index: usize,
+    query: Query<'a>,
+    goal_from_first: Placement<f64>,
+    seeds: QuerySeeds<'a>,
+    attempt: u32,
+    /// Attempts ended.
+    begun: u32,
+    age: u32,
+    iterations: u32,
+    best_cost: f64,
+}
+
+/// What a batch is given.
+pub(crate) struct Work<'a> {
+    /// One a query; or one alone, whose attempts are the work.
+    pub(crate) targets: &'a [Placement<f64>],
+    /// One start a target, joint values one after another.
+    pub(crate) starts: &'a [f64],
+    pub(crate) search: Search,
+    /// Run only this attempt and those that follow it, one a result, of the single target.
+    pub(crate) attempts_from: Option<u32>,
+    pub(crate) q: &'a mut [f64],
+    pub(crate) outcomes: &'a mut [Outcome],
+}
+
+/// Runs the attempts of each query one after another in one lane, so that what a query gives depends
+/// on nothing but itself. The winner is the lowest attempt that reaches.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn batch<
+    V: LaneScalar,
+    const L: usize,
+    const N: usize,
+    const EXACT: bool,
+    const AXES: bool,
+>(
+    solver: &PoseSolver,
+    work: Work<'_>,
+) {
+    let n = solver.links.links.len();
+    let settings = &solver.settings;
+    let options = &solver.options;
+    let mut group = Group::<V, N>::new(n);
+    let mut seed = [0.0; MAX_JOINTS];
+    let Work {
+        targets,
+        starts,
+        search,
+        attempts_from,
+        q: q_out,
+        outcomes,
+    } = work;
+    let mut next = 0;
+    let mut jobs: [Option<Job<'_>>; L] = [const { None }; L];
+    // A macro, as a closure might be compiled without the vector features.
+    macro_rules! take {
+        () => {{
+            let source = if attempts_from.is_some() { 0 } else { next };
+            match (targets.get(source), outcomes.get(next)) {
+                (Some(target), Some(_)) => {
+                    let query = Query {
+                        target,
+                        start: &starts[source * n..(source + 1) * n],
+                        search,
+                        deadline: None,
+                    };
+                    next += 1;
+                    Some(Job {
+                        index: next - 1,
+                        goal_from_first: solver.links.goal_from_first::<AXES>(target),
+                        seeds: QuerySeeds::new(solver, &query),
+                        query,
+                        attempt: attempts_from.map_or(0, |first| first + (next - 1) as u32),
+                        begun: 0,
+                        age: 0,
+                        iterations: 0,
+                        best_cost: f64::INFINITY,
+                    })
+                }
+                _ => None,
+            }
+        }};
+    }
+    let mut active = 0u32;
+    for (lane, job) in jobs.iter_mut().enumerate() {
+        *job = take!();
+        if let Some(job) = job {
+            job.seeds.fill::<V>(job.attempt, &mut seed);
+            group.load(lane, &job.goal_from_first, &seed, settings);
+            active |= 1 << lane;
+        }
+    }
+    while active != 0 {
+        let ended = group.step::<EXACT, AXES>(&solver.links, settings);
+        let mut over = (ended.reached | ended.stalled | ended.closing) & active;
+        for (lane, job) in jobs.iter_mut().enumerate() {
+            if let Some(job) = job {
+                job.age += 1;
+                over |= u32::from(job.age >= options.iterations) << lane;
+            }
+        }
+        while over != 0 {
+            let lane = over.trailing_zeros() as usize;
+            over &= over - 1;
+            let Some(job) = jobs.get_mut(lane).and_then(Option::as_mut) else {
+                continue;
+            };
+            let q = &mut q_out[job.index * n..(job.index + 1) * n];
+            let mut reached = ended.reached >> lane & 1 != 0;
+            let mut errors = None;
+            if !reached && ended.closing >> lane & 1 != 0 {
+                group.next_point(lane, &mut seed);
+                solver.unwrap_towards(job.query.start, &mut seed[..n]);
+                let (close, found) = solver.judge::<V, N, AXES>(&job.goal_from_first, &seed[..n]);
+                if close {
+                    reached = true;
+                    errors = Some(found);
+                    q.copy_from_slice(&seed[..n]);
+                } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
+                    continue;
+                }
+            }
+            if errors.is_none() && (reached || group.cost(lane) < job.best_cost) {
+                job.best_cost = group.cost(lane);
+                group.point(lane, q);
+            }
+            job.iterations += job.age;
+            job.age = 0;
+            let attempt = job.attempt;
+            job.attempt += 1;
+            job.begun += 1;
+            if reached || attempts_from.is_some() || job.begun >= options.attempts {
+                let winner = reached.then_some(attempt);
+                let errors = match errors {
+                    Some(errors) => errors,
+                    None => {
+                        solver.unwrap_towards(job.query.start, q);
+                        let (close, errors) = solver.judge::<V, N, AXES>(&job.goal_from_first, q);
+                        reached = close;
+                        errors
+                    }
+                };
+                outcomes[job.index] = Outcome {
+                    reached,
+                    position_error: errors.position,
+                    orientation_error: errors.orientation,
+                    iterations: job.iterations,
+                    attempts: job.begun,
+                    winner,
+                };
+                jobs[lane] = take!();
+            }
+            match &mut jobs[lane] {
+                Some(job) => {
+                    job.seeds.fill::<V>(job.attempt, &mut seed);
+                    group.load(lane, &job.goal_from_first, &seed, settings);
+                }
+                None => active &= !(1 << lane),
+            }
+        }
+    }
+}

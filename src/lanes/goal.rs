@@ -1,0 +1,61 @@
+//! Which of the six components of a pose matter, and how much.
+
+/// Weights and dead bands of a pose's components, in the target's axes.
+///
+/// Position component k is the tip's offset along axis k of the target frame, metres; orientation
+/// component k is that of 2 sin(θ/2) n, for the rotation by θ about n that takes the target's
+/// orientation to the tip's: for small errors the angle about axis k, radians. A weight of zero
+/// frees the axis: `[1, 1, 0]` for orientation is a tool that may spin about its z axis. A half
+/// width is how far off a component may be at no cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisGoal {
+    /// Weights of the position's components; zero frees one.
+    pub position_weights: [f64; 3],
+    /// Weights of the orientation's components; zero frees one.
+    pub orientation_weights: [f64; 3],
+    /// Half widths of the position's dead bands, metres.
+    pub position_half_widths: [f64; 3],
+    /// Half widths of the orientation's dead bands, radians.
+    pub orientation_half_widths: [f64; 3],
+}
+
+impl AxisGoal {
+    /// The full pose: everything counts, nothing has room.
+    #[must_use]
+    pub fn full_pose() -> Self {
+        Self {
+            position_weights: [1.0; 3],
+            orientation_weights: [1.0; 3],
+            position_half_widths: [0.0; 3],
+            orientation_half_widths: [0.0; 3],
+        }
+    }
+
+    /// Position only.
+    #[must_use]
+    pub fn position_only() -> Self {
+        Self {
+            orientation_weights: [0.0; 3],
+            ..Self::full_pose()
+        }
+    }
+
+    /// Whether this is the full pose, for which there is a faster kernel.
+    #[must_use]
+    pub fn is_full_pose(&self) -> bool {
+        *self == Self::full_pose()
+    }
+
+    /// Whether all numbers are finite and none negative.
+    pub(crate) fn is_valid(&self) -> bool {
+        [
+            self.position_weights,
+            self.orientation_weights,
+            self.position_half_widths,
+            self.orientation_half_widths,
+        ]
+        .as_flattened()
+        .iter()
+        .all(|v| v.is_finite() && *v >= 0.0)
+    }
+}

@@ -1,0 +1,79 @@
+//! The errors of the q that is returned, by forward kinematics at that q in plain `f64`.
+
+use super::axes;
+use super::chain::JointKind;
+use super::kernel::Settings;
+use super::lane::LaneScalar;
+use super::links::Links;
+use crate::scalar::Scalar;
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// How far the tip is from its goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errors {
+    /// Metres.
+    pub(crate) position: f64,
+    /// Radians, 0 to π.
+    pub(crate) orientation: f64,
+}
+
+/// Distance and angle of the tip at `q` from the goal.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
+    links: &Links,
+    settings: &Settings,
+    goal_from_first: &Placement<f64>,
+    q: &[f64],
+) -> Errors {
+    // The angles of four joints at a time.
+    let mut sin_cos = [(0.0, 1.0); N];
+    for ((out, q), links) in sin_cos
+        .chunks_mut(4)
+        .zip(q.chunks(4))
+        .zip(links.links.chunks(4))
+    {
+        let mut angle = V::Four::zero();
+        for (i, (q, link)) in q.iter().zip(links).enumerate() {
+            let turn = if link.kind == JointKind::Revolute {
+                *q
+            } else {
+                0.0
+            };
+            angle.set_lane(i, turn + link.offset);
+        }
+        let (sin, cos) = angle.sin_cos();
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = (sin.lane(i), cos.lane(i));
+        }
+    }
+    let c = V::One::constant;
+    let mut r = Matrix3::<V::One>::constant(goal_from_first.rotation);
+    let mut p = Vector3::<V::One>::constant(goal_from_first.translation);
+    for ((link, &q), &(sin, cos)) in links.links.iter().zip(q).zip(&sin_cos) {
+        if link.kind == JointKind::Prismatic {
+            p = r.z.mul_add(c(q), p);
+        }
+        r = r.rotated_about_z((c(sin), c(cos)));
+        p =
+            r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
+        r = r.rotated_about_x((c(link.twist.0), c(link.twist.1)));
+    }
+    if AXES {
+        r = r * Matrix3::constant(links.last_from_tip);
+        return axes::errors(p, &r, settings);
+    }
+    let skew = Vector3::new(r.y.z - r.z.y, r.z.x - r.x.z, r.x.y - r.y.x);
+    let sin = 0.5 * skew.norm().lane(0);
+    let cos = 0.5 * ((r.x.x + r.y.y + r.z.z).lane(0) - 1.0);
+    let orientation = if cos > 0.0 && sin < 1e-3 {
+        // The arc sine's series; the next term is below 1e-22.
+        let s = sin * sin;
+        sin * (1.0 + s * (1.0 / 6.0 + s * (3.0 / 40.0)))
+    } else {
+        sin.atan2(cos)
+    };
+    Errors {
+        position: p.norm().lane(0),
+        orientation,
+    }
+}

@@ -1,0 +1,257 @@
+//! Several `f64` side by side, as one [`Scalar`].
+//!
+//! A plain array in a newtype: every operation is a loop over the lanes that the compiler turns into
+//! vector instructions of whatever target the surrounding function is compiled for. There are no
+//! intrinsics. `FMA` says whether `mul_add` is one instruction there; where it is not, it would be
+//! a library call twenty times as slow, so the portable lanes multiply and add.
+
+use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
+
+use super::trigonometry;
+use crate::scalar::{Mask, Scalar};
+
+/// `L` numbers side by side; `FMA` picks fused multiply-add.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct Lanes<const L: usize, const FMA: bool>(pub [f64; L]);
+
+/// One truth value a lane: all bits set or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(32))]
+pub struct LaneMask<const L: usize>(pub [u64; L]);
+
+/// A scalar whose lanes can be read and written one by one.
+pub trait LaneScalar: Scalar {
+    /// Number of lanes.
+    const WIDTH: usize;
+    /// One number in the same arithmetic.
+    type One: LaneScalar;
+    /// Four numbers in the same arithmetic.
+    type Four: LaneScalar;
+
+    /// The lanes of single-precision numbers; missing ones are zero.
+    fn from_singles(values: &[f32; 4]) -> Self;
+
+    /// The value in `lane`, which is below [`WIDTH`](Self::WIDTH).
+    fn lane(&self, lane: usize) -> f64;
+
+    /// Replaces the value in `lane`.
+    fn set_lane(&mut self, lane: usize, value: f64);
+
+    /// The mask with bit `i` set where lane `i` is true.
+    fn mask_bits(mask: Self::Mask) -> u32;
+}
+
+impl<const L: usize, const FMA: bool> Lanes<L, FMA> {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L {
+            out[i] = f(self.0[i], other.0[i]);
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L {
+            out[i] = f(self.0[i]);
+        }
+        Self(out)
+    }
+}
+
+impl<const L: usize, const FMA: bool> LaneScalar for Lanes<L, FMA> {
+    const WIDTH: usize = L;
+    type One = Lanes<1, FMA>;
+    type Four = Lanes<4, FMA>;
+
+    #[inline(always)]
+    fn from_singles(values: &[f32; 4]) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L.min(4) {
+            out[i] = f64::from(values[i]);
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f64 {
+        self.0[lane]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, value: f64) {
+        self.0[lane] = value;
+    }
+
+    #[inline(always)]
+    fn mask_bits(mask: LaneMask<L>) -> u32 {
+        let mut bits = 0;
+        for i in 0..L {
+            bits |= u32::from(mask.0[i] >> 63 != 0) << i;
+        }
+        bits
+    }
+}
+
+impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
+    type Mask = LaneMask<L>;
+
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self([value; L])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L {
+            out[i] = if FMA {
+                self.0[i].mul_add(factor.0[i], addend.0[i])
+            } else {
+                self.0[i] * factor.0[i] + addend.0[i]
+            };
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        trigonometry::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        self.zip(x, f64::atan2)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.map(f64::exp)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.map(f64::ln)
+    }
+
+    #[inline(always)]
+    fn less_than(self, other: Self) -> LaneMask<L> {
+        let mut out = [0; L];
+        for i in 0..L {
+            out[i] = if self.0[i] < other.0[i] { u64::MAX } else { 0 };
+        }
+        LaneMask(out)
+    }
+
+    #[inline(always)]
+    fn select(mask: LaneMask<L>, yes: Self, no: Self) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L {
+            let (m, y, n) = (mask.0[i], yes.0[i].to_bits(), no.0[i].to_bits());
+            out[i] = f64::from_bits((m & y) | (!m & n));
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // The order of the comparison makes this one instruction (`minpd`); a NaN on the left gives
+        // the right side.
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+}
+
+macro_rules! lanewise {
+    ($($trait:ident $method:ident $assign_trait:ident $assign:ident $op:tt;)*) => {$(
+        impl<const L: usize, const FMA: bool> $trait for Lanes<L, FMA> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $op b)
+            }
+        }
+        impl<const L: usize, const FMA: bool> $assign_trait for Lanes<L, FMA> {
+            #[inline(always)]
+            fn $assign(&mut self, other: Self) {
+                *self = *self $op other;
+            }
+        }
+    )*};
+}
+lanewise! {
+    Add add AddAssign add_assign +;
+    Sub sub SubAssign sub_assign -;
+    Mul mul MulAssign mul_assign *;
+}
+
+impl<const L: usize, const FMA: bool> Div for Lanes<L, FMA> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+}
+
+impl<const L: usize, const FMA: bool> Neg for Lanes<L, FMA> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+impl<const L: usize> Mask for LaneMask<L> {}
+
+impl<const L: usize> BitAnd for LaneMask<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        let mut out = [0; L];
+        for i in 0..L {
+            out[i] = self.0[i] & other.0[i];
+        }
+        Self(out)
+    }
+}
+
+impl<const L: usize> BitOr for LaneMask<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        let mut out = [0; L];
+        for i in 0..L {
+            out[i] = self.0[i] | other.0[i];
+        }
+        Self(out)
+    }
+}
+
+impl<const L: usize> Not for LaneMask<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        let mut out = [0; L];
+        for i in 0..L {
+            out[i] = !self.0[i];
+        }
+        Self(out)
+    }
+}

@@ -1,0 +1,40 @@
+//! The 6 × 6 linear system of a step.
+
+use crate::scalar::Scalar;
+
+/// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read. Written
+/// out, as nested loops stay loops.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
+    let mut inverse = [V::zero(); 6];
+    // Each row below the pivot, with its entries right of the pivot's column.
+    macro_rules! eliminate {
+        ($j:literal: $($i:literal [$($k:literal)*])*) => {
+            inverse[$j] = V::one() / m[$j][$j];
+            $(
+                let factor = -(m[$i][$j] * inverse[$j]);
+                $(m[$i][$k] = factor.mul_add(m[$k][$j], m[$i][$k]);)*
+                b[$i] = factor.mul_add(b[$j], b[$i]);
+            )*
+        };
+    }
+    eliminate!(0: 1 [1] 2 [1 2] 3 [1 2 3] 4 [1 2 3 4] 5 [1 2 3 4 5]);
+    eliminate!(1: 2 [2] 3 [2 3] 4 [2 3 4] 5 [2 3 4 5]);
+    eliminate!(2: 3 [3] 4 [3 4] 5 [3 4 5]);
+    eliminate!(3: 4 [4] 5 [4 5]);
+    eliminate!(4: 5 [5]);
+    eliminate!(5:);
+    macro_rules! substitute {
+        ($i:literal: $($k:literal)*) => {
+            $(b[$i] = (-m[$k][$i]).mul_add(b[$k], b[$i]);)*
+            b[$i] *= inverse[$i];
+        };
+    }
+    substitute!(5:);
+    substitute!(4: 5);
+    substitute!(3: 5 4);
+    substitute!(2: 5 4 3);
+    substitute!(1: 5 4 3 2);
+    substitute!(0: 5 4 3 2 1);
+    b
+}

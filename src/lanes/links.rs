@@ -1,0 +1,170 @@
+//! The chain in the form the inner loop likes: every axis is z, every constant rotation is about x.
+//!
+//! Between two z axes any constant rotation is R_z(β) R_x(α) R_z(γ); the two turns about z move into
+//! the offsets of the joints on either side, which leaves R_x(α). The origin of a joint may slide
+//! along its axis, which takes the z part out of every translation. Both are exact for any chain,
+//! also with parallel or nearly parallel axes, where Denavit-Hartenberg's common normal is not.
+
+use super::chain::{Chain, JointKind};
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// One joint and the constant way to the next:
+/// `R_z(value + offset)`, `(along_x, along_y, 0)`, `R_x(α)` (for a sliding joint `R_z(offset)` and
+/// the value along z).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    pub(crate) kind: JointKind,
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+    /// Constant turn about z, radians.
+    pub(crate) offset: f64,
+    /// Sine and cosine of the offset, for sliding joints.
+    pub(crate) offset_sin_cos: (f64, f64),
+    /// Way to the next joint, metres.
+    pub(crate) along_x: f64,
+    pub(crate) along_y: f64,
+    /// Sine and cosine of α.
+    pub(crate) twist: (f64, f64),
+    /// Bounds of the value, radians or metres.
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+/// A chain as links, with the constant ends.
+#[derive(Clone, Debug)]
+pub(crate) struct Links {
+    pub(crate) links: Vec<Link>,
+    /// Where the first joint stands.
+    pub(crate) base_from_first: Placement<f64>,
+    /// The tip's orientation in the frame after the last joint. Its position is the last link's way.
+    pub(crate) last_from_tip: Matrix3<f64>,
+    /// Whether every joint turns.
+    pub(crate) all_revolute: bool,
+}
+
+impl Links {
+    pub(crate) fn new(chain: &Chain) -> Self {
+        let joints = chain.joints();
+        let mut links: Vec<Link> = Vec::with_capacity(joints.len());
+        let mut ways: Vec<Vector3<f64>> = Vec::with_capacity(joints.len());
+        let mut previous_alignment = Matrix3::identity();
+        let mut base_from_first = Placement::identity();
+        for (index, joint) in joints.iter().enumerate() {
+            let alignment = frame_along(joint.axis);
+            let step = Placement::new(previous_alignment.transpose(), Vector3::zero())
+                * joint.parent_from_joint
+                * Placement::new(alignment, Vector3::zero());
+            previous_alignment = alignment;
+            let mut offset = 0.0;
+            if let Some(before) = links.last_mut() {
+                let (beta, twist, gamma) = turn_twist_turn(&step.rotation);
+                before.offset += beta;
+                before.twist = twist;
+                offset = gamma;
+                ways.push(
+                    Matrix3::identity().rotated_about_z((-beta).sin_cos()) * step.translation,
+                );
+            } else {
+                base_from_first = step;
+            }
+            debug_assert_eq!(links.len(), index);
+            links.push(Link {
+                kind: joint.kind,
+                from: index & 1,
+                to: (index + 1) & 1,
+                offset,
+                offset_sin_cos: (0.0, 1.0),
+                along_x: 0.0,
+                along_y: 0.0,
+                twist: (0.0, 1.0),
+                lower: joint.lower,
+                upper: joint.upper,
+            });
+        }
+        let tip = chain.joint_from_tip();
+        ways.push(previous_alignment.transpose() * tip.translation);
+        let last_from_tip = previous_alignment.transpose() * tip.rotation;
+
+        // Slide origins along their axes, tip to base, until no way has a z part.
+        for index in (0..links.len()).rev() {
+            let z = ways[index].z;
+            if let Some(before) = index.checked_sub(1) {
+                let (sin, cos) = links[before].twist;
+                ways[before] += Vector3::new(0.0, -sin * z, cos * z);
+            } else {
+                base_from_first.translation += base_from_first.rotation.z * z;
+            }
+            let link = &mut links[index];
+            (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
+            link.offset_sin_cos = link.offset.sin_cos();
+        }
+        Self {
+            all_revolute: links.iter().all(|link| link.kind == JointKind::Revolute),
+            links,
+            base_from_first,
+            last_from_tip,
+        }
+    }
+
+    /// Where the tip stands at `q`.
+    pub(crate) fn base_from_tip(&self, q: &[f64]) -> Placement<f64> {
+        let mut r = self.base_from_first.rotation;
+        let mut p = self.base_from_first.translation;
+        for (link, &q) in self.links.iter().zip(q) {
+            if link.kind == JointKind::Revolute {
+                r = r.rotated_about_z((q + link.offset).sin_cos());
+            } else {
+                p += r.z * q;
+                r = r.rotated_about_z(link.offset_sin_cos);
+            }
+            p = p + r.x * link.along_x + r.y * link.along_y;
+            r = r.rotated_about_x(link.twist);
+        }
+        Placement::new(r * self.last_from_tip, p)
+    }
+
+    /// The frame in which the kernel works: the target, its orientation turned so that the frame
+    /// after the last joint should come to it; and from there to the first joint.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn goal_from_first<const AXES: bool>(
+        &self,
+        base_from_target: &Placement<f64>,
+    ) -> Placement<f64> {
+        // The weighted kernel needs the target's own axes, and turns the tip itself.
+        let rotation = if AXES {
+            base_from_target.rotation
+        } else {
+            base_from_target.rotation * self.last_from_tip.transpose()
+        };
+        let goal = Placement::new(rotation, base_from_target.translation);
+        goal.inverse() * self.base_from_first
+    }
+}
+
+/// A right-handed frame whose z axis is the unit vector `axis`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
+    // The coordinate axis least aligned with it, so that nothing cancels.
+    let other = if axis.x.abs() < 0.6 {
+        Vector3::new(1.0, 0.0, 0.0)
+    } else {
+        Vector3::new(0.0, 1.0, 0.0)
+    };
+    let x = other - axis * other.dot(axis);
+    let x = x * x.norm().recip();
+    Matrix3::from_columns(x, axis.cross(x), axis)
+}
+
+/// β, (sin α, cos α) and γ with R = R_z(β) R_x(α) R_z(γ).
+fn turn_twist_turn(rotation: &Matrix3<f64>) -> (f64, (f64, f64), f64) {
+    let z = rotation.z;
+    let sin = z.x.hypot(z.y);
+    let beta = if sin > 0.0 { z.x.atan2(-z.y) } else { 0.0 };
+    let untwisted = Matrix3::identity()
+        .rotated_about_z(beta.sin_cos())
+        .rotated_about_x((sin, z.z))
+        .transpose()
+        * *rotation;
+    let gamma = untwisted.x.y.atan2(untwisted.x.x);
+    (beta, (sin, z.z), gamma)
+}

@@ -1,0 +1,102 @@
+//! What a solver is told, what it answers, and what can be wrong with a call.
+
+use super::goal::AxisGoal;
+
+/// Which of several solutions is wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Search {
+    /// The one from the start, if that attempt succeeds; others only rescue it.
+    #[default]
+    Start,
+    /// Whichever takes the fewest iterations: the atlas's seeds come first.
+    First,
+}
+
+/// Options of a [`PoseSolver`](super::PoseSolver).
+#[derive(Clone, Debug, PartialEq)]
+pub struct LaneOptions {
+    /// How far the tip may be from the target, metres; positive. Default 1e-6.
+    pub position_tolerance: f64,
+    /// How far the tip may be turned from the target, radians; positive. Default 1e-6.
+    pub orientation_tolerance: f64,
+    /// Metres that weigh as much as one radian in the cost; positive. Default 0.3.
+    pub metres_per_radian: f64,
+    /// Which components of the pose count. Default all.
+    pub axes: AxisGoal,
+    /// Levenberg-Marquardt's λ at the start of an attempt is this times twice the cost. Default 0.07.
+    pub damping: f64,
+    /// An attempt whose error has not halved in this many iterations is given up, ten
+    /// times as many where the cost is below 1e-6 m². Default 6.
+    pub stall_limit: u32,
+    /// Most iterations of one attempt. Default 100.
+    pub iterations: u32,
+    /// Most attempts of one query, at least 1. Default 200.
+    pub attempts: u32,
+    /// Seed of the atlas and of the random attempts: attempt i begins from (seed, i). Default 0.
+    pub seed: u64,
+    /// Whether to build the seed atlas: a few megabytes and tens of milliseconds, and several times
+    /// fewer iterations. Chains of fewer than 4 or more than 12 joints have none. Default true.
+    pub atlas: bool,
+    /// Whether to use the portable kernels even where faster instructions are there: for comparing
+    /// them. Default false.
+    pub portable: bool,
+}
+
+impl Default for LaneOptions {
+    fn default() -> Self {
+        Self {
+            position_tolerance: 1e-6,
+            orientation_tolerance: 1e-6,
+            metres_per_radian: 0.3,
+            axes: AxisGoal::full_pose(),
+            damping: 0.07,
+            stall_limit: 6,
+            iterations: 100,
+            attempts: 200,
+            seed: 0,
+            atlas: true,
+            portable: false,
+        }
+    }
+}
+
+/// How a query ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Whether both errors are within their tolerances.
+    pub reached: bool,
+    /// Distance of the tip from the target at the returned q, metres.
+    pub position_error: f64,
+    /// Angle between tip and target at the returned q, radians.
+    pub orientation_error: f64,
+    /// Iterations of all attempts together.
+    pub iterations: u32,
+    /// Attempts begun.
+    pub attempts: u32,
+    /// The attempt whose q this is, when it reached.
+    pub winner: Option<u32>,
+}
+
+/// What is wrong with a call.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LaneError {
+    /// A tolerance or weight that is no positive number.
+    #[error("option {0} must be a positive finite number")]
+    Option(&'static str),
+    /// A slice of another length than the chain and the number of targets ask for.
+    #[error("{what} holds {found} numbers, {expected} are needed")]
+    Length {
+        /// Which argument.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// A start that is not finite.
+    #[error("the start of query {0} is not finite")]
+    Start(usize),
+    /// A target that is not finite or whose rotation is not orthonormal to 1e-6.
+    #[error("target {0} is not a rigid placement")]
+    Target(usize),
+}

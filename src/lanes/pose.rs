@@ -1,0 +1,32 @@
+//! The residual of the full pose.
+
+use super::kernel::{Evaluation, Weighed};
+use super::lane::LaneScalar;
+use crate::spatial::Vector3;
+
+/// The full pose.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V> {
+    let c = V::constant;
+    let (p, r) = (at.position, &at.rotation);
+    let half = c(0.5);
+    let s = Vector3::new(
+        (r.y.z - r.z.y) * half,
+        (r.z.x - r.x.z) * half,
+        (r.x.y - r.y.x) * half,
+    );
+    let cos = (r.x.x + r.y.y + r.z.z - V::one()) * half;
+    let (pp, ss) = (p.norm_squared(), s.norm_squared());
+    // 2(1 − cos θ) in powers of sin² θ where the difference would cancel.
+    let series = ss.mul_add(c(5.0 / 64.0), c(1.0 / 8.0));
+    let series = ss.mul_add(ss.mul_add(series, c(0.25)), V::one()) * ss;
+    let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);
+    let turned = V::select(near, series, (V::one() - cos) * c(2.0));
+    Weighed {
+        cost: turned.mul_add(c(weight), pp),
+        position: pp,
+        orientation: turned,
+        gradient: (p, s * c(weight)),
+        twist: (p + p.cross(s) * half, s),
+    }
+}

@@ -1,0 +1,161 @@
+//! One query: its attempts race in the lanes.
+
+use std::time::Instant;
+
+use super::chain::MAX_JOINTS;
+use super::judge::Errors;
+use super::kernel::Group;
+use super::lane::LaneScalar;
+use super::options::{Outcome, Search};
+use super::seeds::QuerySeeds;
+use super::solver::PoseSolver;
+use crate::spatial::Placement;
+
+/// One query as the drivers see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Query<'a> {
+    pub(crate) target: &'a Placement<f64>,
+    pub(crate) start: &'a [f64],
+    pub(crate) search: Search,
+    /// When to give up, checked between iterations.
+    pub(crate) deadline: Option<Instant>,
+}
+
+/// A lane that reached.
+struct Winner {
+    attempt: u32,
+    iterations: u32,
+    errors: Errors,
+}
+
+/// Most lanes a group can have here.
+const MAX_LANES: usize = 8;
+
+/// Runs numbered attempts, a group of lanes in lock step, until the rule of the search has a winner.
+///
+/// Among lanes that reach, the fewest iterations win, then the lowest attempt. A lane that gives up
+/// is refilled with the next attempt at once. Nothing here depends on time unless a deadline is set.
+///
+/// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
+/// tracking, where it nearly never does.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES: bool>(
+    solver: &PoseSolver,
+    query: &Query<'_>,
+    lone: bool,
+    q_out: &mut [f64],
+) -> Outcome {
+    let settings = &solver.settings;
+    let options = &solver.options;
+    let n = solver.links.links.len();
+    let goal_from_first = solver.links.goal_from_first::<AXES>(query.target);
+    let mut seeds = QuerySeeds::new(solver, query);
+    let attempts = options.attempts.max(1);
+
+    let mut group = Group::<V, N>::new(n);
+    let mut seed = [0.0; MAX_JOINTS];
+    let (mut attempt, mut age) = ([0u32; MAX_LANES], [0u32; MAX_LANES]);
+    let (mut active, mut next, mut iterations) = (0u32, 0u32, 0u32);
+    let mut fill_to = if lone { 1 } else { V::WIDTH };
+    let mut best_cost = f64::INFINITY;
+    let mut winner: Option<Winner> = None;
+    let mut late = false;
+    seeds.fill::<V>(0, &mut seed);
+    for lane in 1..V::WIDTH {
+        // Idle lanes carry harmless numbers.
+        group.load(lane, &goal_from_first, &seed, settings);
+    }
+    loop {
+        for lane in 0..fill_to {
+            if active >> lane & 1 == 0 && next < attempts && winner.is_none() && !late {
+                seeds.fill::<V>(next, &mut seed);
+                group.load(lane, &goal_from_first, &seed, settings);
+                (attempt[lane], age[lane]) = (next, 0);
+                active |= 1 << lane;
+                next += 1;
+            }
+        }
+        if active == 0 {
+            break;
+        }
+        let ended = group.step::<EXACT, AXES>(&solver.links, settings);
+        iterations += active.count_ones();
+        late = query.deadline.is_some_and(|at| Instant::now() >= at);
+        let mut spent = if late { u32::MAX } else { 0 };
+        for (lane, age) in age.iter_mut().enumerate().take(V::WIDTH) {
+            *age += 1;
+            spent |= u32::from(*age >= options.iterations) << lane;
+        }
+        let failed = (ended.stalled | spent) & active;
+        let mut over = (ended.reached | ended.closing) & active | failed;
+        while over != 0 {
+            let lane = over.trailing_zeros() as usize;
+            let bit = 1 << lane;
+            over &= over - 1;
+            let close = (ended.reached | ended.closing) & bit != 0;
+            // The start's own attempt beats the others under `Start`, fewer iterations otherwise.
+            let better = winner.as_ref().is_none_or(|old| {
+                let key = |attempt, iterations| {
+                    (
+                        query.search == Search::Start && attempt != 0,
+                        iterations,
+                        attempt,
+                    )
+                };
+                key(attempt[lane], age[lane]) < key(old.attempt, old.iterations)
+            });
+            if close && better {
+                if ended.reached & bit != 0 {
+                    group.point(lane, &mut seed);
+                } else {
+                    group.next_point(lane, &mut seed);
+                }
+                solver.unwrap_towards(query.start, &mut seed[..n]);
+                let (reached, errors) = solver.judge::<V, N, AXES>(&goal_from_first, &seed[..n]);
+                if reached {
+                    q_out.copy_from_slice(&seed[..n]);
+                    winner = Some(Winner {
+                        attempt: attempt[lane],
+                        iterations: age[lane],
+                        errors,
+                    });
+                    active &= !bit;
+                    continue;
+                }
+            }
+            if failed & bit != 0 {
+                active &= !bit;
+                if winner.is_none() && group.cost(lane) < best_cost {
+                    best_cost = group.cost(lane);
+                    group.point(lane, q_out);
+                }
+            }
+        }
+        if let Some(winner) = &winner {
+            let start_runs = query.search == Search::Start
+                && (0..V::WIDTH).any(|lane| active >> lane & 1 != 0 && attempt[lane] == 0);
+            if winner.attempt == 0 || !start_runs {
+                break;
+            }
+        }
+        fill_to = V::WIDTH.min(MAX_LANES);
+        if lone && winner.is_none() && active != 0 {
+            fill_to = 1;
+        }
+    }
+    let (reached, errors) = match &winner {
+        Some(winner) => (true, winner.errors),
+        None => {
+            solver.unwrap_towards(query.start, q_out);
+            solver.judge::<V, N, AXES>(&goal_from_first, q_out)
+        }
+    };
+    Outcome {
+        reached,
+        position_error: errors.position,
+        orientation_error: errors.orientation,
+        iterations,
+        attempts: next,
+        winner: winner.map(|winner| winner.attempt),
+    }
+}

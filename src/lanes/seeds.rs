@@ -1,0 +1,121 @@
+//! Where attempts begin.
+
+use std::f64::consts::TAU;
+
+use super::atlas::Candidates;
+use super::chain::JointKind;
+use super::lane::LaneScalar;
+use super::options::Search;
+use super::race::Query;
+use super::solver::PoseSolver;
+use crate::spatial::Placement;
+
+/// Beyond this an angle loses digits, radians.
+const LARGE_ANGLE: f64 = 1.0e3;
+
+/// The seeds of one query, by attempt number: the start, those of the atlas, then random ones; the
+/// start comes after the atlas under [`Search::First`].
+pub(crate) struct QuerySeeds<'a> {
+    solver: &'a PoseSolver,
+    start: &'a [f64],
+    target: &'a Placement<f64>,
+    /// Looked up when first asked for.
+    candidates: Option<Candidates>,
+    start_first: bool,
+}
+
+impl<'a> QuerySeeds<'a> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn new(solver: &'a PoseSolver, query: &Query<'a>) -> Self {
+        Self {
+            solver,
+            start: query.start,
+            target: query.target,
+            candidates: None,
+            start_first: query.search == Search::Start,
+        }
+    }
+
+    /// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fill_start(&self, q: &mut [f64]) {
+        let links = &self.solver.links.links;
+        for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
+            *q = start.max(link.lower).min(link.upper);
+            if link.kind == JointKind::Revolute && q.abs() > LARGE_ANGLE {
+                let turned = *q - TAU * (*q / TAU).round();
+                *q = turned.max(link.lower).min(link.upper);
+            }
+        }
+    }
+
+    /// Writes the seed of an attempt.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn fill<V: LaneScalar>(&mut self, attempt: u32, q: &mut [f64]) {
+        let links = &self.solver.links;
+        if self.start_first && attempt == 0 {
+            self.fill_start(q);
+            return;
+        }
+        // No closure here: one that is not inlined would be compiled without the vector features.
+        if self.candidates.is_none() {
+            self.candidates = Some(match &self.solver.atlas {
+                Some(atlas) => {
+                    let mut goal = links.goal_from_first::<false>(self.target);
+                    if self.solver.settings.axes.orientation_weights == [0.0; 3] {
+                        // Any orientation will do: the start's is the nearest.
+                        let tip = links.base_from_tip(self.start);
+                        let target = Placement::new(tip.rotation, self.target.translation);
+                        goal = links.goal_from_first::<false>(&target);
+                    }
+                    atlas.look_up::<V>(links, &goal)
+                }
+                None => Candidates::none(),
+            });
+        }
+        let Some(candidates) = &self.candidates else {
+            return;
+        };
+        let count = candidates.count as u32;
+        let atlas_from = u32::from(self.start_first);
+        if attempt >= atlas_from && attempt < atlas_from + count {
+            candidates.fill((attempt - atlas_from) as usize, q);
+            for (q, link) in q.iter_mut().zip(&links.links) {
+                *q = q.max(link.lower).min(link.upper);
+            }
+        } else if attempt == count && !self.start_first {
+            self.fill_start(q);
+        } else {
+            let mut state = mix(self.solver.options.seed ^ mix(u64::from(attempt)));
+            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
+                state = mix(state);
+                let unit = (state >> 11) as f64 * (0.5f64).powi(53);
+                let half = match link.kind {
+                    JointKind::Revolute => std::f64::consts::PI,
+                    JointKind::Prismatic => 1.0,
+                };
+                let lower = if link.lower.is_finite() {
+                    link.lower
+                } else {
+                    start - half
+                };
+                let upper = if link.upper.is_finite() {
+                    link.upper
+                } else {
+                    start + half
+                };
+                *q = (lower + unit * (upper - lower))
+                    .max(link.lower)
+                    .min(link.upper);
+            }
+        }
+    }
+}
+
+/// One step of the SplitMix64 generator (Steele, Lea, Flood 2014).
+pub(crate) fn mix(state: u64) -> u64 {
+    let z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}

@@ -1,0 +1,45 @@
+//! Ways through the tree: from a base to a tip, and where the tree ends.
+
+use crate::model::{FrameId, JointId, Model};
+
+/// The joints from the root to a frame.
+fn from_root(model: &Model, frame: FrameId) -> Vec<JointId> {
+    let mut joints = Vec::new();
+    let mut at = model.frames()[frame.index()].joint;
+    while let Some(joint) = at {
+        joints.push(joint);
+        at = model.joints()[joint.index()].parent;
+    }
+    joints.reverse();
+    joints
+}
+
+/// The moving joints on the way from `base` up to the common ancestor and down to `tip`.
+pub(super) fn between(model: &Model, base: FrameId, tip: FrameId) -> Vec<JointId> {
+    let (up, down) = (from_root(model, base), from_root(model, tip));
+    let shared = up.iter().zip(&down).take_while(|(a, b)| a == b).count();
+    up[shared..]
+        .iter()
+        .rev()
+        .chain(&down[shared..])
+        .copied()
+        .filter(|&joint| model.coordinate(joint).is_some())
+        .collect()
+}
+
+/// The frames whose joint carries no other joint. Of several on one joint (a flange and a tool
+/// point) each counts; frames in the world count only where there is nothing else.
+pub(super) fn tips(model: &Model) -> Vec<FrameId> {
+    let mut carries = vec![false; model.joints().len()];
+    for parent in model.joints().iter().filter_map(|joint| joint.parent) {
+        carries[parent.index()] = true;
+    }
+    let world_is_all = model.joints().is_empty();
+    model
+        .frame_ids()
+        .filter(|frame| match model.frames()[frame.index()].joint {
+            Some(joint) => !carries[joint.index()],
+            None => world_is_all,
+        })
+        .collect()
+}

@@ -1,0 +1,174 @@
+//! Robots: a model with its mimic joints, and the reader for URDF files.
+
+mod chain;
+#[cfg(feature = "urdf")]
+mod urdf;
+
+#[cfg(feature = "urdf")]
+pub use urdf::{Fault, UrdfError};
+
+use crate::model::{
+    FrameId, JointId, Model, ModelBuilder, ModelError, ParameterMap, ParameterMapBuilder,
+    UnknownName,
+};
+use crate::spatial::Placement;
+
+/// A joint that follows another: its value is `ratio · master + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mimic {
+    /// The joint that follows.
+    pub joint: JointId,
+    /// The joint it follows, which may itself follow another.
+    pub master: JointId,
+    /// In units of the joint per unit of the master.
+    pub ratio: f64,
+    /// In radians or metres.
+    pub offset: f64,
+}
+
+/// A robot: joints and links as a [`Model`], and which of its joints follow others.
+///
+/// Every link is a frame of the model under the link's name; the root link stands in the world. A
+/// configuration lists the joints that move in the order of the file, mimic joints among them;
+/// solvers see the variables of [`map`](Self::map), where mimic joints and joints whose limits
+/// leave them one value are gone.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    model: Model,
+    mimics: Vec<Mimic>,
+    map: ParameterMap,
+}
+
+impl Robot {
+    /// A robot of its parts.
+    ///
+    /// # Errors
+    /// Mimic joints that are fixed, follow in a ring, have a number that is not finite, or leave
+    /// their master no value.
+    pub fn new(model: Model, mimics: Vec<Mimic>) -> Result<Self, ModelError> {
+        let map = coupled(&model, &mimics).build()?;
+        Ok(Self { model, mimics, map })
+    }
+
+    /// The robot's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    /// Its joints, links and limits.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// All joints free but the mimic ones, which follow.
+    #[must_use]
+    pub fn map(&self) -> &ParameterMap {
+        &self.map
+    }
+
+    /// The joints that follow others.
+    #[must_use]
+    pub fn mimics(&self) -> &[Mimic] {
+        &self.mimics
+    }
+
+    /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.
+    ///
+    /// ```
+    /// # #[cfg(feature = "urdf")] {
+    /// # use kinopt::robot::Robot;
+    /// let robot = Robot::read("models/franka_panda.urdf")?;
+    /// // The arm alone, the fingers held open: the second follows the first.
+    /// let finger = robot.model().joint("finger_left_slide")?;
+    /// let arm = robot.parameters().lock(finger, 0.04).build()?;
+    /// assert_eq!(arm.variables(), 7);
+    /// // Three joints, the others at zero or at the limit next to it.
+    /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
+    /// let wrist = robot.parameters().only(&wrist, &[0.0; 9]).build()?;
+    /// assert_eq!(wrist.variables(), 3);
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn parameters(&self) -> ParameterMapBuilder<'_> {
+        coupled(&self.model, &self.mimics)
+    }
+
+    /// Looks several joints up.
+    ///
+    /// # Errors
+    /// The first unknown name; the error lists the valid ones.
+    pub fn joints(&self, names: &[&str]) -> Result<Vec<JointId>, UnknownName> {
+        names.iter().map(|name| self.model.joint(name)).collect()
+    }
+
+    /// The moving joints between two frames, from base to tip: down the tree, or up from the base
+    /// to where both meet and down to the tip.
+    ///
+    /// # Errors
+    /// An unknown frame name; the error lists the valid ones.
+    pub fn chain(&self, base: &str, tip: &str) -> Result<Vec<JointId>, UnknownName> {
+        let (base, tip) = (self.model.frame(base)?, self.model.frame(tip)?);
+        Ok(chain::between(&self.model, base, tip))
+    }
+
+    /// The frames on which nothing hangs: hands, tools, feet.
+    #[must_use]
+    pub fn tips(&self) -> Vec<FrameId> {
+        chain::tips(&self.model)
+    }
+
+    /// The same robot with one more frame, `link_from_tool` away from the frame `link`. The ids of
+    /// joints and frames stay as they are.
+    ///
+    /// ```
+    /// # #[cfg(feature = "urdf")] {
+    /// # use kinopt::robot::Robot;
+    /// # use kinopt::spatial::{Placement, Vector3};
+    /// let gripper = Placement::translation(Vector3::new(0.0, 0.0, 0.12));
+    /// let robot = Robot::read("models/universal_ur5e.urdf")?.with_tool("tool", "flange", gripper)?;
+    /// assert!(robot.model().frame("tool").is_ok());
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// An unknown `link`, a `name` that is taken, or a placement that is not rigid.
+    pub fn with_tool(
+        self,
+        name: &str,
+        link: &str,
+        link_from_tool: Placement<f64>,
+    ) -> Result<Self, ToolError> {
+        let link = &self.model.frames()[self.model.frame(link)?.index()];
+        let (joint, joint_from_tool) = (link.joint, link.joint_from_frame * link_from_tool);
+        let mut builder = ModelBuilder::from_model(&self.model);
+        builder.frame(name, joint, joint_from_tool);
+        Ok(Self {
+            model: builder.build()?,
+            ..self
+        })
+    }
+}
+
+/// Why a tool cannot be put on a robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ToolError {
+    /// No frame has the name.
+    #[error(transparent)]
+    UnknownLink(#[from] UnknownName),
+    /// The tool's own name or placement is wrong.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+fn coupled<'m>(model: &'m Model, mimics: &[Mimic]) -> ParameterMapBuilder<'m> {
+    mimics
+        .iter()
+        .fold(ParameterMap::builder(model), |builder, mimic| {
+            builder.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset)
+        })
+}

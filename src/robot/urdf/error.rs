@@ -1,0 +1,178 @@
+//! What can be wrong with a URDF file, each naming the file, the place and the problem.
+
+use thiserror::Error;
+
+use crate::io::ReadError;
+use crate::model::{ModelError, UnknownName};
+
+/// Why a URDF file gives no robot.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum UrdfError {
+    /// The file cannot be opened, is too long, or is not UTF-8 text.
+    #[error(transparent)]
+    Unreadable(#[from] ReadError),
+    /// Not well-formed XML, or XML with a document type, which URDF has no use for.
+    #[error("{file}: not well-formed XML: {problem}")]
+    NotXml {
+        /// The path or name as given.
+        file: String,
+        /// What the XML parser said, with line and column.
+        problem: String,
+    },
+    /// A macro file, which only becomes URDF by running a program; this library runs none.
+    #[error(
+        "{file}:{line}: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`"
+    )]
+    Xacro {
+        /// The path or name as given.
+        file: String,
+        /// Where the first macro stands, from 1.
+        line: u32,
+    },
+    /// An element is wrong.
+    #[error("{file}:{line}: {element}: {fault}")]
+    Element {
+        /// The path or name as given.
+        file: String,
+        /// Where the element starts, from 1.
+        line: u32,
+        /// The element, such as ``joint `elbow`, <limit>``.
+        element: String,
+        /// What is wrong with it.
+        fault: Fault,
+    },
+    /// The parts are well-formed but do not make a model: mimic joints that follow in a ring or
+    /// leave their master no value, numbers beyond what a model takes.
+    #[error("{file}: {source}")]
+    Model {
+        /// The path or name as given.
+        file: String,
+        /// The joint and its problem.
+        source: ModelError,
+    },
+    /// urdf-rs refuses what passed every check here.
+    #[error("{file}: urdf-rs cannot read it: {problem}")]
+    Parser {
+        /// The path or name as given.
+        file: String,
+        /// What urdf-rs said.
+        problem: String,
+    },
+}
+
+/// What is wrong with one element.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The document's element is not `<robot>`.
+    #[error("the root element must be <robot>")]
+    NotARobot,
+    /// A robot without links.
+    #[error("there is no <link>")]
+    NoLinks,
+    /// A required attribute is missing or empty.
+    #[error("attribute `{attribute}` is missing or empty")]
+    MissingAttribute {
+        /// The attribute.
+        attribute: &'static str,
+    },
+    /// A required child element is missing.
+    #[error("<{child}> is missing")]
+    MissingElement {
+        /// The child element.
+        child: &'static str,
+    },
+    /// An element that may stand once stands twice.
+    #[error("<{child}> is given twice")]
+    RepeatedElement {
+        /// The child element.
+        child: &'static str,
+    },
+    /// An unknown name that is nearly a known one, which would silently count for nothing.
+    #[error("`{found}` is not known; `{meant}` may be meant")]
+    Misspelt {
+        /// The name in the file.
+        found: String,
+        /// The name it resembles.
+        meant: &'static str,
+    },
+    /// An attribute that does not hold the right count of finite numbers.
+    #[error("attribute `{attribute}` must be {count} finite number(s), not `{text}`")]
+    BadNumbers {
+        /// The attribute.
+        attribute: &'static str,
+        /// How many numbers it takes.
+        count: usize,
+        /// What the file says.
+        text: String,
+    },
+    /// A joint type outside the standard.
+    #[error(
+        "joint type `{kind}` is not known; valid types: revolute, continuous, prismatic, fixed"
+    )]
+    UnknownJointType {
+        /// The type in the file.
+        kind: String,
+    },
+    /// A joint type that this library does not move; it is refused rather than taken as fixed.
+    #[error(
+        "joint type `{kind}` is not supported: write it as prismatic and revolute joints in a row, or as fixed"
+    )]
+    UnsupportedJointType {
+        /// floating, planar or spherical.
+        kind: String,
+    },
+    /// A revolute or prismatic joint whose limits are not stated.
+    #[error(
+        "a {kind} joint needs <limit> with `lower` and `upper`{}",
+        if *kind == "revolute" { "; one that turns without end is `continuous`" } else { "" }
+    )]
+    NoLimits {
+        /// revolute or prismatic.
+        kind: &'static str,
+    },
+    /// Limits out of order.
+    #[error("lower limit {lower} is above upper limit {upper}")]
+    LimitsOutOfOrder {
+        /// In radians or metres.
+        lower: f64,
+        /// In radians or metres.
+        upper: f64,
+    },
+    /// An axis of zero length.
+    #[error("the axis is zero and has no direction")]
+    NoDirection,
+    /// A quaternion of zero length, beside `rpy`, or in a file older than URDF 1.1.
+    #[error("attribute `quat_xyzw` {problem}")]
+    BadQuaternion {
+        /// Which of these it is.
+        problem: &'static str,
+    },
+    /// Two links or two joints of one name.
+    #[error("the name is already used on line {first_line}")]
+    DuplicateName {
+        /// Where the name was used first.
+        first_line: u32,
+    },
+    /// A link or joint that is not in the file.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
+    /// A link that two joints carry.
+    #[error("its child link `{link}` already hangs on joint `{other}`")]
+    TwoParents {
+        /// The link.
+        link: String,
+        /// The joint that came first.
+        other: String,
+    },
+    /// Joints that form a ring.
+    #[error("the joint is part of a ring: following parents from it comes back to it")]
+    Cycle,
+    /// More than one link without a parent.
+    #[error("links {} all have no parent joint; a robot has one root", roots.join(", "))]
+    SeveralRoots {
+        /// The links.
+        roots: Vec<String>,
+    },
+}

@@ -1,0 +1,138 @@
+//! Orders the joints of a document, parents first, and refuses what is no tree.
+
+use std::collections::HashMap;
+use std::collections::VecDeque;
+
+use super::attributes::{Named, Place};
+use super::document::Document;
+use super::error::{Fault, UrdfError};
+use super::joint_element::JointElement;
+use crate::model::UnknownName;
+
+/// One joint in its place in the tree; all are positions in the document's lists.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Branch {
+    pub(super) joint: usize,
+    pub(super) parent_link: usize,
+    pub(super) child_link: usize,
+}
+
+/// A tree of links: its root, and every joint after the one its parent link hangs on.
+#[derive(Clone, Debug)]
+pub(super) struct Topology {
+    pub(super) branches: Vec<Branch>,
+    /// For every joint in document order the joint it mimics.
+    pub(super) masters: Vec<Option<usize>>,
+}
+
+/// Finds the tree that a document's links and joints form.
+pub(super) fn order(place: &Place<'_>, document: &Document) -> Result<Topology, UrdfError> {
+    let Document { links, joints, .. } = document;
+    if links.is_empty() {
+        return Err(place.fault(document.robot.at, "<robot>".into(), Fault::NoLinks));
+    }
+    let link_by_name = index(place, "link", links.iter())?;
+    let joint_by_name = index(place, "joint", joints.iter().map(|joint| &joint.named))?;
+
+    let mut carrier: Vec<Option<usize>> = vec![None; links.len()];
+    let mut hanging: Vec<Vec<Branch>> = vec![Vec::new(); links.len()];
+    let mut masters = Vec::with_capacity(joints.len());
+    for (index, joint) in joints.iter().enumerate() {
+        let link = |name: &str| {
+            link_by_name.get(name).copied().ok_or_else(|| {
+                let valid = links.iter().map(|link| link.name.as_str());
+                joint_fault(place, joint, UnknownName::new("link", name, valid).into())
+            })
+        };
+        let branch = Branch {
+            joint: index,
+            parent_link: link(&joint.parent)?,
+            child_link: link(&joint.child)?,
+        };
+        if let Some(other) = carrier[branch.child_link] {
+            let fault = Fault::TwoParents {
+                link: joint.child.clone(),
+                other: joints[other].named.name.clone(),
+            };
+            return Err(joint_fault(place, joint, fault));
+        }
+        carrier[branch.child_link] = Some(index);
+        hanging[branch.parent_link].push(branch);
+        masters.push(match &joint.master {
+            None => None,
+            Some(master) => Some(*joint_by_name.get(master.as_str()).ok_or_else(|| {
+                let valid = joints.iter().map(|joint| joint.named.name.as_str());
+                joint_fault(
+                    place,
+                    joint,
+                    UnknownName::new("joint", master, valid).into(),
+                )
+            })?),
+        });
+    }
+
+    let roots: Vec<usize> = (0..links.len()).filter(|&l| carrier[l].is_none()).collect();
+    if roots.len() > 1 {
+        let roots = roots.iter().map(|&root| links[root].name.clone()).collect();
+        let fault = Fault::SeveralRoots { roots };
+        return Err(place.fault(document.robot.at, "<robot>".into(), fault));
+    }
+    let mut branches = Vec::with_capacity(joints.len());
+    let mut waiting: VecDeque<usize> = roots.into();
+    while let Some(link) = waiting.pop_front() {
+        for branch in &hanging[link] {
+            branches.push(*branch);
+            waiting.push_back(branch.child_link);
+        }
+    }
+    // Every link has at most one parent, so what the root does not reach hangs on a ring.
+    let mut reached = vec![false; joints.len()];
+    for branch in &branches {
+        reached[branch.joint] = true;
+    }
+    match reached.iter().position(|&reached| !reached) {
+        Some(outside) => {
+            let ring = on_ring(outside, joints, &link_by_name, &carrier);
+            Err(joint_fault(place, &joints[ring], Fault::Cycle))
+        }
+        None => Ok(Topology { branches, masters }),
+    }
+}
+
+/// A joint of the ring that a joint hangs on: as many steps up as there are joints end in it.
+fn on_ring(
+    joint: usize,
+    joints: &[JointElement],
+    link_by_name: &HashMap<&str, usize>,
+    carrier: &[Option<usize>],
+) -> usize {
+    let mut at = joint;
+    for _ in joints {
+        let parent = link_by_name.get(joints[at].parent.as_str());
+        at = parent.and_then(|&link| carrier[link]).unwrap_or(at);
+    }
+    at
+}
+
+fn index<'a>(
+    place: &Place<'_>,
+    kind: &str,
+    things: impl Iterator<Item = &'a Named>,
+) -> Result<HashMap<&'a str, usize>, UrdfError> {
+    let mut by_name = HashMap::new();
+    let mut starts = Vec::new();
+    for (position, thing) in things.enumerate() {
+        starts.push(thing.at);
+        if let Some(first) = by_name.insert(thing.name.as_str(), position) {
+            let first_line = place.line(starts[first]);
+            let label = format!("{kind} `{}`", thing.name);
+            return Err(place.fault(thing.at, label, Fault::DuplicateName { first_line }));
+        }
+    }
+    Ok(by_name)
+}
+
+fn joint_fault(place: &Place<'_>, joint: &JointElement, fault: Fault) -> UrdfError {
+    let label = format!("joint `{}`", joint.named.name);
+    place.fault(joint.named.at, label, fault)
+}

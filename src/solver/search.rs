@@ -1,0 +1,110 @@
+//! The course of one search in single steps: what the loop here and executors of others share.
+
+use super::{LeastSquares, Memory, Method, Step, Stopping, Termination};
+
+/// How far a search has come; where it stands is in the memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    /// Steps tried, accepted or not.
+    pub(crate) iterations: usize,
+    /// ‖proj(x − g) − x‖∞; `None` where x is good enough to need no derivatives.
+    pub(crate) projected_gradient: Option<f64>,
+    last_step: Step,
+}
+
+impl Search {
+    /// Stands at the projected `start`. `None` for a start of the wrong length or not finite.
+    pub(crate) fn start(
+        problem: &mut dyn LeastSquares,
+        start: &[f64],
+        memory: &mut Memory,
+    ) -> Option<Self> {
+        memory.start_at(problem, start);
+        let usable = start.len() == problem.variables() && start.iter().all(|v| v.is_finite());
+        usable.then_some(Self {
+            iterations: 0,
+            projected_gradient: None,
+            last_step: Step::Taken,
+        })
+    }
+
+    /// A search that goes on where it stood after some iterations.
+    #[cfg(feature = "argmin")]
+    pub(crate) fn resumed(iterations: usize, projected_gradient: Option<f64>) -> Self {
+        Self {
+            iterations,
+            projected_gradient,
+            last_step: Step::Refused,
+        }
+    }
+
+    /// Takes the derivatives at x, unless they are there or x is good enough without. Returns
+    /// false where the cost is not a finite number.
+    pub(crate) fn look(
+        &mut self,
+        problem: &mut dyn LeastSquares,
+        method: &dyn Method,
+        memory: &mut Memory,
+    ) -> bool {
+        if !memory.cost.is_finite() {
+            return false;
+        }
+        self.projected_gradient = None;
+        if problem.stops_when_reached() && problem.is_reached(&memory.residual) {
+            return true;
+        }
+        if self.iterations == 0 {
+            // Its size scales the gradient test, also for methods that use gradients only.
+            memory.differentiate(problem);
+            method.begin(memory);
+        } else if self.last_step == Step::Taken && method.needs_jacobian() {
+            memory.differentiate(problem);
+        } else if self.last_step == Step::Taken {
+            memory.differentiate_cost(problem);
+        }
+        self.projected_gradient = Some(memory.projected_gradient_norm(problem));
+        true
+    }
+
+    /// Whether the search ends where it stands.
+    pub(crate) fn judge(&self, memory: &Memory, stopping: &Stopping) -> Option<Termination> {
+        match self.projected_gradient {
+            None => Some(Termination::Reached),
+            Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
+            Some(norm) if is_stationary(norm, memory, stopping) => Some(Termination::Stationary),
+            Some(_) => None,
+        }
+    }
+
+    /// Tries one step; returns a termination where no further one makes sense.
+    pub(crate) fn step(
+        &mut self,
+        problem: &mut dyn LeastSquares,
+        method: &dyn Method,
+        memory: &mut Memory,
+        stopping: &Stopping,
+    ) -> Option<Termination> {
+        self.last_step = method.step(problem, memory);
+        self.iterations += 1;
+        let negligible = memory.step_is_negligible(stopping.step_tolerance);
+        let reached = self.last_step == Step::Taken
+            && problem.stops_when_reached()
+            && problem.is_reached(&memory.residual);
+        let ends = self.last_step == Step::Stuck || (negligible && !reached);
+        ends.then_some(Termination::SmallStep)
+    }
+
+    /// ‖Δ‖∞ of the last step, 0 for a refused one and before the first.
+    pub(crate) fn step_norm(&self, memory: &Memory) -> f64 {
+        match self.last_step {
+            Step::Taken if self.iterations > 0 => memory.step_norm(),
+            _ => 0.0,
+        }
+    }
+}
+
+/// The cosine test of MINPACK (Moré 1978), with the largest column norm for every column.
+fn is_stationary(projected_gradient: f64, memory: &Memory, stopping: &Stopping) -> bool {
+    let length = (2.0 * memory.cost).sqrt();
+    projected_gradient <= stopping.gradient_tolerance * memory.column_norm * length
+}

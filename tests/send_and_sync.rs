@@ -1,0 +1,43 @@
+//! Promise: everything that is built once can be shared between threads, and everything a caller
+//! owns can be sent to another.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::kinematics::{Tree, TreeState};
+use kinopt::model::{ModelError, ParameterMap};
+use kinopt::problem::{ProblemError, Scratch};
+use kinopt::scalar::Dual;
+use kinopt::skeleton::{Posing, SkeletonError};
+use kinopt::solver::{Memory, Method};
+use kinopt::{Model, Problem, Skeleton, Solution, Solver, Workspace};
+
+const fn shared<T: Send + Sync + ?Sized>() {}
+const fn static_error<T: std::error::Error + Send + Sync + 'static>() {}
+
+const _: () = {
+    shared::<Model>();
+    shared::<ParameterMap>();
+    shared::<Skeleton>();
+    shared::<Tree>();
+    shared::<Problem>();
+    shared::<Solver>();
+    shared::<dyn Method>();
+    shared::<Workspace>();
+    shared::<Scratch>();
+    shared::<Memory>();
+    shared::<Solution>();
+    shared::<Posing>();
+    shared::<TreeState<f64>>();
+    shared::<TreeState<Dual<6>>>();
+    static_error::<ModelError>();
+    static_error::<ProblemError>();
+    static_error::<SkeletonError>();
+    static_error::<kinopt::ik::SolveError>();
+    static_error::<kinopt::model::UnknownName>();
+};
+
+#[test]
+fn a_solver_crosses_threads() {
+    let solver = Solver::default();
+    let name = std::thread::spawn(move || solver.method()).join().unwrap();
+    assert_eq!(name, "levenberg-marquardt");
+}

@@ -1,0 +1,27 @@
+//! Every method, as itself and as a solver.
+
+use kinopt::Solver;
+use kinopt::solver::{
+    Damping, FirstStep, GaussNewton, LevenbergMarquardt, Method, ProjectedGradient,
+};
+
+pub fn methods() -> Vec<Box<dyn Method>> {
+    vec![
+        Box::new(LevenbergMarquardt::new(Damping::GainRatio)),
+        Box::new(LevenbergMarquardt::new(Damping::ErrorProportional)),
+        Box::new(GaussNewton::default()),
+        Box::new(ProjectedGradient::new(FirstStep::Fixed(10_000.0))),
+        Box::new(ProjectedGradient::new(FirstStep::BarzilaiBorwein)),
+    ]
+}
+
+/// The same methods in the same order.
+pub fn solvers() -> Vec<Solver> {
+    vec![
+        Solver::new(LevenbergMarquardt::new(Damping::GainRatio)),
+        Solver::new(LevenbergMarquardt::new(Damping::ErrorProportional)),
+        Solver::new(GaussNewton::default()),
+        Solver::new(ProjectedGradient::new(FirstStep::Fixed(10_000.0))),
+        Solver::new(ProjectedGradient::new(FirstStep::BarzilaiBorwein)),
+    ]
+}

@@ -1,0 +1,286 @@
+//! One task of every kind around a configuration, and what its residual should be.
+
+use std::f64::consts::PI;
+
+use super::random::Random;
+use super::trees::RandomTree;
+use super::{Rigid, placement, rigid, vector};
+use kinopt::Scalar;
+use kinopt::model::{FrameId, JointId};
+use kinopt::problem::ProblemBuilder;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{
+    Camera, Distance, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture,
+    Quantity, Ray, Residual, Rows, Smoothness, Task,
+};
+use nalgebra as na;
+
+/// The unweighted residual from all frames and the configuration.
+type Expected = Box<dyn Fn(&[Rigid], &[f64]) -> Vec<f64>>;
+
+pub struct TaskCase {
+    pub name: &'static str,
+    pub add: Box<dyn Fn(&mut ProblemBuilder<'_>)>,
+    pub expected: Expected,
+    /// Whether differences make sense here: not within a step of a half turn.
+    pub smooth: bool,
+}
+
+/// A user's residual: two frames and two joints, every function of the scalar, five rows.
+pub struct Entangled {
+    pub frames: [FrameId; 2],
+    pub joints: [JointId; 2],
+}
+
+impl Residual for Entangled {
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.to_vec()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![
+            Rows::new(Quantity::Metres, 3),
+            Rows::new(Quantity::Ratio, 2),
+        ]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], r: &mut [S]) {
+        let [a, b] = [frames[0], frames[1]];
+        let [u, v] = [joints[0], joints[1]];
+        let apart = a.translation - b.translation;
+        let (sin, cos) = u.sin_cos();
+        r[0] = apart.norm_squared() * sin;
+        r[1] = a.rotation.x.dot(b.rotation.z) * cos;
+        r[2] = apart.dot(a.rotation.y).abs() + v * v;
+        r[3] = (-(u * u + v * v)).exp();
+        r[4] = (apart.norm_squared() + S::one())
+            .ln()
+            .atan2(v - S::constant(3.0));
+    }
+}
+
+fn entangled(frames: [Rigid; 2], u: f64, v: f64) -> Vec<f64> {
+    let [a, b] = frames;
+    let apart = a.translation.vector - b.translation.vector;
+    let column = |m: &Rigid, k: usize| m.rotation.matrix().column(k).into_owned();
+    vec![
+        apart.norm_squared() * u.sin(),
+        column(&a, 0).dot(&column(&b, 2)) * u.cos(),
+        apart.dot(&column(&a, 1)).abs() + v * v,
+        (-(u * u + v * v)).exp(),
+        (apart.norm_squared() + 1.0).ln().atan2(v - 3.0),
+    ]
+}
+
+fn rotation_vector(rotation: na::Rotation3<f64>) -> Vec<f64> {
+    let turn = na::UnitQuaternion::from_rotation_matrix(&rotation);
+    turn.scaled_axis().iter().copied().collect()
+}
+
+fn sum_case<R: Residual>(
+    name: &'static str,
+    make: impl Fn() -> R + 'static,
+    expected: impl Fn(&[Rigid], &[f64]) -> Vec<f64> + 'static,
+) -> TaskCase {
+    let rows = make().rows();
+    TaskCase {
+        name,
+        add: Box::new(move |builder| {
+            // A weight that is no power of two, so that it cannot get lost unseen.
+            let task = rows
+                .iter()
+                .fold(Task::new(make()), |task, r| task.weight(r.quantity, WEIGHT));
+            builder.add(task);
+        }),
+        expected: Box::new(expected),
+        smooth: true,
+    }
+}
+
+/// The weight of all rows.
+pub const WEIGHT: f64 = 1.7;
+
+/// One task of every kind on `tree`, some of them aimed so that they just miss at `q`.
+pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCase> {
+    let at = tree.frames_at(q);
+    let (slot, other) = (at.len() - 2, at.len() / 2 - 1);
+    let (frame, other_frame) = (tree.frames[slot], tree.frames[other]);
+    let here = at[slot];
+    let near = here.translation.vector + random.vector(0.7);
+    let offset = random.vector(0.4);
+    let mut all = Vec::new();
+
+    all.push(sum_case(
+        "point",
+        move || Point::new(frame, near),
+        move |at, _| (at[slot].translation.vector - near).as_slice().to_vec(),
+    ));
+    all.push(sum_case(
+        "point with an offset",
+        move || Point::new(frame, near).at(offset),
+        move |at, _| {
+            let place = at[slot] * na::Point3::from(offset);
+            (place.coords - near).as_slice().to_vec()
+        },
+    ));
+
+    let eye = near + random.vector(2.0);
+    all.push(sum_case(
+        "ray",
+        move || Ray::new(frame, eye, near),
+        move |at, _| {
+            let d = (eye - near).normalize();
+            let across = na::Matrix3::identity() - d * d.transpose();
+            let miss = across * (at[slot].translation.vector - near);
+            miss.as_slice().to_vec()
+        },
+    ));
+
+    let (focal, centre) = ([500.0, 480.0], [320.0, 240.0]);
+    let camera_rotation = random.rotation();
+    // 3 m in front of the frame.
+    let camera_at = here.translation.vector - camera_rotation * na::Vector3::z() * 3.0;
+    let world_from_camera = rigid(camera_rotation, camera_at);
+    all.push(sum_case(
+        "pixel",
+        move || {
+            let camera = Camera::pinhole(&placement(&world_from_camera), focal, centre);
+            Pixel::new(frame, camera, [300.0, 200.0])
+        },
+        move |at, _| {
+            let world = at[slot].translation.vector - camera_at;
+            let seen = camera_rotation.inverse() * world;
+            vec![
+                focal[0] * seen.x / seen.z + centre[0] - 300.0,
+                focal[1] * seen.y / seen.z + centre[1] - 200.0,
+            ]
+        },
+    ));
+
+    let axis = random.direction();
+    let misses = [
+        ("orientation", 1.1, true),
+        ("orientation on target", 0.0, true),
+        ("orientation missed by 1e-9", 1e-9, true),
+        ("orientation missed by 1e-3", 1e-3, true),
+        ("orientation missed by almost half a turn", PI - 1e-3, true),
+        (
+            "orientation missed by half a turn but 1e-8",
+            PI - 1e-8,
+            false,
+        ),
+    ];
+    for (name, angle, smooth) in misses {
+        let target = na::Rotation3::from_axis_angle(&axis, -angle) * here.rotation;
+        let mut case = sum_case(
+            name,
+            move || Orientation::new(frame, target.into_inner()),
+            move |at, _| rotation_vector(at[slot].rotation * target.inverse()),
+        );
+        case.smooth = smooth;
+        all.push(case);
+    }
+
+    let target = rigid(random.rotation(), near);
+    all.push(sum_case(
+        "pose",
+        move || Pose::new(frame, placement(&target)),
+        move |at, _| {
+            let mut rows: Vec<f64> = (at[slot].translation.vector - near).as_slice().to_vec();
+            rows.extend(rotation_vector(
+                at[slot].rotation * target.rotation.inverse(),
+            ));
+            rows
+        },
+    ));
+
+    let gaze = random.vector(1.0);
+    let sights = [
+        ("look-at", random.vector(2.0)),
+        ("look-at on target", { here.rotation * gaze * 3.0 }),
+    ];
+    for (name, towards) in sights {
+        let watched = here.translation.vector + towards;
+        all.push(sum_case(
+            name,
+            move || LookAt::new(frame, gaze, watched),
+            move |at, _| {
+                let axis = (at[slot].rotation * gaze).normalize();
+                let sight = (watched - at[slot].translation.vector).normalize();
+                let across = axis.cross(&sight);
+                let angle = across.norm().atan2(axis.dot(&sight));
+                let unit = across.try_normalize(0.0).unwrap_or_default();
+                (unit * angle).as_slice().to_vec()
+            },
+        ));
+    }
+
+    let normal = random.vector(2.0);
+    all.push(sum_case(
+        "plane",
+        move || Plane::new(frame, near, normal),
+        move |at, _| vec![(at[slot].translation.vector - near).dot(&normal.normalize())],
+    ));
+    all.push(sum_case(
+        "distance",
+        move || Distance::new(frame, other_frame, 0.4),
+        move |at, _| {
+            let apart = at[slot].translation.vector - at[other].translation.vector;
+            vec![apart.norm() - 0.4]
+        },
+    ));
+
+    let reference: Vec<f64> = q.iter().map(|_| random.within(-1.0, 1.0)).collect();
+    let (model, expected) = (tree.model.clone(), reference.clone());
+    all.push(sum_case(
+        "posture",
+        {
+            let reference = reference.clone();
+            move || Posture::new(&model, &reference)
+        },
+        move |_, q| q.iter().zip(&expected).map(|(a, b)| a - b).collect(),
+    ));
+    let (model, expected) = (tree.model.clone(), reference.clone());
+    all.push(sum_case(
+        "smoothness",
+        move || Smoothness::new(&model, &reference, 0.02),
+        move |_, q| {
+            q.iter()
+                .zip(&expected)
+                .map(|(a, b)| (a - b) / 0.02)
+                .collect()
+        },
+    ));
+    let (model, limits) = (tree.model.clone(), tree.model.limits().collect::<Vec<_>>());
+    all.push(sum_case(
+        "limit centring",
+        move || LimitCentring::new(&model),
+        move |_, q| {
+            let both = q.iter().zip(&limits).filter(|(_, l)| l.upper.is_finite());
+            both.map(|(v, l)| (2.0 * v - l.lower - l.upper) / (l.upper - l.lower))
+                .collect()
+        },
+    ));
+
+    let moving = tree.model.moving_joints();
+    let (first, last) = (0, moving.len() - 1);
+    let joints = [moving[last], moving[first]];
+    all.push(sum_case(
+        "a user's own",
+        move || Entangled {
+            frames: [frame, other_frame],
+            joints,
+        },
+        move |at, q| entangled([at[slot], at[other]], q[last], q[first]),
+    ));
+    all
+}
+
+/// A vector as the library takes it.
+pub fn point(v: na::Vector3<f64>) -> Vector3<f64> {
+    vector(v)
+}

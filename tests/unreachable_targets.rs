@@ -1,0 +1,166 @@
+//! Promise: a target out of reach gives the closest point, `reached: false`, and the limits that
+//! hold it.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use kinopt::ik::Side;
+use kinopt::model::{Limits, Model};
+use kinopt::problem::Problem;
+use kinopt::solver::{FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient, Termination};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Solution, Solver};
+use nalgebra as na;
+use support::random::Random;
+use support::{planar_arm, planar_tip};
+
+/// The methods that converge in 200 iterations here; fixed-step descent is in the battery.
+fn quick_solvers() -> [Solver; 3] {
+    [
+        Solver::new(LevenbergMarquardt::default()),
+        Solver::new(GaussNewton::default()),
+        Solver::new(ProjectedGradient::new(FirstStep::BarzilaiBorwein)),
+    ]
+}
+
+fn solve(solver: &Solver, model: &Model, target: na::Vector3<f64>, start: &[f64]) -> Solution {
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(model.frame("tip").unwrap(), target));
+    let problem = builder.build().unwrap();
+    solver.solve_once(&problem, start).unwrap()
+}
+
+#[test]
+fn beyond_a_stretched_arm() {
+    let links = [0.7, 0.5, 0.4];
+    let length: f64 = links.iter().sum();
+    let model = planar_arm(&links, Some((-1.5, 1.5)));
+    let mut random = Random::new(1);
+    for k in 0..10 {
+        let heading = random.within(-1.2, 1.2);
+        let distance = length + [1e-3, 0.1, 1.0, 50.0][k % 4];
+        let target = na::Vector3::new(heading.cos(), heading.sin(), 0.0) * distance;
+        for solver in quick_solvers() {
+            let solution = solve(&solver, &model, target, &[0.1, 0.2, -0.3]);
+            let name = solver.method();
+            assert!(!solution.reached, "{name}");
+            let missed = (planar_tip(&links, &solution.q) - target).norm();
+            assert!(
+                (missed - (distance - length)).abs() < 1e-9,
+                "{name}: {missed}"
+            );
+            let told = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((told - missed).abs() < 1e-12);
+            let explanation = solution.explain();
+            assert!(explanation.starts_with("Not reached"), "{explanation}");
+            assert!(
+                explanation.contains("point of `tip` misses by"),
+                "{explanation}"
+            );
+        }
+    }
+}
+
+#[test]
+fn inside_the_hole_of_a_two_link_arm() {
+    // The long link cannot be folded away: everything nearer than 0.6 is out of reach.
+    let links = [1.0, 0.4];
+    let model = planar_arm(&links, None);
+    let mut random = Random::new(2);
+    for _ in 0..10 {
+        let heading = random.within(-3.0, 3.0);
+        let distance = random.within(0.05, 0.55);
+        let target = na::Vector3::new(heading.cos(), heading.sin(), 0.0) * distance;
+        for solver in quick_solvers() {
+            let solution = solve(&solver, &model, target, &[heading + 0.3, 2.0]);
+            let missed = (planar_tip(&links, &solution.q) - target).norm();
+            // Gauss-Newton knows no curvature but JᵀJ, which has none where the arm is folded.
+            let within = if solver.method() == "gauss-newton" {
+                1e-6
+            } else {
+                1e-9
+            };
+            assert!((missed - (0.6 - distance)).abs() < within, "{missed}");
+            assert!(!solution.reached);
+            assert_eq!(solution.active_limits().count(), 0);
+            assert!(solution.explain().contains("No joint limit holds it back"));
+        }
+    }
+}
+
+#[test]
+fn a_limit_that_blocks_is_named() {
+    // One joint stops at 30°, and the target is at 90°: the tip ends at 30°.
+    let links = [1.0];
+    let stop = 30_f64.to_radians();
+    let model = planar_arm(&links, Some((-1.0, stop)));
+    let target = na::Vector3::new(0.0, 1.0, 0.0);
+    for solver in quick_solvers() {
+        let solution = solve(&solver, &model, target, &[0.0]);
+        assert!(!solution.reached);
+        assert_eq!(solution.q, [stop]);
+        let limits: Vec<_> = solution.active_limits().collect();
+        assert_eq!(limits.len(), 1);
+        assert_eq!((limits[0].joint, limits[0].side), ("joint 0", Side::Upper));
+        assert_eq!(limits[0].value, stop);
+        // d/dq of ½‖(cos q, sin q) − (0, 1)‖² = −cos q.
+        assert!((limits[0].push - stop.cos()).abs() < 1e-12);
+        assert_eq!(solution.termination, Termination::Stationary);
+        let explanation = solution.explain();
+        assert!(
+            explanation.contains("the upper limit 0.523599 of `joint 0`"),
+            "{explanation}"
+        );
+    }
+}
+
+#[test]
+fn a_slider_at_its_end() {
+    let mut builder = Model::builder("slider");
+    let axis = Vector3::new(0.0, 0.0, 2.0);
+    let limits = Limits::new(-0.1, 0.7);
+    let slide = builder.prismatic("slide", None, Placement::identity(), axis, limits);
+    builder.frame("tip", Some(slide), Placement::identity());
+    let model = builder.build().unwrap();
+    for (z, expected) in [(5.0, 0.7), (-5.0, -0.1)] {
+        let target = na::Vector3::new(0.3, 0.4, z);
+        for solver in quick_solvers() {
+            let solution = solve(&solver, &model, target, &[0.2]);
+            assert_eq!(solution.q, [expected]);
+            let missed = f64::hypot(0.5, z - expected);
+            let told = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((told - missed).abs() < 1e-12);
+            assert_eq!(solution.active_limits().count(), 1);
+        }
+    }
+}
+
+#[test]
+fn a_three_link_arm_with_limits_against_a_search_of_its_box() {
+    // Two joints are held by their limits and the third points at the target.
+    let links = [0.6, 0.5, 0.4];
+    let model = planar_arm(&links, Some((-0.4, 0.4)));
+    let target = na::Vector3::new(-0.6, 1.1, 0.0);
+    let steps = 160;
+    let mut nearest = f64::INFINITY;
+    let at = |k: usize| -0.4 + 0.8 * k as f64 / steps as f64;
+    for (i, j, k) in (0..=steps)
+        .flat_map(|i| (0..=steps).map(move |j| (i, j)))
+        .flat_map(|(i, j)| [0, steps / 2, steps].map(|k| (i, j, k)))
+    {
+        let tip = planar_tip(&links, &[at(i), at(j), at(k)]);
+        nearest = nearest.min((tip - target).norm());
+    }
+    for solver in quick_solvers() {
+        let solution = solve(&solver, &model, target, &[0.0, 0.1, -0.1]);
+        let missed = (planar_tip(&links, &solution.q) - target).norm();
+        assert!(missed <= nearest, "{missed} but the grid has {nearest}");
+        let held = solution.active_limits().map(|l| l.joint.to_owned());
+        let held: Vec<String> = held.collect();
+        for joint in &held {
+            assert!(solution.explain().contains(&format!("`{joint}`")));
+        }
+        assert!(!held.is_empty());
+    }
+}
