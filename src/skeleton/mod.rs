@@ -6,12 +6,14 @@
 //! configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃, θ₂₁, …) in radians, bone by bone.
 
 mod bone;
+mod builder;
 mod error;
 mod pose;
 
 use std::collections::HashMap;
 
 pub use bone::{Bone, BoneId};
+pub use builder::SkeletonBuilder;
 pub use error::SkeletonError;
 pub use pose::{BonePlacements, Posing};
 
@@ -30,6 +32,12 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
+    /// Starts an empty skeleton.
+    #[must_use]
+    pub fn builder(name: impl Into<String>) -> SkeletonBuilder {
+        SkeletonBuilder::new(name.into())
+    }
+
     /// Checks the bones and compiles them.
     ///
     /// The model's frames are `NAME` (the bone's own frame, origin at its tail) and `NAME/tip`;
