@@ -74,3 +74,8 @@ pub use model::Model;
 pub use problem::Problem;
 pub use scalar::Scalar;
 pub use skeleton::Skeleton;
+
+/// The README's examples, run as tests.
+#[cfg(all(doctest, feature = "urdf"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
