@@ -60,6 +60,30 @@ impl Default for LaneOptions {
     }
 }
 
+impl LaneOptions {
+    /// Whether every number is in its range.
+    ///
+    /// # Errors
+    /// [`LaneError::Option`] with the name of one that is not.
+    pub(crate) fn check(&self) -> Result<(), LaneError> {
+        for (name, value) in [
+            ("position_tolerance", self.position_tolerance),
+            ("orientation_tolerance", self.orientation_tolerance),
+            ("metres_per_radian", self.metres_per_radian),
+            ("damping", self.damping),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(LaneError::Option(name));
+            }
+        }
+        if self.axes.is_valid() {
+            Ok(())
+        } else {
+            Err(LaneError::Option("axes"))
+        }
+    }
+}
+
 /// How a query ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
