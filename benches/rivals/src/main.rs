@@ -1,0 +1,119 @@
+//! Asks every solver the same questions, in turns, and prints a table for each robot.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use kinopt_rivals::{Failure, Judge, Row, Workload, print, rival};
+use lexopt::prelude::*;
+
+const USAGE: &str = "\
+usage: kinopt-rivals [options]
+  --robot FILE.urdf --targets FILE.json
+                    another robot and its questions (without: the shipped Panda and UR5e)
+  --queries N       how many questions to ask (default 200)
+  --block N         questions a solver answers before it is the next one's turn (default 1)
+  --limit MS        time that one question may take, milliseconds (default 50)
+  --only WORD       only solvers whose name has this in it, and kinopt
+  --python PROGRAM  a Python that has helpers/requirements.txt installed, for OptIK";
+
+struct Settings {
+    robot: Option<PathBuf>,
+    targets: Option<PathBuf>,
+    queries: usize,
+    block: usize,
+    limit: Duration,
+    only: Option<String>,
+    python: Option<String>,
+}
+
+fn settings() -> Result<Option<Settings>, Failure> {
+    let mut settings = Settings {
+        robot: None,
+        targets: None,
+        queries: 200,
+        block: 1,
+        limit: Duration::from_millis(50),
+        only: None,
+        python: None,
+    };
+    let mut arguments = lexopt::Parser::from_env();
+    while let Some(argument) = arguments.next()? {
+        match argument {
+            Long("robot") => settings.robot = Some(arguments.value()?.into()),
+            Long("targets") => settings.targets = Some(arguments.value()?.into()),
+            Long("queries") => settings.queries = arguments.value()?.parse()?,
+            Long("block") => settings.block = arguments.value()?.parse::<usize>()?.max(1),
+            Long("limit") => {
+                settings.limit = Duration::from_secs_f64(1e-3 * arguments.value()?.parse::<f64>()?);
+            }
+            Long("only") => settings.only = Some(arguments.value()?.string()?),
+            Long("python") => settings.python = Some(arguments.value()?.string()?),
+            Long("help") => return Ok(None),
+            other => return Err(other.unexpected().into()),
+        }
+    }
+    Ok(Some(settings))
+}
+
+fn compare(workload: &Workload, settings: &Settings) -> Result<(), Failure> {
+    let mut rivals = rival::all(workload, settings.limit, settings.python.as_deref())?;
+    if let Some(only) = &settings.only {
+        rivals.retain(|r| r.name().contains(only) || r.name().contains("kinopt"));
+    }
+    let row = |name| Row {
+        name,
+        micros: Vec::new(),
+        solved: 0,
+        refused: 0,
+    };
+    let mut rows: Vec<Row> = rivals.iter().map(|rival| row(rival.name())).collect();
+    let judge = Judge(&workload.chain);
+    // The first block is asked twice, and the first time does not count: caches and clocks warm up.
+    let warm_up = workload.queries.chunks(settings.block.max(10)).take(1);
+    let blocks = workload.queries.chunks(settings.block);
+    for (turn, block) in warm_up.chain(blocks).enumerate() {
+        for (rival, row) in rivals.iter_mut().zip(&mut rows) {
+            for query in block {
+                let answer = rival.answer(query)?;
+                if turn == 0 {
+                    continue;
+                }
+                let accepted = answer
+                    .solutions
+                    .iter()
+                    .any(|q| judge.accepts(&query.target, q));
+                row.micros.push(answer.took.as_secs_f64() * 1e6);
+                row.solved += usize::from(accepted);
+                row.refused += usize::from(!accepted && !answer.solutions.is_empty());
+            }
+        }
+    }
+    print(&rows);
+    Ok(())
+}
+
+fn main() -> Result<(), Failure> {
+    let Some(settings) = settings()? else {
+        println!("{USAGE}");
+        return Ok(());
+    };
+    let count = settings.queries;
+    let workloads = match (&settings.robot, &settings.targets) {
+        (Some(robot), Some(targets)) => vec![Workload::from_file(robot, targets, count)?],
+        (None, None) => {
+            let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+            vec![
+                Workload::random(&models.join("franka_panda.urdf"), "base", "hand", count)?,
+                Workload::random(&models.join("universal_ur5e.urdf"), "base", "flange", count)?,
+            ]
+        }
+        _ => return Err(format!("--robot and --targets go together\n{USAGE}").into()),
+    };
+    for workload in &workloads {
+        let name = workload.urdf.file_stem().unwrap_or_default();
+        let asked = workload.queries.len();
+        println!("\n### {}, {asked} questions\n", name.to_string_lossy());
+        compare(workload, &settings)?;
+    }
+    Ok(())
+}
