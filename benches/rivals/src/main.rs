@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use kinopt_benches::Sequence;
 use kinopt_rivals::{Failure, Judge, Row, Workload, print, rival};
 use lexopt::prelude::*;
 
@@ -11,7 +12,9 @@ usage: kinopt-rivals [options]
   --robot FILE.urdf --targets FILE.json
                     another robot and its questions (without: the shipped Panda and UR5e)
   --queries N       how many questions to ask (default 200)
-  --block N         questions a solver answers before it is the next one's turn (default 1)
+  --block N         questions a solver answers before it is the next one's turn (default 20);
+                    with 1 every call finds the caches full of what the others left
+  --rounds N        how often everything is asked; the fastest time of each counts (default 3)
   --limit MS        time that one question may take, milliseconds (default 50)
   --only WORD       only solvers whose name has this in it, and kinopt
   --python PROGRAM  a Python that has helpers/requirements.txt installed, for OptIK";
@@ -21,6 +24,7 @@ struct Settings {
     targets: Option<PathBuf>,
     queries: usize,
     block: usize,
+    rounds: usize,
     limit: Duration,
     only: Option<String>,
     python: Option<String>,
@@ -31,7 +35,8 @@ fn settings() -> Result<Option<Settings>, Failure> {
         robot: None,
         targets: None,
         queries: 200,
-        block: 1,
+        block: 20,
+        rounds: 3,
         limit: Duration::from_millis(50),
         only: None,
         python: None,
@@ -43,6 +48,7 @@ fn settings() -> Result<Option<Settings>, Failure> {
             Long("targets") => settings.targets = Some(arguments.value()?.into()),
             Long("queries") => settings.queries = arguments.value()?.parse()?,
             Long("block") => settings.block = arguments.value()?.parse::<usize>()?.max(1),
+            Long("rounds") => settings.rounds = arguments.value()?.parse::<usize>()?.max(1),
             Long("limit") => {
                 settings.limit = Duration::from_secs_f64(1e-3 * arguments.value()?.parse::<f64>()?);
             }
@@ -60,31 +66,27 @@ fn compare(workload: &Workload, settings: &Settings) -> Result<(), Failure> {
     if let Some(only) = &settings.only {
         rivals.retain(|r| r.name().contains(only) || r.name().contains("kinopt"));
     }
-    let row = |name| Row {
-        name,
-        micros: Vec::new(),
-        solved: 0,
-        refused: 0,
-    };
-    let mut rows: Vec<Row> = rivals.iter().map(|rival| row(rival.name())).collect();
+    let queries = &workload.queries;
+    let mut rows: Vec<Row> = rivals
+        .iter()
+        .map(|rival| Row::new(rival.name(), queries.len()))
+        .collect();
     let judge = Judge(&workload.chain);
-    // The first block is asked twice, and the first time does not count: caches and clocks warm up.
-    let warm_up = workload.queries.chunks(settings.block.max(10)).take(1);
-    let blocks = workload.queries.chunks(settings.block);
-    for (turn, block) in warm_up.chain(blocks).enumerate() {
-        for (rival, row) in rivals.iter_mut().zip(&mut rows) {
-            for query in block {
-                let answer = rival.answer(query)?;
-                if turn == 0 {
-                    continue;
+    // In an order of its own for each block, so that nobody always follows the same solver.
+    let mut random = Sequence::new(0.125);
+    let mut order: Vec<usize> = (0..rivals.len()).collect();
+    for _ in 0..settings.rounds {
+        for first in (0..queries.len()).step_by(settings.block) {
+            let block = first..queries.len().min(first + settings.block);
+            order.sort_by_cached_key(|_| (random.unit() * 1e9) as u64);
+            for &at in &order {
+                for index in block.clone() {
+                    let query = &queries[index];
+                    let answer = rivals[at].answer(query)?;
+                    let accepts = |q: &Vec<f64>| judge.accepts(&query.target, q);
+                    let accepted = answer.solutions.iter().any(accepts);
+                    rows[at].note(index, answer.took, !answer.solutions.is_empty(), accepted);
                 }
-                let accepted = answer
-                    .solutions
-                    .iter()
-                    .any(|q| judge.accepts(&query.target, q));
-                row.micros.push(answer.took.as_secs_f64() * 1e6);
-                row.solved += usize::from(accepted);
-                row.refused += usize::from(!accepted && !answer.solutions.is_empty());
             }
         }
     }

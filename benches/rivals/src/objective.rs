@@ -5,7 +5,8 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 use crate::TOLERANCE;
 
-/// w², in square metres per square radian; with 1 the optimisers here were slower on both arms.
+/// w², in square metres per square radian: kinopt's own weight. With 1 the medians of L-BFGS and PANOC
+/// were 20 to 65 % higher on both arms, those of SLSQP 8 % lower on one and 15 % higher on the other.
 const SQUARED_WEIGHT: f64 = 0.3 * 0.3;
 
 /// Chains up to this length: all memory is on the stack.
@@ -48,7 +49,7 @@ impl<'a> Objective<'a> {
                 JointKind::Revolute => {
                     at.rotation = at.rotation * Matrix3::rotation(joint.axis, q.sin_cos());
                 }
-                JointKind::Prismatic => at.translation = at.translation + axes[i] * q,
+                JointKind::Prismatic => at.translation += axes[i] * q,
             }
         }
         let tip = at * *self.chain.joint_from_tip();
@@ -57,7 +58,8 @@ impl<'a> Objective<'a> {
         let chord =
             (r.x - t.x).norm_squared() + (r.y - t.y).norm_squared() + (r.z - t.z).norm_squared();
         if let Some(gradient) = gradient {
-            let moment = (r.x.cross(t.x) + r.y.cross(t.y) + r.z.cross(t.z)) * (-0.5 * SQUARED_WEIGHT);
+            let moment =
+                (r.x.cross(t.x) + r.y.cross(t.y) + r.z.cross(t.z)) * (-0.5 * SQUARED_WEIGHT);
             for (i, joint) in self.chain.joints().iter().enumerate() {
                 gradient[i] = match joint.kind {
                     JointKind::Revolute => {

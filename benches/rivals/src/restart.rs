@@ -27,17 +27,22 @@ impl Limits {
 }
 
 /// Attempts from `start` and then from random configurations, the same ones in each run, until one
-/// says that it succeeded or the deadline has passed. Returns the q of the last attempt.
+/// says that it succeeded, whose q is returned, or the deadline has passed.
 pub fn until_deadline(
     chain: &Chain,
     start: &[f64],
     deadline: Instant,
     mut attempt: impl FnMut(&mut [f64]) -> bool,
-) -> Vec<f64> {
+) -> Option<Vec<f64>> {
     let mut random = Sequence::new(0.75);
     let mut q = start.to_vec();
-    while !attempt(&mut q) && Instant::now() < deadline {
+    loop {
+        if attempt(&mut q) {
+            return Some(q);
+        }
+        if Instant::now() >= deadline {
+            return None;
+        }
         q = random_configuration(chain, &mut random);
     }
-    q
 }

@@ -39,8 +39,13 @@ impl Rival for Kinopt {
             let mut q = vec![0.0; query.start.len()];
             let (target, start) = (&query.target, &query.start);
             let outcome = self.solver.solve(target, start, self.search, None, &mut q);
-            failure = outcome.err();
-            q
+            match outcome {
+                Ok(outcome) => outcome.reached.then_some(q),
+                Err(wrong) => {
+                    failure = Some(wrong);
+                    None
+                }
+            }
         });
         failure.map_or(Ok(answer), |failure| Err(failure.into()))
     }

@@ -15,7 +15,7 @@ use crate::{Failure, Query, Workload};
 pub struct Answer {
     /// The time of the solver's own call.
     pub took: Duration,
-    /// What it holds to be solutions; a closed form has several.
+    /// What it holds to be solutions, none where it gave up; a closed form has several.
     pub solutions: Vec<Vec<f64>>,
 }
 
@@ -32,12 +32,12 @@ pub trait Rival {
 }
 
 /// Times a call in this process.
-pub(crate) fn timed(call: impl FnOnce() -> Vec<f64>) -> Answer {
+pub(crate) fn timed(call: impl FnOnce() -> Option<Vec<f64>>) -> Answer {
     let begun = Instant::now();
     let solution = call();
     Answer {
         took: begun.elapsed(),
-        solutions: vec![solution],
+        solutions: solution.into_iter().collect(),
     }
 }
 
