@@ -75,9 +75,12 @@ fn compare(workload: &Workload, settings: &Settings) -> Result<(), Failure> {
     // In an order of its own for each block, so that nobody always follows the same solver.
     let mut random = Sequence::new(0.125);
     let mut order: Vec<usize> = (0..rivals.len()).collect();
-    for _ in 0..settings.rounds {
-        for first in (0..queries.len()).step_by(settings.block) {
-            let block = first..queries.len().min(first + settings.block);
+    for round in 0..settings.rounds {
+        // Blocks begin elsewhere in each round: a block's first question finds the caches cold.
+        let shift = settings.block * round / settings.rounds;
+        for end in (settings.block - shift..queries.len() + settings.block).step_by(settings.block)
+        {
+            let block = end.saturating_sub(settings.block)..end.min(queries.len());
             order.sort_by_cached_key(|_| (random.unit() * 1e9) as u64);
             for &at in &order {
                 for index in block.clone() {

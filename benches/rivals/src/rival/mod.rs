@@ -2,7 +2,7 @@
 
 mod helper;
 mod k_jacobian;
-mod kinopt_lanes;
+mod kinopt_arm;
 mod nlopt_local;
 mod panoc;
 mod slsqp_rust;
@@ -50,7 +50,7 @@ pub fn all<'a>(
     limit: Duration,
     python: Option<&str>,
 ) -> Result<Vec<Box<dyn Rival + 'a>>, Failure> {
-    let mut rivals: Vec<Box<dyn Rival + 'a>> = kinopt_lanes::searches(workload)?;
+    let mut rivals: Vec<Box<dyn Rival + 'a>> = kinopt_arm::searches(workload)?;
     let mut add = |name: &str, rival: Result<Box<dyn Rival + 'a>, Failure>| match rival {
         Ok(rival) => rivals.push(rival),
         Err(failure) => eprintln!("without {name}: {failure}"),
