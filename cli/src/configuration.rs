@@ -7,18 +7,25 @@ use kinopt::model::Limits;
 use serde::Deserialize;
 
 use crate::failure::{Failure, Outcome};
+use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 
 /// The longest file of a configuration that is read, in bytes.
 const FILE_LIMIT: u64 = 1 << 26;
 
+/// How far a joint that follows another may be off before that is worth a note.
+const LOOSE: f64 = 1e-9;
+
 /// A list of numbers, or any document with one under `q`, such as those that `--json` prints.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum ConfigurationFile {
     List(Vec<f64>),
-    Document { q: Vec<f64> },
+    Document {
+        q: Vec<f64>,
+        joints: Option<Vec<String>>,
+    },
 }
 
 impl LoadedModel {
@@ -56,7 +63,22 @@ impl LoadedModel {
         let value: serde_json::Value = serde_json::from_slice(&bytes)
             .map_err(|error| fail(format!("is not JSON: {error}")))?;
         let numbers = match serde_json::from_value(value) {
-            Ok(ConfigurationFile::List(q) | ConfigurationFile::Document { q }) => q,
+            Ok(ConfigurationFile::Document {
+                q,
+                joints: Some(joints),
+            }) => {
+                let columns = self.joint_columns(&joints);
+                let columns = columns.map_err(|problem| fail(format!("joints: {problem}")))?;
+                if columns.width() != q.len() {
+                    return Err(fail(format!(
+                        "{} joints are named but q has {} numbers",
+                        columns.width(),
+                        q.len()
+                    )));
+                }
+                return Ok(columns.configuration(&q));
+            }
+            Ok(ConfigurationFile::List(q) | ConfigurationFile::Document { q, joints: None }) => q,
             Err(_) => {
                 return Err(fail(
                     "holds neither a list of numbers nor a document with one under `q`".into(),
@@ -92,13 +114,31 @@ impl LoadedModel {
                 "{expected}: 3 for each of {} bones",
                 rig.skeleton.bones().len()
             ),
-            None => expected.to_string(),
+            None => format!("{expected}: {}", self.joint_names().join(", ")),
         };
         Err(Failure::new(format!(
             "{source}: {} numbers given, but a configuration has {shape} (kinopt info {} lists them)",
             numbers.len(),
             self.file,
         )))
+    }
+
+    /// Says on standard error which joints are not where the joint that they follow takes them.
+    pub(crate) fn note_loose_followers(&self, q: &[f64], consequence: &str) {
+        let followed = followed(&self.parameters(), q);
+        let locked = self.model.limits().map(|limits| limits.is_locked());
+        let values = q.iter().zip(&followed).zip(locked).zip(self.joint_names());
+        let loose = values.filter_map(|(((value, followed), locked), name)| {
+            let off = !locked && (value - followed).abs() > LOOSE;
+            off.then(|| format!("`{name}` (to {followed})"))
+        });
+        let loose: Vec<String> = loose.collect();
+        if !loose.is_empty() {
+            output::message(&format!(
+                "note: the joint that it follows would take {}; {consequence}",
+                loose.join(", ")
+            ));
+        }
     }
 
     /// Says on standard error which coordinates are outside their limits, if any.
