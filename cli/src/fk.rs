@@ -127,6 +127,6 @@ fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64
     };
     match arguments.time {
         Some(time) => loaded.keyframes_at(time, playback),
-        None => Ok(loaded.model.neutral()),
+        None => Ok(loaded.rest()),
     }
 }

@@ -8,7 +8,7 @@ use crate::loaded_model::LoadedModel;
 #[derive(Clone, Debug)]
 pub(crate) struct JointColumns {
     coordinates: Vec<usize>,
-    neutral: Vec<f64>,
+    rest: Vec<f64>,
     /// Coordinates that no column names and that follow another: they are worked out.
     followers: Vec<usize>,
     map: ParameterMap,
@@ -53,7 +53,7 @@ impl LoadedModel {
             .collect();
         JointColumns {
             coordinates,
-            neutral: self.model.neutral(),
+            rest: self.rest(),
             followers,
             map,
         }
@@ -68,7 +68,7 @@ impl JointColumns {
 
     /// The configuration that a row means: joints without a column are at rest, or follow.
     pub(crate) fn configuration(&self, row: &[f64]) -> Vec<f64> {
-        let mut q = self.neutral.clone();
+        let mut q = self.rest.clone();
         for (&coordinate, &value) in self.coordinates.iter().zip(row) {
             if let Some(slot) = q.get_mut(coordinate) {
                 *slot = value;

@@ -108,6 +108,16 @@ impl LoadedModel {
         }
     }
 
+    /// All zeros, moved into the limits; joints that follow others follow.
+    pub(crate) fn rest(&self) -> Vec<f64> {
+        let map = self.parameters();
+        let mut rest = self.model.neutral();
+        let mut x = vec![0.0; map.variables()];
+        map.reduce(&rest, &mut x);
+        map.expand_within_limits(&x, &mut rest);
+        rest
+    }
+
     /// The link of a robot that stands in the world.
     pub(crate) fn root_link(&self) -> Option<&str> {
         let mut frames = self.model.frames().iter();

@@ -79,6 +79,10 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) | Err(Failure::ReaderGone) => ExitCode::SUCCESS,
+        Err(Failure::Usage(reason)) => {
+            output::message(&format!("error: {reason}"));
+            ExitCode::from(2)
+        }
         Err(Failure::Reason(reason)) => {
             output::message(&format!("error: {reason}"));
             ExitCode::from(1)
