@@ -3,6 +3,7 @@
 pub mod animation;
 #[cfg(feature = "argmin")]
 pub mod argmin_bridge;
+pub mod arm;
 pub mod ik;
 pub mod io;
 pub mod kinematics;
@@ -19,6 +20,7 @@ pub mod solver;
 pub mod spatial;
 pub mod task;
 
+pub use arm::Arm;
 pub use ik::{Solution, Solver, Workspace};
 pub use model::Model;
 pub use problem::Problem;

@@ -174,26 +174,61 @@ impl Solution {
 
         self.blocked.clear();
         if !self.reached {
-            let (lower, upper) = (problem.lower(), problem.upper());
-            for (variable, (&value, &g)) in x.iter().zip(gradient).enumerate() {
-                let side = if value <= lower[variable] && g > 0.0 {
-                    Side::Lower
-                } else if value >= upper[variable] && g < 0.0 {
-                    Side::Upper
-                } else {
-                    continue;
-                };
-                self.blocked.push(Blocked {
-                    variable,
-                    side,
-                    value,
-                    push: g.abs(),
-                });
-            }
+            self.name_limits(x, problem.lower(), problem.upper(), gradient);
         }
         let known = self.names.as_ref();
         if !known.is_some_and(|names| Arc::ptr_eq(names, problem.names())) {
             self.names = Some(Arc::clone(problem.names()));
+        }
+    }
+
+    /// Lists the variables that stand on a bound beyond which the cost falls.
+    pub(crate) fn name_limits(
+        &mut self,
+        x: &[f64],
+        lower: &[f64],
+        upper: &[f64],
+        gradient: &[f64],
+    ) {
+        self.blocked.clear();
+        for (variable, (&value, &g)) in x.iter().zip(gradient).enumerate() {
+            let side = if value <= lower[variable] && g > 0.0 {
+                Side::Lower
+            } else if value >= upper[variable] && g < 0.0 {
+                Side::Upper
+            } else {
+                continue;
+            };
+            self.blocked.push(Blocked {
+                variable,
+                side,
+                value,
+                push: g.abs(),
+            });
+        }
+    }
+
+    /// Takes the errors of a single goal: what each kind of its rows measures, how far it is off,
+    /// and whether that is within tolerance. No limit is named yet.
+    pub(crate) fn record_goal(
+        &mut self,
+        names: &Arc<Names>,
+        errors: impl Iterator<Item = (Quantity, f64, bool)>,
+    ) {
+        self.rows.clear();
+        self.rows
+            .extend(errors.map(|(quantity, error, reached)| RowsReport {
+                task: 0,
+                quantity,
+                error,
+                reached,
+                role: Role::Goal,
+            }));
+        self.reached = self.rows.iter().all(|rows| rows.reached);
+        self.blocked.clear();
+        let known = self.names.as_ref();
+        if !known.is_some_and(|known| Arc::ptr_eq(known, names)) {
+            self.names = Some(Arc::clone(names));
         }
     }
 }

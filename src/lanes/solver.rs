@@ -128,6 +128,45 @@ impl PoseSolver {
         Ok(dispatch::race(self, &query, false, q))
     }
 
+    /// As [`solve`](Self::solve) for input that is checked already. `lone` runs the start's attempt
+    /// by itself first.
+    pub(crate) fn solve_checked(
+        &self,
+        base_from_target: &Placement<f64>,
+        start: &[f64],
+        search: Search,
+        deadline: Option<Instant>,
+        lone: bool,
+        q: &mut [f64],
+    ) -> Outcome {
+        let query = Query {
+            target: base_from_target,
+            start,
+            search,
+            deadline,
+        };
+        dispatch::race(self, &query, lone, q)
+    }
+
+    /// A solver for the same chain whose bounds may be moved, without an atlas.
+    pub(crate) fn without_atlas(&self) -> Self {
+        Self {
+            links: self.links.clone(),
+            settings: self.settings,
+            options: self.options.clone(),
+            atlas: None,
+            weighted: self.weighted,
+            wide: self.wide,
+        }
+    }
+
+    /// Moves the bounds, radians or metres.
+    pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
+        for (link, (&lower, &upper)) in self.links.links.iter_mut().zip(lower.iter().zip(upper)) {
+            (link.lower, link.upper) = (lower, upper);
+        }
+    }
+
     /// Solves many poses, lanes filled with different queries. What a query gives depends on
     /// nothing but itself, so any split of a batch gives the same bits. The winner of a query is
     /// its lowest attempt that reaches.
@@ -213,6 +252,20 @@ impl PoseSolver {
         check_length("start", start.len(), n)?;
         check_length("q", q.len(), n * outcomes.len())?;
         check_query(0, base_from_target, start)?;
+        self.run_attempts_checked(base_from_target, start, search, first, q, outcomes);
+        Ok(())
+    }
+
+    /// As [`run_attempts`](Self::run_attempts) for input that is checked already.
+    pub(crate) fn run_attempts_checked(
+        &self,
+        base_from_target: &Placement<f64>,
+        start: &[f64],
+        search: Search,
+        first: u32,
+        q: &mut [f64],
+        outcomes: &mut [Outcome],
+    ) {
         let work = Work {
             targets: std::slice::from_ref(base_from_target),
             starts: start,
@@ -222,7 +275,6 @@ impl PoseSolver {
             outcomes,
         };
         dispatch::batch(self, work);
-        Ok(())
     }
 
     /// Follows a path of targets: each query starts from the q of the one before, and takes that
@@ -263,7 +315,8 @@ impl PoseSolver {
         Ok(())
     }
 
-    fn run_batch(
+    /// As [`solve_batch`](Self::solve_batch) for input that is checked already.
+    pub(crate) fn run_batch(
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],

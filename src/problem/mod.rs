@@ -188,6 +188,12 @@ impl Problem {
         Scratch::new(self)
     }
 
+    /// Takes other bounds for the variables, within the limits.
+    pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
+        self.lower.copy_from_slice(lower);
+        self.upper.copy_from_slice(upper);
+    }
+
     pub(crate) fn names(&self) -> &Arc<Names> {
         &self.names
     }

@@ -116,6 +116,8 @@ pub enum Termination {
     IterationLimit,
     /// The wall-clock limit.
     TimeLimit,
+    /// No solution lies within the moves allowed from the start.
+    CannotContinue,
     /// The observer said stop.
     Cancelled,
     /// The residual or its derivative is NaN or infinite, or the start is.
@@ -133,6 +135,7 @@ impl Termination {
             Self::Stalled => "stalled",
             Self::IterationLimit => "iteration_limit",
             Self::TimeLimit => "time_limit",
+            Self::CannotContinue => "cannot_continue",
             Self::Cancelled => "cancelled",
             Self::NonFinite => "non_finite",
         }

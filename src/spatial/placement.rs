@@ -113,6 +113,18 @@ impl From<&Isometry3<f64>> for Placement<f64> {
     }
 }
 
+impl From<Isometry3<f64>> for Placement<f64> {
+    fn from(isometry: Isometry3<f64>) -> Self {
+        Self::from(&isometry)
+    }
+}
+
+impl From<&Placement<f64>> for Placement<f64> {
+    fn from(placement: &Placement<f64>) -> Self {
+        *placement
+    }
+}
+
 impl From<&Placement<f64>> for Isometry3<f64> {
     fn from(placement: &Placement<f64>) -> Self {
         let rotation = Rotation3::from_matrix_unchecked(placement.rotation.into());

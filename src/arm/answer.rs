@@ -1,0 +1,149 @@
+//! One question, from the fast way to the slower ones.
+
+use std::time::Instant;
+
+use super::QueryError;
+use super::desk::Desk;
+use super::query::Arm;
+use super::report::Reply;
+use crate::ik::Solution;
+use crate::lanes;
+use crate::solver::Termination;
+use crate::spatial::Placement;
+
+impl Arm {
+    /// Whether the lane engine's answer to a question is the arm's, if it reaches.
+    pub(super) fn is_plain(&self) -> bool {
+        let options = &self.options;
+        options.max_move.is_none() && options.posture.is_none() && !options.search.compares()
+    }
+
+    /// Answers a question that is checked. `follow` takes the start's own attempt alone if it
+    /// succeeds, whatever the search.
+    pub(super) fn answer(
+        &self,
+        target: &Placement<f64>,
+        start: &[f64],
+        follow: bool,
+        solution: &mut Solution,
+    ) -> Result<(), QueryError> {
+        let deadline = self.deadline();
+        let options = &self.options;
+        let alone = options.max_move.is_none() && options.posture.is_none();
+        let (Some(lanes), true) = (&self.lanes, self.is_plain() || follow && alone) else {
+            return self.with_desk(|desk| {
+                self.answer_at(desk, target, start, follow, deadline, solution);
+            });
+        };
+        let search = self.lane_search(follow);
+        solution.q.resize(self.joint_count(), 0.0);
+        let outcome = lanes.solve_checked(target, start, search, deadline, follow, &mut solution.q);
+        let reply = Reply::of(&outcome);
+        if outcome.reached {
+            self.report(&reply, solution);
+            return Ok(());
+        }
+        self.with_desk(|desk| self.explain_miss(desk, target, start, reply, deadline, solution))
+    }
+
+    pub(super) fn lane_search(&self, follow: bool) -> lanes::Search {
+        if follow {
+            lanes::Search::Start
+        } else {
+            self.options.search.lanes()
+        }
+    }
+
+    /// Goes on from the best configuration that the engine left in the solution, and reports it.
+    pub(super) fn explain_miss(
+        &self,
+        desk: &mut Desk,
+        target: &Placement<f64>,
+        start: &[f64],
+        mut reply: Reply,
+        deadline: Option<Instant>,
+        solution: &mut Solution,
+    ) {
+        desk.aim(target);
+        self.open_window(desk, start);
+        desk.x.copy_from_slice(&solution.q);
+        self.finish(desk, &mut reply, deadline);
+        self.report_desk(&reply, desk, solution);
+    }
+
+    /// Answers with a desk: bounded moves, searches that compare, postures, chains with followers.
+    fn answer_at(
+        &self,
+        desk: &mut Desk,
+        target: &Placement<f64>,
+        start: &[f64],
+        follow: bool,
+        deadline: Option<Instant>,
+        solution: &mut Solution,
+    ) {
+        desk.aim(target);
+        self.open_window(desk, start);
+        let compares = self.options.search.compares() && !follow;
+        let mut reply = if compares {
+            self.gather(desk, target, start, deadline);
+            self.nearest(desk, target, start, deadline)
+        } else {
+            self.one_search(desk, target, start, follow, deadline)
+        };
+        self.finish(desk, &mut reply, deadline);
+        if let (true, Some(posture)) = (reply.errors.reached, &self.options.posture) {
+            self.descend(desk, posture, deadline);
+            reply.errors = desk.judge_x();
+        }
+        self.report_desk(&reply, desk, solution);
+    }
+
+    /// The engine's or the core's own search, into the desk's x.
+    pub(super) fn one_search(
+        &self,
+        desk: &mut Desk,
+        target: &Placement<f64>,
+        start: &[f64],
+        follow: bool,
+        deadline: Option<Instant>,
+    ) -> Reply {
+        let Some(lanes) = &self.lanes else {
+            return self.search_by_core(desk, start, deadline);
+        };
+        let search = self.lane_search(follow);
+        let Desk { windowed, x, .. } = desk;
+        let lanes = match windowed {
+            Some(windowed) if self.options.max_move.is_some() => windowed,
+            _ => lanes,
+        };
+        Reply::of(&lanes.solve_checked(target, start, search, deadline, follow, x))
+    }
+
+    /// Takes a miss to the place where nothing near is better, and names how it ended.
+    pub(super) fn finish(&self, desk: &mut Desk, reply: &mut Reply, deadline: Option<Instant>) {
+        if reply.errors.reached {
+            return;
+        }
+        let late = || deadline.is_some_and(|at| Instant::now() >= at);
+        if late() {
+            reply.termination = Termination::TimeLimit;
+            return;
+        }
+        let (termination, iterations) = desk.settle(deadline);
+        reply.iterations += iterations;
+        reply.errors = desk.judge_x();
+        reply.termination = if reply.errors.reached {
+            Termination::Reached
+        } else if late() {
+            Termination::TimeLimit
+        } else if self.options.max_move.is_some() {
+            Termination::CannotContinue
+        } else {
+            // Half a step short of the tolerance is no tolerance reached.
+            match termination {
+                Termination::Reached => Termination::SmallStep,
+                other => other,
+            }
+        };
+    }
+}

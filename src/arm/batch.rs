@@ -1,0 +1,219 @@
+//! Many questions at once.
+
+use super::query::Arm;
+use super::report::Reply;
+use super::{Outcome, QueryError};
+use crate::ik::Solution;
+use crate::solver::Termination;
+use crate::spatial::Placement;
+
+/// Questions that are handed to the lanes together: enough to keep them filled.
+const CHUNK: usize = 128;
+
+impl Arm {
+    /// Solves many targets; `starts` holds one configuration a target, one after another. The lanes
+    /// of the engine are filled with different questions, which is faster than one after another.
+    /// What a question gives depends on nothing but itself; among its attempts the lowest that
+    /// reaches wins, so with [`Search::First`](super::Search::First) the answer may be another one
+    /// than [`solve`](Self::solve)'s.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve); the error names the first bad question.
+    pub fn solve_batch(
+        &self,
+        base_from_tools: &[Placement<f64>],
+        starts: &[f64],
+    ) -> Result<Vec<Solution>, QueryError> {
+        self.check_batch(base_from_tools, starts)?;
+        let mut solutions = vec![Solution::default(); base_from_tools.len()];
+        let n = self.joint_count();
+        let chunks = base_from_tools
+            .chunks(CHUNK)
+            .zip(starts.chunks(CHUNK * n))
+            .zip(solutions.chunks_mut(CHUNK));
+        for ((targets, starts), solutions) in chunks {
+            self.answer_chunk(targets, starts, solutions)?;
+        }
+        Ok(solutions)
+    }
+
+    /// [`solve_batch`](Self::solve_batch) over the threads of the current rayon pool, bit for bit
+    /// the same.
+    ///
+    /// # Errors
+    /// As there.
+    #[cfg(feature = "rayon")]
+    pub fn solve_batch_parallel(
+        &self,
+        base_from_tools: &[Placement<f64>],
+        starts: &[f64],
+    ) -> Result<Vec<Solution>, QueryError> {
+        use rayon::prelude::*;
+        self.check_batch(base_from_tools, starts)?;
+        let mut solutions = vec![Solution::default(); base_from_tools.len()];
+        let n = self.joint_count();
+        base_from_tools
+            .par_chunks(CHUNK)
+            .zip(starts.par_chunks(CHUNK * n))
+            .zip(solutions.par_chunks_mut(CHUNK))
+            .try_for_each(|((targets, starts), solutions)| {
+                self.answer_chunk(targets, starts, solutions)
+            })?;
+        Ok(solutions)
+    }
+
+    /// As [`solve_batch`](Self::solve_batch), into slices of the caller's: one configuration a
+    /// target into `q`, one outcome a target. Nothing is allocated after the first few questions.
+    ///
+    /// # Errors
+    /// As there, and slices of the wrong length.
+    pub fn solve_batch_into(
+        &self,
+        base_from_tools: &[Placement<f64>],
+        starts: &[f64],
+        q: &mut [f64],
+        outcomes: &mut [Outcome],
+    ) -> Result<(), QueryError> {
+        let n = self.joint_count();
+        self.check_batch(base_from_tools, starts)?;
+        self.check_length("q", q.len(), n * base_from_tools.len())?;
+        self.check_length("outcomes", outcomes.len(), base_from_tools.len())?;
+        self.outcomes_of_chunk(base_from_tools, starts, q, outcomes)
+    }
+
+    /// [`solve_batch_into`](Self::solve_batch_into) over the threads of the current rayon pool, bit
+    /// for bit the same.
+    ///
+    /// # Errors
+    /// As there.
+    #[cfg(feature = "rayon")]
+    pub fn solve_batch_into_parallel(
+        &self,
+        base_from_tools: &[Placement<f64>],
+        starts: &[f64],
+        q: &mut [f64],
+        outcomes: &mut [Outcome],
+    ) -> Result<(), QueryError> {
+        use rayon::prelude::*;
+        let n = self.joint_count();
+        self.check_batch(base_from_tools, starts)?;
+        self.check_length("q", q.len(), n * base_from_tools.len())?;
+        self.check_length("outcomes", outcomes.len(), base_from_tools.len())?;
+        base_from_tools
+            .par_chunks(CHUNK)
+            .zip(starts.par_chunks(CHUNK * n))
+            .zip(q.par_chunks_mut(CHUNK * n))
+            .zip(outcomes.par_chunks_mut(CHUNK))
+            .try_for_each(|(((targets, starts), q), outcomes)| {
+                self.outcomes_of_chunk(targets, starts, q, outcomes)
+            })
+    }
+
+    /// Whether the engine's batch can answer: it knows no clock.
+    fn batches_by_lanes(&self) -> bool {
+        self.is_plain() && self.options.time_limit.is_none()
+    }
+
+    fn answer_chunk(
+        &self,
+        targets: &[Placement<f64>],
+        starts: &[f64],
+        solutions: &mut [Solution],
+    ) -> Result<(), QueryError> {
+        let n = self.joint_count();
+        let queries = || targets.iter().zip(starts.chunks(n));
+        let (Some(lanes), true) = (&self.lanes, self.batches_by_lanes()) else {
+            for ((target, start), solution) in queries().zip(solutions) {
+                self.answer(target, start, false, solution)?;
+            }
+            return Ok(());
+        };
+        let mut q = vec![0.0; n * targets.len()];
+        let mut outcomes = vec![Outcome::default(); targets.len()];
+        lanes.run_batch(
+            targets,
+            starts,
+            self.lane_search(false),
+            &mut q,
+            &mut outcomes,
+        );
+        let answers = q.chunks(n).zip(&outcomes).zip(solutions);
+        for ((target, start), ((q, outcome), solution)) in queries().zip(answers) {
+            solution.q.clear();
+            solution.q.extend_from_slice(q);
+            let reply = Reply::of(outcome);
+            if outcome.reached {
+                self.report(&reply, solution);
+            } else {
+                self.with_desk(|desk| {
+                    self.explain_miss(desk, target, start, reply, None, solution);
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn outcomes_of_chunk(
+        &self,
+        targets: &[Placement<f64>],
+        starts: &[f64],
+        q: &mut [f64],
+        outcomes: &mut [Outcome],
+    ) -> Result<(), QueryError> {
+        let n = self.joint_count();
+        let by_lanes = match (&self.lanes, self.batches_by_lanes()) {
+            (Some(lanes), true) => {
+                lanes.run_batch(targets, starts, self.lane_search(false), q, outcomes);
+                true
+            }
+            _ => false,
+        };
+        let mut solution = None;
+        let queries = targets.iter().zip(starts.chunks(n));
+        for ((target, start), (q, outcome)) in queries.zip(q.chunks_mut(n).zip(outcomes)) {
+            if by_lanes && outcome.reached {
+                continue;
+            }
+            let solution = solution.get_or_insert_with(Solution::default);
+            if by_lanes {
+                solution.q.clear();
+                solution.q.extend_from_slice(q);
+                let reply = Reply::of(outcome);
+                self.with_desk(|desk| {
+                    self.explain_miss(desk, target, start, reply, None, solution);
+                })?;
+            } else {
+                self.answer(target, start, false, solution)?;
+            }
+            q.copy_from_slice(&solution.q);
+            *outcome = self.outcome(solution);
+        }
+        Ok(())
+    }
+
+    /// A solution's figures alone.
+    fn outcome(&self, solution: &Solution) -> Outcome {
+        let error = |pick: fn(&crate::ik::TaskReport<'_>) -> Option<f64>| {
+            solution.tasks().find_map(|task| pick(&task)).unwrap_or(0.0)
+        };
+        let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        debug_assert!(solution.reached == (solution.termination == Termination::Reached));
+        Outcome {
+            reached: solution.reached,
+            position_error: error(|task| task.position_error()),
+            orientation_error: error(|task| task.orientation_error()),
+            iterations: count(solution.iterations),
+            attempts: count(solution.attempts),
+            winner: None,
+        }
+    }
+
+    fn check_batch(&self, targets: &[Placement<f64>], starts: &[f64]) -> Result<(), QueryError> {
+        let n = self.joint_count();
+        self.check_length("starts", starts.len(), n * targets.len())?;
+        for (query, (target, start)) in targets.iter().zip(starts.chunks(n)).enumerate() {
+            self.check_query(query, target, start)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,411 @@
+//! Describes an arm: base, tip, what is free, and every option with its unit and default.
+
+use std::time::Duration;
+
+use super::configuration::Coordinates;
+use super::options::{Options, Search};
+use super::query::Arm;
+use super::route;
+use super::serial::Serial;
+use super::{ArmError, Goal};
+use crate::lanes::{LaneOptions, PoseSolver};
+use crate::model::{FrameId, JointId, Model, ParameterMap, ParameterMapBuilder};
+use crate::robot::{Mimic, Robot};
+use crate::spatial::Placement;
+
+/// A radian counts as much as this share of the arm's reach.
+const RADIAN_PER_REACH: f64 = 0.25;
+
+/// What an arm can be made of: a [`Model`], or a [`Robot`] with joints that follow others.
+pub trait Joints {
+    /// The joints and frames.
+    fn tree(&self) -> &Model;
+    /// The joints that follow others.
+    fn followers(&self) -> &[Mimic];
+}
+
+impl Joints for Model {
+    fn tree(&self) -> &Model {
+        self
+    }
+
+    fn followers(&self) -> &[Mimic] {
+        &[]
+    }
+}
+
+impl Joints for Robot {
+    fn tree(&self) -> &Model {
+        self.model()
+    }
+
+    fn followers(&self) -> &[Mimic] {
+        self.mimics()
+    }
+}
+
+/// Collects the options of an [`Arm`]; [`build`](Self::build) checks them.
+///
+/// Options that have one number a joint take them base to tip, for the free joints only, in the
+/// order of [`Arm::joints`].
+#[derive(Clone, Debug)]
+pub struct ArmBuilder<'m> {
+    model: &'m Model,
+    followers: &'m [Mimic],
+    base: FrameId,
+    tip: FrameId,
+    tip_from_tool: Placement<f64>,
+    locked: Vec<(JointId, f64)>,
+    only: Option<(Vec<JointId>, Vec<f64>)>,
+    position_tolerance: f64,
+    orientation_tolerance: f64,
+    metres_per_radian: Option<f64>,
+    goal: Goal,
+    search: Search,
+    weights: Option<Vec<f64>>,
+    max_move: Option<Vec<f64>>,
+    posture: Option<Vec<f64>>,
+    attempts: u32,
+    time_limit: Option<Duration>,
+    seed: u64,
+    atlas: bool,
+}
+
+impl Arm {
+    /// The arm from the frame `base` to the frame `tip`, with default options: see
+    /// [`builder`](Self::builder) for others.
+    ///
+    /// # Errors
+    /// An unknown frame, with the valid names; no free joint between the two.
+    pub fn new(joints: &impl Joints, base: &str, tip: &str) -> Result<Self, ArmError> {
+        Self::builder(joints, base, tip)?.build()
+    }
+
+    /// Starts the description of the arm from the frame `base` to the frame `tip`. Any two frames
+    /// of the tree will do: from the base the way goes up to where both meet and down to the tip.
+    ///
+    /// # Errors
+    /// An unknown frame, with the valid names.
+    pub fn builder<'m>(
+        joints: &'m impl Joints,
+        base: &str,
+        tip: &str,
+    ) -> Result<ArmBuilder<'m>, ArmError> {
+        let model = joints.tree();
+        Ok(ArmBuilder {
+            model,
+            followers: joints.followers(),
+            base: model.frame(base)?,
+            tip: model.frame(tip)?,
+            tip_from_tool: Placement::identity(),
+            locked: Vec::new(),
+            only: None,
+            position_tolerance: 1e-6,
+            orientation_tolerance: 1e-6,
+            metres_per_radian: None,
+            goal: Goal::pose(),
+            search: Search::Start,
+            weights: None,
+            max_move: None,
+            posture: None,
+            attempts: 200,
+            time_limit: None,
+            seed: 0,
+            atlas: true,
+        })
+    }
+}
+
+impl ArmBuilder<'_> {
+    /// A tool on the tip: where it stands in the tip's frame, metres. Default: the tip itself.
+    #[must_use]
+    pub fn with_tool(mut self, tip_from_tool: impl Into<Placement<f64>>) -> Self {
+        self.tip_from_tool = tip_from_tool.into();
+        self
+    }
+
+    /// Holds a joint at `value` (radians or metres, within its limits).
+    ///
+    /// # Errors
+    /// An unknown joint, with the valid names. Values are checked by [`build`](Self::build).
+    pub fn with_locked(mut self, joint: &str, value: f64) -> Result<Self, ArmError> {
+        self.locked.push((self.model.joint(joint)?, value));
+        Ok(self)
+    }
+
+    /// Frees only the named joints; every other joint is held at its value in `q_model` (shape: the
+    /// model's degrees of freedom; a missing value counts as 0), clamped into its limits.
+    ///
+    /// # Errors
+    /// An unknown joint, with the valid names.
+    pub fn with_only(mut self, joints: &[&str], q_model: &[f64]) -> Result<Self, ArmError> {
+        let ids: Result<Vec<JointId>, _> = joints.iter().map(|j| self.model.joint(j)).collect();
+        self.only = Some((ids?, q_model.to_vec()));
+        Ok(self)
+    }
+
+    /// How far the tool may be from its target, metres; positive. Default 1e-6.
+    #[must_use]
+    pub fn with_position_tolerance(mut self, metres: f64) -> Self {
+        self.position_tolerance = metres;
+        self
+    }
+
+    /// How far the tool may be turned from its target, radians; positive. Default 1e-6.
+    #[must_use]
+    pub fn with_orientation_tolerance(mut self, radians: f64) -> Self {
+        self.orientation_tolerance = radians;
+        self
+    }
+
+    /// Metres that weigh as much as one radian in the cost, which decides the compromise where a
+    /// target is out of reach; positive. Default: a quarter of the arm's length, so that answers do
+    /// not depend on the unit of length.
+    #[must_use]
+    pub fn with_metres_per_radian(mut self, metres: f64) -> Self {
+        self.metres_per_radian = Some(metres);
+        self
+    }
+
+    /// Which components of the pose count, and how exactly. Default: the full pose.
+    #[must_use]
+    pub fn with_goal(mut self, goal: Goal) -> Self {
+        self.goal = goal;
+        self
+    }
+
+    /// Which of several solutions is wanted. Default [`Search::Start`].
+    #[must_use]
+    pub fn with_search(mut self, search: Search) -> Self {
+        self.search = search;
+        self
+    }
+
+    /// What a radian or metre of each joint weighs in joint distances, one positive number a joint.
+    /// Default 1 for all. Used by [`Search::Nearest`], [`Search::Distinct`] and the posture.
+    #[must_use]
+    pub fn with_joint_weights(mut self, weights: &[f64]) -> Self {
+        self.weights = Some(weights.to_vec());
+        self
+    }
+
+    /// How far each joint may move from the start (from the start within its limits), radians or
+    /// metres, one number of at least 0 a joint; infinity for a joint that may go anywhere. A hard
+    /// bound: where it leaves no solution, the answer ends as
+    /// [`CannotContinue`](crate::solver::Termination::CannotContinue) with the best configuration
+    /// within it. Default: no bound.
+    #[must_use]
+    pub fn with_max_move(mut self, max_move: &[f64]) -> Self {
+        self.max_move = Some(max_move.to_vec());
+        self
+    }
+
+    /// A posture to prefer where the pose leaves room, one number a joint, radians or metres,
+    /// clamped into the limits: the solution is moved towards it within the null space of the pose,
+    /// within limits, and stays within the tolerances. It goes with the searches `Start` and
+    /// `First`. Default: none.
+    #[must_use]
+    pub fn with_posture(mut self, q_preferred: &[f64]) -> Self {
+        self.posture = Some(q_preferred.to_vec());
+        self
+    }
+
+    /// Most attempts of one query, at least 1. Default 200.
+    #[must_use]
+    pub fn with_attempts(mut self, attempts: u32) -> Self {
+        self.attempts = attempts;
+        self
+    }
+
+    /// A wall-clock limit for each query, looked at between lock-step iterations. Answers then
+    /// depend on the machine. Default: none.
+    #[must_use]
+    pub fn with_time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// The seed of everything random: attempt i starts from (seed, i). Default 0.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Whether to build the engine's seed atlas: a few megabytes and tens of milliseconds, for
+    /// several times fewer iterations. Default true.
+    #[must_use]
+    pub fn with_atlas(mut self, atlas: bool) -> Self {
+        self.atlas = atlas;
+        self
+    }
+
+    /// Checks everything and prepares the arm.
+    ///
+    /// # Errors
+    /// The first option out of its range, by name; locked values outside limits; no free joint.
+    pub fn build(self) -> Result<Arm, ArmError> {
+        if let Err(problem) = self.tip_from_tool.check_rigid(1e-6) {
+            return Err(ArmError::Tool(problem));
+        }
+        let parts = route::parts(self.model, self.base, self.tip);
+        let full = self.parameters()?;
+        let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
+        let name = (frame(self.base), frame(self.tip));
+        let serial = Serial::new(self.model, &full, &parts, self.tip_from_tool, name)?;
+        let coordinates = Coordinates::new(self.model, &full, &parts, &serial);
+        let options = self.options(&serial)?;
+        let lanes = match &serial.chain {
+            Some(chain) => Some(PoseSolver::new(chain, self.lane_options(&options))?),
+            None => None,
+        };
+        Arm::assemble(serial, options, lanes, coordinates, name)
+    }
+
+    /// The whole model's map: followers follow, joints that cannot matter keep still.
+    fn parameters(&self) -> Result<ParameterMap, ArmError> {
+        let mut map: ParameterMapBuilder<'_> = ParameterMap::builder(self.model);
+        for mimic in self.followers {
+            map = map.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset);
+        }
+        for &(joint, value) in &self.locked {
+            map = map.lock(joint, value);
+        }
+        if let Some((joints, q)) = &self.only {
+            map = map.only(joints, q);
+        }
+        Ok(map.build()?)
+    }
+
+    fn options(&self, serial: &Serial) -> Result<Options, ArmError> {
+        let positive = "a positive finite number";
+        let reach = serial.model.reach();
+        let metres_per_radian = self.metres_per_radian.unwrap_or({
+            if reach > 0.0 && reach.is_finite() {
+                RADIAN_PER_REACH * reach
+            } else {
+                1.0
+            }
+        });
+        for (option, value) in [
+            ("position_tolerance", self.position_tolerance),
+            ("orientation_tolerance", self.orientation_tolerance),
+            ("metres_per_radian", metres_per_radian),
+        ] {
+            check(option, value, value > 0.0 && value.is_finite(), positive)?;
+        }
+        if let Some(value) = self.goal.defect() {
+            check(
+                "goal",
+                value,
+                false,
+                "half widths are numbers of at least 0",
+            )?;
+        }
+        let free = self.goal.has_position() || self.goal.has_orientation();
+        check("goal", f64::INFINITY, free, "some component must count")?;
+        if self.attempts == 0 {
+            check("attempts", 0.0, false, "at least 1")?;
+        }
+        if let Search::Distinct { k, distance } = self.search {
+            check("distinct k", k as f64, k > 0, "at least 1")?;
+            let fine = distance >= 0.0 && distance.is_finite();
+            check(
+                "distinct distance",
+                distance,
+                fine,
+                "a finite number of at least 0",
+            )?;
+        }
+        let n = serial.joints.len();
+        let names = || {
+            let name = |id: &JointId| self.model.joints()[id.index()].name.clone();
+            serial.joints.iter().map(name).collect()
+        };
+        let one_a_joint = |option, values: &[f64]| match values.len() == n {
+            true => Ok(()),
+            false => Err(ArmError::JointCount {
+                option,
+                given: values.len(),
+                joints: names(),
+            }),
+        };
+        let weights = self.weights.clone().unwrap_or_else(|| vec![1.0; n]);
+        one_a_joint("joint_weights", &weights)?;
+        for &value in &weights {
+            check(
+                "joint_weights",
+                value,
+                value > 0.0 && value.is_finite(),
+                positive,
+            )?;
+        }
+        if let Some(moves) = &self.max_move {
+            one_a_joint("max_move", moves)?;
+            for &value in moves {
+                check("max_move", value, value >= 0.0, "numbers of at least 0")?;
+            }
+        }
+        let mut posture = self.posture.clone();
+        if let Some(posture) = &mut posture {
+            one_a_joint("posture", posture)?;
+            for (value, (lower, upper)) in posture
+                .iter_mut()
+                .zip(serial.map.lower().iter().zip(serial.map.upper()))
+            {
+                check("posture", *value, value.is_finite(), "finite numbers")?;
+                *value = value.max(*lower).min(*upper);
+            }
+            if self.search.compares() {
+                return Err(ArmError::Conflict(
+                    "a posture goes with the searches `Start` and `First`: `Nearest` and `Distinct` \
+                     use the null space themselves",
+                ));
+            }
+        }
+        Ok(Options {
+            position_tolerance: self.position_tolerance,
+            orientation_tolerance: self.orientation_tolerance,
+            metres_per_radian,
+            goal: self.goal,
+            search: self.search,
+            weights,
+            max_move: self.max_move.clone(),
+            posture,
+            attempts: self.attempts,
+            time_limit: self.time_limit,
+            seed: self.seed,
+        })
+    }
+
+    fn lane_options(&self, options: &Options) -> LaneOptions {
+        LaneOptions {
+            position_tolerance: options.position_tolerance,
+            orientation_tolerance: options.orientation_tolerance,
+            metres_per_radian: options.metres_per_radian,
+            axes: options.goal.axes(),
+            attempts: options.attempts,
+            seed: options.seed,
+            // Atlas seeds stand anywhere; a bound on moves keeps to the start.
+            atlas: self.atlas && options.max_move.is_none(),
+            ..LaneOptions::default()
+        }
+    }
+}
+
+fn check(
+    option: &'static str,
+    value: f64,
+    fine: bool,
+    allowed: &'static str,
+) -> Result<(), ArmError> {
+    if fine {
+        Ok(())
+    } else {
+        Err(ArmError::Option {
+            option,
+            value,
+            allowed,
+        })
+    }
+}

@@ -1,0 +1,109 @@
+//! The way of chains that the lane engine cannot express: the core's solver on the same problem.
+
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+use super::desk::Desk;
+use super::query::Arm;
+use super::report::Reply;
+use crate::ik::{Restarts, Solver};
+use crate::lanes::Outcome;
+use crate::model::JointKind;
+use crate::random::RandomStream;
+use crate::solver::{Stopping, Termination};
+
+impl Arm {
+    /// The core's search from the desk's start, into the desk's x.
+    pub(super) fn search_by_core(
+        &self,
+        desk: &mut Desk,
+        start: &[f64],
+        deadline: Option<Instant>,
+    ) -> Reply {
+        let mut stopping = Stopping::default();
+        if let Some(deadline) = deadline {
+            let left = deadline.saturating_duration_since(Instant::now());
+            stopping = stopping.with_time_limit(left);
+        }
+        let restarts = Restarts::default()
+            .with_attempts(self.options.attempts as usize)
+            .with_steps(20_000)
+            .with_seed(self.options.seed);
+        let solver = Solver::default()
+            .with_stopping(stopping)
+            .with_restarts(restarts);
+        self.serial.map.expand(&desk.start, &mut desk.q);
+        let answer = solver.solve(&desk.problem, &desk.q, &mut desk.workspace);
+        // The start is finite and of the right length, which is all a solver can object to.
+        let (iterations, attempts, termination) = match answer {
+            Ok(solution) => {
+                self.serial.map.reduce(&solution.q, &mut desk.x);
+                (solution.iterations, solution.attempts, solution.termination)
+            }
+            Err(_) => {
+                desk.x.copy_from_slice(&desk.start);
+                (0, 0, Termination::NonFinite)
+            }
+        };
+        self.unwrap_towards(start, desk);
+        Reply {
+            errors: desk.judge_x(),
+            termination,
+            iterations,
+            attempts,
+        }
+    }
+
+    /// Attempts `first`, `first + 1`, … of the core's solver, one an outcome, appended to the
+    /// configurations found.
+    pub(super) fn attempts_by_core(
+        &self,
+        desk: &mut Desk,
+        start: &[f64],
+        first: u32,
+        count: u32,
+        deadline: Option<Instant>,
+    ) {
+        for attempt in first..first + count {
+            desk.x.copy_from_slice(&desk.start);
+            if attempt > 0 {
+                let mut random = RandomStream::new(self.options.seed, u64::from(attempt));
+                for (i, value) in desk.x.iter_mut().enumerate() {
+                    let (low, high) = desk.problem.sampling_range(i, desk.start[i]);
+                    *value = low + (high - low) * random.unit();
+                }
+            }
+            let (_, iterations) = desk.settle(deadline);
+            self.unwrap_towards(start, desk);
+            let errors = desk.judge_x();
+            desk.found.extend_from_slice(&desk.x);
+            desk.outcomes.push(Outcome {
+                reached: errors.reached,
+                position_error: errors.position,
+                orientation_error: errors.orientation,
+                iterations: u32::try_from(iterations).unwrap_or(u32::MAX),
+                attempts: 1,
+                winner: errors.reached.then_some(attempt),
+            });
+        }
+    }
+
+    /// Adds whole turns to the desk's x where joints can make them and nothing follows them.
+    fn unwrap_towards(&self, start: &[f64], desk: &mut Desk) {
+        let (model, map) = (&self.serial.model, &self.serial.map);
+        for (i, value) in desk.x.iter_mut().enumerate() {
+            let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];
+            let (lower, upper) = (desk.lower[i], desk.upper[i]);
+            let slides = joint.kind == JointKind::Prismatic;
+            if slides || self.serial.followed[i] || upper - lower < TAU {
+                continue;
+            }
+            let (lowest, highest) = ((lower - *value) / TAU, (upper - *value) / TAU);
+            let turns = ((start[i] - *value) / TAU).round();
+            let turned = *value + turns.min(highest.floor()).max(lowest.ceil()) * TAU;
+            if lower <= turned && turned <= upper {
+                *value = turned;
+            }
+        }
+    }
+}

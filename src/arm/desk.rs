@@ -1,0 +1,193 @@
+//! Memory for one question at a time: the core's problem for the same chain, and its tools.
+
+use std::time::Instant;
+
+use nalgebra::DMatrix;
+
+use super::options::Options;
+use super::serial::Serial;
+use super::tool_pose::ToolPose;
+use crate::ik::Workspace;
+use crate::lanes::{Outcome, PoseSolver};
+use crate::problem::{Evaluation, Problem, ProblemError, Scratch, TaskId};
+use crate::solver::{
+    LeastSquares, LevenbergMarquardt, Memory, Silent, Stopping, Termination, minimise_until,
+};
+use crate::spatial::Placement;
+use crate::task::{Quantity, Task};
+
+/// The errors of a configuration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Errors {
+    /// Metres.
+    pub(super) position: f64,
+    /// Radians.
+    pub(super) orientation: f64,
+    pub(super) reached: bool,
+}
+
+/// What the slower ways need: the pose as a core problem, and room.
+#[derive(Debug)]
+pub(super) struct Desk {
+    pub(super) problem: Problem,
+    task: TaskId<ToolPose>,
+    scratch: Scratch,
+    pub(super) memory: Memory,
+    pub(super) workspace: Workspace,
+    /// The lane engine with bounds of the question's own, where moves are bounded.
+    pub(super) windowed: Option<PoseSolver>,
+    /// Bounds of the question.
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+    /// The start within the bounds, and the configuration to be returned.
+    pub(super) start: Vec<f64>,
+    pub(super) x: Vec<f64>,
+    pub(super) trial: Vec<f64>,
+    pub(super) projected: Vec<f64>,
+    pub(super) wanted: Vec<f64>,
+    pub(super) jacobian: DMatrix<f64>,
+    pub(super) gradient: Vec<f64>,
+    /// Configurations found, one after another, and what is known of each.
+    pub(super) found: Vec<f64>,
+    pub(super) outcomes: Vec<Outcome>,
+    /// (distance from the start, place in `found`).
+    pub(super) order: Vec<(f64, usize)>,
+    /// A configuration of the whole serial model.
+    pub(super) q: Vec<f64>,
+    position_tolerance: f64,
+    orientation_tolerance: f64,
+    metres_per_radian: f64,
+}
+
+impl Desk {
+    pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
+        let mut builder = Problem::builder(&serial.model);
+        builder.parameters(serial.map.clone());
+        let pose = ToolPose::new(serial.tool, options.goal.axes());
+        let orientation = if options.goal.has_orientation() {
+            options.orientation_tolerance
+        } else {
+            f64::INFINITY
+        };
+        let task = builder.add(
+            Task::new(pose)
+                .weight(Quantity::Metres, 1.0)
+                .weight(Quantity::Radians, options.metres_per_radian)
+                .tolerance(Quantity::Metres, options.position_tolerance)
+                .tolerance(Quantity::Radians, orientation),
+        );
+        let problem = builder.build()?;
+        let n = problem.variables();
+        Ok(Self {
+            scratch: problem.scratch(),
+            task,
+            memory: Memory::default(),
+            workspace: Workspace::new(),
+            windowed: None,
+            lower: serial.map.lower().to_vec(),
+            upper: serial.map.upper().to_vec(),
+            start: vec![0.0; n],
+            x: vec![0.0; n],
+            trial: vec![0.0; n],
+            projected: vec![0.0; n],
+            wanted: vec![0.0; n],
+            jacobian: DMatrix::zeros(6, n),
+            gradient: vec![0.0; n],
+            found: Vec::new(),
+            outcomes: Vec::new(),
+            order: Vec::new(),
+            q: vec![0.0; serial.model.degrees_of_freedom()],
+            position_tolerance: options.position_tolerance,
+            orientation_tolerance: options.orientation_tolerance,
+            metres_per_radian: options.metres_per_radian,
+            problem,
+        })
+    }
+
+    /// Sets the target.
+    pub(super) fn aim(&mut self, target: &Placement<f64>) {
+        if let Some(pose) = self.problem.residual_mut(self.task) {
+            pose.target = *target;
+        }
+    }
+
+    /// The errors at x.
+    pub(super) fn judge(&mut self, x: &[f64]) -> Errors {
+        let mut residual = [0.0; 6];
+        let mut evaluation = Evaluation::new(&self.problem, &mut self.scratch);
+        evaluation.residual(x, &mut residual);
+        self.errors(&residual)
+    }
+
+    /// As [`judge`](Self::judge), of the desk's own x.
+    pub(super) fn judge_x(&mut self) -> Errors {
+        let x = std::mem::take(&mut self.x);
+        let errors = self.judge(&x);
+        self.x = x;
+        errors
+    }
+
+    /// What a weighted residual means.
+    fn errors(&self, residual: &[f64; 6]) -> Errors {
+        let norm = |rows: &[f64]| rows.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let position = norm(&residual[..3]);
+        let turn = norm(&residual[3..]) / self.metres_per_radian;
+        let pose = self.problem.residual(self.task);
+        let orientation = pose.map_or(turn, |pose| pose.angle(turn));
+        Errors {
+            position,
+            orientation,
+            reached: position <= self.position_tolerance
+                && orientation <= self.orientation_tolerance,
+        }
+    }
+
+    /// Residual and Jacobian at x; the Jacobian stays on the desk.
+    pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
+        let mut residual = [0.0; 6];
+        let mut evaluation = Evaluation::new(&self.problem, &mut self.scratch);
+        evaluation.residual(x, &mut residual);
+        evaluation.jacobian(x, &mut self.jacobian);
+        residual
+    }
+
+    /// Goes on from `x` to where nothing near is better, by the core's Levenberg-Marquardt.
+    pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
+        let outcome = minimise_until(
+            &mut Evaluation::new(&self.problem, &mut self.scratch),
+            &LevenbergMarquardt::default(),
+            &self.x,
+            &Stopping::default(),
+            deadline,
+            &mut Silent,
+            &mut self.memory,
+        );
+        self.x.copy_from_slice(self.memory.x());
+        (outcome.termination, outcome.iterations)
+    }
+
+    /// The cost's gradient at `x`.
+    pub(super) fn differentiate(&mut self) {
+        let mut residual = [0.0; 6];
+        let mut evaluation = Evaluation::new(&self.problem, &mut self.scratch);
+        evaluation.residual(&self.x, &mut residual);
+        evaluation.gradient(&self.x, &residual, &mut self.gradient, &mut self.jacobian);
+    }
+
+    /// Where the tool stands.
+    pub(super) fn base_from_tool(&mut self, serial: &Serial, x: &[f64]) -> Placement<f64> {
+        serial.map.expand(x, &mut self.q);
+        let mut placements: Vec<Placement<f64>> = Vec::new();
+        let mut moving = self.q.iter();
+        for joint in serial.model.joints() {
+            let value = moving.next().copied().unwrap_or(0.0);
+            let parent = joint.parent.and_then(|id| placements.get(id.index()));
+            let parent = parent.copied().unwrap_or_else(Placement::identity);
+            let motion = super::serial::motion(joint.kind, joint.axis, value);
+            placements.push(parent * joint.parent_from_joint * motion);
+        }
+        let frame = &serial.model.frames()[serial.tool.index()];
+        let last = frame.joint.and_then(|id| placements.get(id.index()));
+        last.copied().unwrap_or_else(Placement::identity) * frame.joint_from_frame
+    }
+}

@@ -1,0 +1,102 @@
+//! What can be wrong with an arm's description, and with a question to it.
+
+use thiserror::Error;
+
+use crate::lanes::LaneError;
+use crate::model::{ModelError, UnknownName};
+use crate::problem::ProblemError;
+
+/// Why an arm cannot be built.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ArmError {
+    /// A frame or joint that the model does not have; the message lists the valid names.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
+    /// Locked values or followers that do not fit the limits.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Nothing between base and tip can move.
+    #[error("no free joint between `{base}` and `{tip}`")]
+    NoFreeJoint {
+        /// The base frame.
+        base: String,
+        /// The tip frame.
+        tip: String,
+    },
+    /// An option out of its range.
+    #[error("option {option} is {value}: {allowed}")]
+    Option {
+        /// Which option.
+        option: &'static str,
+        /// The value given.
+        value: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// An option that has one number a joint, given another number of them.
+    #[error(
+        "option {option} has {given} numbers, the arm has {} free joints: {}",
+        joints.len(), joints.join(", ")
+    )]
+    JointCount {
+        /// Which option.
+        option: &'static str,
+        /// Numbers given.
+        given: usize,
+        /// The free joints, base to tip.
+        joints: Vec<String>,
+    },
+    /// Two options that ask for different things.
+    #[error("{0}")]
+    Conflict(&'static str),
+    /// The tool's placement is not a rigid motion.
+    #[error("the tool's placement is not a rigid motion: {0}")]
+    Tool(&'static str),
+    /// The problem behind the arm.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The lane engine's options.
+    #[error(transparent)]
+    Lanes(#[from] LaneError),
+}
+
+/// Why a question cannot be answered. Missing the target is no error: see
+/// [`Solution::reached`](crate::Solution).
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum QueryError {
+    /// A slice of the wrong length.
+    #[error("{what} has {given} numbers, {expected} are needed ({joints} joints a configuration)")]
+    Length {
+        /// Which argument.
+        what: &'static str,
+        /// Its length.
+        given: usize,
+        /// The length it must have.
+        expected: usize,
+        /// Free joints of the arm.
+        joints: usize,
+    },
+    /// A start that is NaN or infinite. Outside the limits is fine.
+    #[error("the start of query {query} holds {value} for joint `{joint}`, which is not finite")]
+    StartNotFinite {
+        /// Which query of the batch, 0 for a single one.
+        query: usize,
+        /// The joint.
+        joint: String,
+        /// The value.
+        value: f64,
+    },
+    /// A target that is not finite or not a rigid motion to 1e-6.
+    #[error("target {query}: {problem}")]
+    Target {
+        /// Which query of the batch, 0 for a single one.
+        query: usize,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// The problem behind the arm could not be set up once more; it could when the arm was built.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+}

@@ -1,0 +1,48 @@
+//! The front door for robot arms: base, tip and target in, joint values out.
+//!
+//! An [`Arm`] is built once from a [`Model`](crate::Model) or a [`Robot`](crate::robot::Robot) and
+//! solves poses of its tool by the lane engine ([`lanes`](crate::lanes)); chains that the engine
+//! cannot express (a joint that follows another) go through the core's
+//! [`Problem`](crate::Problem) behind the same door, with the same results.
+//!
+//! ```
+//! # #[cfg(feature = "urdf")] {
+//! use kinopt::arm::{Arm, Search};
+//! use kinopt::robot::Robot;
+//!
+//! let robot = Robot::read("models/franka_panda.urdf")?;
+//! let arm = Arm::builder(&robot, "base", "flange")?
+//!     .with_search(Search::Nearest)
+//!     .build()?;
+//! let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+//! let target = arm.base_from_tool(&[0.4, -0.2, 0.1, -1.8, 0.2, 1.7, 0.5])?;
+//! let solution = arm.solve(target, &start)?;
+//! assert!(solution.reached, "{}", solution.explain());
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod answer;
+mod batch;
+mod builder;
+mod configuration;
+mod core_route;
+mod desk;
+mod error;
+mod goal;
+mod options;
+mod query;
+mod refine;
+mod report;
+mod route;
+mod search;
+mod serial;
+mod tool_pose;
+mod window;
+
+pub use crate::lanes::Outcome;
+pub use builder::{ArmBuilder, Joints};
+pub use error::{ArmError, QueryError};
+pub use goal::{Axis, Goal};
+pub use options::Search;
+pub use query::Arm;

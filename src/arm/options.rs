@@ -1,0 +1,61 @@
+//! What an arm is told once, for all questions.
+
+use std::time::Duration;
+
+use super::Goal;
+
+/// Which of several solutions is wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Search {
+    /// The one that the start's own attempt comes to, if it succeeds; others only rescue it. For
+    /// continuity. The default.
+    #[default]
+    Start,
+    /// Whichever takes the fewest iterations.
+    First,
+    /// The one nearest to the start in weighted joint distance, among many attempts; on redundant
+    /// arms it is then moved towards the start within the null space.
+    Nearest,
+    /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`.
+    Distinct {
+        /// Most solutions wanted, at least 1.
+        k: usize,
+        /// Weighted joint distance that two solutions must exceed: the root of the sum of
+        /// (weight · difference)², in radians for weights of 1. At least 0.
+        distance: f64,
+    },
+}
+
+impl Search {
+    /// The engine's search, for one attempt after another.
+    pub(super) fn lanes(self) -> crate::lanes::Search {
+        match self {
+            Self::First => crate::lanes::Search::First,
+            _ => crate::lanes::Search::Start,
+        }
+    }
+
+    /// Whether many attempts are compared.
+    pub(super) fn compares(self) -> bool {
+        matches!(self, Self::Nearest | Self::Distinct { .. })
+    }
+}
+
+/// All options, checked.
+#[derive(Clone, Debug)]
+pub(super) struct Options {
+    pub(super) position_tolerance: f64,
+    pub(super) orientation_tolerance: f64,
+    pub(super) metres_per_radian: f64,
+    pub(super) goal: Goal,
+    pub(super) search: Search,
+    /// One a joint.
+    pub(super) weights: Vec<f64>,
+    /// One a joint, or none.
+    pub(super) max_move: Option<Vec<f64>>,
+    pub(super) posture: Option<Vec<f64>>,
+    pub(super) attempts: u32,
+    pub(super) time_limit: Option<Duration>,
+    pub(super) seed: u64,
+}

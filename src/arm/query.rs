@@ -1,0 +1,220 @@
+//! The arm, and single questions to it.
+
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use super::configuration::Coordinates;
+use super::desk::Desk;
+use super::options::Options;
+use super::serial::Serial;
+use super::{ArmError, QueryError};
+use crate::ik::Solution;
+use crate::lanes::PoseSolver;
+use crate::model::{JointId, Limits};
+use crate::problem::Names;
+use crate::spatial::Placement;
+
+/// An arm that answers pose questions. It never changes, and is `Send` and `Sync`: share it.
+///
+/// Everywhere at this door a configuration has one number for each free joint between base and
+/// tip, in that order ([`joints`](Self::joints)), radians or metres; a joint that follows one
+/// outside the chain is known by the one it follows. Targets are `base_from_tool`, metres.
+///
+/// The same question has the same answer bit for bit on any number of threads, unless there is a
+/// time limit. Joints that turn without limits, or further than a turn, come out as near to the
+/// start as whole turns bring them.
+#[derive(Debug)]
+pub struct Arm {
+    pub(super) serial: Serial,
+    pub(super) options: Options,
+    pub(super) lanes: Option<PoseSolver>,
+    pub(super) coordinates: Coordinates,
+    pub(super) names: Arc<Names>,
+    /// Memory of the slower ways, taken out while one is under way.
+    desks: Mutex<Vec<Box<Desk>>>,
+}
+
+impl Arm {
+    pub(super) fn assemble(
+        serial: Serial,
+        options: Options,
+        lanes: Option<PoseSolver>,
+        coordinates: Coordinates,
+        (_base, tip): (&str, &str),
+    ) -> Result<Self, ArmError> {
+        let joint = |id: &JointId| serial.model.joints()[id.index()].name.clone();
+        let leaders = serial.map.leaders().iter();
+        let names = Names {
+            model: serial.model.name().to_owned(),
+            variables: leaders
+                .map(|&c| joint(&serial.model.moving_joints()[c]))
+                .collect(),
+            tasks: vec![format!("pose of `{tip}`")],
+            task_frames: vec![Some(tip.to_owned())],
+        };
+        let desk = Desk::new(&serial, &options)?;
+        Ok(Self {
+            serial,
+            options,
+            lanes,
+            coordinates,
+            names: Arc::new(names),
+            desks: Mutex::new(vec![Box::new(desk)]),
+        })
+    }
+
+    /// Names of the free joints, base to tip: the order of a configuration.
+    pub fn joints(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.names.variables.iter().map(String::as_str)
+    }
+
+    /// Ids of the free joints in the model the arm was built from, base to tip.
+    #[must_use]
+    pub fn joint_ids(&self) -> &[JointId] {
+        &self.serial.joints
+    }
+
+    /// Number of free joints: the length of a configuration.
+    #[must_use]
+    pub fn joint_count(&self) -> usize {
+        self.serial.joints.len()
+    }
+
+    /// The bounds of the free joints, base to tip, radians or metres.
+    pub fn limits(&self) -> impl ExactSizeIterator<Item = Limits> + '_ {
+        let map = &self.serial.map;
+        map.lower()
+            .iter()
+            .zip(map.upper())
+            .map(|(&lower, &upper)| Limits::new(lower, upper))
+    }
+
+    /// Where the tool stands at a configuration.
+    ///
+    /// # Errors
+    /// A configuration of the wrong length.
+    pub fn base_from_tool(&self, q: &[f64]) -> Result<Placement<f64>, QueryError> {
+        self.check_length("q", q.len(), self.joint_count())?;
+        if let Some(chain) = &self.serial.chain {
+            return Ok(chain.base_from_tip(q));
+        }
+        Ok(self.with_desk(|desk| desk.base_from_tool(&self.serial, q))?)
+    }
+
+    /// Solves for one target from one start (which may lie outside the limits and is then projected
+    /// into them).
+    ///
+    /// # Errors
+    /// A start of the wrong length or not finite; a target that is not a rigid motion. A target out
+    /// of reach is none: see [`Solution::reached`] and [`Solution::explain`].
+    pub fn solve(
+        &self,
+        base_from_tool: impl Into<Placement<f64>>,
+        start: &[f64],
+    ) -> Result<Solution, QueryError> {
+        let mut solution = Solution::default();
+        self.solve_into(base_from_tool, start, &mut solution)?;
+        Ok(solution)
+    }
+
+    /// As [`solve`](Self::solve), into a solution whose memory is used again: after the first few
+    /// questions nothing is allocated.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_into(
+        &self,
+        base_from_tool: impl Into<Placement<f64>>,
+        start: &[f64],
+        solution: &mut Solution,
+    ) -> Result<(), QueryError> {
+        let target = base_from_tool.into();
+        self.check_length("the start", start.len(), self.joint_count())?;
+        self.check_query(0, &target, start)?;
+        self.answer(&target, start, false, solution)
+    }
+
+    /// Follows a path: every step starts from the configuration of the one before and takes its own
+    /// attempt's solution where that succeeds, whatever the arm's search.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve); the error names the first bad target.
+    pub fn track(
+        &self,
+        base_from_tools: &[Placement<f64>],
+        start: &[f64],
+    ) -> Result<Vec<Solution>, QueryError> {
+        self.check_length("the start", start.len(), self.joint_count())?;
+        for (query, target) in base_from_tools.iter().enumerate() {
+            self.check_query(query, target, start)?;
+        }
+        let mut solutions: Vec<Solution> = Vec::with_capacity(base_from_tools.len());
+        for target in base_from_tools {
+            let mut solution = Solution::default();
+            let from = solutions.last().map_or(start, |last| &last.q);
+            self.answer(target, from, true, &mut solution)?;
+            solutions.push(solution);
+        }
+        Ok(solutions)
+    }
+
+    pub(super) fn deadline(&self) -> Option<Instant> {
+        // A limit beyond what the clock can tell is none.
+        let limit = self.options.time_limit?;
+        Instant::now().checked_add(limit)
+    }
+
+    /// Runs something with memory of its own.
+    pub(super) fn with_desk<R>(&self, run: impl FnOnce(&mut Desk) -> R) -> Result<R, QueryError> {
+        let lock = || {
+            self.desks
+                .lock()
+                .unwrap_or_else(std::sync::PoisonError::into_inner)
+        };
+        let taken = lock().pop();
+        let mut desk = match taken {
+            Some(desk) => desk,
+            None => Box::new(Desk::new(&self.serial, &self.options)?),
+        };
+        let result = run(&mut desk);
+        lock().push(desk);
+        Ok(result)
+    }
+
+    pub(super) fn check_length(
+        &self,
+        what: &'static str,
+        given: usize,
+        expected: usize,
+    ) -> Result<(), QueryError> {
+        if given == expected {
+            return Ok(());
+        }
+        Err(QueryError::Length {
+            what,
+            given,
+            expected,
+            joints: self.joint_count(),
+        })
+    }
+
+    pub(super) fn check_query(
+        &self,
+        query: usize,
+        target: &Placement<f64>,
+        start: &[f64],
+    ) -> Result<(), QueryError> {
+        if let Some(bad) = start.iter().position(|value| !value.is_finite()) {
+            return Err(QueryError::StartNotFinite {
+                query,
+                joint: self.names.variables.get(bad).cloned().unwrap_or_default(),
+                value: start[bad],
+            });
+        }
+        // Quick for the everyday case, and the same limit as the lane engine's.
+        match target.check_rigid(0.9e-6) {
+            Ok(()) => Ok(()),
+            Err(problem) => Err(QueryError::Target { query, problem }),
+        }
+    }
+}

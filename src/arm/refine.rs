@@ -1,0 +1,139 @@
+//! Moving a solution within the null space of its pose towards a wanted configuration.
+//!
+//! Minimise ‖W(q − q_wanted)‖ subject to the pose and the bounds, by successive projection: the
+//! pose is linearised at q, the wanted configuration is projected onto the linearised pose within
+//! the bounds, and a step towards the projection is corrected back to the tolerance by the same
+//! projection of itself. The projection is `z(y) = clamp(z_wanted + Jᵀy)` with six multipliers y,
+//! found by a semismooth Newton iteration (Li & Li 2011, "Projections onto a box and hyperplanes").
+
+use std::time::Instant;
+
+use nalgebra::{Matrix6, Vector6};
+
+use super::desk::{Desk, Errors};
+use super::query::Arm;
+
+/// Steps towards the wanted configuration.
+const STEPS: usize = 40;
+/// Halvings of a step that does not come nearer.
+const HALVINGS: usize = 5;
+/// Corrections back to the pose after a step.
+const CORRECTIONS: usize = 6;
+/// Longest step of one joint, radians or metres.
+const LONGEST: f64 = 0.4;
+/// Steps that come nearer by less than this share are the last.
+const WORTHWHILE: f64 = 1e-7;
+
+impl Arm {
+    /// Moves the desk's x, which reaches its target, towards `wanted`. It never leaves the
+    /// tolerances or the bounds, and never ends farther away.
+    pub(super) fn descend(&self, desk: &mut Desk, wanted: &[f64], deadline: Option<Instant>) {
+        let mut distance = self.distance(&desk.x, wanted);
+        for _ in 0..STEPS {
+            if deadline.is_some_and(|at| Instant::now() >= at) {
+                return;
+            }
+            let x = std::mem::take(&mut desk.x);
+            let residual = desk.linearise(&x);
+            desk.projected.copy_from_slice(wanted);
+            self.project(desk, &x, &residual);
+            let longest = x
+                .iter()
+                .zip(&desk.projected)
+                .fold(0.0_f64, |most, (x, to)| most.max((to - x).abs()));
+            let mut share = (LONGEST / longest).min(1.0);
+            let way: &mut Vec<f64> = &mut desk.gradient;
+            for ((way, x), to) in way.iter_mut().zip(&x).zip(&desk.projected) {
+                *way = to - x;
+            }
+            let mut nearer = None;
+            for _ in 0..HALVINGS {
+                for (i, trial) in desk.trial.iter_mut().enumerate() {
+                    let moved = x[i] + share * desk.gradient[i];
+                    *trial = moved.max(desk.lower[i]).min(desk.upper[i]);
+                }
+                if self.correct(desk) {
+                    let now = self.distance(&desk.trial, wanted);
+                    if now < distance {
+                        nearer = Some(now);
+                        break;
+                    }
+                }
+                share *= 0.5;
+            }
+            desk.x = x;
+            let Some(now) = nearer else {
+                return;
+            };
+            desk.x.copy_from_slice(&desk.trial);
+            let worthwhile = now < distance * (1.0 - WORTHWHILE);
+            distance = now;
+            if !worthwhile {
+                return;
+            }
+        }
+    }
+
+    /// Brings the desk's trial back to the pose; whether it came there.
+    fn correct(&self, desk: &mut Desk) -> bool {
+        for _ in 0..CORRECTIONS {
+            let trial = std::mem::take(&mut desk.trial);
+            let errors = desk.judge(&trial);
+            if errors.reached {
+                desk.trial = trial;
+                return true;
+            }
+            let residual = desk.linearise(&trial);
+            desk.projected.copy_from_slice(&trial);
+            self.project(desk, &trial, &residual);
+            desk.trial = trial;
+            let Desk {
+                trial, projected, ..
+            } = desk;
+            trial.copy_from_slice(projected);
+        }
+        let trial = std::mem::take(&mut desk.trial);
+        let Errors { reached, .. } = desk.judge(&trial);
+        desk.trial = trial;
+        reached
+    }
+
+    /// Replaces the desk's `projected` by its projection onto the bounds and the pose linearised at
+    /// x, where the residual is given and the Jacobian is on the desk.
+    fn project(&self, desk: &mut Desk, x: &[f64], residual: &[f64; 6]) {
+        let weights = &self.options.weights;
+        let n = x.len();
+        let mut y = Vector6::<f64>::zeros();
+        let wanted = &mut desk.wanted;
+        wanted.clear();
+        wanted.extend_from_slice(&desk.projected);
+        let column = |i: usize| -> Vector6<f64> { desk.jacobian.fixed_view::<6, 1>(0, i).into() };
+        for _ in 0..12 {
+            let mut miss = Vector6::from(*residual);
+            let mut normal = Matrix6::<f64>::zeros();
+            for i in 0..n {
+                let column = column(i);
+                // In z = w q the column is J/w; back in q the multiplier's pull is J y / w².
+                let inverse = 1.0 / (weights[i] * weights[i]);
+                let free = wanted[i] + column.dot(&y) * inverse;
+                let held = free.max(desk.lower[i]).min(desk.upper[i]);
+                desk.projected[i] = held;
+                miss += column * (held - x[i]);
+                if held == free {
+                    normal += column * column.transpose() * inverse;
+                }
+            }
+            let scale = normal.trace();
+            if !(scale > 0.0) || miss.norm() <= 1e-14 * (1.0 + scale.sqrt()) {
+                return;
+            }
+            for k in 0..6 {
+                normal[(k, k)] += 1e-12 * scale;
+            }
+            let Some(factor) = normal.cholesky() else {
+                return;
+            };
+            y -= factor.solve(&miss);
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The truth about a configuration, as the core's solution.
+
+use super::desk::{Desk, Errors};
+use super::query::Arm;
+use crate::ik::Solution;
+use crate::lanes::Outcome;
+use crate::solver::{Counts, Termination};
+use crate::task::Quantity;
+
+/// How a question was answered.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reply {
+    pub(super) errors: Errors,
+    pub(super) termination: Termination,
+    pub(super) iterations: usize,
+    pub(super) attempts: usize,
+}
+
+impl Reply {
+    pub(super) fn of(outcome: &Outcome) -> Self {
+        Self {
+            errors: Errors {
+                position: outcome.position_error,
+                orientation: outcome.orientation_error,
+                reached: outcome.reached,
+            },
+            termination: if outcome.reached {
+                Termination::Reached
+            } else {
+                Termination::Stalled
+            },
+            iterations: outcome.iterations as usize,
+            attempts: outcome.attempts as usize,
+        }
+    }
+}
+
+impl Arm {
+    /// Fills everything but `q` and the limits in.
+    pub(super) fn report(&self, reply: &Reply, solution: &mut Solution) {
+        let Errors {
+            position,
+            orientation,
+            reached: _,
+        } = reply.errors;
+        let options = &self.options;
+        let metres = options.goal.has_position().then_some((
+            Quantity::Metres,
+            position,
+            position <= options.position_tolerance,
+        ));
+        let radians = options.goal.has_orientation().then_some((
+            Quantity::Radians,
+            orientation,
+            orientation <= options.orientation_tolerance,
+        ));
+        solution.record_goal(&self.names, metres.into_iter().chain(radians));
+        solution.termination = reply.termination;
+        solution.cost = self.cost(position, orientation);
+        solution.projected_gradient = None;
+        solution.iterations = reply.iterations;
+        solution.attempts = reply.attempts;
+        solution.counts = Counts {
+            residuals: reply.iterations,
+            jacobians: reply.iterations,
+            gradients: 0,
+        };
+    }
+
+    /// Half the squared errors, a radian weighing as much as so many metres.
+    pub(super) fn cost(&self, position: f64, orientation: f64) -> f64 {
+        let turned = orientation * self.options.metres_per_radian;
+        0.5 * (position * position + turned * turned)
+    }
+
+    /// Fills everything in from the desk's configuration, naming the limits that block it.
+    pub(super) fn report_desk(&self, reply: &Reply, desk: &mut Desk, solution: &mut Solution) {
+        solution.q.clear();
+        solution.q.extend_from_slice(&desk.x);
+        self.report(reply, solution);
+        if !solution.reached {
+            desk.differentiate();
+            solution.name_limits(&desk.x, &desk.lower, &desk.upper, &desk.gradient);
+            let bounds = desk.lower.iter().zip(&desk.upper);
+            let moves = desk.x.iter().zip(&desk.gradient).zip(bounds);
+            let projected = moves.map(|((x, g), (lower, upper))| {
+                let to = (x - g).max(*lower).min(*upper);
+                (to - x).abs()
+            });
+            solution.projected_gradient = Some(projected.fold(0.0, f64::max));
+        }
+    }
+}

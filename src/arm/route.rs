@@ -1,0 +1,48 @@
+//! The way through the tree from a base frame to a tip frame, up and down.
+
+use crate::model::{FrameId, JointId, Model};
+use crate::spatial::Placement;
+
+/// One part of the way; `base_from_tip` is the product of all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Part {
+    /// A constant placement.
+    Way(Placement<f64>),
+    /// A joint's motion, or its inverse where the way climbs: the inverse of a motion by q is the
+    /// motion by q about (along) the opposite axis, exactly.
+    Joint { id: JointId, reversed: bool },
+}
+
+/// The joints from the root to a frame.
+fn from_root(model: &Model, frame: FrameId) -> Vec<JointId> {
+    let mut joints = Vec::new();
+    let mut at = model.frames()[frame.index()].joint;
+    while let Some(joint) = at {
+        joints.push(joint);
+        at = model.joints()[joint.index()].parent;
+    }
+    joints.reverse();
+    joints
+}
+
+/// All parts from base to tip.
+pub(super) fn parts(model: &Model, base: FrameId, tip: FrameId) -> Vec<Part> {
+    let (up, down) = (from_root(model, base), from_root(model, tip));
+    let shared = up.iter().zip(&down).take_while(|(a, b)| a == b).count();
+    let placement = |id: JointId| model.joints()[id.index()].parent_from_joint;
+    let on_joint = |frame: FrameId| model.frames()[frame.index()].joint_from_frame;
+
+    let mut parts = vec![Part::Way(on_joint(base).inverse())];
+    for &id in up[shared..].iter().rev() {
+        let reversed = true;
+        parts.push(Part::Joint { id, reversed });
+        parts.push(Part::Way(placement(id).inverse()));
+    }
+    for &id in &down[shared..] {
+        let reversed = false;
+        parts.push(Part::Way(placement(id)));
+        parts.push(Part::Joint { id, reversed });
+    }
+    parts.push(Part::Way(on_joint(tip)));
+    parts
+}

@@ -1,0 +1,197 @@
+//! Searches that compare solutions: the nearest, and several that differ.
+
+use std::time::Instant;
+
+use super::desk::Desk;
+use super::options::Search;
+use super::query::Arm;
+use super::report::Reply;
+use super::{QueryError, desk::Errors};
+use crate::ik::Solution;
+use crate::lanes::{self, Outcome};
+use crate::solver::Termination;
+use crate::spatial::Placement;
+
+/// Attempts that the nearest is chosen among.
+const NEAREST_ATTEMPTS: u32 = 96;
+/// Attempts between two looks at the clock.
+const GROUP: u32 = 16;
+/// How many of the nearest are moved towards the start.
+const REFINED: usize = 6;
+
+impl Arm {
+    /// All the solutions that the arm's search asks for, nearest to the start first: up to `k` for
+    /// [`Search::Distinct`] (none where the target is out of reach), one for the others (reached or
+    /// not).
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_all(
+        &self,
+        base_from_tool: impl Into<Placement<f64>>,
+        start: &[f64],
+    ) -> Result<Vec<Solution>, QueryError> {
+        let target = base_from_tool.into();
+        let Search::Distinct { k, distance } = self.options.search else {
+            return Ok(vec![self.solve(target, start)?]);
+        };
+        self.check_length("the start", start.len(), self.joint_count())?;
+        self.check_query(0, &target, start)?;
+        let deadline = self.deadline();
+        self.with_desk(|desk| {
+            desk.aim(&target);
+            self.open_window(desk, start);
+            self.gather(desk, &target, start, deadline);
+            self.distinct(desk, k, distance)
+        })
+    }
+
+    /// Runs attempts and sorts those that reach by their distance from the start.
+    pub(super) fn gather(
+        &self,
+        desk: &mut Desk,
+        target: &Placement<f64>,
+        start: &[f64],
+        deadline: Option<Instant>,
+    ) {
+        let n = self.joint_count();
+        let wanted = match self.options.search {
+            Search::Nearest => self.options.attempts.min(NEAREST_ATTEMPTS),
+            _ => self.options.attempts,
+        };
+        desk.found.clear();
+        desk.outcomes.clear();
+        let mut first = 0;
+        while first < wanted {
+            let count = GROUP.min(wanted - first);
+            match &self.lanes {
+                None => self.attempts_by_core(desk, start, first, count, deadline),
+                Some(lanes) => {
+                    let windowed = desk.windowed.as_ref();
+                    let lanes = match windowed {
+                        Some(windowed) if self.options.max_move.is_some() => windowed,
+                        _ => lanes,
+                    };
+                    let end = (first + count) as usize;
+                    desk.found.resize(end * n, 0.0);
+                    desk.outcomes.resize(end, Outcome::default());
+                    lanes.run_attempts_checked(
+                        target,
+                        start,
+                        lanes::Search::Start,
+                        first,
+                        &mut desk.found[first as usize * n..],
+                        &mut desk.outcomes[first as usize..],
+                    );
+                }
+            }
+            first += count;
+            if deadline.is_some_and(|at| Instant::now() >= at) {
+                break;
+            }
+        }
+        desk.order.clear();
+        for (place, outcome) in desk.outcomes.iter().enumerate() {
+            if outcome.reached {
+                let q = &desk.found[place * n..(place + 1) * n];
+                desk.order.push((self.distance(q, &desk.start), place));
+            }
+        }
+        // By distance, then by number: no two are equal.
+        desk.order
+            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+
+    /// The nearest of the solutions gathered, into the desk's x; on redundant arms moved towards
+    /// the start.
+    pub(super) fn nearest(
+        &self,
+        desk: &mut Desk,
+        target: &Placement<f64>,
+        start: &[f64],
+        deadline: Option<Instant>,
+    ) -> Reply {
+        let n = self.joint_count();
+        let total = |outcomes: &[Outcome]| -> usize {
+            outcomes.iter().map(|o| o.iterations as usize).sum()
+        };
+        let (iterations, attempts) = (total(&desk.outcomes), desk.outcomes.len());
+        let Some(&(_, place)) = desk.order.first() else {
+            // Nothing reached: all attempts may be needed, or the target is out of reach.
+            let mut reply = self.one_search(desk, target, start, false, deadline);
+            reply.iterations += iterations;
+            reply.attempts += attempts;
+            return reply;
+        };
+        desk.x
+            .copy_from_slice(&desk.found[place * n..(place + 1) * n]);
+        let goal = self.options.goal;
+        if n > goal.rows() || goal.has_room() {
+            let mut best = f64::INFINITY;
+            let reference = desk.start.clone();
+            for turn in 0..desk.order.len().min(REFINED) {
+                let place = desk.order[turn].1;
+                desk.x
+                    .copy_from_slice(&desk.found[place * n..(place + 1) * n]);
+                self.descend(desk, &reference, deadline);
+                let distance = self.distance(&desk.x, &reference);
+                if distance < best {
+                    best = distance;
+                    desk.found[..n].copy_from_slice(&desk.x);
+                }
+                if deadline.is_some_and(|at| Instant::now() >= at) {
+                    break;
+                }
+            }
+            desk.x.copy_from_slice(&desk.found[..n]);
+        }
+        Reply {
+            errors: desk.judge_x(),
+            termination: Termination::Reached,
+            iterations,
+            attempts,
+        }
+    }
+
+    /// Of the solutions gathered, the first k that are far enough from those before.
+    fn distinct(&self, desk: &mut Desk, k: usize, distance: f64) -> Vec<Solution> {
+        let n = self.joint_count();
+        let mut chosen: Vec<Solution> = Vec::new();
+        for turn in 0..desk.order.len() {
+            if chosen.len() >= k {
+                break;
+            }
+            let place = desk.order[turn].1;
+            let q = &desk.found[place * n..(place + 1) * n];
+            let apart = |other: &Solution| self.distance(q, &other.q) > distance;
+            if !chosen.iter().all(apart) {
+                continue;
+            }
+            let outcome = &desk.outcomes[place];
+            let mut solution = Solution::default();
+            solution.q.extend_from_slice(q);
+            let reply = Reply {
+                errors: Errors {
+                    position: outcome.position_error,
+                    orientation: outcome.orientation_error,
+                    reached: true,
+                },
+                termination: Termination::Reached,
+                iterations: outcome.iterations as usize,
+                attempts: 1,
+            };
+            self.report(&reply, &mut solution);
+            chosen.push(solution);
+        }
+        chosen
+    }
+
+    /// Weighted joint distance.
+    pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let weighted = a.iter().zip(b).zip(&self.options.weights);
+        weighted
+            .map(|((a, b), w)| (w * (a - b)) * (w * (a - b)))
+            .sum::<f64>()
+            .sqrt()
+    }
+}

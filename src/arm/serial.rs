@@ -1,0 +1,221 @@
+//! The arm as a model of its own: a serial chain from base to tool, constants folded.
+
+use super::ArmError;
+use super::route::Part;
+use crate::lanes::{self, Chain, ChainJoint};
+use crate::model::{
+    FrameId, Joint, JointId, JointKind, Limits, Model, ModelBuilder, ParameterMap, Source,
+};
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// Name of the frame that solving looks at.
+pub(super) const TOOL: &str = "tool";
+
+/// A chain from base to tool, whose world is the base.
+#[derive(Debug)]
+pub(super) struct Serial {
+    pub(super) model: Model,
+    /// Followers follow; its variables are the arm's joints, base to tip.
+    pub(super) map: ParameterMap,
+    pub(super) tool: FrameId,
+    /// For the lane engine, where it can express the chain.
+    pub(super) chain: Option<Chain>,
+    /// The source model's joint of every variable.
+    pub(super) joints: Vec<JointId>,
+    /// The variables that a follower in the chain depends on.
+    pub(super) followed: Vec<bool>,
+}
+
+/// Puts the chain together.
+struct Assembly<'a> {
+    source: &'a Model,
+    full: &'a ParameterMap,
+    builder: ModelBuilder,
+    last: Option<JointId>,
+    way: Placement<f64>,
+    chain: Vec<ChainJoint>,
+    /// The new joint of every variable of the full map.
+    leaders: Vec<Option<JointId>>,
+    /// Source joint of every variable, base to tip.
+    joints: Vec<JointId>,
+    /// (follower, variable of the full map, ratio, offset).
+    followers: Vec<(JointId, usize, f64, f64)>,
+}
+
+/// Where a coordinate's value comes from; a variable with one value is a constant.
+pub(super) fn source_of(full: &ParameterMap, coordinate: usize) -> Source {
+    match full.sources()[coordinate] {
+        Source::Variable {
+            variable,
+            ratio,
+            offset,
+        } if full.lower()[variable] == full.upper()[variable] => {
+            Source::Constant(ratio * full.lower()[variable] + offset)
+        }
+        source => source,
+    }
+}
+
+impl Serial {
+    /// Folds the parts; `full` says which joints of `source` are free.
+    pub(super) fn new(
+        source: &Model,
+        full: &ParameterMap,
+        parts: &[Part],
+        tip_from_tool: Placement<f64>,
+        name: (&str, &str),
+    ) -> Result<Self, ArmError> {
+        let mut assembly = Assembly {
+            source,
+            full,
+            builder: Model::builder(format!("{} from {} to {}", source.name(), name.0, name.1)),
+            last: None,
+            way: Placement::identity(),
+            chain: Vec::new(),
+            leaders: vec![None; full.variables()],
+            joints: Vec::new(),
+            followers: Vec::new(),
+        };
+        for part in parts {
+            assembly.add(part, parts);
+        }
+        assembly.finish(tip_from_tool, name)
+    }
+}
+
+impl Assembly<'_> {
+    fn add(&mut self, part: &Part, parts: &[Part]) {
+        let (id, reversed) = match *part {
+            Part::Way(way) => {
+                self.way = self.way * way;
+                return;
+            }
+            Part::Joint { id, reversed } => (id, reversed),
+        };
+        let joint = &self.source.joints()[id.index()];
+        let axis = if reversed { -joint.axis } else { joint.axis };
+        let Some(coordinate) = self.source.coordinate(id) else {
+            return;
+        };
+        match source_of(self.full, coordinate) {
+            Source::Constant(value) => self.way = self.way * motion(joint.kind, axis, value),
+            Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } => {
+                let leader = self.source.moving_joints()[self.full.leaders()[variable]];
+                let leads = leader == id;
+                let limits = if leads {
+                    Limits::new(self.full.lower()[variable], self.full.upper()[variable])
+                } else {
+                    joint.limits
+                };
+                let on_the_way =
+                    |part: &Part| matches!(part, Part::Joint { id, .. } if *id == leader);
+                if !leads && self.leaders[variable].is_none() && !parts.iter().any(on_the_way) {
+                    self.add_leader_elsewhere(leader, variable);
+                }
+                let own = self.builder.joint(Joint {
+                    name: joint.name.clone(),
+                    parent: self.last,
+                    parent_from_joint: self.way,
+                    kind: kind_within(joint.kind, &limits),
+                    axis,
+                    limits,
+                });
+                self.chain.push(ChainJoint {
+                    parent_from_joint: self.way,
+                    axis,
+                    kind: match joint.kind {
+                        JointKind::Prismatic => lanes::JointKind::Prismatic,
+                        _ => lanes::JointKind::Revolute,
+                    },
+                    lower: limits.lower,
+                    upper: limits.upper,
+                });
+                self.way = Placement::identity();
+                self.last = Some(own);
+                if leads {
+                    self.leaders[variable] = Some(own);
+                    self.joints.push(id);
+                } else {
+                    self.followers.push((own, variable, ratio, offset));
+                }
+            }
+        }
+    }
+
+    /// A joint outside the chain that one inside follows stands by itself.
+    fn add_leader_elsewhere(&mut self, leader: JointId, variable: usize) {
+        let joint = &self.source.joints()[leader.index()];
+        let limits = Limits::new(self.full.lower()[variable], self.full.upper()[variable]);
+        let own = self.builder.joint(Joint {
+            parent: None,
+            kind: kind_within(joint.kind, &limits),
+            limits,
+            ..joint.clone()
+        });
+        self.leaders[variable] = Some(own);
+        self.joints.push(leader);
+    }
+
+    fn finish(
+        mut self,
+        tip_from_tool: Placement<f64>,
+        name: (&str, &str),
+    ) -> Result<Serial, ArmError> {
+        if self.joints.is_empty() {
+            return Err(ArmError::NoFreeJoint {
+                base: name.0.to_owned(),
+                tip: name.1.to_owned(),
+            });
+        }
+        let last_from_tool = self.way * tip_from_tool;
+        let tool = self.builder.frame(TOOL, self.last, last_from_tool);
+        let model = self.builder.build()?;
+        let mut map = ParameterMap::builder(&model);
+        let mut followed = vec![false; self.joints.len()];
+        for &(follower, variable, ratio, offset) in &self.followers {
+            if let Some(leader) = self.leaders[variable] {
+                map = map.couple(follower, leader, ratio, offset);
+                let source = self.source.moving_joints()[self.full.leaders()[variable]];
+                for (followed, &joint) in followed.iter_mut().zip(&self.joints) {
+                    *followed |= joint == source;
+                }
+            }
+        }
+        let map = map.build()?;
+        // Bounds of a million radians and the like are for the core.
+        let chain = match self.followers.is_empty() {
+            true => Chain::new(self.chain, last_from_tool).ok(),
+            false => None,
+        };
+        Ok(Serial {
+            model,
+            map,
+            tool,
+            chain,
+            joints: self.joints,
+            followed,
+        })
+    }
+}
+
+/// A joint without limits that a follower gives some is a joint with limits.
+fn kind_within(kind: JointKind, limits: &Limits) -> JointKind {
+    match kind {
+        JointKind::Continuous if *limits != Limits::UNBOUNDED => JointKind::Revolute,
+        kind => kind,
+    }
+}
+
+pub(super) fn motion(kind: JointKind, axis: Vector3<f64>, value: f64) -> Placement<f64> {
+    match kind {
+        JointKind::Fixed => Placement::identity(),
+        JointKind::Prismatic => Placement::translation(axis * value),
+        JointKind::Revolute | JointKind::Continuous => {
+            Placement::new(Matrix3::rotation(axis, value.sin_cos()), Vector3::zero())
+        }
+    }
+}
