@@ -9,10 +9,7 @@ use serde::Deserialize;
 use crate::failure::{Failure, Outcome};
 use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
-use crate::output;
-
-/// The longest file of a configuration that is read, in bytes.
-const FILE_LIMIT: u64 = 1 << 26;
+use crate::{json_file, output};
 
 /// How far a joint that follows another may be off before that is worth a note.
 const LOOSE: f64 = 1e-9;
@@ -37,31 +34,23 @@ impl LoadedModel {
         option: &str,
     ) -> Outcome<Vec<f64>> {
         self.check_length(numbers, option)?;
-        let converted = numbers.iter().zip(self.is_angle());
-        let convert = |(&number, is_angle): (&f64, bool)| {
+        Ok(self.in_radians(numbers.to_vec(), degrees))
+    }
+
+    /// A configuration whose angles may be in degrees, in radians.
+    pub(crate) fn in_radians(&self, mut numbers: Vec<f64>, degrees: bool) -> Vec<f64> {
+        for (number, is_angle) in numbers.iter_mut().zip(self.is_angle()) {
             if degrees && is_angle {
-                number.to_radians()
-            } else {
-                number
+                *number = number.to_radians();
             }
-        };
-        Ok(converted.map(convert).collect())
+        }
+        numbers
     }
 
     /// A configuration out of a JSON file, in radians.
     pub(crate) fn configuration_file(&self, path: &Path) -> Outcome<Vec<f64>> {
         let fail = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
-        let metadata = std::fs::metadata(path);
-        let metadata = metadata.map_err(|error| fail(format!("cannot be read: {error}")))?;
-        if !metadata.is_file() || metadata.len() > FILE_LIMIT {
-            return Err(fail(format!(
-                "is not a regular file of at most {FILE_LIMIT} bytes"
-            )));
-        }
-        let bytes = std::fs::read(path);
-        let bytes = bytes.map_err(|error| fail(format!("cannot be read: {error}")))?;
-        let value: serde_json::Value = serde_json::from_slice(&bytes)
-            .map_err(|error| fail(format!("is not JSON: {error}")))?;
+        let value = json_file::read(path)?;
         let numbers = match serde_json::from_value(value) {
             Ok(ConfigurationFile::Document {
                 q,

@@ -8,6 +8,8 @@ use crate::loaded_model::LoadedModel;
 #[derive(Clone, Debug)]
 pub(crate) struct JointColumns {
     coordinates: Vec<usize>,
+    /// Of every coordinate.
+    is_angle: Vec<bool>,
     rest: Vec<f64>,
     /// Coordinates that no column names and that follow another: they are worked out.
     followers: Vec<usize>,
@@ -53,6 +55,7 @@ impl LoadedModel {
             .collect();
         JointColumns {
             coordinates,
+            is_angle: self.is_angle().collect(),
             rest: self.rest(),
             followers,
             map,
@@ -64,6 +67,25 @@ impl JointColumns {
     /// How many numbers a row has.
     pub(crate) fn width(&self) -> usize {
         self.coordinates.len()
+    }
+
+    /// As [`configuration`](Self::configuration), of a row whose angles may be in degrees.
+    pub(crate) fn typed(&self, row: &[f64], degrees: bool) -> Vec<f64> {
+        self.configuration(&self.in_radians(row, degrees))
+    }
+
+    /// A row whose angles may be in degrees, in radians.
+    pub(crate) fn in_radians(&self, row: &[f64], degrees: bool) -> Vec<f64> {
+        let numbers = row.iter().zip(&self.coordinates);
+        let converted = numbers.map(|(&number, &coordinate)| {
+            let is_angle = self.is_angle.get(coordinate).copied().unwrap_or(false);
+            if degrees && is_angle {
+                number.to_radians()
+            } else {
+                number
+            }
+        });
+        converted.collect()
     }
 
     /// The configuration that a row means: joints without a column are at rest, or follow.

@@ -110,12 +110,17 @@ impl LoadedModel {
 
     /// All zeros, moved into the limits; joints that follow others follow.
     pub(crate) fn rest(&self) -> Vec<f64> {
+        self.within_limits(&self.model.neutral())
+    }
+
+    /// The configuration moved into the limits; joints that follow others follow.
+    pub(crate) fn within_limits(&self, q: &[f64]) -> Vec<f64> {
         let map = self.parameters();
-        let mut rest = self.model.neutral();
+        let mut within = q.to_vec();
         let mut x = vec![0.0; map.variables()];
-        map.reduce(&rest, &mut x);
-        map.expand_within_limits(&x, &mut rest);
-        rest
+        map.reduce(q, &mut x);
+        map.expand_within_limits(&x, &mut within);
+        within
     }
 
     /// The link of a robot that stands in the world.

@@ -10,6 +10,7 @@ mod frame_name;
 mod frame_report;
 mod info;
 mod joint_columns;
+mod json_file;
 mod loaded_model;
 mod mesh_output;
 mod method_choice;
