@@ -90,7 +90,8 @@ pub(crate) struct Arguments {
     pub(super) file: Option<PathBuf>,
 
     /// The frame that --targets are for. Default: the file's tip_link, or a robot's only tip.
-    #[arg(long, value_name = "FRAME", requires = "file")]
+    // Not `requires`: clap waives that for what conflicts with an argument given.
+    #[arg(long, value_name = "FRAME", conflicts_with_all = ["targets", "rays"])]
     pub(super) tip: Option<String>,
 
     /// The frame that targets are given in. Default: the base_link of a file of targets, or the
@@ -101,18 +102,18 @@ pub(crate) struct Arguments {
     /// Take --targets as a path: each starts from the answer before it. Default: off.
     ///
     /// The first starts from the file's first start.
-    #[arg(long, requires = "file")]
+    #[arg(long, conflicts_with_all = ["targets", "rays"])]
     pub(super) track: bool,
 
     /// Solve --targets together, which is faster; only the mean time is told. Default: one at a
     /// time, each timed alone.
-    #[arg(long, requires = "file", conflicts_with = "track")]
+    #[arg(long, conflicts_with_all = ["track", "targets", "rays"])]
     pub(super) batch: bool,
 
     /// Solve --targets on so many threads. Default: 1.
     ///
     /// The answers are the same to the bit on any number. Times are best taken on one.
-    #[arg(long, value_name = "N", requires = "file", conflicts_with = "track",
+    #[arg(long, value_name = "N", conflicts_with_all = ["track", "targets", "rays"],
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
 
