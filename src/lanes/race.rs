@@ -17,6 +17,8 @@ pub(crate) struct Query<'a> {
     pub(crate) target: &'a Placement<f64>,
     pub(crate) start: &'a [f64],
     pub(crate) search: Search,
+    /// Iterations after which no attempt begins.
+    pub(crate) budget: u32,
     /// When to give up, checked between iterations.
     pub(crate) deadline: Option<Instant>,
 }
@@ -67,7 +69,12 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
     }
     loop {
         for lane in 0..fill_to {
-            if active >> lane & 1 == 0 && next < attempts && winner.is_none() && !late {
+            if active >> lane & 1 == 0
+                && next < attempts
+                && winner.is_none()
+                && !late
+                && iterations < query.budget.max(1)
+            {
                 seeds.fill::<V>(next, &mut seed);
                 group.load(lane, &goal_from_first, &seed, settings);
                 (attempt[lane], age[lane]) = (next, 0);

@@ -123,6 +123,7 @@ impl PoseSolver {
             target: base_from_target,
             start,
             search,
+            budget: self.options.total_iterations,
             deadline,
         };
         Ok(dispatch::race(self, &query, false, q))
@@ -130,11 +131,13 @@ impl PoseSolver {
 
     /// As [`solve`](Self::solve) for input that is checked already. `lone` runs the start's attempt
     /// by itself first.
+    #[allow(clippy::too_many_arguments)]
     pub(crate) fn solve_checked(
         &self,
         base_from_target: &Placement<f64>,
         start: &[f64],
         search: Search,
+        budget: u32,
         deadline: Option<Instant>,
         lone: bool,
         q: &mut [f64],
@@ -143,6 +146,7 @@ impl PoseSolver {
             target: base_from_target,
             start,
             search,
+            budget,
             deadline,
         };
         dispatch::race(self, &query, lone, q)
@@ -307,6 +311,7 @@ impl PoseSolver {
                 target,
                 start: &last[..n],
                 search: Search::Start,
+                budget: self.options.total_iterations,
                 deadline: None,
             };
             *outcome = dispatch::race(self, &query, true, q);
