@@ -99,7 +99,7 @@ impl Arm {
         if let Some(chain) = &self.serial.chain {
             return Ok(chain.base_from_tip(q));
         }
-        Ok(self.with_desk(|desk| desk.base_from_tool(&self.serial, q))?)
+        self.with_desk(|desk| desk.base_from_tool(&self.serial, q))
     }
 
     /// Solves for one target from one start (which may lie outside the limits and is then projected
