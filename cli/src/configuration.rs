@@ -7,18 +7,22 @@ use kinopt::model::Limits;
 use serde::Deserialize;
 
 use crate::failure::{Failure, Outcome};
+use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
-use crate::output;
+use crate::{json_file, output};
 
-/// The longest file of a configuration that is read, in bytes.
-const FILE_LIMIT: u64 = 1 << 26;
+/// How far a joint that follows another may be off before that is worth a note.
+const LOOSE: f64 = 1e-9;
 
 /// A list of numbers, or any document with one under `q`, such as those that `--json` prints.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum ConfigurationFile {
     List(Vec<f64>),
-    Document { q: Vec<f64> },
+    Document {
+        q: Vec<f64>,
+        joints: Option<Vec<String>>,
+    },
 }
 
 impl LoadedModel {
@@ -30,33 +34,40 @@ impl LoadedModel {
         option: &str,
     ) -> Outcome<Vec<f64>> {
         self.check_length(numbers, option)?;
-        let converted = numbers.iter().zip(self.is_angle());
-        let convert = |(&number, is_angle): (&f64, bool)| {
+        Ok(self.in_radians(numbers.to_vec(), degrees))
+    }
+
+    /// A configuration whose angles may be in degrees, in radians.
+    pub(crate) fn in_radians(&self, mut numbers: Vec<f64>, degrees: bool) -> Vec<f64> {
+        for (number, is_angle) in numbers.iter_mut().zip(self.is_angle()) {
             if degrees && is_angle {
-                number.to_radians()
-            } else {
-                number
+                *number = number.to_radians();
             }
-        };
-        Ok(converted.map(convert).collect())
+        }
+        numbers
     }
 
     /// A configuration out of a JSON file, in radians.
     pub(crate) fn configuration_file(&self, path: &Path) -> Outcome<Vec<f64>> {
         let fail = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
-        let metadata = std::fs::metadata(path);
-        let metadata = metadata.map_err(|error| fail(format!("cannot be read: {error}")))?;
-        if !metadata.is_file() || metadata.len() > FILE_LIMIT {
-            return Err(fail(format!(
-                "is not a regular file of at most {FILE_LIMIT} bytes"
-            )));
-        }
-        let bytes = std::fs::read(path);
-        let bytes = bytes.map_err(|error| fail(format!("cannot be read: {error}")))?;
-        let value: serde_json::Value = serde_json::from_slice(&bytes)
-            .map_err(|error| fail(format!("is not JSON: {error}")))?;
+        let value = json_file::read(path)?;
         let numbers = match serde_json::from_value(value) {
-            Ok(ConfigurationFile::List(q) | ConfigurationFile::Document { q }) => q,
+            Ok(ConfigurationFile::Document {
+                q,
+                joints: Some(joints),
+            }) => {
+                let columns = self.joint_columns(&joints);
+                let columns = columns.map_err(|problem| fail(format!("joints: {problem}")))?;
+                if columns.width() != q.len() {
+                    return Err(fail(format!(
+                        "{} joints are named but q has {} numbers",
+                        columns.width(),
+                        q.len()
+                    )));
+                }
+                return Ok(columns.configuration(&q));
+            }
+            Ok(ConfigurationFile::List(q) | ConfigurationFile::Document { q, joints: None }) => q,
             Err(_) => {
                 return Err(fail(
                     "holds neither a list of numbers nor a document with one under `q`".into(),
@@ -92,13 +103,31 @@ impl LoadedModel {
                 "{expected}: 3 for each of {} bones",
                 rig.skeleton.bones().len()
             ),
-            None => expected.to_string(),
+            None => format!("{expected}: {}", self.joint_names().join(", ")),
         };
         Err(Failure::new(format!(
             "{source}: {} numbers given, but a configuration has {shape} (kinopt info {} lists them)",
             numbers.len(),
             self.file,
         )))
+    }
+
+    /// Says on standard error which joints are not where the joint that they follow takes them.
+    pub(crate) fn note_loose_followers(&self, q: &[f64], consequence: &str) {
+        let followed = followed(&self.parameters(), q);
+        let locked = self.model.limits().map(|limits| limits.is_locked());
+        let values = q.iter().zip(&followed).zip(locked).zip(self.joint_names());
+        let loose = values.filter_map(|(((value, followed), locked), name)| {
+            let off = !locked && (value - followed).abs() > LOOSE;
+            off.then(|| format!("`{name}` (to {followed})"))
+        });
+        let loose: Vec<String> = loose.collect();
+        if !loose.is_empty() {
+            output::message(&format!(
+                "note: the joint that it follows would take {}; {consequence}",
+                loose.join(", ")
+            ));
+        }
     }
 
     /// Says on standard error which coordinates are outside their limits, if any.

@@ -7,6 +7,8 @@ use std::fmt::Display;
 pub(crate) enum Failure {
     /// A reason for people, in one line.
     Reason(String),
+    /// Options that do not go together for this model, in one line.
+    Usage(String),
     /// Whoever reads the output has gone: nobody is left to be told.
     ReaderGone,
 }
@@ -16,8 +18,16 @@ pub(crate) type Outcome<T> = Result<T, Failure>;
 impl Failure {
     pub(crate) fn new(reason: impl Display) -> Self {
         // A file's name may hold anything, but the reason stays one line.
-        Self::Reason(reason.to_string().replace(['\n', '\r'], " "))
+        Self::Reason(one_line(reason))
     }
+
+    pub(crate) fn usage(reason: impl Display) -> Self {
+        Self::Usage(one_line(reason))
+    }
+}
+
+fn one_line(reason: impl Display) -> String {
+    reason.to_string().replace(['\n', '\r'], " ")
 }
 
 /// Every error of the library names the thing and the valid names already.

@@ -14,33 +14,39 @@ use crate::{number_list, output};
 
 const EXAMPLES: &str = "\
 Examples:
+  kinopt fk robot.urdf --q 0,-45,0,-135,0,90,45 --degrees --frame tool
+                                                  a robot's tool, for joint angles in degrees
   kinopt fk arm.json                              the rest pose, every bone
   kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes after 1.5 s, one bone
   kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed";
 
 /// Where the frames stand for a configuration (forward kinematics).
 ///
-/// For a rig a frame is a bone's own: its origin at the bone's tail, x towards the tip; the tip is
-/// given beside it. Without --q, --q-file and --time it is the rest pose: all zeros, moved into the
-/// limits where they exclude zero.
+/// For a robot a frame is a link. For a rig it is a bone's own: its origin at the bone's tail, x
+/// towards the tip; the tip is given beside it. Without --q, --q-file and --time it is the rest
+/// pose: all zeros, moved into the limits where they exclude zero.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a rig's .json file.
+    /// The model: a robot's .urdf or a rig's .json file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
     /// The configuration, in radians (or --degrees) and metres. Default: the rest pose.
     ///
     /// One number per degree of freedom, in the order of `kinopt info`, separated by commas or
-    /// spaces; only sliding joints are in metres. Limits are not enforced.
+    /// spaces; only sliding joints are in metres. For a robot these are all moving joints in the
+    /// order of the file, joints that follow others among them; fixed joints have no number. Limits
+    /// are not enforced.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
           value_parser = Numbers::parse)]
     q: Option<Numbers>,
 
     /// A JSON file with the configuration, in radians and metres. Default: none.
     ///
-    /// It holds a list of numbers, or a document with one under "q", such as `--json` prints.
+    /// It holds a list of numbers, or a document with one under "q", such as `--json` prints. With
+    /// names of joints under "joints" beside it, numbers go by name: any order, and a robot's joints
+    /// that are not named stay at rest.
     #[arg(long, value_name = "FILE", group = "configuration")]
     q_file: Option<PathBuf>,
 
@@ -57,9 +63,15 @@ pub(crate) struct Arguments {
 
     /// A frame to report; repeat it for several. Default: all of them.
     ///
-    /// In a rig `bone/3` or a bone's name is the bone at its tail, `bone/3/tip` at its tip.
+    /// In a robot it is a link's name. In a rig `bone/3` or a bone's name is the bone at its tail,
+    /// `bone/3/tip` at its tip.
     #[arg(long = "frame", value_name = "NAME")]
     frames: Vec<String>,
+
+    /// Report where the frames stand in this frame. Default: in the world, which for a robot is
+    /// its root link.
+    #[arg(long, value_name = "NAME")]
+    base: Option<String>,
 
     /// The angles of --q are in degrees. Default: radians.
     #[arg(long, requires = "q")]
@@ -79,17 +91,22 @@ impl Numbers {
 #[derive(Serialize)]
 struct Document<'a> {
     q: &'a [f64],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joints: Option<Vec<&'a str>>,
     frames: &'a FrameReport,
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let loaded = LoadedModel::read(&arguments.model)?;
     let q = configuration(&loaded, arguments)?;
-    let frames = loaded.frame_report(&arguments.frames, &q)?;
-    loaded.note_outside_limits(&q, "the frames are those of the numbers as given");
+    let frames = loaded.frame_report(&arguments.frames, arguments.base.as_deref(), &q)?;
+    let consequence = "the frames are those of the numbers as given";
+    loaded.note_outside_limits(&q, consequence);
+    loaded.note_loose_followers(&q, consequence);
     if json {
         return output::json(&Document {
             q: &q,
+            joints: loaded.documented_joints(),
             frames: &frames,
         });
     }
@@ -110,6 +127,6 @@ fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64
     };
     match arguments.time {
         Some(time) => loaded.keyframes_at(time, playback),
-        None => Ok(loaded.model.neutral()),
+        None => Ok(loaded.rest()),
     }
 }

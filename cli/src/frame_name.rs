@@ -17,10 +17,15 @@ pub(crate) enum BareName {
 
 impl LoadedModel {
     /// The frame that `name` means. In a rig: `bone/3` counts from 0 and always works, a bone's own
-    /// name does too, and `/tip` or `/tail` may follow either. In a robot: a frame's name.
+    /// name does too, and `/tip` or `/tail` may follow either. In a robot: a link's name.
     pub(crate) fn frame(&self, name: &str, bare: BareName) -> Result<FrameId, UnknownName> {
         let Some(rig) = &self.rig else {
-            return self.model.frame(name);
+            // A robot's frames are its links, and that is what its user calls them.
+            let link = |error| UnknownName {
+                kind: "link",
+                ..error
+            };
+            return self.model.frame(name).map_err(link);
         };
         let (bone, end) = split(rig, name)?;
         Ok(match end.unwrap_or(bare) {
@@ -86,6 +91,7 @@ mod tests {
                 clip: EulerClip::default(),
                 constrained: Vec::new(),
             })),
+            robot: None,
         }
     }
 

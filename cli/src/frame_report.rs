@@ -1,7 +1,7 @@
 //! Where frames stand, for people and for programs.
 
-use kinopt::kinematics::{Tree, TreeState};
-use kinopt::model::{FrameId, ParameterMap, UnknownName};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, UnknownName};
 use kinopt::spatial::{Placement, Quaternion};
 use serde::{Serialize, Serializer};
 
@@ -10,7 +10,7 @@ use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits};
 use crate::table::{Align, Table};
 
-/// One frame's placement in the world.
+/// One frame's placement in the world, or in another frame.
 #[derive(Debug, Serialize)]
 pub(crate) struct FramePlacement {
     position: [f64; 3],
@@ -34,10 +34,12 @@ impl Serialize for FrameReport {
 }
 
 impl LoadedModel {
-    /// Places the named frames, or all of them, for `q` (radians and metres, within limits or not).
+    /// Places the named frames, or all of them, for `q` (radians and metres, within limits or not),
+    /// in the world or in the frame named `base`.
     pub(crate) fn frame_report(
         &self,
         names: &[String],
+        base: Option<&str>,
         q: &[f64],
     ) -> Result<FrameReport, UnknownName> {
         let names = match (&self.rig, names) {
@@ -54,10 +56,19 @@ impl LoadedModel {
             .into_iter()
             .map(|name| Ok((self.frame(&name, BareName::Tail)?, name)))
             .collect::<Result<Vec<_>, UnknownName>>()?;
+        let base = base
+            .map(|name| self.frame(name, BareName::Tail))
+            .transpose()?;
         let placements = self.all_frames(q);
+        let world_from_base = base.and_then(|base| placements.get(base.index()));
+        let base_from_world = world_from_base.map(|placement| placement.inverse());
         let at = |frame: FrameId| {
             let placement = placements.get(frame.index());
-            placement.copied().unwrap_or_else(Placement::identity)
+            let placement = placement.copied().unwrap_or_else(Placement::identity);
+            match base_from_world {
+                Some(base_from_world) => base_from_world * placement,
+                None => placement,
+            }
         };
         let report = wanted.into_iter().map(|(frame, name)| {
             let ends = self.rig.as_ref().and_then(|rig| {
@@ -77,13 +88,11 @@ impl LoadedModel {
         Ok(FrameReport(report.collect()))
     }
 
-    /// world_from_frame of every frame of the model, by index.
+    /// world_from_frame of every frame of the model, by index; none for a `q` of the wrong length,
+    /// which the reader of `q` has ruled out.
     pub(crate) fn all_frames(&self, q: &[f64]) -> Vec<Placement<f64>> {
-        let frames: Vec<FrameId> = self.model.frame_ids().collect();
-        let tree = Tree::new(&self.model, &ParameterMap::identity(&self.model), &frames);
-        let mut state = TreeState::new(&tree);
-        tree.forward(q, &mut state);
-        state.frames().to_vec()
+        let mut kinematics = ForwardKinematics::new(&self.model);
+        kinematics.place(q).map(<[_]>::to_vec).unwrap_or_default()
     }
 }
 

@@ -5,11 +5,12 @@ use std::path::Path;
 use kinopt::Model;
 use kinopt::io::rig::Rig;
 use kinopt::model::{JointKind, ParameterMap};
+use kinopt::robot::Robot;
 
 use crate::failure::{Failure, Outcome};
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
-const SUPPORTED: &str = ".json (a rig)";
+const SUPPORTED: &str = ".urdf (a robot), .json (a rig)";
 
 /// Rigs count as reached within this share of their size; an angle within as many radians.
 const RIG_TOLERANCE: f64 = 1e-9;
@@ -25,6 +26,8 @@ pub(crate) struct LoadedModel {
     pub(crate) model: Model,
     /// The rest of a rig; `None` for a robot.
     pub(crate) rig: Option<Box<Rig>>,
+    /// A robot with its mimic joints; `None` for a rig.
+    pub(crate) robot: Option<Box<Robot>>,
 }
 
 impl LoadedModel {
@@ -39,14 +42,25 @@ impl LoadedModel {
                     file,
                     model: rig.skeleton.model().clone(),
                     rig: Some(Box::new(rig)),
+                    robot: None,
                 })
             }
+            "urdf" => Ok(Self::of_robot(file, Robot::read(path)?)),
             "" => Err(Failure::new(format!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
             ))),
             other => Err(Failure::new(format!(
                 "{file}: models in .{other} files are not supported; supported: {SUPPORTED}"
             ))),
+        }
+    }
+
+    fn of_robot(file: String, robot: Robot) -> Self {
+        Self {
+            file,
+            model: robot.model().clone(),
+            rig: None,
+            robot: Some(Box::new(robot)),
         }
     }
 
@@ -86,10 +100,62 @@ impl LoadedModel {
         }
     }
 
+    /// The map from solver variables to configurations: mimic joints follow, locked ones stay.
+    pub(crate) fn parameters(&self) -> ParameterMap {
+        match &self.robot {
+            Some(robot) => robot.map().clone(),
+            None => ParameterMap::free(&self.model),
+        }
+    }
+
+    /// All zeros, moved into the limits; joints that follow others follow.
+    pub(crate) fn rest(&self) -> Vec<f64> {
+        self.within_limits(&self.model.neutral())
+    }
+
+    /// The configuration moved into the limits; joints that follow others follow.
+    pub(crate) fn within_limits(&self, q: &[f64]) -> Vec<f64> {
+        let map = self.parameters();
+        let mut within = q.to_vec();
+        let mut x = vec![0.0; map.variables()];
+        map.reduce(q, &mut x);
+        map.expand_within_limits(&x, &mut within);
+        within
+    }
+
+    /// The link of a robot that stands in the world.
+    pub(crate) fn root_link(&self) -> Option<&str> {
+        let mut frames = self.model.frames().iter();
+        let root = frames.find(|frame| frame.joint.is_none());
+        root.map(|frame| frame.name.as_str())
+    }
+
+    /// The links of a robot on which nothing hangs.
+    pub(crate) fn tip_links(&self) -> Vec<&str> {
+        let tips = self.robot.as_ref().map(|robot| robot.tips());
+        let frames = tips.unwrap_or_default().into_iter();
+        let frames = frames.filter_map(|id| self.model.frames().get(id.index()));
+        frames.map(|frame| frame.name.as_str()).collect()
+    }
+
+    /// The names of the moving joints, in the order of a configuration.
+    pub(crate) fn joint_names(&self) -> Vec<&str> {
+        let joints = self.model.joints();
+        let moving = self.model.moving_joints().iter();
+        let named = moving.filter_map(|id| joints.get(id.index()));
+        named.map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// As [`joint_names`](Self::joint_names), for documents: a rig's angles are known by their
+    /// bones.
+    pub(crate) fn documented_joints(&self) -> Option<Vec<&str>> {
+        self.robot.as_ref().map(|_| self.joint_names())
+    }
+
     /// Which coordinates of a configuration a solver may change.
     pub(crate) fn free_coordinates(&self) -> Vec<bool> {
         let mut free = vec![false; self.model.degrees_of_freedom()];
-        for &leader in ParameterMap::free(&self.model).leaders() {
+        for &leader in self.parameters().leaders() {
             if let Some(flag) = free.get_mut(leader) {
                 *flag = true;
             }
@@ -125,11 +191,8 @@ mod tests {
         let on = Some(turn);
         let slide = builder.prismatic("slide", on, Placement::translation(x), x, half);
         builder.frame("hook", Some(slide), Placement::translation(x));
-        LoadedModel {
-            file: "crane.urdf".to_owned(),
-            model: builder.build().unwrap(),
-            rig: None,
-        }
+        let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+        LoadedModel::of_robot("crane.urdf".to_owned(), robot)
     }
 
     #[test]
@@ -162,7 +225,7 @@ mod tests {
     fn a_robot_s_frames_are_placed() {
         let robot = robot();
         let report = robot
-            .frame_report(&[], &[std::f64::consts::FRAC_PI_2, 0.5])
+            .frame_report(&[], None, &[std::f64::consts::FRAC_PI_2, 0.5])
             .unwrap();
         let json = serde_json::to_value(&report).unwrap();
         let number = |key: &str, k: usize| json["hook"][key][k].as_f64().unwrap();

@@ -9,6 +9,8 @@ mod fk;
 mod frame_name;
 mod frame_report;
 mod info;
+mod joint_columns;
+mod json_file;
 mod loaded_model;
 mod mesh_output;
 mod method_choice;
@@ -32,7 +34,9 @@ With --json one JSON document is printed on standard output and nothing else; me
 standard error. Exit codes: 0 done, 1 failed with a one-line reason, 2 wrong usage.
 
 Examples:
-  kinopt info arm.json
+  kinopt info robot.urdf
+  kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0
+  kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj";
 
@@ -76,6 +80,10 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) | Err(Failure::ReaderGone) => ExitCode::SUCCESS,
+        Err(Failure::Usage(reason)) => {
+            output::message(&format!("error: {reason}"));
+            ExitCode::from(2)
+        }
         Err(Failure::Reason(reason)) => {
             output::message(&format!("error: {reason}"));
             ExitCode::from(1)

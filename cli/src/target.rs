@@ -1,5 +1,7 @@
 //! `--target` and `--ray` as they are typed.
 
+use kinopt::spatial::{Placement, Quaternion, Vector3};
+
 use crate::number_list::{number, parse_exactly};
 
 /// How far a typed quaternion's length may be from 1; it is normalised.
@@ -45,6 +47,21 @@ impl Target {
             quaternion: Some(normalised([qw, qx, qy, qz])?),
         })
     }
+
+    /// Where the frame should stand; unturned where only its position is given.
+    pub(crate) fn placement(&self) -> Placement<f64> {
+        placement(self.position, self.quaternion)
+    }
+}
+
+/// A placement of a position and, where there is one, a unit quaternion, w first.
+pub(crate) fn placement(position: [f64; 3], quaternion: Option<[f64; 4]>) -> Placement<f64> {
+    let [w, x, y, z] = quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]);
+    let turn = Quaternion {
+        w,
+        v: Vector3::new(x, y, z),
+    };
+    Placement::new(turn.to_matrix(), Vector3::from(position))
 }
 
 impl RayTarget {
@@ -79,7 +96,8 @@ fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
     }
 }
 
-fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
+/// A quaternion, w first, of length 1; one that is far from that is an error.
+pub(crate) fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
     if (length - 1.0).abs() <= QUATERNION_LENGTH_WITHIN {
         return Ok(quaternion.map(|c| c / length));

@@ -89,7 +89,7 @@ impl<M: Method> ExecutorMethod<M> {
         if !search.look(least_squares, &self.method, memory) {
             self.ended = Some(Termination::NonFinite);
         } else if self.ended.is_none() {
-            self.ended = search.judge(&stopping);
+            self.ended = search.judge(memory, &stopping);
         }
 
         let mut seen = KV::new();

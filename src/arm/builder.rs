@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::answer::QUICK;
 use super::configuration::Coordinates;
 use super::options::{Options, Search};
 use super::query::Arm;
@@ -386,6 +387,7 @@ impl ArmBuilder<'_> {
             axes: options.goal.axes(),
             attempts: options.attempts,
             seed: options.seed,
+            total_iterations: QUICK,
             // Atlas seeds stand anywhere; a bound on moves keeps to the start.
             atlas: self.atlas && options.max_move.is_none(),
             ..LaneOptions::default()

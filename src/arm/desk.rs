@@ -157,7 +157,9 @@ impl Desk {
             &mut Evaluation::new(&self.problem, &mut self.scratch),
             &LevenbergMarquardt::default(),
             &self.x,
-            &Stopping::default(),
+            &Stopping::default()
+                .with_max_iterations(100)
+                .with_gradient_tolerance(1e-6),
             deadline,
             &mut Silent,
             &mut self.memory,

@@ -77,6 +77,7 @@ pub(crate) fn batch<
                         target,
                         start: &starts[source * n..(source + 1) * n],
                         search,
+                        budget: options.total_iterations,
                         deadline: None,
                     };
                     next += 1;
@@ -145,7 +146,11 @@ pub(crate) fn batch<
             let attempt = job.attempt;
             job.attempt += 1;
             job.begun += 1;
-            if reached || attempts_from.is_some() || job.begun >= options.attempts {
+            if reached
+                || attempts_from.is_some()
+                || job.begun >= options.attempts
+                || job.iterations >= options.total_iterations
+            {
                 let winner = reached.then_some(attempt);
                 let errors = match errors {
                     Some(errors) => errors,

@@ -32,6 +32,10 @@ pub struct LaneOptions {
     pub iterations: u32,
     /// Most attempts of one query, at least 1. Default 200.
     pub attempts: u32,
+    /// No attempt begins after so many iterations of all attempts of a query together. Goals at the
+    /// end of a narrow valley (an arm nearly stretched, a joint on its limit) would otherwise take
+    /// ten times as many as others that are out of reach. Default 3 000.
+    pub total_iterations: u32,
     /// Seed of the atlas and of the random attempts: attempt i begins from (seed, i). Default 0.
     pub seed: u64,
     /// Whether to build the seed atlas: a few megabytes and tens of milliseconds, and several times
@@ -53,6 +57,7 @@ impl Default for LaneOptions {
             stall_limit: 6,
             iterations: 100,
             attempts: 200,
+            total_iterations: 3000,
             seed: 0,
             atlas: true,
             portable: false,

@@ -60,7 +60,12 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
     }
     loop {
         for lane in 0..fill_to {
-            if active >> lane & 1 == 0 && next < attempts && winner.is_none() && !late {
+            if active >> lane & 1 == 0
+                && next < attempts
+                && winner.is_none()
+                && !late
+                && iterations < query.budget.max(1)
+            {
                 seeds.fill::<V>(next, &mut seed);
                 group.load(lane, &goal_from_first, &seed, settings);
                 (attempt[lane], age[lane]) = (next, 0);

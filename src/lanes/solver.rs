@@ -65,16 +65,26 @@ impl PoseSolver {
         check::length("start", start.len(), n)?;
         check::length("q", q.len(), n)?;
         check::query(0, base_from_target, start)?;
-        Ok(self.solve_checked(base_from_target, start, search, deadline, false, q))
+        Ok(self.solve_checked(
+            base_from_target,
+            start,
+            search,
+            self.prepared.options.total_iterations,
+            deadline,
+            false,
+            q,
+        ))
     }
 
     /// As [`solve`](Self::solve) for input that is checked already. `lone` runs the start's attempt
     /// by itself first.
+    #[allow(clippy::too_many_arguments)]
     pub(crate) fn solve_checked(
         &self,
         base_from_target: &Placement<f64>,
         start: &[f64],
         search: Search,
+        budget: u32,
         deadline: Option<Instant>,
         lone: bool,
         q: &mut [f64],
@@ -83,6 +93,7 @@ impl PoseSolver {
             target: base_from_target,
             start,
             search,
+            budget,
             deadline,
         };
         dispatch::race(&self.prepared, &query, lone, q)
@@ -225,6 +236,7 @@ impl PoseSolver {
                 target,
                 start: &last[..n],
                 search: Search::Start,
+                budget: self.prepared.options.total_iterations,
                 deadline: None,
             };
             *outcome = dispatch::race(&self.prepared, &query, true, q);

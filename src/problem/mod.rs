@@ -18,7 +18,7 @@ pub(crate) use names::Names;
 use std::sync::Arc;
 
 use crate::kinematics::Tree;
-use crate::model::{Model, ParameterMap, Source};
+use crate::model::{Limits, Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
 use compiled_task::CompiledTask;
 
@@ -163,15 +163,16 @@ impl Problem {
         self.derivatives = route;
     }
 
-    /// A task's residual, to look at. `None` for an id of another problem.
+    /// A task's residual, to look at. `None` for an id of another problem that is out of range here
+    /// or names a residual of another type.
     #[must_use]
     pub fn residual<R: Residual>(&self, task: TaskId<R>) -> Option<&R> {
         let residual = &*self.tasks.get(task.index)?.residual;
         residual.as_any().downcast_ref()
     }
 
-    /// A task's residual, to move its target. `None` for an id of another problem. Numbers set
-    /// here are not checked: a target that is not finite ends the solve as non-finite.
+    /// A task's residual, to move its target. `None` for an id of another problem that is out of
+    /// range here or names a residual of another type. Numbers set here are not checked: a target that is not finite ends the solve as non-finite.
     #[must_use]
     pub fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
         let residual = &mut *self.tasks.get_mut(task.index)?.residual;
@@ -200,15 +201,11 @@ impl Problem {
         &self.names
     }
 
-    /// Where random values of a variable are drawn from: its bounds, or where one is infinite as
-    /// far as ±π or ± the reach around `at` allows.
+    /// Where random values of a variable are drawn from: its bounds, or where one is missing or
+    /// endlessly far away π or the reach from `at`.
     pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
-        let (lower, upper) = (self.lower[variable], self.upper[variable]);
-        if lower.is_finite() && upper.is_finite() {
-            return (lower, upper);
-        }
-        let spread = self.spread[variable];
-        (lower.max(at - spread), upper.min(at + spread))
+        let bounds = Limits::new(self.lower[variable], self.upper[variable]);
+        bounds.sampling_range(at, self.spread[variable])
     }
 
     /// Marks the variables that move a missed goal and no reached one, given the weighted residual
@@ -290,11 +287,14 @@ impl Problem {
             })
     }
 
-    /// Whether every goal is within its tolerances for the weighted residual `r`.
+    /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
+    /// [`rows`](Self::rows); of another length it reaches nothing).
     #[must_use]
     pub fn is_reached(&self, r: &[f64]) -> bool {
-        self.errors(r)
-            .all(|block| block.reached || block.role == Role::Preference)
+        r.len() == self.rows
+            && self
+                .errors(r)
+                .all(|block| block.reached || block.role == Role::Preference)
     }
 }
 

@@ -1,6 +1,10 @@
 //! The course of one search in single steps: what the loop here and executors of others share.
 
+use super::memory::has_bounds_for_all;
 use super::{LeastSquares, Memory, Method, Step, Stopping, Termination};
+
+/// After so many steps in a row that hardly change the cost no further one makes sense.
+const FLAT_STEPS: usize = 5;
 
 /// How far a search has come; where it stands is in the memory.
 #[derive(Clone, Copy, Debug)]
@@ -15,14 +19,17 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    /// Stands at the projected `start`. `None` for a start of the wrong length or not finite.
+    /// Stands at the projected `start`. `None` for a start of the wrong length or not finite, and for
+    /// a problem that lacks bounds.
     pub(crate) fn start(
         problem: &mut dyn LeastSquares,
         start: &[f64],
         memory: &mut Memory,
     ) -> Option<Self> {
         memory.start_at(problem, start);
-        let usable = start.len() == problem.variables() && start.iter().all(|v| v.is_finite());
+        let usable = start.len() == problem.variables()
+            && start.iter().all(|v| v.is_finite())
+            && has_bounds_for_all(problem);
         usable.then_some(Self {
             iterations: 0,
             projected_gradient: None,
@@ -72,13 +79,14 @@ impl Search {
     }
 
     /// Whether the search ends where it stands.
-    pub(crate) fn judge(&self, stopping: &Stopping) -> Option<Termination> {
+    pub(crate) fn judge(&self, memory: &Memory, stopping: &Stopping) -> Option<Termination> {
         match self.projected_gradient {
             None => Some(Termination::Reached),
             Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
             Some(_) if self.stationarity <= stopping.gradient_tolerance => {
                 Some(Termination::Stationary)
             }
+            Some(_) if memory.flat_steps >= FLAT_STEPS => Some(Termination::SmallStep),
             Some(_) => None,
         }
     }
@@ -108,4 +116,9 @@ impl Search {
             _ => 0.0,
         }
     }
+}
+
+/// The slope along one variable that counts as none: the share of s ‖r‖ that ends a search.
+pub(crate) fn negligible_slope(column_norm: f64, cost: f64, stopping: &Stopping) -> f64 {
+    stopping.gradient_tolerance * column_norm * (2.0 * cost).sqrt()
 }

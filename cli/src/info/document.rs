@@ -1,10 +1,11 @@
 //! What there is to say about a model, as the JSON document says it.
 
 use kinopt::io::rig::Rig;
-use kinopt::model::{Joint, JointKind};
+use kinopt::model::{Joint, JointId, JointKind};
 use kinopt::skeleton::BoneId;
 use serde::Serialize;
 
+use super::robot::{self, PlaceDocument, RobotDocument};
 use crate::loaded_model::LoadedModel;
 
 #[derive(Serialize)]
@@ -18,6 +19,8 @@ pub(super) struct Document<'a> {
     pub(super) frames: Vec<&'a str>,
     #[serde(flatten)]
     pub(super) rig: Option<RigDocument<'a>>,
+    #[serde(flatten)]
+    pub(super) robot: Option<RobotDocument<'a>>,
 }
 
 #[derive(Serialize)]
@@ -30,6 +33,9 @@ pub(super) struct JointDocument<'a> {
     /// Radians or metres; none where there is no limit.
     pub(super) lower: Option<f64>,
     pub(super) upper: Option<f64>,
+    /// Only in robots.
+    #[serde(flatten)]
+    pub(super) place: Option<PlaceDocument<'a>>,
 }
 
 #[derive(Serialize)]
@@ -81,10 +87,11 @@ pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
     let moving = moving.filter_map(|(coordinate, id)| {
         let joint = model.joints().get(id.index())?;
         let free = free.get(coordinate).copied().unwrap_or(false);
-        Some(joint_document(joint, Some(coordinate), free))
+        Some(joint_document(loaded, *id, joint, Some(coordinate), free))
     });
-    let fixed = model.joints().iter().filter(|j| j.kind == JointKind::Fixed);
-    let fixed = fixed.map(|joint| joint_document(joint, None, false));
+    let fixed = model.joint_ids().zip(model.joints());
+    let fixed = fixed.filter(|(_, joint)| joint.kind == JointKind::Fixed);
+    let fixed = fixed.map(|(id, joint)| joint_document(loaded, id, joint, None, false));
     Document {
         file: &loaded.file,
         kind: loaded.kind(),
@@ -97,24 +104,42 @@ pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
             None => model.frames().iter().map(|f| f.name.as_str()).collect(),
         },
         rig: loaded.rig.as_deref().map(rig_document),
+        robot: loaded
+            .robot
+            .as_deref()
+            .map(|robot| robot::document(loaded, robot)),
     }
 }
 
-fn joint_document(joint: &Joint, coordinate: Option<usize>, free: bool) -> JointDocument<'_> {
+fn joint_document<'a>(
+    loaded: &'a LoadedModel,
+    id: JointId,
+    joint: &'a Joint,
+    coordinate: Option<usize>,
+    free: bool,
+) -> JointDocument<'a> {
     let finite = |limit: f64| limit.is_finite().then_some(limit);
     let limited = coordinate.is_some();
     JointDocument {
         name: &joint.name,
-        kind: match joint.kind {
-            JointKind::Fixed => "fixed",
-            JointKind::Revolute => "revolute",
-            JointKind::Continuous => "continuous",
-            JointKind::Prismatic => "prismatic",
-        },
+        kind: kind(joint.kind),
         coordinate,
         free,
         lower: finite(joint.limits.lower).filter(|_| limited),
         upper: finite(joint.limits.upper).filter(|_| limited),
+        place: loaded
+            .robot
+            .as_deref()
+            .map(|robot| robot::place(robot, id, joint)),
+    }
+}
+
+pub(super) fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "fixed",
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
     }
 }
 

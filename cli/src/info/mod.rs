@@ -1,6 +1,7 @@
 //! `kinopt info`: what a model has.
 
 mod document;
+mod robot;
 mod text;
 
 use std::path::PathBuf;
@@ -13,17 +14,19 @@ use crate::output;
 
 const EXAMPLES: &str = "\
 Examples:
+  kinopt info robot.urdf         the tree of links and joints, limits in degrees and metres
   kinopt info arm.json           for people: limits in degrees and in radians
   kinopt info arm.json --json    for programs: limits in radians, null where there is none";
 
 /// What a model has: joints with their limits, frames, degrees of freedom and which of them are
-/// free, and for a rig its mesh, skin weights, keyframes and pinned tips.
+/// free; for a robot the tree of its links, its tips and the joints that follow others; for a rig
+/// its mesh, skin weights, keyframes and pinned tips.
 ///
-/// Joints are listed in the order in which a configuration holds their values.
+/// The column q says where in a configuration a joint's value stands; fixed joints have none.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a rig's .json file.
+    /// The model: a robot's .urdf or a rig's .json file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 }

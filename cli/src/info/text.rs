@@ -1,6 +1,7 @@
 //! The document for people.
 
 use super::document::{Document, KeyframesDocument, RigDocument};
+use super::robot;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits, three_digits};
 use crate::table::{Align, Table};
@@ -18,27 +19,35 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
             ),
         ),
         (
-            "size",
+            if loaded.robot.is_some() {
+                "reach"
+            } else {
+                "size"
+            },
             format!("{} {}", lengths.number(document.size), loaded.length_unit()),
         ),
     ];
     if let Some(rig) = &document.rig {
         lines.extend(rig_lines(rig));
     }
+    if let Some(robot) = &document.robot {
+        lines.insert(1, ("name", robot.name.to_owned()));
+        lines.push(("tips", robot.tips.join(", ")));
+    }
     let mut text = String::new();
     for (name, line) in lines {
         text.push_str(&format!("{name:<10}{line}\n"));
     }
+    if let Some(robot) = &loaded.robot {
+        text.push_str("\ntree\n");
+        text.push_str(&robot::tree(robot));
+        return text;
+    }
     text.push_str("\njoints\n");
     text.push_str(&joint_table(document));
     text.push_str("\nframes\n");
-    match &document.rig {
-        Some(rig) => text.push_str(&bone_table(rig, lengths)),
-        None => {
-            for name in &document.frames {
-                text.push_str(&format!("  {name}\n"));
-            }
-        }
+    if let Some(rig) = &document.rig {
+        text.push_str(&bone_table(rig, lengths));
     }
     text
 }

@@ -1,26 +1,30 @@
 //! What came out, for people and for programs.
 
-use kinopt::Solution;
 use kinopt::ik::Side;
 use serde::Serialize;
 
-use super::tasks::AskedTask;
+use super::answer::{Answer, AskedTask};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits};
 use crate::table::{Align, Table};
 
-/// A solution and what it answers.
+/// An answer and what was asked.
+#[derive(Clone, Copy)]
 pub(super) struct Report<'a> {
     pub(super) loaded: &'a LoadedModel,
-    pub(super) solution: &'a Solution,
+    pub(super) answer: &'a Answer,
     pub(super) tasks: &'a [AskedTask],
-    /// Time spent solving, in microseconds.
-    pub(super) micros: f64,
 }
 
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
     q: &'a [f64],
+    /// The names that belong to q, for a robot; once for many answers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joints: Option<Vec<&'a str>>,
+    /// Further answers, where several distinct ones were asked for.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    alternatives: &'a [Vec<f64>],
     reached: bool,
     termination: &'static str,
     cost: f64,
@@ -29,7 +33,9 @@ pub(super) struct Document<'a> {
     iterations: usize,
     attempts: usize,
     evaluations: Evaluations,
-    micros: f64,
+    /// Time spent solving, in microseconds; not told for targets that are solved together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    micros: Option<f64>,
     explanation: String,
 }
 
@@ -61,8 +67,16 @@ struct Evaluations {
 }
 
 impl<'a> Report<'a> {
+    /// As [`document`](Self::document), with the joints' names for a robot.
+    pub(super) fn document_with_joints(&self) -> Document<'a> {
+        Document {
+            joints: self.loaded.documented_joints(),
+            ..self.document()
+        }
+    }
+
     pub(super) fn document(&self) -> Document<'a> {
-        let solution = self.solution;
+        let solution = &self.answer.solution;
         let tasks = solution
             .tasks()
             .zip(self.tasks)
@@ -80,7 +94,9 @@ impl<'a> Report<'a> {
             value: limit.value,
         });
         Document {
-            q: &solution.q,
+            q: &self.answer.q,
+            joints: None,
+            alternatives: &self.answer.alternatives,
             reached: solution.reached,
             termination: solution.termination.name(),
             cost: solution.cost,
@@ -93,18 +109,22 @@ impl<'a> Report<'a> {
                 jacobians: solution.counts.jacobians,
                 gradients: solution.counts.gradients,
             },
-            micros: self.micros,
+            micros: self.answer.micros,
             explanation: solution.explain(),
         }
     }
 
     /// The explanation, the tasks' errors, and the free joints' values.
     pub(super) fn text(&self, degrees: bool) -> String {
-        let mut text = self.solution.explain();
-        if !self.solution.reached && self.tasks.iter().any(|task| task.held) {
+        let solution = &self.answer.solution;
+        let mut text = solution.explain();
+        if !solution.reached && self.tasks.iter().any(|task| task.held) {
             text.push_str("\n  Pinned tips are held where they were; --free lets them go.");
         }
-        text.push_str(&format!("\n  Solved in {}.\n\n", duration(self.micros)));
+        if let Some(micros) = self.answer.micros {
+            text.push_str(&format!("\n  Solved in {}.", duration(micros)));
+        }
+        text.push_str("\n\n");
         text.push_str(&self.task_table());
         text.push('\n');
         text.push_str(&self.joint_table(degrees));
@@ -114,6 +134,7 @@ impl<'a> Report<'a> {
     fn task_table(&self) -> String {
         let position = format!("position error ({})", self.loaded.length_unit());
         let turns = self
+            .answer
             .solution
             .tasks()
             .any(|task| task.orientation_error().is_some());
@@ -129,7 +150,7 @@ impl<'a> Report<'a> {
             Table::new([("task", left), (&position, right), ("reached", left)])
         };
         let error = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), magnitude);
-        for task in self.solution.tasks() {
+        for task in self.answer.solution.tasks() {
             let name = task.name.to_owned();
             let position = error(task.position_error());
             let reached = if task.reached { "yes" } else { "no" }.to_owned();
@@ -154,7 +175,7 @@ impl<'a> Report<'a> {
         let (left, right) = (Align::Left, Align::Right);
         let mut table = Table::new([("joint", left), (&value, right), ("", left)]);
         let model = &self.loaded.model;
-        let coordinates = model.moving_joints().iter().zip(&self.solution.q);
+        let coordinates = model.moving_joints().iter().zip(&self.answer.q);
         let coordinates = coordinates.zip(self.loaded.is_angle()).zip(model.limits());
         let free = self.loaded.free_coordinates();
         for ((((id, &value), is_angle), limits), free) in coordinates.zip(free) {

@@ -1,23 +1,15 @@
-//! What is asked, as tasks of a problem.
+//! What is asked at once, as tasks of one problem.
 
 use kinopt::Problem;
 use kinopt::model::FrameId;
-use kinopt::spatial::{Placement, Quaternion, Vector3};
-use kinopt::task::{Point, Pose, Quantity, Ray, Task};
+use kinopt::task::{Point, Quantity, Ray, Task};
 
-use super::Arguments;
+use super::answer::AskedTask;
+use super::arguments::Arguments;
+use super::base::Base;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
-
-/// How a task came about, in the order of the problem's tasks.
-#[derive(Clone, Debug)]
-pub(super) struct AskedTask {
-    /// The frame as it was typed; for a held tip the bone's name.
-    pub(super) frame: String,
-    /// A pinned tip that is kept where it was, rather than something asked for.
-    pub(super) held: bool,
-}
 
 /// The targets, the rays, and the pinned tips as they stand at `start`.
 pub(super) fn problem(
@@ -26,33 +18,21 @@ pub(super) fn problem(
     start: &[f64],
 ) -> Outcome<(Problem, Vec<AskedTask>)> {
     let mut builder = Problem::builder(&loaded.model);
-    let (length, angle) = match arguments.tolerance {
-        Some(tolerance) => (tolerance, tolerance),
-        None => loaded.default_tolerances(),
-    };
+    let (length, angle) = arguments.tolerances(loaded);
     builder
+        .parameters(loaded.parameters())
+        .derivatives(arguments.derivatives())
         .tolerance(Quantity::Metres, length)
         .tolerance(Quantity::Radians, angle);
+    let base = Base::named(loaded, arguments.base.as_deref())?;
 
     let mut asked = Vec::new();
     let mut taken: Vec<FrameId> = Vec::new();
     for target in &arguments.targets {
         let frame = loaded.frame(&target.frame, BareName::Tip)?;
         let name = format!("target {}", target.frame);
-        let position = Vector3::from(target.position);
-        match target.quaternion {
-            None => {
-                builder.add(Task::new(Point::new(frame, position)).named(name));
-            }
-            Some([w, x, y, z]) => {
-                let turn = Quaternion {
-                    w,
-                    v: Vector3::new(x, y, z),
-                };
-                let placement = Placement::new(turn.to_matrix(), position);
-                builder.add(Task::new(Pose::new(frame, placement)).named(name));
-            }
-        }
+        let turns = target.quaternion.is_some() && !arguments.position_only;
+        base.add_target(&mut builder, frame, target.placement(), turns, name);
         taken.push(frame);
         asked.push(AskedTask {
             frame: target.frame.clone(),
@@ -70,8 +50,13 @@ pub(super) fn problem(
         });
     }
     if !arguments.free {
-        for (name, frame, position) in held_tips(loaded, &taken, start) {
-            builder.add(Task::new(Point::new(frame, position)).named(format!("hold {name}")));
+        let placements = loaded.all_frames(start);
+        for (name, frame) in pinned_tips(loaded, &taken) {
+            let Some(placed) = placements.get(frame.index()) else {
+                continue;
+            };
+            let point = Point::new(frame, placed.translation);
+            builder.add(Task::new(point).named(format!("hold {name}")));
             asked.push(AskedTask {
                 frame: name,
                 held: true,
@@ -81,20 +66,15 @@ pub(super) fn problem(
     Ok((builder.build()?, asked))
 }
 
-/// Where the pinned tips that nothing else is asked of stand at the start.
-fn held_tips(
-    loaded: &LoadedModel,
-    taken: &[FrameId],
-    start: &[f64],
-) -> Vec<(String, FrameId, Vector3<f64>)> {
+/// A rig's pinned tips, by their bones' names, that nothing else is asked of.
+pub(super) fn pinned_tips(loaded: &LoadedModel, taken: &[FrameId]) -> Vec<(String, FrameId)> {
     let Some(rig) = &loaded.rig else {
         return Vec::new();
     };
-    let pose = rig.skeleton.pose(start);
     let pinned = rig.constrained.iter().filter_map(|&bone| {
         let tip = rig.skeleton.tip(bone);
         let name = rig.skeleton.bones().get(bone.index())?.name.clone();
-        (!taken.contains(&tip)).then(|| (name, tip, pose.tip(&rig.skeleton, bone)))
+        (!taken.contains(&tip)).then_some((name, tip))
     });
     pinned.collect()
 }

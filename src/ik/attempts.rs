@@ -1,4 +1,4 @@
-//! The search over attempts: which one runs next, and which one counts.
+//! Attempts one after the other: which one runs next, and which one counts.
 
 use std::time::Instant;
 
@@ -36,15 +36,15 @@ impl Found {
     }
 }
 
-/// One search of one problem.
-pub(super) struct Search<'a> {
+/// All attempts at one problem; each is a search of its own.
+pub(super) struct Attempts<'a> {
     pub(super) problem: &'a Problem,
     pub(super) method: &'a dyn Method,
     pub(super) stopping: Stopping,
     pub(super) restarts: Restarts,
 }
 
-impl Search<'_> {
+impl Attempts<'_> {
     /// Runs the trials from the workspace's start until one reaches the goals, several agree that
     /// none can, or they run out.
     pub(super) fn run(

@@ -1,0 +1,168 @@
+//! What a robot has beside its joints: links as a tree, tips, and who follows whom.
+
+use kinopt::model::{Joint, JointId, JointKind};
+use kinopt::robot::Robot;
+use serde::Serialize;
+
+use crate::loaded_model::LoadedModel;
+use crate::number_format::{six_digits, three_digits};
+use crate::table::{Align, Table};
+
+#[derive(Serialize)]
+pub(super) struct RobotDocument<'a> {
+    pub(super) name: &'a str,
+    /// The link that stands in the world.
+    pub(super) root: Option<&'a str>,
+    /// The links on which nothing hangs.
+    pub(super) tips: Vec<&'a str>,
+    /// The joints whose values a configuration lists, in its order.
+    pub(super) moving_joints: Vec<&'a str>,
+}
+
+/// Where a joint stands between links.
+#[derive(Serialize)]
+pub(super) struct PlaceDocument<'a> {
+    pub(super) parent_link: Option<&'a str>,
+    pub(super) child_link: Option<&'a str>,
+    /// Unit axis in the joint's own frame; none for a fixed joint.
+    pub(super) axis: Option<[f64; 3]>,
+    pub(super) mimic: Option<MimicDocument<'a>>,
+}
+
+/// The joint's value is `ratio` times that of `joint`, plus `offset` (radians or metres).
+#[derive(Serialize)]
+pub(super) struct MimicDocument<'a> {
+    pub(super) joint: &'a str,
+    pub(super) ratio: f64,
+    pub(super) offset: f64,
+}
+
+pub(super) fn document<'a>(loaded: &'a LoadedModel, robot: &'a Robot) -> RobotDocument<'a> {
+    RobotDocument {
+        name: robot.name(),
+        root: loaded.root_link(),
+        tips: loaded.tip_links(),
+        moving_joints: loaded.joint_names(),
+    }
+}
+
+pub(super) fn place<'a>(robot: &'a Robot, id: JointId, joint: &Joint) -> PlaceDocument<'a> {
+    let named = |id: JointId| Some(robot.model().joints().get(id.index())?.name.as_str());
+    let mimic = robot.mimics().iter().find(|mimic| mimic.joint == id);
+    PlaceDocument {
+        parent_link: link_on(robot, joint.parent),
+        child_link: link_on(robot, Some(id)),
+        axis: (joint.kind != JointKind::Fixed).then(|| joint.axis.to_array()),
+        mimic: mimic.and_then(|mimic| {
+            Some(MimicDocument {
+                joint: named(mimic.master)?,
+                ratio: mimic.ratio,
+                offset: mimic.offset,
+            })
+        }),
+    }
+}
+
+/// The link that a joint carries; that of no joint stands in the world.
+fn link_on(robot: &Robot, joint: Option<JointId>) -> Option<&str> {
+    let mut frames = robot.model().frames().iter();
+    let link = frames.find(|frame| frame.joint == joint);
+    link.map(|frame| frame.name.as_str())
+}
+
+/// Every link indented below the one it hangs on, and the joint between the two.
+pub(super) fn tree(robot: &Robot) -> String {
+    let (left, right) = (Align::Left, Align::Right);
+    let mut table = Table::new([
+        ("link", left),
+        ("joint", left),
+        ("kind", left),
+        ("axis", left),
+        ("lower", right),
+        ("upper", right),
+        ("q", right),
+        ("", left),
+    ]);
+    let root = link_on(robot, None).unwrap_or("").to_owned();
+    let blank = String::new;
+    table.row([
+        root,
+        blank(),
+        blank(),
+        blank(),
+        blank(),
+        blank(),
+        blank(),
+        blank(),
+    ]);
+    // Depth first by a stack, as a file may hang a thousand links in a row.
+    let mut stack: Vec<(JointId, usize)> = Vec::new();
+    let push_children = |stack: &mut Vec<(JointId, usize)>, parent: Option<JointId>, depth| {
+        let joints = robot.model().joint_ids().zip(robot.model().joints());
+        let children: Vec<JointId> = joints
+            .filter(|(_, joint)| joint.parent == parent)
+            .map(|(id, _)| id)
+            .collect();
+        stack.extend(children.into_iter().rev().map(|id| (id, depth)));
+    };
+    push_children(&mut stack, None, 1);
+    while let Some((id, depth)) = stack.pop() {
+        if let Some(joint) = robot.model().joints().get(id.index()) {
+            table.row(row(robot, id, joint, depth));
+        }
+        push_children(&mut stack, Some(id), depth + 1);
+    }
+    table.text()
+}
+
+fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 8] {
+    let place = place(robot, id, joint);
+    let link = format!("{}{}", "  ".repeat(depth), place.child_link.unwrap_or("-"));
+    let coordinate = robot.model().coordinate(id);
+    let limit = |limit: f64| match joint.kind {
+        JointKind::Fixed => String::new(),
+        _ if !limit.is_finite() => "none".to_owned(),
+        JointKind::Prismatic => format!("{} m", six_digits(limit)),
+        JointKind::Revolute | JointKind::Continuous => {
+            format!("{}°", three_digits(limit.to_degrees()))
+        }
+    };
+    let note = match &place.mimic {
+        Some(mimic) => follows(mimic),
+        None if coordinate.is_some() && joint.limits.is_locked() => "locked".to_owned(),
+        None => String::new(),
+    };
+    [
+        link,
+        joint.name.clone(),
+        super::document::kind(joint.kind).to_owned(),
+        place.axis.map(axis).unwrap_or_default(),
+        limit(joint.limits.lower),
+        limit(joint.limits.upper),
+        coordinate.map(|c| c.to_string()).unwrap_or_default(),
+        note,
+    ]
+}
+
+fn follows(mimic: &MimicDocument) -> String {
+    let mut text = format!("follows {}", mimic.joint);
+    if mimic.ratio != 1.0 {
+        text.push_str(&format!(" × {}", mimic.ratio));
+    }
+    if mimic.offset != 0.0 {
+        let sign = if mimic.offset < 0.0 { '-' } else { '+' };
+        text.push_str(&format!(" {sign} {}", mimic.offset.abs()));
+    }
+    text
+}
+
+/// A coordinate axis by its letter, any other by its components.
+fn axis(axis: [f64; 3]) -> String {
+    let signs = axis.map(|component| component.abs() == 1.0);
+    let letter = signs.iter().position(|&is_unit| is_unit);
+    match letter.and_then(|at| Some((axis.get(at)?, ["x", "y", "z"].get(at)?))) {
+        Some((sign, letter)) if *sign < 0.0 => format!("-{letter}"),
+        Some((_, letter)) => (*letter).to_owned(),
+        None => axis.map(three_digits).join(" "),
+    }
+}

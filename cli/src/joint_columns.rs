@@ -1,0 +1,122 @@
+//! Numbers that belong to joints by name, such as the columns of a file.
+
+use kinopt::model::{ParameterMap, Source, UnknownName};
+
+use crate::loaded_model::LoadedModel;
+
+/// Which coordinate of a configuration each column holds.
+#[derive(Clone, Debug)]
+pub(crate) struct JointColumns {
+    coordinates: Vec<usize>,
+    /// Of every coordinate.
+    is_angle: Vec<bool>,
+    rest: Vec<f64>,
+    /// Coordinates that no column names and that follow another: they are worked out.
+    followers: Vec<usize>,
+    map: ParameterMap,
+}
+
+impl LoadedModel {
+    /// Columns for the named joints, in any order.
+    ///
+    /// # Errors
+    /// A name twice, of a fixed joint, or unknown (the valid ones are listed), in words.
+    pub(crate) fn joint_columns(&self, names: &[impl AsRef<str>]) -> Result<JointColumns, String> {
+        let mut coordinates = Vec::with_capacity(names.len());
+        for name in names {
+            let name = name.as_ref();
+            let joint = self.model.joint(name);
+            let joint = joint.map_err(|_| {
+                UnknownName::new("moving joint", name, self.joint_names()).to_string()
+            })?;
+            let coordinate = self.model.coordinate(joint);
+            let coordinate = coordinate.ok_or_else(|| format!("joint `{name}` is fixed"))?;
+            if coordinates.contains(&coordinate) {
+                return Err(format!("joint `{name}` is named twice"));
+            }
+            coordinates.push(coordinate);
+        }
+        Ok(self.columns_of(coordinates))
+    }
+
+    /// Columns for the given coordinates.
+    pub(crate) fn columns_of(&self, coordinates: Vec<usize>) -> JointColumns {
+        let map = self.parameters();
+        let follows = |(coordinate, source): (usize, &Source)| match source {
+            Source::Variable { variable, .. } => {
+                map.leaders().get(*variable).copied() != Some(coordinate)
+            }
+            Source::Constant(_) => false,
+        };
+        let sources = map.sources().iter().enumerate();
+        let followers = sources
+            .filter(|&entry| follows(entry) && !coordinates.contains(&entry.0))
+            .map(|(coordinate, _)| coordinate)
+            .collect();
+        JointColumns {
+            coordinates,
+            is_angle: self.is_angle().collect(),
+            rest: self.rest(),
+            followers,
+            map,
+        }
+    }
+}
+
+impl JointColumns {
+    /// How many numbers a row has.
+    pub(crate) fn width(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// As [`configuration`](Self::configuration), of a row whose angles may be in degrees.
+    pub(crate) fn typed(&self, row: &[f64], degrees: bool) -> Vec<f64> {
+        self.configuration(&self.in_radians(row, degrees))
+    }
+
+    /// A row whose angles may be in degrees, in radians.
+    pub(crate) fn in_radians(&self, row: &[f64], degrees: bool) -> Vec<f64> {
+        let numbers = row.iter().zip(&self.coordinates);
+        let converted = numbers.map(|(&number, &coordinate)| {
+            let is_angle = self.is_angle.get(coordinate).copied().unwrap_or(false);
+            if degrees && is_angle {
+                number.to_radians()
+            } else {
+                number
+            }
+        });
+        converted.collect()
+    }
+
+    /// The configuration that a row means: joints without a column are at rest, or follow.
+    pub(crate) fn configuration(&self, row: &[f64]) -> Vec<f64> {
+        let mut q = self.rest.clone();
+        for (&coordinate, &value) in self.coordinates.iter().zip(row) {
+            if let Some(slot) = q.get_mut(coordinate) {
+                *slot = value;
+            }
+        }
+        if !self.followers.is_empty() {
+            let followed = followed(&self.map, &q);
+            for &coordinate in &self.followers {
+                if let (Some(slot), Some(&value)) =
+                    (q.get_mut(coordinate), followed.get(coordinate))
+                {
+                    *slot = value;
+                }
+            }
+        }
+        q
+    }
+}
+
+/// `q` with every joint that follows another where the other takes it, within limits or not.
+pub(crate) fn followed(map: &ParameterMap, q: &[f64]) -> Vec<f64> {
+    let leaders = map.leaders().iter();
+    let x: Vec<f64> = leaders
+        .map(|&leader| q.get(leader).copied().unwrap_or(0.0))
+        .collect();
+    let mut expanded = q.to_vec();
+    map.expand(&x, &mut expanded);
+    expanded
+}

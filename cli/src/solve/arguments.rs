@@ -1,0 +1,288 @@
+//! What `kinopt solve` is told.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{ArgGroup, Args};
+use kinopt::Solver;
+use kinopt::ik::Restarts;
+use kinopt::problem::Derivatives;
+use kinopt::robot::Robot;
+use kinopt::solver::Stopping;
+
+use super::arm_arguments::ArmArguments;
+use super::arm_door::ArmDoor;
+use crate::failure::{Failure, Outcome};
+use crate::loaded_model::LoadedModel;
+use crate::mesh_output::MeshFile;
+use crate::method_choice::{self, JacobianRoute};
+use crate::number_list;
+use crate::target::{RayTarget, Start, Target};
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0
+        joint values for a pose of a robot's tool (quaternion w,x,y,z)
+  kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0 --base link0 --search distinct:8
+        up to eight answers that differ; the target is given in the frame of link0
+  kinopt solve robot.urdf --target left_tool=0.6,0.4,0.2 --target right_tool=0.6,-0.4,0.2
+        both arms of a robot at once
+  kinopt solve robot.urdf --tip tool --targets poses.json --search first --json
+        many poses, each on its own (see --targets)
+  kinopt solve robot.urdf --tip tool --targets path.json --track
+        a path: every step starts from the one before
+  kinopt solve arm.json --target bone/6=0.2,0.5,0.1
+        bring a tip to a point; tips pinned in the rig stay where they are
+  kinopt solve man.json --free --target bone/9=0.5,1.2,0.3 --target bone/13=-0.5,1.2,0.3
+        two hands at once, nothing pinned
+  kinopt solve arm.json --target bone/6=0.2,0.5,0.1,1,0,0,0 --out posed.obj
+        a whole pose (quaternion w,x,y,z), and the skinned mesh
+  kinopt solve arm.json --ray bone/6=0,0.5,3:0.2,0.5,0 --json
+        a tip onto the viewing ray through two points
+
+A target that is out of reach is no failure: the closest pose found is printed with what each
+target misses by and which limits hold it back (--json: \"reached\": false). The exit code is 0.";
+
+/// Joint angles, within their limits, that bring frames to targets (inverse kinematics).
+///
+/// One --target of a robot, and its --targets, go through the arm's front door: the lane engine with
+/// numbered attempts, always the same answer for the same question. Several --target, --ray, rigs
+/// and anything with --solver go through the general solvers. In a rig the other tips that the file
+/// pins (ik_constraints) are held where they are at the start, unless --free.
+///
+/// In the output q lists all moving joints in the order of the file (for a robot their names are
+/// beside it under "joints"), those that cannot matter at their start.
+#[derive(Args, Debug)]
+#[command(
+    after_help = EXAMPLES,
+    group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file"])
+)]
+pub(crate) struct Arguments {
+    /// The model: a robot's .urdf or a rig's .json file.
+    #[arg(value_name = "MODEL")]
+    pub(super) model: PathBuf,
+
+    /// Where a frame should be, in metres (rigs: their own unit). Default: none.
+    ///
+    /// Three numbers are a point; with a quaternion w,x,y,z it is a whole pose. In a robot a frame
+    /// is a link. In a rig `bone/3` or a bone's name is that bone's tip; `bone/3/tip` and
+    /// `bone/3/tail` say it outright. Repeat it for several. At least one --target, --ray or
+    /// --targets is needed.
+    #[arg(long = "target", value_name = "FRAME=x,y,z[,qw,qx,qy,qz]", value_parser = Target::parse)]
+    pub(super) targets: Vec<Target>,
+
+    /// A line that a frame should lie on, in metres (rigs: their own unit). Default: none.
+    ///
+    /// It goes through an eye and a point (the mouse, unprojected). Frames are named as for
+    /// --target. Repeat it for several.
+    #[arg(long = "ray", value_name = "FRAME=ex,ey,ez:mx,my,mz", value_parser = RayTarget::parse)]
+    pub(super) rays: Vec<RayTarget>,
+
+    /// Many independent targets of one frame, from a JSON file.
+    ///
+    /// Its keys: "targets", a list of [x,y,z] or [x,y,z,qw,qx,qy,qz] in metres; and where wanted
+    /// "starts", a configuration for each (radians and metres); "joint_names", which says what the
+    /// starts' numbers belong to (without it they are all moving joints in the order of `kinopt
+    /// info`, or the free joints from base to tip); "tip_link" and "base_link". Other keys are not
+    /// looked at. Without starts each begins at --start. Targets that are missed are no failure.
+    #[arg(long = "targets", value_name = "FILE", id = "file",
+          conflicts_with_all = ["targets", "rays", "out"])]
+    pub(super) file: Option<PathBuf>,
+
+    /// The frame that --targets are for. Default: the file's tip_link, or a robot's only tip.
+    // Not `requires`: clap waives that for what conflicts with an argument given.
+    #[arg(long, value_name = "FRAME", conflicts_with_all = ["targets", "rays"])]
+    pub(super) tip: Option<String>,
+
+    /// The frame that targets are given in. Default: the base_link of a file of targets, or the
+    /// world, which for a robot is its root link.
+    #[arg(long, value_name = "FRAME", conflicts_with = "rays")]
+    pub(super) base: Option<String>,
+
+    /// Take --targets as a path: each starts from the answer before it. Default: off.
+    ///
+    /// The first starts from the file's first start.
+    #[arg(long, conflicts_with_all = ["targets", "rays"])]
+    pub(super) track: bool,
+
+    /// Solve --targets together, which is faster; only the mean time is told. Default: one at a
+    /// time, each timed alone.
+    #[arg(long, conflicts_with_all = ["track", "targets", "rays"])]
+    pub(super) batch: bool,
+
+    /// Solve --targets on so many threads. Default: 1.
+    ///
+    /// The answers are the same to the bit on any number. Times are best taken on one.
+    #[arg(long, value_name = "N", conflicts_with_all = ["track", "targets", "rays"],
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+
+    #[command(flatten)]
+    pub(super) arm: ArmArguments,
+
+    /// The position of targets alone counts, even where they have a quaternion. Default: off.
+    #[arg(long)]
+    pub(super) position_only: bool,
+
+    /// Let the rig's pinned tips go. Default: those without a target of their own are held.
+    #[arg(long)]
+    pub(super) free: bool,
+
+    /// Where the search starts: a word, or numbers in radians and metres.
+    ///
+    /// `rest` is all zeros, moved into the limits; `random` is drawn within the limits from
+    /// --rng-seed; numbers are a configuration in the order of `kinopt info`: radians (degrees with
+    /// --degrees) and, for sliding joints, metres. They are moved into the limits.
+    #[arg(long, value_name = "NUMBERS|rest|random", default_value = "rest",
+          allow_hyphen_values = true, value_parser = Start::parse)]
+    pub(super) start: Start,
+
+    /// The numbers of --start, --max-move and --posture, and the angles in text output, are in
+    /// degrees. Default: radians.
+    #[arg(long)]
+    pub(super) degrees: bool,
+
+    /// Go through the general solvers with this method. Default: levenberg-marquardt where they
+    /// are needed.
+    #[arg(long, value_name = "NAME", value_parser = method_choice::names())]
+    pub(super) solver: Option<String>,
+
+    /// How the general solvers find derivatives. Default: analytic.
+    #[arg(long, value_name = "ROUTE", value_enum)]
+    pub(super) jacobian: Option<JacobianRoute>,
+
+    /// Seed of a random start and of the restarts: a whole number. Same seed, same result.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) rng_seed: u64,
+
+    /// Stop after so many milliseconds with the best found. Default: no limit.
+    ///
+    /// For each target of its own. Results then depend on the machine. The clock runs while solving,
+    /// not while reading files.
+    #[arg(long, value_name = "MS", value_parser = milliseconds)]
+    pub(super) time_limit: Option<Duration>,
+
+    /// What counts as reached: so many metres (rigs: their own unit) and radians. Default: 1e-9 of
+    /// a rig's size and 1e-9 rad; 1e-6 m and rad for robots.
+    #[arg(long, value_name = "T", value_parser = number_list::not_negative)]
+    pub(super) tolerance: Option<f64>,
+
+    /// How many attempts at most for one target, the start's own included. Default: 200 for an
+    /// arm, 32 for the general solvers.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) attempts: Option<u32>,
+
+    /// How many more attempts from other places while the targets are missed, 0 for none: --attempts
+    /// less one.
+    #[arg(long, value_name = "N", conflicts_with = "attempts")]
+    pub(super) restarts: Option<u32>,
+
+    /// How many steps each attempt of the general solvers may take. Default: 200.
+    ///
+    /// The gradient methods take many small ones.
+    #[arg(long, value_name = "N")]
+    pub(super) max_iterations: Option<u32>,
+
+    /// Write the mesh in the pose found, as .obj or .ply. Default: not written.
+    ///
+    /// It needs a rig with a mesh and skin weights.
+    #[arg(long, value_name = "FILE", value_parser = MeshFile::parse)]
+    pub(super) out: Option<MeshFile>,
+}
+
+/// A time limit that a clock can hold: above zero, at most 30 years.
+fn milliseconds(text: &str) -> Result<Duration, String> {
+    let milliseconds = number_list::positive(text)?;
+    if milliseconds > 1e12 {
+        return Err(format!("`{text}` is above 1e12 ms"));
+    }
+    Duration::try_from_secs_f64(milliseconds * 1e-3).map_err(|error| error.to_string())
+}
+
+impl Arguments {
+    /// How many attempts at most, as typed.
+    pub(super) fn attempts(&self) -> Option<u32> {
+        self.attempts
+            .or_else(|| self.restarts.map(|restarts| restarts.saturating_add(1)))
+    }
+
+    /// The derivatives of the general solvers.
+    pub(super) fn derivatives(&self) -> Derivatives {
+        self.jacobian.map(Derivatives::from).unwrap_or_default()
+    }
+
+    /// A length in metres (rigs: their own unit), and radians.
+    pub(super) fn tolerances(&self, loaded: &LoadedModel) -> (f64, f64) {
+        match self.tolerance {
+            Some(tolerance) => (tolerance, tolerance),
+            None => loaded.default_tolerances(),
+        }
+    }
+
+    /// The general solver with its limits.
+    pub(super) fn general_solver(&self) -> Solver {
+        let count = |count: u32| usize::try_from(count).unwrap_or(usize::MAX);
+        let mut stopping = Stopping::default();
+        stopping = stopping.with_max_iterations(count(self.max_iterations.unwrap_or(200)));
+        if let Some(limit) = self.time_limit {
+            stopping = stopping.with_time_limit(limit);
+        }
+        let attempts = count(self.attempts().unwrap_or(32));
+        // All attempts are made: several that agree may still share a local minimum, and a person
+        // who waits for one answer rather waits a millisecond more than hears that a target is out
+        // of reach.
+        let restarts = Restarts::default()
+            .with_attempts(attempts)
+            .with_agreeing(attempts)
+            .with_seed(self.rng_seed);
+        let solver = match &self.solver {
+            Some(name) => method_choice::solver(name),
+            None => Solver::default(),
+        };
+        solver.with_stopping(stopping).with_restarts(restarts)
+    }
+
+    /// The robot whose arm answers, or none for the general solvers.
+    ///
+    /// # Errors
+    /// An option that only the arm understands where it does not answer.
+    pub(super) fn arm_of<'l>(&self, loaded: &'l LoadedModel) -> Outcome<Option<&'l Robot>> {
+        let general =
+            self.solver.is_some() || self.jacobian.is_some() || self.max_iterations.is_some();
+        let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
+        match (&loaded.robot, self.arm.given()) {
+            (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
+            (_, None) => Ok(None),
+            (None, Some(option)) => Err(Failure::usage(format!(
+                "{option} is for robots, and {} is a rig",
+                loaded.file
+            ))),
+            (Some(_), Some(option)) => Err(Failure::usage(format!(
+                "{option} is for one --target or for --targets, not for {} targets at once",
+                self.targets.len()
+            ))),
+        }
+    }
+
+    /// Where the search starts, within the limits.
+    pub(super) fn start(&self, loaded: &LoadedModel, arm: Option<&ArmDoor>) -> Outcome<Vec<f64>> {
+        let start = match &self.start {
+            Start::Rest => return Ok(loaded.rest()),
+            Start::Random => loaded.model.random_configuration(self.rng_seed),
+            Start::Numbers(numbers) => {
+                let columns = arm.map(ArmDoor::columns);
+                let columns = columns.filter(|columns| {
+                    numbers.len() == columns.width()
+                        && numbers.len() != loaded.model.degrees_of_freedom()
+                });
+                let typed = match columns {
+                    Some(columns) => columns.typed(numbers, self.degrees),
+                    None => loaded.typed_configuration(numbers, self.degrees, "--start")?,
+                };
+                loaded.note_outside_limits(&typed, "the search starts within them");
+                typed
+            }
+        };
+        Ok(loaded.within_limits(&start))
+    }
+}

@@ -1,0 +1,137 @@
+//! What only the arm's front door understands.
+
+use clap::{Args, ValueEnum};
+use kinopt::arm::{Axis, Search};
+
+use crate::number_list;
+
+/// How far apart distinct solutions are unless said otherwise, in radians (or metres) of joint
+/// distance.
+const APART: f64 = 0.5;
+
+/// Options of robots' single frames; none goes with the general solvers.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ArmArguments {
+    /// Which of several answers is wanted. Robots only. Default: start.
+    ///
+    /// `start`: the one that the start's own attempt comes to, others only where it fails; `first`:
+    /// whichever is fastest; `nearest` to the start by the root of the summed squares of the joints'
+    /// moves; `distinct:K`: up to K, nearest first, that are more than 0.5 (radians and metres)
+    /// apart, or more than D with `distinct:K,D`.
+    #[arg(long, value_name = "start|first|nearest|distinct:K", value_parser = search,
+          conflicts_with_all = GENERAL)]
+    pub(super) search: Option<Search>,
+
+    /// How far each joint may move from the start, in radians (--degrees) and metres: one number,
+    /// or one a joint. Robots only. Default: as far as its limits.
+    ///
+    /// One number a joint goes by all moving joints in the order of `kinopt info`, or by the free
+    /// joints from base to tip.
+    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, conflicts_with_all = GENERAL)]
+    pub(super) max_move: Option<Moves>,
+
+    /// A configuration to come close to where the target leaves room, in radians (--degrees) and
+    /// metres. Robots only. Default: none.
+    ///
+    /// Numbers as for --max-move. It goes with the searches start and first.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Moves::parse,
+          conflicts_with_all = GENERAL)]
+    pub(super) posture: Option<Moves>,
+
+    /// An axis of the tip's frame about which it may turn freely (a drill, a suction cup). Robots
+    /// only. Default: none.
+    #[arg(long, value_name = "AXIS", value_enum,
+          conflicts_with_all = ["position_only", "solver", "jacobian", "max_iterations", "rays"])]
+    pub(super) free_axis: Option<FreeAxis>,
+}
+
+const GENERAL: [&str; 4] = ["solver", "jacobian", "max_iterations", "rays"];
+
+impl ArmArguments {
+    /// The first of the options that was given, if any.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--search", self.search.is_some()),
+            ("--max-move", self.max_move.is_some()),
+            ("--posture", self.posture.is_some()),
+            ("--free-axis", self.free_axis.is_some()),
+        ];
+        let mut given = options.into_iter().filter(|(_, given)| *given);
+        given.next().map(|(option, _)| option)
+    }
+}
+
+/// `--free-axis`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FreeAxis {
+    X,
+    Y,
+    Z,
+}
+
+impl From<FreeAxis> for Axis {
+    fn from(axis: FreeAxis) -> Self {
+        match axis {
+            FreeAxis::X => Self::X,
+            FreeAxis::Y => Self::Y,
+            FreeAxis::Z => Self::Z,
+        }
+    }
+}
+
+/// A list of numbers as one value.
+#[derive(Clone, Debug)]
+pub(super) struct Moves(pub(super) Vec<f64>);
+
+impl Moves {
+    fn parse(text: &str) -> Result<Self, String> {
+        match number_list::parse(text)? {
+            numbers if numbers.is_empty() => Err("expected numbers".to_owned()),
+            numbers => Ok(Self(numbers)),
+        }
+    }
+}
+
+fn search(text: &str) -> Result<Search, String> {
+    match text {
+        "start" => return Ok(Search::Start),
+        "first" => return Ok(Search::First),
+        "nearest" => return Ok(Search::Nearest),
+        _ => {}
+    }
+    let Some(numbers) = text.strip_prefix("distinct:") else {
+        return Err("expected start, first, nearest or distinct:K".to_owned());
+    };
+    let (k, distance) = match numbers.split_once(',') {
+        Some((k, distance)) => (k, number_list::not_negative(distance)?),
+        None => (numbers, APART),
+    };
+    match k.parse() {
+        Ok(k) if k > 0 => Ok(Search::Distinct { k, distance }),
+        _ => Err(format!("`{k}` is not a number of answers of at least 1")),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn searches_by_name() {
+        let distinct = |k, distance| Ok(Search::Distinct { k, distance });
+        assert_eq!(search("start"), Ok(Search::Start));
+        assert_eq!(search("distinct:4"), distinct(4, APART));
+        assert_eq!(search("distinct:4,0.25"), distinct(4, 0.25));
+        for bad in [
+            "",
+            "distinct",
+            "distinct:",
+            "distinct:0",
+            "distinct:2,-1",
+            "best",
+        ] {
+            assert!(search(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! The arm's front door.
+
+use std::time::Instant;
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::model::JointId;
+use kinopt::robot::Robot;
+
+use super::answer::{Answer, AskedTask, Question};
+use super::arguments::Arguments;
+use super::arm_arguments::Moves;
+use super::door::Door;
+use crate::failure::{Failure, Outcome};
+use crate::joint_columns::JointColumns;
+use crate::loaded_model::LoadedModel;
+
+/// An arm and the model that its answers are told in.
+pub(super) struct ArmDoor<'a> {
+    loaded: &'a LoadedModel,
+    arm: Arm,
+    tip: String,
+    search: Search,
+}
+
+/// Memory of one thread.
+#[derive(Default)]
+pub(super) struct ArmDesk {
+    q_arm: Vec<f64>,
+    solution: Solution,
+}
+
+impl<'a> ArmDoor<'a> {
+    /// The arm from `base` (without one the root link) to `tip`, with the options as typed; without
+    /// `turns` its orientation does not matter.
+    pub(super) fn new(
+        loaded: &'a LoadedModel,
+        robot: &'a Robot,
+        arguments: &Arguments,
+        base: Option<&str>,
+        tip: &str,
+        turns: bool,
+    ) -> Outcome<Self> {
+        let base = base.or_else(|| loaded.root_link()).unwrap_or_default();
+        let options = &arguments.arm;
+        let goal = match options.free_axis {
+            _ if !turns => Goal::position(),
+            Some(axis) => Goal::free_about(axis.into()),
+            None => Goal::pose(),
+        };
+        let search = options.search.unwrap_or_default();
+        let mut builder = builder(loaded, robot, base, tip)?
+            .with_goal(goal)
+            .with_search(search)
+            .with_seed(arguments.rng_seed);
+        if let Some(tolerance) = arguments.tolerance {
+            builder = builder
+                .with_position_tolerance(tolerance)
+                .with_orientation_tolerance(tolerance);
+        }
+        if let Some(attempts) = arguments.attempts() {
+            builder = builder.with_attempts(attempts);
+        }
+        if let Some(limit) = arguments.time_limit {
+            builder = builder.with_time_limit(limit);
+        }
+        if options.max_move.is_some() || options.posture.is_some() {
+            // Which joints the numbers belong to is known once an arm stands.
+            let joints = builder.clone().with_atlas(false).build()?;
+            let one_each = |option: &str, given: &Moves| {
+                one_a_joint(loaded, joints.joint_ids(), option, given, arguments.degrees)
+            };
+            if let Some(moves) = &options.max_move {
+                builder = builder.with_max_move(&one_each("--max-move", moves)?);
+            }
+            if let Some(posture) = &options.posture {
+                builder = builder.with_posture(&one_each("--posture", posture)?);
+            }
+        }
+        Ok(Self {
+            loaded,
+            arm: builder.build()?,
+            tip: tip.to_owned(),
+            search,
+        })
+    }
+
+    /// Columns for the free joints from base to tip.
+    pub(super) fn columns(&self) -> JointColumns {
+        let model = &self.loaded.model;
+        let ids = self.arm.joint_ids().iter();
+        let coordinates = ids.filter_map(|&id| model.coordinate(id)).collect();
+        self.loaded.columns_of(coordinates)
+    }
+
+    /// The names of the free joints from base to tip.
+    pub(super) fn joint_names(&self) -> Vec<&str> {
+        self.arm.joints().collect()
+    }
+
+    fn answer_of(
+        &self,
+        question: &Question,
+        solution: Solution,
+        micros: Option<f64>,
+    ) -> Outcome<Answer> {
+        Ok(Answer {
+            q: self.configuration(question, &solution.q)?,
+            alternatives: Vec::new(),
+            solution,
+            micros,
+        })
+    }
+
+    fn configuration(&self, question: &Question, q_arm: &[f64]) -> Outcome<Vec<f64>> {
+        let mut q = question.start.clone();
+        self.arm.configuration(q_arm, &mut q)?;
+        Ok(q)
+    }
+
+    fn read_start(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<()> {
+        desk.q_arm.resize(self.arm.joint_count(), 0.0);
+        Ok(self.arm.joint_values(&question.start, &mut desk.q_arm)?)
+    }
+
+    fn distinct(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<Answer> {
+        let started = Instant::now();
+        let all = self.arm.solve_all(question.base_from_tip, &desk.q_arm)?;
+        let micros = microseconds(started);
+        let mut all = all.into_iter();
+        let Some(nearest) = all.next() else {
+            // None: what comes closest is an answer all the same.
+            let started = Instant::now();
+            let closest = self.arm.solve(question.base_from_tip, &desk.q_arm)?;
+            let micros = micros + microseconds(started);
+            return self.answer_of(question, closest, Some(micros));
+        };
+        let others = all.map(|other| self.configuration(question, &other.q));
+        Ok(Answer {
+            alternatives: others.collect::<Outcome<_>>()?,
+            ..self.answer_of(question, nearest, Some(micros))?
+        })
+    }
+}
+
+impl Door for ArmDoor<'_> {
+    type Desk = ArmDesk;
+
+    fn desk(&self) -> Outcome<ArmDesk> {
+        Ok(ArmDesk::default())
+    }
+
+    fn answer(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<Answer> {
+        self.read_start(desk, question)?;
+        if matches!(self.search, Search::Distinct { .. }) {
+            return self.distinct(desk, question);
+        }
+        let started = Instant::now();
+        self.arm
+            .solve_into(question.base_from_tip, &desk.q_arm, &mut desk.solution)?;
+        let micros = microseconds(started);
+        self.answer_of(question, desk.solution.clone(), Some(micros))
+    }
+
+    fn follow(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<Answer> {
+        self.read_start(desk, question)?;
+        let step = std::slice::from_ref(&question.base_from_tip);
+        let started = Instant::now();
+        let solutions = self.arm.track(step, &desk.q_arm)?;
+        let micros = microseconds(started);
+        let solution = solutions.into_iter().next().unwrap_or_default();
+        self.answer_of(question, solution, Some(micros))
+    }
+
+    fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {
+        let targets: Vec<_> = questions.iter().map(|q| q.base_from_tip).collect();
+        let mut starts = Vec::with_capacity(questions.len() * self.arm.joint_count());
+        let mut desk = ArmDesk::default();
+        for question in questions {
+            self.read_start(&mut desk, question)?;
+            starts.extend_from_slice(&desk.q_arm);
+        }
+        let started = Instant::now();
+        let solutions = if parallel {
+            self.arm.solve_batch_parallel(&targets, &starts)?
+        } else {
+            self.arm.solve_batch(&targets, &starts)?
+        };
+        let micros = microseconds(started);
+        let answers = questions.iter().zip(solutions);
+        let answers = answers.map(|(question, solution)| self.answer_of(question, solution, None));
+        Ok((answers.collect::<Outcome<_>>()?, micros))
+    }
+
+    fn tasks(&self) -> Vec<AskedTask> {
+        vec![AskedTask {
+            frame: self.tip.clone(),
+            held: false,
+        }]
+    }
+}
+
+/// Unknown links are told with the valid ones, as the user calls them.
+fn builder<'m>(
+    loaded: &LoadedModel,
+    robot: &'m Robot,
+    base: &str,
+    tip: &str,
+) -> Outcome<ArmBuilder<'m>> {
+    for name in [base, tip] {
+        loaded.frame(name, crate::frame_name::BareName::Tail)?;
+    }
+    Ok(Arm::builder(robot, base, tip)?)
+}
+
+/// Numbers for the arm's joints out of one for all, one for each, or one for each moving joint of
+/// the model.
+fn one_a_joint(
+    loaded: &LoadedModel,
+    joints: &[JointId],
+    option: &str,
+    given: &Moves,
+    degrees: bool,
+) -> Outcome<Vec<f64>> {
+    let model = &loaded.model;
+    let all = model.degrees_of_freedom();
+    let coordinates: Vec<usize> = joints
+        .iter()
+        .filter_map(|&id| model.coordinate(id))
+        .collect();
+    let numbers = &given.0;
+    let picked: Vec<f64> = match numbers.as_slice() {
+        [one] if option == "--max-move" => vec![*one; coordinates.len()],
+        _ if numbers.len() == all => coordinates
+            .iter()
+            .filter_map(|&coordinate| numbers.get(coordinate).copied())
+            .collect(),
+        _ if numbers.len() == coordinates.len() => numbers.clone(),
+        _ => {
+            let names = coordinates.iter().filter_map(|&c| {
+                let id = model.moving_joints().get(c)?;
+                Some(model.joints().get(id.index())?.name.as_str())
+            });
+            return Err(Failure::new(format!(
+                "{option}: {} numbers given; it takes {} ({}) or {}, one for each moving joint",
+                numbers.len(),
+                coordinates.len(),
+                names.collect::<Vec<_>>().join(", "),
+                all,
+            )));
+        }
+    };
+    Ok(loaded.columns_of(coordinates).in_radians(&picked, degrees))
+}
+
+pub(super) fn microseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e6
+}

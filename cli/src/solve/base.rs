@@ -1,0 +1,117 @@
+//! The frame that targets are given in.
+
+use kinopt::Problem;
+use kinopt::model::{FrameId, Model, ParameterMap, Source};
+use kinopt::problem::{ProblemBuilder, TaskId};
+use kinopt::spatial::Placement;
+use kinopt::task::{Point, Pose, Task};
+
+use super::relative_pose::RelativePose;
+use crate::failure::Outcome;
+use crate::frame_name::BareName;
+use crate::loaded_model::LoadedModel;
+
+/// Where targets are measured from.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Base {
+    /// A frame that nothing moves (the world's own is the identity): world_from_base.
+    Still(Placement<f64>),
+    /// A frame that free joints move.
+    Moving(FrameId),
+}
+
+/// A target's task in a problem, so that it can be aimed anew.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum TargetTask {
+    Point(TaskId<Point>),
+    Pose(TaskId<Pose>),
+    Relative(TaskId<RelativePose>),
+}
+
+impl Base {
+    /// The frame of that name; without one the world.
+    pub(super) fn named(loaded: &LoadedModel, name: Option<&str>) -> Outcome<Self> {
+        let Some(name) = name else {
+            return Ok(Self::Still(Placement::identity()));
+        };
+        let frame = loaded.frame(name, BareName::Tail)?;
+        let map = loaded.parameters();
+        if moves(&loaded.model, &map, frame) {
+            return Ok(Self::Moving(frame));
+        }
+        let placements = loaded.all_frames(&loaded.rest());
+        let placed = placements.get(frame.index()).copied();
+        Ok(Self::Still(placed.unwrap_or_else(Placement::identity)))
+    }
+
+    /// Adds the task that brings `tip` to a target in this frame; without `turns` its orientation
+    /// does not matter.
+    pub(super) fn add_target(
+        &self,
+        builder: &mut ProblemBuilder,
+        tip: FrameId,
+        base_from_target: Placement<f64>,
+        turns: bool,
+        name: String,
+    ) -> TargetTask {
+        match *self {
+            Self::Still(world_from_base) => {
+                let target = world_from_base * base_from_target;
+                if turns {
+                    TargetTask::Pose(builder.add(Task::new(Pose::new(tip, target)).named(name)))
+                } else {
+                    let point = Point::new(tip, target.translation);
+                    TargetTask::Point(builder.add(Task::new(point).named(name)))
+                }
+            }
+            Self::Moving(base) => {
+                let relative = RelativePose {
+                    base,
+                    tip,
+                    base_from_target,
+                    turns,
+                };
+                TargetTask::Relative(builder.add(Task::new(relative).named(name)))
+            }
+        }
+    }
+
+    /// Moves a task's target, which is given in this frame.
+    pub(super) fn aim(&self, problem: &mut Problem, task: TargetTask, target: Placement<f64>) {
+        let world_from_base = match *self {
+            Self::Still(world_from_base) => world_from_base,
+            Self::Moving(_) => Placement::identity(),
+        };
+        let placed = world_from_base * target;
+        match task {
+            TargetTask::Point(id) => {
+                if let Some(point) = problem.residual_mut(id) {
+                    point.set_target(placed.translation);
+                }
+            }
+            TargetTask::Pose(id) => {
+                if let Some(pose) = problem.residual_mut(id) {
+                    pose.set_target(placed);
+                }
+            }
+            TargetTask::Relative(id) => {
+                if let Some(relative) = problem.residual_mut(id) {
+                    relative.base_from_target = target;
+                }
+            }
+        }
+    }
+}
+
+/// Whether any free joint moves a frame.
+fn moves(model: &Model, map: &ParameterMap, frame: FrameId) -> bool {
+    let mut at = model.frames().get(frame.index()).and_then(|f| f.joint);
+    while let Some(id) = at {
+        let source = model.coordinate(id).and_then(|c| map.sources().get(c));
+        if matches!(source, Some(Source::Variable { .. })) {
+            return true;
+        }
+        at = model.joints().get(id.index()).and_then(|j| j.parent);
+    }
+    false
+}

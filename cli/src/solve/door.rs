@@ -1,0 +1,25 @@
+//! Who answers questions about one frame: the arm's front door or the general solvers.
+
+use super::answer::{Answer, AskedTask, Question};
+use crate::failure::Outcome;
+
+/// Answers one question after another, with memory that each thread has its own of.
+pub(super) trait Door: Sync {
+    /// The memory.
+    type Desk;
+
+    fn desk(&self) -> Outcome<Self::Desk>;
+
+    /// Answers, and takes the time of that alone.
+    fn answer(&self, desk: &mut Self::Desk, question: &Question) -> Outcome<Answer>;
+
+    /// As [`answer`](Self::answer), where the start is the answer to the step before of a path.
+    fn follow(&self, desk: &mut Self::Desk, question: &Question) -> Outcome<Answer>;
+
+    /// Answers all questions together, on the threads of the current pool where `parallel`. Returns
+    /// the microseconds that took.
+    fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)>;
+
+    /// The tasks behind every question.
+    fn tasks(&self) -> Vec<AskedTask>;
+}

@@ -1,0 +1,158 @@
+//! The file of `--targets`, checked: every complaint names the file and the place in it.
+
+use std::path::Path;
+
+use kinopt::spatial::Placement;
+use serde_json::{Map, Value};
+
+use crate::failure::{Failure, Outcome};
+use crate::json_file;
+use crate::target::{normalised, placement};
+
+/// What a file of targets says.
+#[derive(Debug)]
+pub(super) struct TargetsFile {
+    /// base_from_tip; unturned where only positions are given.
+    pub(super) targets: Vec<Placement<f64>>,
+    /// Whether the targets have orientations.
+    pub(super) turns: bool,
+    /// One row a target, all of one length.
+    pub(super) starts: Option<Vec<Vec<f64>>>,
+    pub(super) joint_names: Option<Vec<String>>,
+    pub(super) tip_link: Option<String>,
+    pub(super) base_link: Option<String>,
+}
+
+impl TargetsFile {
+    pub(super) fn read(path: &Path) -> Outcome<Self> {
+        let value = json_file::read(path)?;
+        let file = Self::of_value(&value);
+        file.map_err(|problem| Failure::new(format!("{}: {problem}", path.display())))
+    }
+
+    fn of_value(value: &Value) -> Result<Self, String> {
+        let Value::Object(document) = value else {
+            return Err(format!("is {}, not an object", a(value)));
+        };
+        let Some(targets) = document.get("targets") else {
+            return Err("has no key `targets`".to_owned());
+        };
+        let rows = rows(targets, "targets")?;
+        let width = rows.first().map_or(0, Vec::len);
+        if width == 0 {
+            return Err("targets: holds no target".to_owned());
+        }
+        if width != 3 && width != 7 {
+            return Err(format!(
+                "targets[0]: has {width} numbers; a target has 3 (x,y,z) or 7 (x,y,z,qw,qx,qy,qz)"
+            ));
+        }
+        let targets = rows.iter().enumerate().map(|(index, row)| {
+            target(row).map_err(|problem| format!("targets[{index}]: {problem}"))
+        });
+        let targets = targets.collect::<Result<Vec<_>, _>>()?;
+        let joint_names = optional(document, "joint_names", names)?;
+        let starts = optional(document, "starts", self::rows)?;
+        if let Some(starts) = &starts {
+            if starts.len() != targets.len() {
+                return Err(format!(
+                    "starts: {} of them for {} targets",
+                    starts.len(),
+                    targets.len()
+                ));
+            }
+            let (width, names) = (
+                starts.first().map_or(0, Vec::len),
+                joint_names.as_ref().map(Vec::len),
+            );
+            if let Some(names) = names.filter(|&names| names != width) {
+                return Err(format!(
+                    "starts[0]: has {width} numbers for {names} joint_names"
+                ));
+            }
+        }
+        Ok(Self {
+            targets,
+            turns: width == 7,
+            starts,
+            joint_names,
+            tip_link: optional(document, "tip_link", text)?,
+            base_link: optional(document, "base_link", text)?,
+        })
+    }
+}
+
+/// A key that may be missing or null.
+fn optional<T>(
+    document: &Map<String, Value>,
+    key: &str,
+    read: impl Fn(&Value, &str) -> Result<T, String>,
+) -> Result<Option<T>, String> {
+    match document.get(key) {
+        None | Some(Value::Null) => Ok(None),
+        Some(value) => read(value, key).map(Some),
+    }
+}
+
+fn target(row: &[f64]) -> Result<Placement<f64>, String> {
+    match *row {
+        [x, y, z] => Ok(placement([x, y, z], None)),
+        [x, y, z, qw, qx, qy, qz] => {
+            let quaternion = normalised([qw, qx, qy, qz])?;
+            Ok(placement([x, y, z], Some(quaternion)))
+        }
+        _ => Err("takes 3 numbers or 7".to_owned()),
+    }
+}
+
+/// Rows of finite numbers, all as long as the first.
+fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
+    let rows = list(value, at)?.iter().enumerate();
+    let rows = rows.map(|(index, row)| {
+        let at = format!("{at}[{index}]");
+        let numbers = list(row, &at)?.iter().enumerate();
+        let numbers = numbers.map(|(column, number)| match number.as_f64() {
+            Some(number) if number.is_finite() => Ok(number),
+            _ => Err(format!("{at}[{column}]: is {}, not a number", a(number))),
+        });
+        numbers.collect::<Result<Vec<_>, _>>()
+    });
+    let rows = rows.collect::<Result<Vec<_>, String>>()?;
+    let width = rows.first().map_or(0, Vec::len);
+    match rows.iter().position(|row| row.len() != width) {
+        Some(index) => Err(format!(
+            "{at}[{index}]: has {} numbers, {at}[0] has {width}",
+            rows.get(index).map_or(0, Vec::len)
+        )),
+        None => Ok(rows),
+    }
+}
+
+fn names(value: &Value, at: &str) -> Result<Vec<String>, String> {
+    let names = list(value, at)?.iter().enumerate();
+    names
+        .map(|(index, name)| text(name, &format!("{at}[{index}]")))
+        .collect()
+}
+
+fn list<'v>(value: &'v Value, at: &str) -> Result<&'v Vec<Value>, String> {
+    let list = value.as_array();
+    list.ok_or_else(|| format!("{at}: is {}, not a list", a(value)))
+}
+
+fn text(value: &Value, at: &str) -> Result<String, String> {
+    let text = value.as_str().map(str::to_owned);
+    text.ok_or_else(|| format!("{at}: is {}, not a name", a(value)))
+}
+
+/// What a value is, in words.
+fn a(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a text",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
+}

@@ -1,0 +1,172 @@
+//! What came out of many questions, for people and for programs.
+
+use serde::Serialize;
+
+use super::super::answer::{Answer, AskedTask};
+use super::super::report::{self, Report};
+use crate::loaded_model::LoadedModel;
+use crate::number_format::magnitude;
+
+/// How many misses are explained to people.
+const EXPLAINED: usize = 3;
+
+/// Answers in the order of the targets.
+pub(super) struct Outcomes {
+    pub(super) answers: Vec<Answer>,
+    pub(super) tasks: Vec<AskedTask>,
+    /// The time for all together, in microseconds, where they were solved together.
+    pub(super) batch_micros: Option<f64>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    /// The names that belong to every q, for a robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joints: Option<Vec<&'a str>>,
+    solutions: Vec<report::Document<'a>>,
+    summary: Summary,
+}
+
+/// Times are in microseconds for one target.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Summary {
+    solved: usize,
+    total: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    micros_median: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    micros_p99: Option<f64>,
+    micros_mean: f64,
+}
+
+impl Outcomes {
+    pub(super) fn document<'a>(&'a self, loaded: &'a LoadedModel) -> Document<'a> {
+        let solutions = self.answers.iter().map(|answer| {
+            let report = Report {
+                loaded,
+                answer,
+                tasks: &self.tasks,
+            };
+            report.document()
+        });
+        Document {
+            joints: loaded.documented_joints(),
+            solutions: solutions.collect(),
+            summary: self.summary(),
+        }
+    }
+
+    fn summary(&self) -> Summary {
+        let total = self.answers.len();
+        let mut micros: Vec<f64> = self.answers.iter().filter_map(|a| a.micros).collect();
+        micros.sort_by(f64::total_cmp);
+        let all = self.batch_micros.unwrap_or_else(|| micros.iter().sum());
+        Summary {
+            solved: self.answers.iter().filter(|a| a.solution.reached).count(),
+            total,
+            micros_median: median(&micros),
+            micros_p99: percentile(&micros, 99),
+            micros_mean: all / total.max(1) as f64,
+        }
+    }
+
+    /// The counts, the times, the worst errors of what was reached, and the first misses.
+    pub(super) fn text(&self, loaded: &LoadedModel) -> String {
+        let summary = self.summary();
+        let [one, mean] = [summary.micros_median, Some(summary.micros_mean)]
+            .map(|micros| micros.map_or_else(String::new, short_time));
+        let time = match summary.micros_p99 {
+            Some(p99) => format!("median {one}, 99 % within {}, mean {mean}", short_time(p99)),
+            None => format!("mean {mean} (solved together)"),
+        };
+        let mut text = format!(
+            "solved    {} of {}\ntime      {time}\n",
+            summary.solved, summary.total
+        );
+        if let Some(worst) = self.worst_errors(loaded) {
+            text.push_str(&format!("errors    at most {worst} where solved\n"));
+        }
+        let misses = self.answers.iter().enumerate();
+        let misses = misses.filter(|(_, answer)| !answer.solution.reached);
+        let count = summary.total - summary.solved;
+        if count > 0 {
+            let shown = count.min(EXPLAINED);
+            text.push_str(&match count {
+                1 => "\nThe one that was missed (targets count from 0):\n".to_owned(),
+                _ if shown == count => {
+                    format!("\nThe {count} that were missed (targets count from 0):\n")
+                }
+                _ => {
+                    format!("\nThe first {shown} of {count} misses (targets count from 0):\n")
+                }
+            });
+            for (index, answer) in misses.take(shown) {
+                let explanation = answer.solution.explain().replace('\n', "\n    ");
+                text.push_str(&format!("  target {index}: {explanation}\n"));
+            }
+        }
+        text
+    }
+
+    /// The largest errors among the answers that reached.
+    fn worst_errors(&self, loaded: &LoadedModel) -> Option<String> {
+        let (mut position, mut orientation): (Option<f64>, Option<f64>) = (None, None);
+        let reached = self.answers.iter().filter(|a| a.solution.reached);
+        for task in reached.flat_map(|answer| answer.solution.tasks()) {
+            orientation = larger(orientation, task.orientation_error());
+            position = larger(position, task.position_error());
+        }
+        let position =
+            position.map(|error| format!("{} {}", magnitude(error), loaded.length_unit()));
+        let orientation = orientation.map(|error| format!("{} rad", magnitude(error)));
+        let errors: Vec<String> = position.into_iter().chain(orientation).collect();
+        (!errors.is_empty()).then(|| errors.join(" and "))
+    }
+}
+
+fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.max(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Of sorted numbers; the mean of the two in the middle of an even count.
+fn median(sorted: &[f64]) -> Option<f64> {
+    let upper = sorted.get(sorted.len() / 2)?;
+    if sorted.len() % 2 == 1 {
+        return Some(*upper);
+    }
+    let lower = sorted.get(sorted.len() / 2 - 1)?;
+    Some(0.5 * (lower + upper))
+}
+
+/// The smallest of sorted numbers that at least `percent` of them do not exceed.
+fn percentile(sorted: &[f64], percent: usize) -> Option<f64> {
+    let rank = (sorted.len() * percent).div_ceil(100);
+    sorted.get(rank.max(1) - 1).copied()
+}
+
+fn short_time(micros: f64) -> String {
+    if micros < 1e3 {
+        format!("{micros:.2} µs")
+    } else {
+        format!("{:.2} ms", micros * 1e-3)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks() {
+        let hundred: Vec<f64> = (1..=100).map(f64::from).collect();
+        assert_eq!(percentile(&hundred, 99), Some(99.0));
+        assert_eq!(percentile(&[4.0], 99), Some(4.0));
+        assert_eq!(percentile(&[], 99), None);
+        assert_eq!(median(&hundred), Some(50.5));
+        assert_eq!(median(&[1.0, 5.0, 9.0]), Some(5.0));
+        assert_eq!(median(&[]), None);
+    }
+}

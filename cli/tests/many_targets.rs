@@ -1,0 +1,393 @@
+//! Promise: a file of targets gives every target's own answer, the same to the bit on any number of
+//! threads, within the limits and on the target; and a malformed file is named with the place.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod forked_rig;
+mod seeded_robot;
+
+use forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
+use seeded_robot::Seeded;
+use serde_json::{Value, json};
+
+fn robots() -> [Seeded; 4] {
+    [
+        Seeded::panda(),
+        Seeded::new("universal_ur5e", "base", "flange"),
+        Seeded::new("adept_cobra_s600", "base", "flange"),
+        Seeded::new("rethink_baxter", "torso", "right_tool"),
+    ]
+}
+
+fn write(folder: &Folder, name: &str, content: &Value) -> String {
+    let file = folder.file(name);
+    std::fs::write(&file, content.to_string()).unwrap();
+    file
+}
+
+/// Every answer's q.
+fn configurations(document: &Value) -> Vec<Vec<f64>> {
+    let solutions = document["solutions"].as_array().unwrap().iter();
+    solutions.map(|solution| numbers(&solution["q"])).collect()
+}
+
+#[test]
+fn every_reachable_target_is_reached() {
+    let folder = Folder::new("reached");
+    for seeded in robots() {
+        let file = write(&folder, "targets.json", &seeded.targets(40));
+        for way in [
+            vec![],
+            vec!["--search=first"],
+            vec!["--batch"],
+            vec!["--batch", "--threads=2"],
+        ] {
+            let mut arguments = vec!["solve", &seeded.file, "--targets", &file, "--json"];
+            arguments.extend(&way);
+            let document = json(&arguments);
+            let summary = &document["summary"];
+            assert_eq!(
+                (&summary["solved"], &summary["total"]),
+                (&40.into(), &40.into())
+            );
+            assert!(summary["micros_mean"].as_f64().unwrap() > 0.0);
+            let alone = !way.contains(&"--batch");
+            for key in ["micros_median", "micros_p99"] {
+                assert_eq!(summary.get(key).is_some(), alone, "{way:?}");
+            }
+            let model = seeded.robot.model();
+            assert_eq!(
+                document["joints"].as_array().unwrap().len(),
+                model.degrees_of_freedom()
+            );
+            let solutions = document["solutions"].as_array().unwrap();
+            for (solution, pose) in solutions.iter().zip(seeded.poses(40)) {
+                assert_eq!(solution["reached"], true);
+                assert_eq!(solution["tasks"][0]["frame"], seeded.tip);
+                assert_eq!(solution.get("micros").is_some(), alone);
+                seeded.check(&numbers(&solution["q"]), &pose);
+            }
+        }
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let folder = Folder::new("threads");
+    // More targets than the batch door hands to a thread at once.
+    let (panda, ur5e) = (
+        Seeded::panda(),
+        Seeded::new("universal_ur5e", "base", "flange"),
+    );
+    let general = "--solver=levenberg-marquardt";
+    for (seeded, count, ways) in [
+        (panda, 150, vec!["--batch", "--search=first"]),
+        (ur5e, 30, vec!["--search=start", general]),
+    ] {
+        let file = write(&folder, "targets.json", &seeded.targets(count));
+        for way in ways {
+            let on = |threads: &str| {
+                let all = [
+                    "solve",
+                    &seeded.file,
+                    "--targets",
+                    &file,
+                    way,
+                    threads,
+                    "--json",
+                ];
+                configurations(&json(&all))
+            };
+            let one = on("--threads=1");
+            for threads in ["--threads=2", "--threads=8"] {
+                assert!(one == on(threads), "{way} {threads}");
+            }
+            let plain = json(&["solve", &seeded.file, "--targets", &file, way, "--json"]);
+            assert!(one == configurations(&plain), "{way}");
+        }
+    }
+}
+
+#[test]
+fn a_path_goes_on_from_the_last_answer() {
+    let folder = Folder::new("track");
+    for seeded in robots() {
+        // Straight through joint space between two configurations.
+        let (from, to) = (seeded.configuration(21), seeded.configuration(22));
+        let path: Vec<Vec<f64>> = (0..=200)
+            .map(|step| {
+                let share = f64::from(step) / 2000.0;
+                from.iter()
+                    .zip(&to)
+                    .map(|(a, b)| a + share * (b - a))
+                    .collect()
+            })
+            .collect();
+        let targets: Vec<Vec<f64>> = path.iter().map(|q| seeded.pose(q)).collect();
+        let start = vec![from; targets.len()];
+        let names = seeded.robot.model().moving_joints().iter();
+        let names: Vec<&str> = names
+            .map(|id| seeded.robot.model().joints()[id.index()].name.as_str())
+            .collect();
+        let content = json!({"targets": targets, "starts": start, "joint_names": names,
+            "tip_link": seeded.tip, "base_link": seeded.base});
+        let file = write(&folder, "path.json", &content);
+        let document = json(&[
+            "solve",
+            &seeded.file,
+            "--targets",
+            &file,
+            "--track",
+            "--json",
+        ]);
+        assert_eq!(document["summary"]["solved"], 201);
+        let q = configurations(&document);
+        for (q, pose) in q.iter().zip(&targets) {
+            seeded.check(q, pose);
+        }
+        for (a, b) in q.iter().zip(&q[1..]) {
+            assert!(distance(a, b) < 0.2, "a jump from {a:?} to {b:?}");
+        }
+    }
+}
+
+#[test]
+fn starts_go_by_name_or_from_base_to_tip() {
+    let folder = Folder::new("starts");
+    let panda = Seeded::panda();
+    let q = panda.configuration(31);
+    let pose = panda.pose(&q);
+    // Started at an answer, an arm stays there.
+    let backwards: Vec<String> = (1..=7).rev().map(|k| format!("joint{k}")).collect();
+    let reversed: Vec<f64> = q[..7].iter().rev().copied().collect();
+    for content in [
+        json!({"targets": [pose], "starts": [reversed], "joint_names": backwards}),
+        json!({"targets": [pose], "starts": [&q[..7]]}),
+        json!({"targets": [pose], "starts": [q]}),
+    ] {
+        let file = write(&folder, "targets.json", &content);
+        let all = [
+            "solve",
+            &panda.file,
+            "--targets",
+            &file,
+            "--tip=tool",
+            "--json",
+        ];
+        let answer = &configurations(&json(&all))[0];
+        assert!(distance(&answer[..7], &q[..7]) < 1e-6);
+    }
+}
+
+#[test]
+fn the_command_line_overrides_the_file() {
+    let folder = Folder::new("override");
+    let seeded = Seeded::new("franka_panda", "link1", "hand");
+    let mut content = seeded.targets(10);
+    content["tip_link"] = "flange".into();
+    content["base_link"] = "base".into();
+    let file = write(&folder, "targets.json", &content);
+    let all = [
+        "solve",
+        &seeded.file,
+        "--targets",
+        &file,
+        "--tip=hand",
+        "--base=link1",
+        "--json",
+    ];
+    let document = json(&all);
+    for (q, pose) in configurations(&document).iter().zip(seeded.poses(10)) {
+        seeded.check(q, &pose);
+    }
+    assert_eq!(document["solutions"][0]["tasks"][0]["frame"], "hand");
+}
+
+#[test]
+fn positions_alone_and_misses() {
+    let folder = Folder::new("misses");
+    let panda = Seeded::panda();
+    let mut points: Vec<Vec<f64>> = panda.poses(6).iter().map(|p| p[..3].to_vec()).collect();
+    points[4] = vec![3.0, 0.0, 0.0];
+    let content = json!({"targets": points, "tip_link": "tool"});
+    let file = write(&folder, "targets.json", &content);
+    let document = json(&["solve", &panda.file, "--targets", &file, "--json"]);
+    let summary = &document["summary"];
+    assert_eq!(
+        (&summary["solved"], &summary["total"]),
+        (&5.into(), &6.into())
+    );
+    assert_eq!(document["solutions"][4]["reached"], false);
+    let output = kinopt(&["solve", &panda.file, "--targets", &file]);
+    assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
+    for word in ["5 of 6", "median", "target 4: Not reached", "misses by"] {
+        assert!(stdout(&output).contains(word), "{}", stdout(&output));
+    }
+    let output = kinopt(&["solve", &panda.file, "--targets", &file, "--batch"]);
+    assert!(stdout(&output).contains("mean") && !stdout(&output).contains("median"));
+}
+
+#[test]
+fn a_rig_s_tip_too() {
+    let folder = Folder::new("rig");
+    let rig = folder.rig();
+    let content = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
+    let file = write(&folder, "targets.json", &content);
+    for way in ["--track", "--batch", "--threads=2"] {
+        let document = json(&[
+            "solve",
+            &rig,
+            "--targets",
+            &file,
+            "--tip=bone/2",
+            way,
+            "--json",
+        ]);
+        assert_eq!(document["summary"]["solved"], 2);
+        let first = &document["solutions"][0];
+        assert_eq!(
+            (&first["tasks"][1]["frame"], &first["tasks"][1]["held"]),
+            (&"bone/4".into(), &true.into())
+        );
+        assert!(first["tasks"][0]["position_error"].as_f64().unwrap() < 1e-8);
+        assert!(document.get("joints").is_none());
+    }
+    let output = kinopt(&["solve", &rig, "--targets", &file]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("--tip"));
+}
+
+#[test]
+fn malformed_files_are_named_with_the_place() {
+    let folder = Folder::new("malformed");
+    let panda = Seeded::panda();
+    let pose = "[0.4,0,0.5,0,1,0,0]";
+    for (content, words) in [
+        (String::new(), vec!["is empty"]),
+        ("hello".into(), vec!["is not JSON", "line 1"]),
+        ("{\"targets\": [[NaN,0,0]]}".into(), vec!["is not JSON"]),
+        ("[1,2]".into(), vec!["not an object"]),
+        ("{}".into(), vec!["no key `targets`"]),
+        (
+            "{\"targets\": 3}".into(),
+            vec!["targets: is a number, not a list"],
+        ),
+        ("{\"targets\": []}".into(), vec!["targets: holds no target"]),
+        (
+            "{\"targets\": [[]]}".into(),
+            vec!["targets: holds no target"],
+        ),
+        (
+            "{\"targets\": [[1,2]]}".into(),
+            vec!["targets[0]", "2 numbers"],
+        ),
+        (
+            format!("{{\"targets\": [{pose},[1,2,3]]}}"),
+            vec!["targets[1]", "3 numbers"],
+        ),
+        (
+            format!("{{\"targets\": [{pose},[1,2,3,1,0,null,0]]}}"),
+            vec!["targets[1][5]", "null"],
+        ),
+        (
+            "{\"targets\": [[1,2,1e999]]}".into(),
+            vec!["is not JSON", "range"],
+        ),
+        (
+            "{\"targets\": [[1,2,3,1,1,0,0]]}".into(),
+            vec!["targets[0]", "length 1.41"],
+        ),
+        (
+            format!("{{\"targets\": [{pose}], \"starts\": []}}"),
+            vec!["starts", "1 targets"],
+        ),
+        (
+            format!("{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]]}}"),
+            vec!["starts[0]", "joint4"],
+        ),
+        (
+            format!("{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[\"a\"]]}}"),
+            vec!["starts[0][0]", "a text"],
+        ),
+        (
+            format!(
+                "{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]], \"joint_names\": [\"elbow\"]}}"
+            ),
+            vec!["joint_names", "`elbow`", "joint4"],
+        ),
+        (
+            format!(
+                "{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]], \"joint_names\": [\"hand_mount\"]}}"
+            ),
+            vec!["joint_names", "`hand_mount`", "fixed"],
+        ),
+        (
+            format!(
+                "{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]], \"joint_names\": [\"joint1\", \"joint2\"]}}"
+            ),
+            vec!["starts[0]", "1 numbers", "2 joint_names"],
+        ),
+        (
+            format!("{{\"targets\": [{pose}], \"joint_names\": [1]}}"),
+            vec!["joint_names[0]"],
+        ),
+        (
+            format!("{{\"targets\": [{pose}], \"tip_link\": \"claw\"}}"),
+            vec!["`claw`", "finger_left"],
+        ),
+        (
+            format!("{{\"targets\": [{pose}], \"tip_link\": 4}}"),
+            vec!["tip_link", "not a name"],
+        ),
+        (
+            format!("{{\"targets\": [{pose}]}}"),
+            vec!["tip_link", "--tip", "finger_left"],
+        ),
+        (
+            format!("{{\"targets\": [{pose}], \"tip_link\": \"tool\", \"base_link\": \"flange\"}}"),
+            vec!["no free joint"],
+        ),
+    ] {
+        let file = folder.file("targets.json");
+        std::fs::write(&file, &content).unwrap();
+        let output = kinopt(&["solve", &panda.file, "--targets", &file, "--json"]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{content}: {message}");
+        assert_eq!(
+            (message.lines().count(), stdout(&output)),
+            (1, ""),
+            "{message}"
+        );
+        for word in words {
+            assert!(message.contains(word), "{content}: no {word} in {message}");
+        }
+    }
+    let missing = folder.file("missing.json");
+    let output = kinopt(&["solve", &panda.file, "--targets", &missing]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("missing.json"));
+}
+
+#[test]
+fn wrong_usage() {
+    let panda = Seeded::panda();
+    let file = "--targets=poses.json";
+    for (arguments, word) in [
+        (vec![file, "--target=tool=1,2,3"], "--target"),
+        (vec![file, "--track", "--batch"], "--batch"),
+        (vec![file, "--track", "--threads=2"], "--threads"),
+        (vec![file, "--threads=0"], "0"),
+        (vec![file, "--out=posed.obj"], "--out"),
+        (vec!["--target=tool=1,2,3", "--batch"], "--batch"),
+        (vec!["--target=tool=1,2,3", "--tip=tool"], "--tip"),
+    ] {
+        let mut all = vec!["solve", panda.file.as_str()];
+        all.extend(&arguments);
+        let output = kinopt(&all);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(
+            stderr(&output).contains(word),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
+    }
+}
