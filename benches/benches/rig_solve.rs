@@ -4,10 +4,9 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use kinopt::solver::{Damping, GaussNewton, LevenbergMarquardt};
-use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Quantity};
 use kinopt::{Problem, Solver, Workspace};
-use kinopt_benches::{Sequence, figure, random_targets};
+use kinopt_benches::{Sequence, at_ease, drag_targets, figure, random_targets};
 
 fn solves(criterion: &mut Criterion) {
     let (skeleton, tips) = figure(2, 4);
@@ -49,35 +48,26 @@ fn solves(criterion: &mut Criterion) {
         });
     }
 
-    // A hand goes round a circle in 240 frames while the other tips hold.
-    for (&task, &tip) in tasks.iter().zip(&tips) {
-        let hold = at_rest.tip(&skeleton, tip);
-        problem
-            .residual_mut(task)
-            .expect("it is there")
-            .set_target(hold);
-    }
-    let hand = at_rest.tip(&skeleton, tips[1]);
-    let solver = Solver::default();
-    let mut workspace = Workspace::new();
-    let mut q = rest.clone();
-    let mut frame = 0;
-    group.bench_function("drag frame from the last", |bencher| {
-        bencher.iter(|| {
-            frame += 1;
-            let angle = f64::from(frame % 240) * std::f64::consts::TAU / 240.0;
-            let at = Vector3::new(-0.25 + 0.1 * angle.cos(), 0.1 * angle.sin(), 0.15);
-            problem
-                .residual_mut(tasks[1])
-                .expect("it is there")
-                .set_target(hand + at);
-            let solution = solver
-                .solve(&problem, &q, &mut workspace)
-                .expect("a valid start");
-            q.copy_from_slice(&solution.q);
-            solution.iterations
+    let poses = [("at ease", at_ease(&skeleton)), ("stretched out", rest)];
+    for (pose, start) in poses {
+        let frames: Vec<_> = (0..240)
+            .map(|frame| drag_targets(&skeleton, &tips, &start, frame))
+            .collect();
+        let solver = Solver::default();
+        let mut workspace = Workspace::new();
+        let (mut q, mut frame) = (start, 0);
+        group.bench_function(format!("drag frame from the last, {pose}"), |bencher| {
+            bencher.iter(|| {
+                frame = (frame + 1) % frames.len();
+                for (&task, &at) in tasks.iter().zip(&frames[frame]) {
+                    let point = problem.residual_mut(task).expect("it is there");
+                    point.set_target(at);
+                }
+                let solution = solver.solve(&problem, &q, &mut workspace);
+                q.copy_from_slice(&solution.expect("a valid start").q);
+            });
         });
-    });
+    }
     group.finish();
 }
 

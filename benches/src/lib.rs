@@ -1,8 +1,10 @@
 //! What the benches of kinopt share: models built in code and numbers that never change.
 #![allow(clippy::expect_used)]
 
+mod drag;
 mod figure;
 mod sequence;
 
+pub use drag::{at_ease, drag_targets};
 pub use figure::{every_angle_free, figure, random_targets};
 pub use sequence::Sequence;
