@@ -123,6 +123,8 @@ fn one_target_by_every_search_and_solver() {
         vec!["--solver=levenberg-marquardt"],
         vec!["--solver=gauss-newton", "--jacobian=dual"],
         vec!["--restarts=40", "--jacobian=central"],
+        // Out of many attempts from elsewhere.
+        vec!["--solver=projected-gradient-bb", "--max-iterations=2000"],
     ] {
         let mut all = vec!["solve", &panda.file, &target, "--json"];
         all.extend(&arguments);

@@ -5,6 +5,7 @@ mod arguments;
 mod arm_arguments;
 mod arm_door;
 mod base;
+mod bystanders;
 mod core_door;
 mod door;
 mod many;
@@ -85,19 +86,21 @@ fn by_general_solver(
     arguments: &Arguments,
 ) -> Outcome<(Answer, Vec<AskedTask>)> {
     let start = arguments.start(loaded, None)?;
-    let (problem, tasks) = tasks::problem(loaded, arguments, &start)?;
+    let asked = tasks::asked(loaded, arguments, &start)?;
     let mut workspace = Workspace::new();
     let mut progress = Progress::new();
     let solver = arguments.general_solver();
     let started = Instant::now();
-    let solution = solver.solve_observed(&problem, &start, &mut workspace, &mut progress)?;
+    let solution = solver.solve_observed(&asked.problem, &start, &mut workspace, &mut progress)?;
     let micros = microseconds(started);
     progress.finish();
+    let mut q = solution.q.clone();
+    bystanders::put_back(&mut q, &asked.bystanders, &start);
     let answer = Answer {
-        q: solution.q.clone(),
+        q,
         alternatives: Vec::new(),
         solution: solution.clone(),
         micros: Some(micros),
     };
-    Ok((answer, tasks))
+    Ok((answer, asked.tasks))
 }

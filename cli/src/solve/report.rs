@@ -128,6 +128,29 @@ impl<'a> Report<'a> {
         text.push_str(&self.task_table());
         text.push('\n');
         text.push_str(&self.joint_table(degrees));
+        text.push_str(&self.alternatives(degrees));
+        text
+    }
+
+    /// Further answers, a line each with the free joints' values.
+    fn alternatives(&self, degrees: bool) -> String {
+        let alternatives = &self.answer.alternatives;
+        if alternatives.is_empty() {
+            return String::new();
+        }
+        let count = alternatives.len() + 1;
+        let mut text = format!("\n{count} answers in all; the others, in the same order:\n");
+        let free = self.loaded.free_coordinates();
+        for alternative in alternatives {
+            let values = alternative.iter().zip(self.loaded.is_angle()).zip(&free);
+            let shown = values
+                .filter(|(_, free)| **free)
+                .map(|((&value, angle), _)| {
+                    let converted = degrees && angle;
+                    six_digits(if converted { value.to_degrees() } else { value })
+                });
+            text.push_str(&format!("  {}\n", shown.collect::<Vec<_>>().join("  ")));
+        }
         text
     }
 
