@@ -25,6 +25,7 @@ use door::Door;
 use report::Report;
 
 use crate::failure::Outcome;
+use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 use crate::progress::Progress;
@@ -37,17 +38,18 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     // Before the search, not after it.
     let skin = arguments.out.as_ref().map(|_| loaded.skin()).transpose()?;
-    let (answer, tasks) = match robot {
+    let answered = match robot {
         Some(robot) => by_arm(&loaded, robot, arguments)?,
         None => by_general_solver(&loaded, arguments)?,
     };
     if let (Some(skin), Some(out)) = (skin, &arguments.out) {
-        out.write(&skin.posed(&answer.q)?)?;
+        out.write(&skin.posed(&answered.answer.q)?)?;
     }
     let report = Report {
         loaded: &loaded,
-        answer: &answer,
-        tasks: &tasks,
+        answer: &answered.answer,
+        tasks: &answered.tasks,
+        bystanders: &answered.bystanders,
     };
     if json {
         output::json(&report.document_with_joints())?;
@@ -60,12 +62,16 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     Ok(())
 }
 
+/// An answer to all that was asked at once.
+struct Answered {
+    answer: Answer,
+    tasks: Vec<AskedTask>,
+    /// Coordinates that no task feels.
+    bystanders: Vec<usize>,
+}
+
 /// One target of a robot.
-fn by_arm(
-    loaded: &LoadedModel,
-    robot: &Robot,
-    arguments: &Arguments,
-) -> Outcome<(Answer, Vec<AskedTask>)> {
+fn by_arm(loaded: &LoadedModel, robot: &Robot, arguments: &Arguments) -> Outcome<Answered> {
     let Some(target) = arguments.targets.first() else {
         return by_general_solver(loaded, arguments);
     };
@@ -77,14 +83,18 @@ fn by_arm(
         start: arguments.start(loaded, Some(&door))?,
     };
     let mut desk = door.desk()?;
-    Ok((door.answer(&mut desk, &question)?, door.tasks()))
+    let ends = [Some(target.frame.as_str()), base].into_iter().flatten();
+    let ends = ends.map(|name| loaded.frame(name, BareName::Tail));
+    let ends = ends.collect::<Result<Vec<_>, _>>()?;
+    Ok(Answered {
+        answer: door.answer(&mut desk, &question)?,
+        tasks: door.tasks(),
+        bystanders: bystanders::bystanders(loaded, &ends),
+    })
 }
 
 /// Everything that is asked at once.
-fn by_general_solver(
-    loaded: &LoadedModel,
-    arguments: &Arguments,
-) -> Outcome<(Answer, Vec<AskedTask>)> {
+fn by_general_solver(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Answered> {
     let start = arguments.start(loaded, None)?;
     let asked = tasks::asked(loaded, arguments, &start)?;
     let mut workspace = Workspace::new();
@@ -102,5 +112,9 @@ fn by_general_solver(
         solution: solution.clone(),
         micros: Some(micros),
     };
-    Ok((answer, asked.tasks))
+    Ok(Answered {
+        answer,
+        tasks: asked.tasks,
+        bystanders: asked.bystanders,
+    })
 }
