@@ -1,4 +1,52 @@
 //! Inverse kinematics by optimisation.
+//!
+//! A model (a robot arm, a character's skeleton) has joint values q with hard bounds. Tasks say
+//! what its frames should do; each is a residual r(q). Inverse kinematics is then one bounded
+//! nonlinear least-squares problem:
+//!
+//! ```text
+//! minimise  cost(q) = ½ Σ ‖W r(q)‖²     subject to  q_min ≤ q ≤ q_max
+//! ```
+//!
+//! Build a [`Model`](model::Model) (by hand, from a [`Skeleton`], or from a URDF with feature
+//! `urdf`), state a [`Problem`] of [`task`]s, and give it to a [`Solver`]. The [`Solution`] says
+//! what was reached, by how much the rest was missed, and which limits are in the way.
+//!
+//! ```
+//! use kinopt::model::{Limits, Model};
+//! use kinopt::spatial::{Placement, Vector3};
+//! use kinopt::task::Point;
+//! use kinopt::{Problem, Solver};
+//!
+//! // Two links of one metre in the xy plane.
+//! let mut builder = Model::builder("two links");
+//! let z = Vector3::new(0.0, 0.0, 1.0);
+//! let link = Placement::translation(Vector3::new(1.0, 0.0, 0.0));
+//! let limits = Limits::new(-2.5, 2.5);
+//! let shoulder = builder.revolute("shoulder", None, Placement::identity(), z, limits);
+//! let elbow = builder.revolute("elbow", Some(shoulder), link, z, limits);
+//! let tip = builder.frame("tip", Some(elbow), link);
+//! let model = builder.build()?;
+//!
+//! let mut tasks = Problem::builder(&model);
+//! tasks.add(Point::new(tip, [1.0, 1.0, 0.0]));
+//! let solution = Solver::default().solve_once(&tasks.build()?, &[0.1, 0.1])?;
+//! assert!(solution.reached);
+//! assert!((solution.q[1].abs() - std::f64::consts::FRAC_PI_2).abs() < 1e-5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Conventions
+//!
+//! Metres (a rig's own unit for rigs), radians, seconds. Right-handed, column vectors; a placement
+//! `world_from_tip` maps tip coordinates to world coordinates. Quaternions are w, x, y, z.
+//! Velocities come linear first, then angular, in world axes at the frame's own origin. `f64` for
+//! models and optimisation, `f32` for meshes.
+//!
+//! # Features
+//!
+//! None is on by default: `urdf` (robots from URDF), `rayon` (batches over threads), `argmin` (the
+//! bridge to argmin).
 
 pub mod animation;
 #[cfg(feature = "argmin")]
@@ -26,3 +74,8 @@ pub use model::Model;
 pub use problem::Problem;
 pub use scalar::Scalar;
 pub use skeleton::Skeleton;
+
+/// The README's examples, run as tests.
+#[cfg(all(doctest, feature = "urdf"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

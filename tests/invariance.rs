@@ -180,3 +180,16 @@ fn well_conditioned_answers_agree_to_nine_digits() {
         }
     }
 }
+
+#[test]
+fn a_rig_of_any_size_is_solved() {
+    for unit in [1e-6, 1e-3, 1e3, 1e6, 1e9] {
+        let mut reached = 0;
+        for seed in 0..10 {
+            let rig = RandomRig::scaled(seed, unit);
+            let problem = problem(&rig, unit, seed);
+            reached += usize::from(run(&Solver::default(), &rig, &problem).1);
+        }
+        assert_eq!(reached, 10, "in units of {unit} m");
+    }
+}

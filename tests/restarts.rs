@@ -18,9 +18,10 @@ use support::trees::RandomTree;
 
 /// Where every attempt starts, for a target that none of them reaches.
 fn attempts(model: &Model, seed: u64, attempts: usize, start: &[f64]) -> Vec<Vec<f64>> {
-    let frame = model.frame_ids().nth(model.frames().len() - 2).unwrap();
     let mut builder = Problem::builder(model);
-    builder.add(Point::new(frame, [1e3, 2e3, 3e3]));
+    for frame in model.frame_ids() {
+        builder.add(Point::new(frame, [1e3, 2e3, 3e3]));
+    }
     let problem = builder.build().unwrap();
     let solver = Solver::default()
         .with_stopping(Stopping::default().with_max_iterations(1))
@@ -163,11 +164,39 @@ fn attempts_that_agree_on_a_miss_end_the_search() {
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(tip, [5.0, 0.0, 0.0]));
     let problem = builder.build().unwrap();
+    let mut last = 1;
     for agreeing in [1, 2, 5] {
         let solver = Solver::default().with_restarts(Restarts::default().with_agreeing(agreeing));
         let solution = solver.solve_once(&problem, &[0.3, 0.2]).unwrap();
-        assert_eq!(solution.attempts, agreeing);
+        // Quick attempts that stall say nothing; those that end do, and more are asked for.
+        assert!(solution.attempts >= last && solution.attempts < 32);
+        assert!((solution.q[0].hypot(solution.q[1])) < 1e-6, "stretched out");
+        last = solution.attempts;
     }
     let none = Solver::default().with_restarts(Restarts::none());
     assert_eq!(none.solve_once(&problem, &[0.3, 0.2]).unwrap().attempts, 1);
+}
+
+#[test]
+fn what_no_task_feels_stays() {
+    // Two arms on one base; only the right one has a target, and one out of reach.
+    let rig = support::bones::RandomRig::new(11);
+    let model = rig.skeleton.model();
+    let tip = rig.tips[2];
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(rig.skeleton.tip(tip), [90.0, 80.0, 70.0]));
+    let problem = builder.build().unwrap();
+    let mut chain = Vec::new();
+    let mut bone = Some(tip);
+    while let Some(id) = bone {
+        chain.push(id);
+        bone = rig.skeleton.bones()[id.index()].parent;
+    }
+    let start = support::trees::configuration_of(model, &mut Random::new(4));
+    let solution = Solver::default().solve_once(&problem, &start).unwrap();
+    assert!(!solution.reached && solution.attempts > 4);
+    for (k, (q, from)) in solution.q.iter().zip(&start).enumerate() {
+        let felt = chain.iter().any(|id| id.index() == k / 3);
+        assert!(felt || q == from, "angle {k} moved from {from} to {q}");
+    }
 }

@@ -3,7 +3,7 @@
 #![cfg(feature = "urdf")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{Tree, TreeState};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{JointId, ModelError};
 use kinopt::robot::{Robot, ToolError};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
@@ -77,13 +77,12 @@ fn a_tool_hangs_on_its_frame_at_every_configuration() {
     let robot = robot.with_tool("welder", "hand", offset).unwrap();
     assert_eq!(robot.model().degrees_of_freedom(), coordinates);
     let frames = ["hand", "welder"].map(|name| robot.model().frame(name).unwrap());
-    let tree = Tree::new(robot.model(), robot.map(), &frames);
-    let mut state = TreeState::new(&tree);
-    let x: Vec<f64> = (0..tree.variables())
+    let mut kinematics = ForwardKinematics::under(robot.model(), robot.map(), &frames).unwrap();
+    let x: Vec<f64> = (0..kinematics.variables())
         .map(|i| 0.3 - 0.1 * i as f64)
         .collect();
-    tree.forward(&x, &mut state);
-    let (hand, welder) = (state.frames()[0], state.frames()[1]);
+    let placed = kinematics.place(&x).unwrap();
+    let (hand, welder) = (placed[0], placed[1]);
     let wanted = hand * offset;
     assert!((welder.translation - wanted.translation).norm() < 1e-15);
     for (got, wanted) in [

@@ -2,7 +2,7 @@
 //! owns can be sent to another.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{Tree, TreeState};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{ModelError, ParameterMap};
 use kinopt::problem::{ProblemError, Scratch};
 use kinopt::scalar::Dual;
@@ -17,7 +17,6 @@ const _: () = {
     shared::<Model>();
     shared::<ParameterMap>();
     shared::<Skeleton>();
-    shared::<Tree>();
     shared::<Problem>();
     shared::<Solver>();
     shared::<dyn Method>();
@@ -26,8 +25,8 @@ const _: () = {
     shared::<Memory>();
     shared::<Solution>();
     shared::<Posing>();
-    shared::<TreeState<f64>>();
-    shared::<TreeState<Dual<6>>>();
+    shared::<ForwardKinematics>();
+    shared::<ForwardKinematics<Dual<6>>>();
     static_error::<ModelError>();
     static_error::<ProblemError>();
     static_error::<SkeletonError>();

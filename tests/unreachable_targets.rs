@@ -109,7 +109,7 @@ fn a_limit_that_blocks_is_named() {
         assert_eq!(solution.termination, Termination::Stationary);
         let explanation = solution.explain();
         assert!(
-            explanation.contains("the upper limit 0.523599 of `joint 0`"),
+            explanation.contains("the upper limit 0.5236 rad (30.00°) of `joint 0`"),
             "{explanation}"
         );
     }
@@ -162,5 +162,57 @@ fn a_three_link_arm_with_limits_against_a_search_of_its_box() {
             assert!(solution.explain().contains(&format!("`{joint}`")));
         }
         assert!(!held.is_empty());
+    }
+}
+
+#[test]
+fn a_limit_that_hardly_pushes_is_not_named() {
+    // Stretched along x on its upper limit, and the target straight ahead: beyond the limit the
+    // cost would rise again, and what pushes is rounding.
+    let model = planar_arm(&[1.0], Some((-1.0, 0.3)));
+    let target = na::Vector3::new(0.3_f64.cos(), 0.3_f64.sin(), 0.0) * 2.0;
+    for solver in quick_solvers() {
+        let solution = solve(&solver, &model, target, &[0.1]);
+        assert!(!solution.reached);
+        let named: Vec<_> = solution.active_limits().map(|limit| limit.push).collect();
+        assert!(named.is_empty(), "{named:?}");
+    }
+}
+
+#[test]
+fn no_miss_reads_as_none() {
+    let model = planar_arm(&[1.0], Some((-1.0, 1.0)));
+    let mut builder = Problem::builder(&model);
+    let tip = model.frame("tip").unwrap();
+    builder.add(Point::new(tip, [1.0 + 1e-9, 0.0, 0.0]));
+    builder.tolerance(kinopt::task::Quantity::Metres, 1e-12);
+    let problem = builder.build().unwrap();
+    let explanation = Solver::default()
+        .solve_once(&problem, &[0.0])
+        .unwrap()
+        .explain();
+    assert!(
+        explanation.contains("misses by 1.000e-9 m"),
+        "{explanation}"
+    );
+}
+
+#[test]
+fn a_target_out_of_reach_that_moves_is_followed_without_jumps() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.5, 2.5)));
+    let solver = Solver::default();
+    let mut q = vec![0.3, 0.2, 0.1];
+    for frame in 0..120 {
+        let angle = 0.02 * f64::from(frame);
+        let target = na::Vector3::new(2.0 * angle.cos(), 2.0 * angle.sin(), 0.0);
+        let solution = solve(&solver, &model, target, &q);
+        assert!(!solution.reached);
+        let moved = solution.q.iter().zip(&q).map(|(a, b)| (a - b).abs());
+        let most = moved.fold(0.0, f64::max);
+        assert!(
+            frame == 0 || most < 0.1,
+            "frame {frame} jumped by {most} rad"
+        );
+        q.clone_from(&solution.q);
     }
 }

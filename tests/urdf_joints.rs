@@ -3,7 +3,7 @@
 #![cfg(feature = "urdf")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{Tree, TreeState};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{JointKind, Limits};
 use kinopt::robot::Robot;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -26,10 +26,8 @@ fn chain(joints: &[(&str, &str)]) -> Robot {
 /// Where the last link stands.
 fn tip(robot: &Robot, q: &[f64]) -> Pose {
     let last = robot.model().frame_ids().last().unwrap();
-    let tree = Tree::new(robot.model(), robot.map(), &[last]);
-    let mut state = TreeState::new(&tree);
-    tree.forward(q, &mut state);
-    state.frame(0).unwrap().into()
+    let mut kinematics = ForwardKinematics::under(robot.model(), robot.map(), &[last]).unwrap();
+    (&kinematics.place(q).unwrap()[0]).into()
 }
 
 /// Fixed-axis roll, pitch and yaw, by three rotations about fixed axes one after the other.

@@ -2,7 +2,7 @@
 #![cfg(feature = "urdf")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{Tree, TreeState};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::ParameterMap;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, Vector3};
@@ -38,10 +38,8 @@ fn reference() -> Vec<ReferenceRobot> {
 
 fn placed(robot: &Robot, map: &ParameterMap, x: &[f64]) -> Vec<Placement<f64>> {
     let frames: Vec<_> = robot.model().frame_ids().collect();
-    let tree = Tree::new(robot.model(), map, &frames);
-    let mut state = TreeState::new(&tree);
-    tree.forward(x, &mut state);
-    state.frames().to_vec()
+    let mut kinematics = ForwardKinematics::under(robot.model(), map, &frames).unwrap();
+    kinematics.place(x).unwrap().to_vec()
 }
 
 fn expected([x, y, z, qw, qx, qy, qz]: [f64; 7]) -> Placement<f64> {

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use kinopt::kinematics::{Tree, TreeState};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{Robot, UrdfError};
 
 const FILES: [&str; 6] = [
@@ -172,10 +172,8 @@ fn assert_sound(robot: &Robot) {
         assert!(limits.contains(*value), "{value} outside {limits:?}");
     }
     let frames: Vec<_> = model.frame_ids().collect();
-    let tree = Tree::new(model, map, &frames);
-    let mut state = TreeState::new(&tree);
-    tree.forward(&x, &mut state);
-    assert_eq!(state.frames().len(), frames.len());
+    let mut kinematics = ForwardKinematics::under(model, map, &frames).unwrap();
+    assert_eq!(kinematics.place(&x).unwrap().len(), frames.len());
 }
 
 #[test]

@@ -7,8 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use kinopt::kinematics::{Tree, TreeState};
-use kinopt::model::ParameterMap;
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;
 use nalgebra::{Isometry3, Translation3, Vector3};
 
@@ -56,10 +55,8 @@ fn configurations(robot: &Robot) -> Vec<Vec<f64>> {
 
 fn assert_frame(robot: &Robot, frame: &str, q: &[f64], wanted: &Pose) {
     let id = robot.model().frame(frame).unwrap();
-    let tree = Tree::new(robot.model(), &ParameterMap::identity(robot.model()), &[id]);
-    let mut state = TreeState::new(&tree);
-    tree.forward(q, &mut state);
-    let got: Pose = state.frame(0).unwrap().into();
+    let mut kinematics = ForwardKinematics::of_frames(robot.model(), &[id]).unwrap();
+    let got: Pose = (&kinematics.place(q).unwrap()[0]).into();
     let off = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
     assert!(off < 1e-12, "{}, {frame}: off by {off:e}", robot.name());
 }

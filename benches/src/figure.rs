@@ -2,15 +2,14 @@
 
 use crate::Sequence;
 use kinopt::model::Limits;
-use kinopt::skeleton::{Bone, BoneId, Skeleton};
+use kinopt::skeleton::{Bone, BoneId, Skeleton, SkeletonBuilder};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 /// A figure with a spine and five limbs of `per_limb` bones: 22 bones for (2, 4), 62 for (12, 10).
-///
 #[must_use]
 pub fn figure(spine: usize, per_limb: usize) -> (Skeleton, Vec<BoneId>) {
-    let mut bones: Vec<Bone> = Vec::new();
-    let mut last: Vec<usize> = Vec::new();
+    let mut builder = Skeleton::builder("figure");
+    let mut last: Vec<BoneId> = Vec::new();
     let total = 1.75;
     let spine_length = 0.35 * total / spine as f64;
     for k in 0..spine {
@@ -20,7 +19,7 @@ pub fn figure(spine: usize, per_limb: usize) -> (Skeleton, Vec<BoneId>) {
         );
         let parent = last.last().copied();
         last.push(push(
-            &mut bones,
+            &mut builder,
             parent,
             placement,
             spine_length,
@@ -29,8 +28,8 @@ pub fn figure(spine: usize, per_limb: usize) -> (Skeleton, Vec<BoneId>) {
         ));
     }
     let (hips, chest) = (last[0], last[spine - 1]);
-    let top = bones[chest].rest_tip();
-    let low = bones[hips].rest_tail();
+    let top = builder.bones()[chest.index()].rest_tip();
+    let low = builder.bones()[hips.index()].rest_tail();
     let limbs = [
         (chest, top, Vector3::new(0.0, 1.0, 0.0), 0.3),
         (chest, top, Vector3::new(1.0, 0.0, 0.0), 0.7),
@@ -52,35 +51,32 @@ pub fn figure(spine: usize, per_limb: usize) -> (Skeleton, Vec<BoneId>) {
                 [90.0, 110.0, 90.0]
             };
             let placement = Placement::new(along(unit), tail);
-            parent = push(&mut bones, Some(parent), placement, bone_length, ranges, k);
+            parent = push(
+                &mut builder,
+                Some(parent),
+                placement,
+                bone_length,
+                ranges,
+                k,
+            );
         }
         tips.push(parent);
     }
-    let skeleton = Skeleton::new("figure", bones).expect("its bones are valid");
-    let ids = tips
-        .into_iter()
-        .map(|t| skeleton.bone_at(t).expect("it is there"))
-        .collect();
-    (skeleton, ids)
+    (builder.build().expect("its bones are valid"), tips)
 }
 
 fn push(
-    bones: &mut Vec<Bone>,
-    parent: Option<usize>,
+    builder: &mut SkeletonBuilder,
+    parent: Option<BoneId>,
     model_from_rest: Placement<f64>,
     length: f64,
     [twist, bend, second]: [f64; 3],
     k: usize,
-) -> usize {
+) -> BoneId {
     let symmetric = |degrees: f64| Limits::new(-degrees.to_radians(), degrees.to_radians());
     let lower_bend = if twist == 0.0 { 0.0 } else { -bend / 4.0 };
-    let parent = parent.map(|p| {
-        // Ids exist only inside a skeleton; a skeleton of the bones so far lends one.
-        let so_far = Skeleton::new("so far", bones.clone()).expect("its bones are valid");
-        so_far.bone_at(p).expect("it is there")
-    });
-    bones.push(Bone {
-        name: format!("b{}-{k}", bones.len()),
+    builder.add(Bone {
+        name: format!("b{}-{k}", builder.bones().len()),
         parent,
         length,
         model_from_rest,
@@ -89,8 +85,7 @@ fn push(
             Limits::new(lower_bend.to_radians(), bend.to_radians()),
             symmetric(second),
         ],
-    });
-    bones.len() - 1
+    })
 }
 
 /// Axes whose first column is `unit`.

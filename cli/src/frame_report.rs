@@ -1,7 +1,7 @@
 //! Where frames stand, for people and for programs.
 
-use kinopt::kinematics::{Tree, TreeState};
-use kinopt::model::{FrameId, ParameterMap, UnknownName};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, UnknownName};
 use kinopt::spatial::{Placement, Quaternion};
 use serde::{Serialize, Serializer};
 
@@ -88,13 +88,11 @@ impl LoadedModel {
         Ok(FrameReport(report.collect()))
     }
 
-    /// world_from_frame of every frame of the model, by index.
+    /// world_from_frame of every frame of the model, by index; none for a `q` of the wrong length,
+    /// which the reader of `q` has ruled out.
     pub(crate) fn all_frames(&self, q: &[f64]) -> Vec<Placement<f64>> {
-        let frames: Vec<FrameId> = self.model.frame_ids().collect();
-        let tree = Tree::new(&self.model, &ParameterMap::identity(&self.model), &frames);
-        let mut state = TreeState::new(&tree);
-        tree.forward(q, &mut state);
-        state.frames().to_vec()
+        let mut kinematics = ForwardKinematics::new(&self.model);
+        kinematics.place(q).map(<[_]>::to_vec).unwrap_or_default()
     }
 }
 

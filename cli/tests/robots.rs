@@ -129,7 +129,7 @@ fn one_target_by_every_search_and_solver() {
         let mut all = vec!["solve", &panda.file, &target, "--json"];
         all.extend(&arguments);
         let solution = json(&all);
-        assert_eq!(solution["reached"], true, "{arguments:?}");
+        assert_eq!(solution["reached"], true, "{arguments:?}: {solution}");
         let q = numbers(&solution["q"]);
         panda.check(&q, &pose);
         // The fingers are not asked for: they stay together, where the start has them.

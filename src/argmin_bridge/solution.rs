@@ -58,6 +58,7 @@ pub(super) fn solution_at<I: State>(
         let projected_gradient = projected_gradient_norm(
             &buffers.x,
             &buffers.gradient,
+            1.0,
             problem.lower(),
             problem.upper(),
         );
@@ -66,7 +67,17 @@ pub(super) fn solution_at<I: State>(
         solution.cost = buffers.cost();
         solution.projected_gradient = Some(projected_gradient);
         solution.attempts = 1;
-        solution.measure(problem, &buffers.x, &buffers.residual, &buffers.gradient);
+        Evaluation::new(problem, &mut buffers.scratch).jacobian(&buffers.x, &mut buffers.jacobian);
+        let columns = buffers.jacobian.column_iter();
+        let steepest = columns.map(|column| column.norm()).fold(0.0, f64::max);
+        let negligible = STATIONARY * steepest * (2.0 * solution.cost).sqrt();
+        solution.measure(
+            problem,
+            &buffers.x,
+            &buffers.residual,
+            &buffers.gradient,
+            negligible,
+        );
         if let Some((state, counts)) = run {
             solution.iterations = usize::try_from(state.get_iter()).unwrap_or(usize::MAX);
             solution.counts = counts_from(counts);
@@ -78,18 +89,8 @@ pub(super) fn solution_at<I: State>(
             }
             Some(status) => termination_of(status, finished),
             None if finished => Termination::Reached,
-            None => {
-                Evaluation::new(problem, &mut buffers.scratch)
-                    .jacobian(&buffers.x, &mut buffers.jacobian);
-                let columns = buffers.jacobian.column_iter();
-                let steepest = columns.map(|column| column.norm()).fold(0.0, f64::max);
-                let length = (2.0 * solution.cost).sqrt();
-                if projected_gradient <= STATIONARY * steepest * length {
-                    Termination::Stationary
-                } else {
-                    Termination::SmallStep
-                }
-            }
+            None if projected_gradient <= negligible => Termination::Stationary,
+            None => Termination::SmallStep,
         };
         solution
     })

@@ -78,7 +78,9 @@ impl Goal {
     /// The first half width that is no number of at least 0.
     pub(super) fn defect(&self) -> Option<f64> {
         // `>= 0` is false for NaN.
-        self.half_widths.into_iter().find(|h| !(*h >= 0.0))
+        self.half_widths
+            .into_iter()
+            .find(|h| h.is_nan() || *h < 0.0)
     }
 
     /// In the lane engine's terms: free components have weight 0, angles become chords 2 sin(θ/2).

@@ -10,7 +10,7 @@ use super::serial::Serial;
 use super::{ArmError, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
-use crate::model::{JointId, Limits};
+use crate::model::{JointId, JointKind, Limits};
 use crate::problem::Names;
 use crate::spatial::Placement;
 
@@ -43,12 +43,13 @@ impl Arm {
         (_base, tip): (&str, &str),
     ) -> Result<Self, ArmError> {
         let joint = |id: &JointId| serial.model.joints()[id.index()].name.clone();
+        let leader = |&c: &usize| serial.model.moving_joints()[c];
         let leaders = serial.map.leaders().iter();
+        let turns = |id: JointId| serial.model.joints()[id.index()].kind != JointKind::Prismatic;
         let names = Names {
             model: serial.model.name().to_owned(),
-            variables: leaders
-                .map(|&c| joint(&serial.model.moving_joints()[c]))
-                .collect(),
+            variables: leaders.clone().map(|c| joint(&leader(c))).collect(),
+            variable_is_angle: leaders.map(|c| turns(leader(c))).collect(),
             tasks: vec![format!("pose of `{tip}`")],
             task_frames: vec![Some(tip.to_owned())],
         };
@@ -98,7 +99,7 @@ impl Arm {
         if let Some(chain) = &self.serial.chain {
             return Ok(chain.base_from_tip(q));
         }
-        Ok(self.with_desk(|desk| desk.base_from_tool(&self.serial, q))?)
+        self.with_desk(|desk| desk.base_from_tool(&self.serial, q))
     }
 
     /// Solves for one target from one start (which may lie outside the limits and is then projected

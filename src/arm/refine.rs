@@ -124,7 +124,7 @@ impl Arm {
                 }
             }
             let scale = normal.trace();
-            if !(scale > 0.0) || miss.norm() <= 1e-14 * (1.0 + scale.sqrt()) {
+            if scale.is_nan() || scale <= 0.0 || miss.norm() <= 1e-14 * (1.0 + scale.sqrt()) {
                 return;
             }
             for k in 0..6 {

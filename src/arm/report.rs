@@ -80,7 +80,7 @@ impl Arm {
         self.report(reply, solution);
         if !solution.reached {
             desk.differentiate();
-            solution.name_limits(&desk.x, &desk.lower, &desk.upper, &desk.gradient);
+            solution.name_limits(&desk.x, &desk.lower, &desk.upper, &desk.gradient, 0.0);
             let bounds = desk.lower.iter().zip(&desk.upper);
             let moves = desk.x.iter().zip(&desk.gradient).zip(bounds);
             let projected = moves.map(|((x, g), (lower, upper))| {

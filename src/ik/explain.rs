@@ -38,7 +38,11 @@ impl Solution {
             let misses = task.rows.iter().filter(|rows| !rows.reached);
             for (k, rows) in misses.enumerate() {
                 let joiner = if k > 0 { " and " } else { "" };
-                write!(text, "{joiner}{:.6} {}", rows.error, rows.quantity.unit())?;
+                write!(text, "{joiner}{}", Significant(rows.error))?;
+                let unit = rows.quantity.unit();
+                if !unit.is_empty() {
+                    write!(text, " {unit}")?;
+                }
             }
             writeln!(text, ".")?;
         }
@@ -53,15 +57,34 @@ impl Solution {
                     Side::Upper => "upper",
                 };
                 let joiner = if k > 0 { ", " } else { "" };
-                write!(
-                    text,
-                    "{joiner}the {side} limit {:.6} of `{}`",
-                    limit.value, limit.joint
-                )?;
+                let value = Significant(limit.value);
+                write!(text, "{joiner}the {side} limit {value} ")?;
+                if limit.is_angle {
+                    write!(text, "rad ({}°)", Significant(limit.value.to_degrees()))?;
+                } else {
+                    text.push('m');
+                }
+                write!(text, " of `{}`", limit.joint)?;
             }
             text.push('.');
         }
         Ok(())
+    }
+}
+
+/// Four significant digits: no miss, however small, reads as zero.
+struct Significant(f64);
+
+impl std::fmt::Display for Significant {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let value = self.0;
+        let size = value.abs();
+        let decimals = match size {
+            _ if size == 0.0 || !value.is_finite() => return write!(f, "{value}"),
+            _ if !(1e-3..1e6).contains(&size) => return write!(f, "{value:.3e}"),
+            _ => (3.0 - size.log10().floor()).max(0.0) as usize,
+        };
+        write!(f, "{value:.decimals$}")
     }
 }
 

@@ -1,9 +1,9 @@
 //! Solving a [`Problem`](crate::Problem): a method, restarts, and the truth about the result.
 
+mod attempts;
 mod error;
 mod explain;
 mod restarts;
-mod search;
 mod solution;
 mod solver;
 mod workspace;

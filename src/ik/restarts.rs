@@ -108,10 +108,11 @@ impl Restarts {
         self
     }
 
-    /// The runs, in order.
-    pub(super) fn trials(&self) -> impl Iterator<Item = Trial> + use<> {
+    /// The runs, in order; `patient` ones all go to their ends.
+    pub(super) fn trials(&self, patient: bool) -> impl Iterator<Item = Trial> + use<> {
         let quick = match self.attempts {
             1 => 0,
+            _ if patient => 0,
             attempts => attempts.min(QUICK_ATTEMPTS),
         };
         let finish = (quick > 0).then_some(Trial::FinishBest);
@@ -132,7 +133,7 @@ impl Restarts {
 
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
     /// place, even ones go there. The first attempts after the start leave what is not free to
-    /// `wander` where it is.
+    /// `wander` where it is, and all leave alone what no task feels.
     pub(super) fn start_of(
         &self,
         index: usize,
@@ -150,7 +151,7 @@ impl Restarts {
         for (j, value) in x.iter_mut().enumerate() {
             let (low, high) = problem.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
-            if wander[j] || index > LOCAL_ATTEMPTS {
+            if wander[j] || (index > LOCAL_ATTEMPTS && problem.is_felt(j)) {
                 *value = start[j] + share * (drawn - start[j]);
             }
         }

@@ -15,7 +15,8 @@ pub enum Side {
     Upper,
 }
 
-/// A limit that holds the solution back: the joint stands on it and the cost would fall beyond it.
+/// A limit that holds the solution back: the joint stands on it and the cost would fall beyond it
+/// by more than what counts as stationary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveLimit<'a> {
     /// The joint's name.
@@ -24,6 +25,8 @@ pub struct ActiveLimit<'a> {
     pub side: Side,
     /// The limit, in radians or metres.
     pub value: f64,
+    /// Whether the limit is an angle.
+    pub is_angle: bool,
     /// How fast the cost would fall beyond it, per radian or metre.
     pub push: f64,
 }
@@ -152,13 +155,22 @@ impl Solution {
                 joint: names.variables.get(blocked.variable)?,
                 side: blocked.side,
                 value: blocked.value,
+                is_angle: *names.variable_is_angle.get(blocked.variable)?,
                 push: blocked.push,
             })
         })
     }
 
-    /// Takes the configuration, the errors and the blocking limits at x.
-    pub(crate) fn measure(&mut self, problem: &Problem, x: &[f64], r: &[f64], gradient: &[f64]) {
+    /// Takes the configuration, the errors and the blocking limits at x. A slope up to `negligible`
+    /// does not push.
+    pub(crate) fn measure(
+        &mut self,
+        problem: &Problem,
+        x: &[f64],
+        r: &[f64],
+        gradient: &[f64],
+        negligible: f64,
+    ) {
         self.q.resize(problem.degrees_of_freedom(), 0.0);
         problem.parameters().expand_within_limits(x, &mut self.q);
         self.rows.clear();
@@ -174,7 +186,7 @@ impl Solution {
 
         self.blocked.clear();
         if !self.reached {
-            self.name_limits(x, problem.lower(), problem.upper(), gradient);
+            self.name_limits(x, problem.lower(), problem.upper(), gradient, negligible);
         }
         let known = self.names.as_ref();
         if !known.is_some_and(|names| Arc::ptr_eq(names, problem.names())) {
@@ -182,19 +194,21 @@ impl Solution {
         }
     }
 
-    /// Lists the variables that stand on a bound beyond which the cost falls.
+    /// Lists the variables that stand on a bound beyond which the cost falls, by a slope of more than
+    /// `negligible`.
     pub(crate) fn name_limits(
         &mut self,
         x: &[f64],
         lower: &[f64],
         upper: &[f64],
         gradient: &[f64],
+        negligible: f64,
     ) {
         self.blocked.clear();
         for (variable, (&value, &g)) in x.iter().zip(gradient).enumerate() {
-            let side = if value <= lower[variable] && g > 0.0 {
+            let side = if value <= lower[variable] && g > negligible {
                 Side::Lower
-            } else if value >= upper[variable] && g < 0.0 {
+            } else if value >= upper[variable] && g < -negligible {
                 Side::Upper
             } else {
                 continue;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::search::Search;
+use super::attempts::Attempts;
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::problem::Problem;
 use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping, project};
@@ -106,14 +106,14 @@ impl Solver {
         problem.parameters().reduce(start, &mut workspace.start);
         project(&mut workspace.start, problem.lower(), problem.upper());
 
-        let search = Search {
+        let attempts = Attempts {
             problem,
             method: &*self.method,
             stopping: self.stopping,
             restarts: self.restarts,
         };
-        let found = search.run(workspace, &mut scratch, observer);
-        workspace.report(problem, &mut scratch, &found);
+        let found = attempts.run(workspace, &mut scratch, observer);
+        workspace.report(problem, &self.stopping, &mut scratch, &found);
         workspace.scratch = Some(scratch);
         Ok(&workspace.solution)
     }

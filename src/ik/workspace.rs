@@ -1,9 +1,9 @@
 //! The memory of solving, which belongs to the caller.
 
 use super::Solution;
-use super::search::Found;
+use super::attempts::Found;
 use crate::problem::{Evaluation, Problem, Scratch};
-use crate::solver::Memory;
+use crate::solver::{Memory, Stopping, negligible_slope};
 
 /// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
 /// problem, a solve allocates nothing. It fits any problem, one at a time.
@@ -49,7 +49,13 @@ impl Workspace {
     }
 
     /// Fills the solution in from what a search found.
-    pub(super) fn report(&mut self, problem: &Problem, scratch: &mut Scratch, found: &Found) {
+    pub(super) fn report(
+        &mut self,
+        problem: &Problem,
+        stopping: &Stopping,
+        scratch: &mut Scratch,
+        found: &Found,
+    ) {
         let solution = &mut self.solution;
         solution.termination = found.outcome.termination;
         solution.projected_gradient = found.outcome.projected_gradient;
@@ -58,12 +64,13 @@ impl Workspace {
         solution.attempts = found.attempts;
         solution.counts = found.counts;
         let (x, residual) = (&self.best_x, &self.best_residual);
-        let gradient = if problem.is_reached(residual) {
-            &[]
+        let (gradient, column_norm): (&[f64], f64) = if problem.is_reached(residual) {
+            (&[], 0.0)
         } else {
             let mut evaluation = Evaluation::new(problem, scratch);
-            self.memory.gradient_at(&mut evaluation, x, residual)
+            self.memory.slope_at(&mut evaluation, x, residual)
         };
-        solution.measure(problem, x, residual, gradient);
+        let negligible = negligible_slope(column_norm, found.cost, stopping);
+        solution.measure(problem, x, residual, gradient, negligible);
     }
 }

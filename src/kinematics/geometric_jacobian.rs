@@ -14,21 +14,21 @@ use crate::spatial::Vector3;
 /// `linear[k]` and `angular[k]` are the derivatives of row `first_row + k` by the frame's velocity
 /// (per metre) and angular velocity (per radian), in world axes at the frame's origin.
 #[derive(Clone, Copy, Debug)]
-pub struct Partials<'a> {
+pub(crate) struct Partials<'a> {
     /// Which frame moves.
-    pub frame: FrameSlot,
+    pub(crate) frame: FrameSlot,
     /// The residual row of the first entry.
-    pub first_row: usize,
+    pub(crate) first_row: usize,
     /// ∂row/∂velocity, one per row.
-    pub linear: &'a [Vector3<f64>],
+    pub(crate) linear: &'a [Vector3<f64>],
     /// ∂row/∂angular velocity, one per row; empty where the rows do not feel rotation.
-    pub angular: &'a [Vector3<f64>],
+    pub(crate) angular: &'a [Vector3<f64>],
 }
 
 impl Tree {
     /// Adds the derivatives of the rows in `partials` by all variables to `jacobian` (shape: rows
     /// × [`variables`](Self::variables)), after a forward pass at the same x.
-    pub fn add_geometric_jacobian(
+    pub(crate) fn add_geometric_jacobian(
         &self,
         state: &TreeState<f64>,
         partials: &Partials<'_>,
@@ -36,27 +36,36 @@ impl Tree {
     ) {
         let rows = jacobian.nrows();
         let entries = jacobian.as_mut_slice();
-        let at = state.frames()[partials.frame].translation;
+        let at = state.origin_to_frame[partials.frame];
         let mut next = self.leaves[partials.frame].node;
         while let Some(index) = next {
             let node = &self.nodes[index];
-            let world_from_node = &state.world_from_node[index];
-            let axis = node.motion.world_axis(world_from_node) * node.ratio;
+            let origin_from_node = &state.origin_from_node[index];
+            let axis = node.motion.world_axis(origin_from_node) * node.ratio;
             let (linear, angular) = if node.motion.turns() {
-                (axis.cross(at - world_from_node.translation), axis)
+                (axis.cross(at - origin_from_node.translation), axis)
             } else {
                 (axis, Vector3::zero())
             };
             let start = node.variable * rows + partials.first_row;
             let column = &mut entries[start..start + partials.linear.len()];
-            if partials.angular.is_empty() {
-                for (entry, by_linear) in column.iter_mut().zip(partials.linear) {
-                    *entry += by_linear.dot(linear);
+            match (partials.linear, partials.angular, column) {
+                // The most common shape, without a loop.
+                ([by_x, by_y, by_z], [], [x, y, z]) => {
+                    *x += by_x.dot(linear);
+                    *y += by_y.dot(linear);
+                    *z += by_z.dot(linear);
                 }
-            } else {
-                let pairs = partials.linear.iter().zip(partials.angular);
-                for (entry, (by_linear, by_angular)) in column.iter_mut().zip(pairs) {
-                    *entry += by_linear.dot(linear) + by_angular.dot(angular);
+                (by_linear, [], column) => {
+                    for (entry, by_linear) in column.iter_mut().zip(by_linear) {
+                        *entry += by_linear.dot(linear);
+                    }
+                }
+                (by_linear, by_angular, column) => {
+                    let pairs = by_linear.iter().zip(by_angular);
+                    for (entry, (by_linear, by_angular)) in column.iter_mut().zip(pairs) {
+                        *entry += by_linear.dot(linear) + by_angular.dot(angular);
+                    }
                 }
             }
             next = node.parent;

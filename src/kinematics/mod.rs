@@ -1,14 +1,17 @@
 //! From configurations to placements, and their derivatives.
 //!
-//! [`Tree`] is a model compiled for one purpose: the joints that move the frames asked for, with
-//! everything constant folded in. [`TreeState`] is its scratch memory, over any scalar.
+//! [`ForwardKinematics`] places the frames of a model. Inside, a tree is a model compiled for one
+//! purpose: the joints that move the frames asked for, with everything constant folded in. Who
+//! compiles one has checked ids and sizes, so its loops need not.
 
+mod forward;
 mod geometric_jacobian;
 mod reverse;
 mod state;
 mod tree;
 
-pub use geometric_jacobian::Partials;
-pub use reverse::{Wrench, Wrenches};
-pub use state::TreeState;
-pub use tree::{FrameSlot, Tree};
+pub use forward::{ForwardKinematics, KinematicsError};
+pub(crate) use geometric_jacobian::Partials;
+pub(crate) use reverse::{Wrench, Wrenches};
+pub(crate) use state::TreeState;
+pub(crate) use tree::{FrameSlot, Tree};

@@ -9,17 +9,16 @@ use crate::spatial::Vector3;
 
 /// A force and the moment about some point, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wrench {
+pub(crate) struct Wrench {
     /// ∂cost/∂velocity.
-    pub force: Vector3<f64>,
+    pub(crate) force: Vector3<f64>,
     /// ∂cost/∂angular velocity, about the frame's own origin.
-    pub moment: Vector3<f64>,
+    pub(crate) moment: Vector3<f64>,
 }
 
 impl Wrench {
     /// No force, no moment.
-    #[must_use]
-    pub fn zero() -> Self {
+    pub(crate) fn zero() -> Self {
         Self {
             force: Vector3::zero(),
             moment: Vector3::zero(),
@@ -37,28 +36,27 @@ impl Wrench {
 
 /// Scratch memory of a reverse sweep: the wrench each node carries, about its own origin.
 #[derive(Clone, Debug)]
-pub struct Wrenches {
+pub(crate) struct Wrenches {
     on_node: Vec<Wrench>,
 }
 
 impl Wrenches {
     /// Memory for `tree`, all zero.
-    #[must_use]
-    pub fn new(tree: &Tree) -> Self {
+    pub(crate) fn new(tree: &Tree) -> Self {
         Self {
             on_node: vec![Wrench::zero(); tree.nodes.len()],
         }
     }
 
     /// Forgets every push.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.on_node.fill(Wrench::zero());
     }
 }
 
 impl Tree {
     /// Pushes on a frame; `wrench` is about the frame's origin.
-    pub fn push(
+    pub(crate) fn push(
         &self,
         state: &TreeState<f64>,
         slot: FrameSlot,
@@ -66,7 +64,7 @@ impl Tree {
         wrenches: &mut Wrenches,
     ) {
         if let Some(node) = self.leaves[slot].node {
-            let lever = state.frames()[slot].translation - state.world_from_node[node].translation;
+            let lever = state.origin_to_frame[slot] - state.origin_from_node[node].translation;
             let moved = wrench.shifted(lever);
             wrenches.on_node[node].force += moved.force;
             wrenches.on_node[node].moment += moved.moment;
@@ -75,11 +73,16 @@ impl Tree {
 
     /// Sweeps the pushes down to the root and adds each joint's share to `gradient` (shape:
     /// [`variables`](Self::variables)). The pushes are used up.
-    pub fn sweep(&self, state: &TreeState<f64>, wrenches: &mut Wrenches, gradient: &mut [f64]) {
+    pub(crate) fn sweep(
+        &self,
+        state: &TreeState<f64>,
+        wrenches: &mut Wrenches,
+        gradient: &mut [f64],
+    ) {
         for (index, node) in self.nodes.iter().enumerate().rev() {
-            let world_from_node = &state.world_from_node[index];
+            let origin_from_node = &state.origin_from_node[index];
             let carried = wrenches.on_node[index];
-            let axis = node.motion.world_axis(world_from_node);
+            let axis = node.motion.world_axis(origin_from_node);
             let share = if node.motion.turns() {
                 axis.dot(carried.moment)
             } else {
@@ -87,7 +90,8 @@ impl Tree {
             };
             gradient[node.variable] += share * node.ratio;
             if let Some(parent) = node.parent {
-                let lever = world_from_node.translation - state.world_from_node[parent].translation;
+                let above = &state.origin_from_node[parent];
+                let lever = origin_from_node.translation - above.translation;
                 let moved = carried.shifted(lever);
                 wrenches.on_node[parent].force += moved.force;
                 wrenches.on_node[parent].moment += moved.moment;

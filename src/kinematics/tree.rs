@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Which of a tree's frames: the position in the list it was compiled for.
-pub type FrameSlot = usize;
+pub(crate) type FrameSlot = usize;
 
 /// How a node moves; turning about a coordinate axis touches two columns only.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,10 +63,10 @@ impl Motion {
         }
     }
 
-    /// The motion's axis in world coordinates.
+    /// The motion's axis in world axes.
     #[inline(always)]
-    pub(super) fn world_axis(&self, world_from_node: &Placement<f64>) -> Vector3<f64> {
-        let rotation = &world_from_node.rotation;
+    pub(super) fn world_axis(&self, origin_from_node: &Placement<f64>) -> Vector3<f64> {
+        let rotation = &origin_from_node.rotation;
         match self {
             Self::TurnX => rotation.x,
             Self::TurnY => rotation.y,
@@ -93,6 +93,23 @@ impl Offset {
         } else {
             Self::Identity
         }
+    }
+
+    fn shift(&self) -> Vector3<f64> {
+        match self {
+            Self::Identity => Vector3::zero(),
+            Self::Shift(by) => *by,
+            Self::Rigid(placement) => placement.translation,
+        }
+    }
+
+    /// The same offset, moved by `by` in its parent's axes.
+    fn shifted(&self, by: Vector3<f64>) -> Self {
+        let rotation = match self {
+            Self::Rigid(placement) => placement.rotation,
+            Self::Identity | Self::Shift(_) => Matrix3::identity(),
+        };
+        Self::new(Placement::new(rotation, self.shift() + by))
     }
 
     /// `world_from_parent · self`.
@@ -131,16 +148,19 @@ pub(super) struct Leaf {
 ///
 /// Nodes stand parents first. Joints that are fixed, locked, or move none of the frames are gone.
 #[derive(Clone, Debug)]
-pub struct Tree {
+pub(crate) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Leaf>,
+    /// Where the first root joint stands in the world. Nodes are placed as seen from there, so
+    /// that levers lose no digits in a model far from the world's origin.
+    pub(super) origin: Vector3<f64>,
     variables: usize,
 }
 
 impl Tree {
-    /// Compiles `model` for the given frames under `map`; slot k of the tree is `frames[k]`.
-    #[must_use]
-    pub fn new(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
+    /// Compiles `model` for the given frames under `map`, both its own; slot k of the tree is
+    /// `frames[k]`.
+    pub(crate) fn new(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
         let joints = model.joints();
         let mut needed = vec![false; joints.len()];
         for frame in frames {
@@ -151,7 +171,7 @@ impl Tree {
             }
         }
 
-        let mut nodes = Vec::new();
+        let mut nodes: Vec<Node> = Vec::new();
         // For every needed joint: the node that carries it and where it stands on that node.
         let mut carried = vec![(None, Placement::identity()); joints.len()];
         for (index, joint) in joints.iter().enumerate().filter(|(i, _)| needed[*i]) {
@@ -190,6 +210,13 @@ impl Tree {
             };
         }
 
+        // Joints of the root are the only ones placed in the world.
+        let first = nodes.iter().find(|node| node.parent.is_none());
+        let origin = first.map_or(Vector3::zero(), |root| root.parent_from_node.shift());
+        for node in nodes.iter_mut().filter(|node| node.parent.is_none()) {
+            node.parent_from_node = node.parent_from_node.shifted(-origin);
+        }
+
         let leaves = frames
             .iter()
             .map(|frame| {
@@ -207,32 +234,20 @@ impl Tree {
         Self {
             nodes,
             leaves,
+            origin,
             variables: map.variables(),
         }
     }
 
-    /// How many frames it was compiled for.
-    #[must_use]
-    pub fn frames(&self) -> usize {
-        self.leaves.len()
-    }
-
     /// How many variables it reads.
-    #[must_use]
-    pub fn variables(&self) -> usize {
+    pub(crate) fn variables(&self) -> usize {
         self.variables
     }
 
     /// The variables that move a frame, from the frame to the root; unknown slots have none.
-    pub fn variables_moving(&self, slot: FrameSlot) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn variables_moving(&self, slot: FrameSlot) -> impl Iterator<Item = usize> + '_ {
         let first = self.leaves.get(slot).and_then(|leaf| leaf.node);
         let nodes = std::iter::successors(first, |&node| self.nodes[node].parent);
         nodes.map(|node| self.nodes[node].variable)
-    }
-
-    /// How many joints move the frames.
-    #[must_use]
-    pub fn moving_joints(&self) -> usize {
-        self.nodes.len()
     }
 }

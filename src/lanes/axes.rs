@@ -5,9 +5,10 @@
 //! the full pose uses, would also vanish half a turn away. Derivatives are exact: with the tip's
 //! position p and the quaternion (w, v), a twist (u, ω) moves p by u + ω × p and 2v by w ω + ω × v.
 
-use super::judge::Errors;
-use super::kernel::{Evaluation, Settings, Weighed};
+use super::errors::Errors;
+use super::evaluation::{Evaluation, Weighed};
 use super::lane::LaneScalar;
+use super::settings::Settings;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Quaternion, Vector3};
 

@@ -1,12 +1,15 @@
 //! Many queries: every lane works on its own, and takes the next when it is done.
 
 use super::chain::MAX_JOINTS;
-use super::kernel::Group;
+use super::group::Group;
+use super::judge::judge;
+use super::kernel;
 use super::lane::LaneScalar;
 use super::options::{Outcome, Search};
-use super::race::Query;
+use super::prepared::Prepared;
+use super::query::Query;
 use super::seeds::QuerySeeds;
-use super::solver::PoseSolver;
+use super::turns::unwrap_towards;
 use crate::spatial::Placement;
 
 /// What a lane is busy with.
@@ -46,12 +49,12 @@ pub(crate) fn batch<
     const EXACT: bool,
     const AXES: bool,
 >(
-    solver: &PoseSolver,
+    prepared: &Prepared,
     work: Work<'_>,
 ) {
-    let n = solver.links.links.len();
-    let settings = &solver.settings;
-    let options = &solver.options;
+    let n = prepared.links.links.len();
+    let settings = &prepared.settings;
+    let options = &prepared.options;
     let mut group = Group::<V, N>::new(n);
     let mut seed = [0.0; MAX_JOINTS];
     let Work {
@@ -80,8 +83,8 @@ pub(crate) fn batch<
                     next += 1;
                     Some(Job {
                         index: next - 1,
-                        goal_from_first: solver.links.goal_from_first::<AXES>(target),
-                        seeds: QuerySeeds::new(solver, &query),
+                        goal_from_first: prepared.links.goal_from_first::<AXES>(target),
+                        seeds: QuerySeeds::new(prepared, &query),
                         query,
                         attempt: attempts_from.map_or(0, |first| first + (next - 1) as u32),
                         begun: 0,
@@ -104,7 +107,7 @@ pub(crate) fn batch<
         }
     }
     while active != 0 {
-        let ended = group.step::<EXACT, AXES>(&solver.links, settings);
+        let ended = kernel::step::<V, N, EXACT, AXES>(&mut group, &prepared.links, settings);
         let mut over = (ended.reached | ended.stalled | ended.closing) & active;
         for (lane, job) in jobs.iter_mut().enumerate() {
             if let Some(job) = job {
@@ -123,8 +126,9 @@ pub(crate) fn batch<
             let mut errors = None;
             if !reached && ended.closing >> lane & 1 != 0 {
                 group.next_point(lane, &mut seed);
-                solver.unwrap_towards(job.query.start, &mut seed[..n]);
-                let (close, found) = solver.judge::<V, N, AXES>(&job.goal_from_first, &seed[..n]);
+                unwrap_towards(prepared, job.query.start, &mut seed[..n]);
+                let (close, found) =
+                    judge::<V, N, AXES>(prepared, &job.goal_from_first, &seed[..n]);
                 if close {
                     reached = true;
                     errors = Some(found);
@@ -151,8 +155,9 @@ pub(crate) fn batch<
                 let errors = match errors {
                     Some(errors) => errors,
                     None => {
-                        solver.unwrap_towards(job.query.start, q);
-                        let (close, errors) = solver.judge::<V, N, AXES>(&job.goal_from_first, q);
+                        unwrap_towards(prepared, job.query.start, q);
+                        let (close, errors) =
+                            judge::<V, N, AXES>(prepared, &job.goal_from_first, q);
                         reached = close;
                         errors
                     }

@@ -4,8 +4,9 @@ use super::batch::{self, Work};
 use super::chain::MAX_JOINTS;
 use super::lane::Lanes;
 use super::options::Outcome;
-use super::race::{self, Query};
-use super::solver::PoseSolver;
+use super::prepared::Prepared;
+use super::query::Query;
+use super::race;
 
 /// Lanes of a single query and of a batch: a batch has independent work to hide latencies with.
 const RACE: usize = 4;
@@ -17,9 +18,9 @@ const PORTABLE_IS_MAIN: bool = !cfg!(target_arch = "x86_64");
 /// Calls `$run` with the lane type and the kernel for this chain: number of joints, whether that is
 /// exact, whether the goal has weighted axes.
 macro_rules! by_chain {
-    ($solver:expr, $race:ident, $fma:literal, $($argument:expr),*) => {{
-        let links = &$solver.links;
-        match (links.links.len(), links.all_revolute, $solver.weighted) {
+    ($prepared:expr, $race:ident, $fma:literal, $($argument:expr),*) => {{
+        let links = &$prepared.links;
+        match (links.links.len(), links.all_revolute, $prepared.weighted) {
             (_, _, true) => by_chain!(@ $race, $fma, MAX_JOINTS, false, true, $($argument),*),
             // Where the portable lanes are only the fallback, one kernel of them is enough code.
             (6, true, false) if $fma || PORTABLE_IS_MAIN => by_chain!(@ $race, $fma, 6, true, false, $($argument),*),
@@ -37,41 +38,41 @@ macro_rules! by_chain {
 
 /// Whether the fused functions below may run.
 #[cfg(target_arch = "x86_64")]
-fn has_fused(solver: &PoseSolver) -> bool {
-    !solver.options.portable
+fn has_fused(prepared: &Prepared) -> bool {
+    !prepared.options.portable
         && std::is_x86_feature_detected!("avx2")
         && std::is_x86_feature_detected!("fma")
 }
 
-pub(crate) fn race(solver: &PoseSolver, query: &Query<'_>, lone: bool, q: &mut [f64]) -> Outcome {
+pub(crate) fn race(prepared: &Prepared, query: &Query<'_>, lone: bool, q: &mut [f64]) -> Outcome {
     #[cfg(target_arch = "x86_64")]
-    if has_fused(solver) {
+    if has_fused(prepared) {
         // SAFETY: the processor has the instructions the function is compiled for. Measured: four
         // times as fast as the portable lanes.
         #[allow(unsafe_code)]
-        return unsafe { race_fused(solver, query, lone, q) };
+        return unsafe { race_fused(prepared, query, lone, q) };
     }
-    by_chain!(solver, race, false, solver, query, lone, q)
+    by_chain!(prepared, race, false, prepared, query, lone, q)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn race_fused(solver: &PoseSolver, query: &Query<'_>, lone: bool, q: &mut [f64]) -> Outcome {
-    by_chain!(solver, race, true, solver, query, lone, q)
+fn race_fused(prepared: &Prepared, query: &Query<'_>, lone: bool, q: &mut [f64]) -> Outcome {
+    by_chain!(prepared, race, true, prepared, query, lone, q)
 }
 
-pub(crate) fn batch(solver: &PoseSolver, work: Work<'_>) {
+pub(crate) fn batch(prepared: &Prepared, work: Work<'_>) {
     #[cfg(target_arch = "x86_64")]
-    if has_fused(solver) {
+    if has_fused(prepared) {
         // SAFETY: as above.
         #[allow(unsafe_code)]
-        return unsafe { batch_fused(solver, work) };
+        return unsafe { batch_fused(prepared, work) };
     }
-    by_chain!(solver, batch, false, solver, work)
+    by_chain!(prepared, batch, false, prepared, work)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn batch_fused(solver: &PoseSolver, work: Work<'_>) {
-    by_chain!(solver, batch, true, solver, work)
+fn batch_fused(prepared: &Prepared, work: Work<'_>) {
+    by_chain!(prepared, batch, true, prepared, work)
 }

@@ -2,24 +2,30 @@
 
 use super::axes;
 use super::chain::JointKind;
-use super::kernel::Settings;
+use super::errors::Errors;
 use super::lane::LaneScalar;
 use super::links::Links;
+use super::prepared::Prepared;
+use super::settings::Settings;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// How far the tip is from its goal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Errors {
-    /// Metres.
-    pub(crate) position: f64,
-    /// Radians, 0 to π.
-    pub(crate) orientation: f64,
+/// Judges a q that is to be returned: whether it is within the tolerances, and its errors.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn judge<V: LaneScalar, const N: usize, const AXES: bool>(
+    prepared: &Prepared,
+    goal_from_first: &Placement<f64>,
+    q: &[f64],
+) -> (bool, Errors) {
+    let errors = errors::<V, N, AXES>(&prepared.links, &prepared.settings, goal_from_first, q);
+    let reached = errors.position <= prepared.options.position_tolerance
+        && errors.orientation <= prepared.options.orientation_tolerance;
+    (reached, errors)
 }
 
 /// Distance and angle of the tip at `q` from the goal.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
+fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
     links: &Links,
     settings: &Settings,
     goal_from_first: &Placement<f64>,

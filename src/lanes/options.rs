@@ -12,7 +12,7 @@ pub enum Search {
     First,
 }
 
-/// Options of a [`PoseSolver`].
+/// Options of a [`PoseSolver`](super::PoseSolver).
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaneOptions {
     /// How far the tip may be from the target, metres; positive. Default 1e-6.
@@ -61,6 +61,30 @@ impl Default for LaneOptions {
             seed: 0,
             atlas: true,
             portable: false,
+        }
+    }
+}
+
+impl LaneOptions {
+    /// Whether every number is in its range.
+    ///
+    /// # Errors
+    /// [`LaneError::Option`] with the name of one that is not.
+    pub(crate) fn check(&self) -> Result<(), LaneError> {
+        for (name, value) in [
+            ("position_tolerance", self.position_tolerance),
+            ("orientation_tolerance", self.orientation_tolerance),
+            ("metres_per_radian", self.metres_per_radian),
+            ("damping", self.damping),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(LaneError::Option(name));
+            }
+        }
+        if self.axes.is_valid() {
+            Ok(())
+        } else {
+            Err(LaneError::Option("axes"))
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The residual of the full pose.
 
-use super::kernel::{Evaluation, Weighed};
+use super::evaluation::{Evaluation, Weighed};
 use super::lane::LaneScalar;
 use crate::spatial::Vector3;
 

@@ -3,25 +3,16 @@
 use std::time::Instant;
 
 use super::chain::MAX_JOINTS;
-use super::judge::Errors;
-use super::kernel::Group;
+use super::errors::Errors;
+use super::group::Group;
+use super::judge::judge;
+use super::kernel;
 use super::lane::LaneScalar;
 use super::options::{Outcome, Search};
+use super::prepared::Prepared;
+use super::query::Query;
 use super::seeds::QuerySeeds;
-use super::solver::PoseSolver;
-use crate::spatial::Placement;
-
-/// One query as the drivers see it.
-#[derive(Clone, Copy)]
-pub(crate) struct Query<'a> {
-    pub(crate) target: &'a Placement<f64>,
-    pub(crate) start: &'a [f64],
-    pub(crate) search: Search,
-    /// Iterations after which no attempt begins.
-    pub(crate) budget: u32,
-    /// When to give up, checked between iterations.
-    pub(crate) deadline: Option<Instant>,
-}
+use super::turns::unwrap_towards;
 
 /// A lane that reached.
 struct Winner {
@@ -42,16 +33,16 @@ const MAX_LANES: usize = 8;
 /// tracking, where it nearly never does.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES: bool>(
-    solver: &PoseSolver,
+    prepared: &Prepared,
     query: &Query<'_>,
     lone: bool,
     q_out: &mut [f64],
 ) -> Outcome {
-    let settings = &solver.settings;
-    let options = &solver.options;
-    let n = solver.links.links.len();
-    let goal_from_first = solver.links.goal_from_first::<AXES>(query.target);
-    let mut seeds = QuerySeeds::new(solver, query);
+    let settings = &prepared.settings;
+    let options = &prepared.options;
+    let n = prepared.links.links.len();
+    let goal_from_first = prepared.links.goal_from_first::<AXES>(query.target);
+    let mut seeds = QuerySeeds::new(prepared, query);
     let attempts = options.attempts.max(1);
 
     let mut group = Group::<V, N>::new(n);
@@ -85,7 +76,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
         if active == 0 {
             break;
         }
-        let ended = group.step::<EXACT, AXES>(&solver.links, settings);
+        let ended = kernel::step::<V, N, EXACT, AXES>(&mut group, &prepared.links, settings);
         iterations += active.count_ones();
         late = query.deadline.is_some_and(|at| Instant::now() >= at);
         let mut spent = if late { u32::MAX } else { 0 };
@@ -117,8 +108,8 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
                 } else {
                     group.next_point(lane, &mut seed);
                 }
-                solver.unwrap_towards(query.start, &mut seed[..n]);
-                let (reached, errors) = solver.judge::<V, N, AXES>(&goal_from_first, &seed[..n]);
+                unwrap_towards(prepared, query.start, &mut seed[..n]);
+                let (reached, errors) = judge::<V, N, AXES>(prepared, &goal_from_first, &seed[..n]);
                 if reached {
                     q_out.copy_from_slice(&seed[..n]);
                     winner = Some(Winner {
@@ -153,8 +144,8 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
     let (reached, errors) = match &winner {
         Some(winner) => (true, winner.errors),
         None => {
-            solver.unwrap_towards(query.start, q_out);
-            solver.judge::<V, N, AXES>(&goal_from_first, q_out)
+            unwrap_towards(prepared, query.start, q_out);
+            judge::<V, N, AXES>(prepared, &goal_from_first, q_out)
         }
     };
     Outcome {

@@ -6,8 +6,9 @@ use super::atlas::Candidates;
 use super::chain::JointKind;
 use super::lane::LaneScalar;
 use super::options::Search;
-use super::race::Query;
-use super::solver::PoseSolver;
+use super::prepared::Prepared;
+use super::query::Query;
+use super::split_mix::mix;
 use crate::spatial::Placement;
 
 /// Beyond this an angle loses digits, radians.
@@ -16,7 +17,7 @@ const LARGE_ANGLE: f64 = 1.0e3;
 /// The seeds of one query, by attempt number: the start, those of the atlas, then random ones; the
 /// start comes after the atlas under [`Search::First`].
 pub(crate) struct QuerySeeds<'a> {
-    solver: &'a PoseSolver,
+    prepared: &'a Prepared,
     start: &'a [f64],
     target: &'a Placement<f64>,
     /// Looked up when first asked for.
@@ -26,9 +27,9 @@ pub(crate) struct QuerySeeds<'a> {
 
 impl<'a> QuerySeeds<'a> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn new(solver: &'a PoseSolver, query: &Query<'a>) -> Self {
+    pub(crate) fn new(prepared: &'a Prepared, query: &Query<'a>) -> Self {
         Self {
-            solver,
+            prepared,
             start: query.start,
             target: query.target,
             candidates: None,
@@ -39,7 +40,7 @@ impl<'a> QuerySeeds<'a> {
     /// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fill_start(&self, q: &mut [f64]) {
-        let links = &self.solver.links.links;
+        let links = &self.prepared.links.links;
         for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
             *q = start.max(link.lower).min(link.upper);
             if link.kind == JointKind::Revolute && q.abs() > LARGE_ANGLE {
@@ -52,17 +53,17 @@ impl<'a> QuerySeeds<'a> {
     /// Writes the seed of an attempt.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill<V: LaneScalar>(&mut self, attempt: u32, q: &mut [f64]) {
-        let links = &self.solver.links;
+        let links = &self.prepared.links;
         if self.start_first && attempt == 0 {
             self.fill_start(q);
             return;
         }
         // No closure here: one that is not inlined would be compiled without the vector features.
         if self.candidates.is_none() {
-            self.candidates = Some(match &self.solver.atlas {
+            self.candidates = Some(match &self.prepared.atlas {
                 Some(atlas) => {
                     let mut goal = links.goal_from_first::<false>(self.target);
-                    if self.solver.settings.axes.orientation_weights == [0.0; 3] {
+                    if self.prepared.settings.axes.orientation_weights == [0.0; 3] {
                         // Any orientation will do: the start's is the nearest.
                         let tip = links.base_from_tip(self.start);
                         let target = Placement::new(tip.rotation, self.target.translation);
@@ -86,7 +87,7 @@ impl<'a> QuerySeeds<'a> {
         } else if attempt == count && !self.start_first {
             self.fill_start(q);
         } else {
-            let mut state = mix(self.solver.options.seed ^ mix(u64::from(attempt)));
+            let mut state = mix(self.prepared.options.seed ^ mix(u64::from(attempt)));
             for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
                 state = mix(state);
                 let unit = (state >> 11) as f64 * (0.5f64).powi(53);
@@ -110,12 +111,4 @@ impl<'a> QuerySeeds<'a> {
             }
         }
     }
-}
-
-/// One step of the SplitMix64 generator (Steele, Lea, Flood 2014).
-pub(crate) fn mix(state: u64) -> u64 {
-    let z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
 }

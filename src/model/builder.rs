@@ -164,7 +164,10 @@ impl ModelBuilder {
     /// # Errors
     /// The first joint or frame that is wrong, by name: duplicate names, parents that are not in
     /// the model or come later, limits that are no interval, axes without direction, placements
-    /// that are not rigid (RᵀR must be the identity within 1e-6).
+    /// that are not rigid (RᵀR must be the identity within 1e-6; a rotation that is off by more than
+    /// rounding is replaced by the one next to it).
+    ///
+    /// Ids are positions: one of another model is found out only where it is out of range.
     pub fn build(mut self) -> Result<Model, ModelError> {
         check_count("joint", self.joints.len())?;
         check_count("frame", self.frames.len())?;
@@ -198,14 +201,14 @@ impl ModelBuilder {
         }
 
         let mut frame_by_name = HashMap::with_capacity(self.frames.len());
-        for (index, frame) in self.frames.iter().enumerate() {
+        for (index, frame) in self.frames.iter_mut().enumerate() {
             if frame.joint.is_some_and(|j| j.index() >= self.joints.len()) {
                 return Err(ModelError::ForeignId {
                     kind: "frame",
                     name: frame.name.clone(),
                 });
             }
-            check_placement("frame", &frame.name, &frame.joint_from_frame)?;
+            check_placement("frame", &frame.name, &mut frame.joint_from_frame)?;
             let id = FrameId::new(index);
             if frame_by_name.insert(frame.name.clone(), id).is_some() {
                 return Err(duplicate("frame", &frame.name));
@@ -245,7 +248,7 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
             name: joint.name.clone(),
         });
     }
-    check_placement("joint", &joint.name, &joint.parent_from_joint)?;
+    check_placement("joint", &joint.name, &mut joint.parent_from_joint)?;
     if !joint.limits.is_valid() {
         return Err(ModelError::BadLimits {
             joint: joint.name.clone(),
@@ -255,6 +258,11 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
     }
     if joint.kind == JointKind::Continuous {
         joint.limits = Limits::UNBOUNDED;
+    }
+    if joint.kind == JointKind::Fixed {
+        // Its axis means nothing; this one is at least a direction.
+        joint.axis = Vector3::new(1.0, 0.0, 0.0);
+        return Ok(());
     }
     let Vector3 { x, y, z } = joint.axis;
     // hypot-like scaling: an axis of 1e-200 still has a direction.
@@ -272,14 +280,15 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
     Ok(())
 }
 
-/// Checks that a placement is a finite rigid motion.
+/// Checks that a placement is a finite rigid motion, and makes it one to the last digits.
 fn check_placement(
     kind: &'static str,
     name: &str,
-    placement: &Placement<f64>,
+    placement: &mut Placement<f64>,
 ) -> Result<(), ModelError> {
     placement
         .check_rigid(ORTHONORMAL_WITHIN)
+        .map(|()| *placement = placement.made_rigid())
         .map_err(|problem| ModelError::BadPlacement {
             kind,
             name: name.to_owned(),

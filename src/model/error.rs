@@ -41,7 +41,7 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
-    /// An id that does not belong to this model, or a parent that comes later.
+    /// An id beyond this model's joints, or a parent that comes later.
     #[error("{kind} `{name}` refers to a joint that is not in this model")]
     ForeignId {
         /// What holds the bad reference.

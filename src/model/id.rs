@@ -1,4 +1,8 @@
 //! Typed indices, so that a joint cannot be taken for a frame.
+//!
+//! An id is a position in its model's list. One of another model is refused where it is out of
+//! range; where it is not, it names whatever stands there, so look names up in the model they are
+//! for.
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {

@@ -16,6 +16,9 @@ pub enum JointKind {
     Prismatic,
 }
 
+/// Limits so many spreads away (for angles: four turns) stand in for none.
+const ENDLESS: f64 = 8.0;
+
 /// A closed interval, in radians or metres; infinite ends are allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
@@ -69,6 +72,22 @@ impl Limits {
         }
     }
 
+    /// Where random values near `at` are drawn from: the limits, where one is missing or so far
+    /// away that it only means that there is none, `spread` from `at` instead.
+    pub(crate) fn sampling_range(&self, at: f64, spread: f64) -> (f64, f64) {
+        let lower = if at - self.lower <= ENDLESS * spread {
+            self.lower
+        } else {
+            at - spread
+        };
+        let upper = if self.upper - at <= ENDLESS * spread {
+            self.upper
+        } else {
+            at + spread
+        };
+        (lower, upper)
+    }
+
     /// The values allowed by both.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
@@ -87,7 +106,8 @@ pub struct Joint {
     pub parent_from_joint: Placement<f64>,
     /// How it moves.
     pub kind: JointKind,
-    /// Unit axis in the joint's own frame; meaningless for a fixed joint.
+    /// Unit axis in the joint's own frame; meaningless for a fixed joint, whose axis a builder
+    /// sets to x.
     pub axis: Vector3<f64>,
     /// Its range; unbounded for a continuous joint.
     pub limits: Limits,

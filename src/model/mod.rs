@@ -93,7 +93,8 @@ impl Model {
         &self.moving
     }
 
-    /// Where a joint's value stands in a configuration; `None` for a fixed joint or a foreign id.
+    /// Where a joint's value stands in a configuration; `None` for a fixed joint or an id beyond
+    /// this model's joints.
     #[must_use]
     pub fn coordinate(&self, joint: JointId) -> Option<usize> {
         self.coordinates.get(joint.index()).copied().flatten()
@@ -130,29 +131,40 @@ impl Model {
         self.limits().map(|limits| limits.clamp(0.0)).collect()
     }
 
-    /// The longest way from the root to any frame, adding up offsets and the finite travel of
-    /// prismatic joints, in metres. It is the length by which tolerances and weights scale.
+    /// The longest way from the first moving joint above a frame to that frame, adding up offsets
+    /// and the travel of sliding joints, in metres. What does not move says nothing about the size
+    /// of the model: frames in the world, fixed and locked joints next to the root. It is the
+    /// length by which tolerances and weights scale; 0 where nothing moves.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        let mut length = vec![0.0; self.joints.len()];
-        for (i, joint) in self.joints.iter().enumerate() {
-            let before = joint.parent.map_or(0.0, |p| length[p.index()]);
-            let travel = match joint.kind {
-                JointKind::Prismatic => joint.limits.lower.abs().max(joint.limits.upper.abs()),
-                _ => 0.0,
-            };
-            let travel = if travel.is_finite() { travel } else { 0.0 };
-            // A root joint's offset places the robot in the world and says nothing about its size.
-            let offset = match joint.parent {
-                Some(_) => joint.parent_from_joint.translation.norm(),
-                None => 0.0,
-            };
-            length[i] = before + offset + travel;
+        // By joint: the length up to it, once something above or at it moves.
+        let mut length: Vec<Option<f64>> = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            let before = joint.parent.and_then(|p| length[p.index()]);
+            let before = before.map(|b| b + joint.parent_from_joint.translation.norm());
+            let moves = joint.kind != JointKind::Fixed && !joint.limits.is_locked();
+            length.push(if moves {
+                Some(before.unwrap_or(0.0) + travel(joint))
+            } else {
+                before
+            });
         }
-        let tips = self.frames.iter().map(|frame| {
-            let before = frame.joint.map_or(0.0, |j| length[j.index()]);
-            before + frame.joint_from_frame.translation.norm()
+        let tips = self.frames.iter().filter_map(|frame| {
+            let before = length[frame.joint?.index()]?;
+            Some(before + frame.joint_from_frame.translation.norm())
         });
-        tips.chain(length.iter().copied()).fold(0.0, f64::max)
+        tips.chain(length.iter().copied().flatten())
+            .fold(0.0, f64::max)
+    }
+}
+
+/// How far a sliding joint goes from its zero. Files write numbers like 1e16 for "no limit".
+fn travel(joint: &Joint) -> f64 {
+    const PLACEHOLDER: f64 = 1e9;
+    let farthest = joint.limits.lower.abs().max(joint.limits.upper.abs());
+    if joint.kind == JointKind::Prismatic && farthest < PLACEHOLDER {
+        farthest
+    } else {
+        0.0
     }
 }

@@ -149,7 +149,8 @@ impl ParameterMap {
     }
 
     /// Writes q = S x + s₀. Shapes: `x` [`variables`](Self::variables), `q` the model's degrees of
-    /// freedom; a shorter slice leaves the rest untouched.
+    /// freedom; a shorter `q` takes what it has room for, and what reads a variable that `x` lacks
+    /// is NaN.
     #[inline]
     pub fn expand<S: Scalar>(&self, x: &[S], q: &mut [S]) {
         for (value, source) in q.iter_mut().zip(&self.sources) {
@@ -159,7 +160,10 @@ impl ParameterMap {
                     variable,
                     ratio,
                     offset,
-                } => x[variable] * S::constant(ratio) + S::constant(offset),
+                } => match x.get(variable) {
+                    Some(&value) => value * S::constant(ratio) + S::constant(offset),
+                    None => S::constant(f64::NAN),
+                },
             };
         }
     }
@@ -173,11 +177,13 @@ impl ParameterMap {
     }
 
     /// Reads the variables out of a configuration and clamps them into their bounds; the values of
-    /// locked and following coordinates are not looked at.
+    /// locked and following coordinates are not looked at. Shapes: `q` the model's degrees of
+    /// freedom, `x` [`variables`](Self::variables); a variable whose coordinate `q` lacks is NaN.
     pub fn reduce(&self, q: &[f64], x: &mut [f64]) {
-        for (variable, value) in x.iter_mut().enumerate() {
-            let bounds = Limits::new(self.lower[variable], self.upper[variable]);
-            *value = bounds.clamp(q[self.leaders[variable]]);
+        let bounds = self.lower.iter().zip(&self.upper);
+        for ((value, &leader), (&lower, &upper)) in x.iter_mut().zip(&self.leaders).zip(bounds) {
+            let given = q.get(leader).copied().unwrap_or(f64::NAN);
+            *value = Limits::new(lower, upper).clamp(given);
         }
     }
 }
@@ -286,6 +292,7 @@ impl ParameterMapBuilder<'_> {
         for c in 0..roles.len() {
             let source = resolve(c, &roles, &variable_of)
                 .ok_or_else(|| ModelError::CouplingCycle { joint: name(c) })?;
+            check_finite(&source, || name(c))?;
             match source {
                 Source::Constant(value) if !limits[c].contains(value) => {
                     return Err(ModelError::LockedOutsideLimits {
@@ -368,6 +375,25 @@ fn check_role(
     match bad {
         None => Ok(()),
         Some((what, value)) => Err(ModelError::NotFinite {
+            joint: name(),
+            what,
+            value,
+        }),
+    }
+}
+
+/// Products along a chain of masters may overflow though every factor is finite.
+fn check_finite(source: &Source, name: impl FnOnce() -> String) -> Result<(), ModelError> {
+    let numbers = match *source {
+        Source::Constant(value) => [("the locked value", value); 2],
+        Source::Variable { ratio, offset, .. } => [
+            ("the ratio through its masters", ratio),
+            ("the offset through its masters", offset),
+        ],
+    };
+    match numbers.iter().find(|(_, number)| !number.is_finite()) {
+        None => Ok(()),
+        Some(&(what, value)) => Err(ModelError::NotFinite {
             joint: name(),
             what,
             value,

@@ -5,7 +5,7 @@ use crate::random::RandomStream;
 
 impl Model {
     /// A configuration drawn uniformly within the limits, always the same one for the same seed.
-    /// Where a limit is missing, the range ends half a turn (for sliding joints the model's
+    /// Where a limit is missing, or some turns away, the range ends half a turn (for sliding joints the model's
     /// [`reach`](Self::reach)) away from [`neutral`](Self::neutral).
     #[must_use]
     pub fn random_configuration(&self, seed: u64) -> Vec<f64> {
@@ -19,9 +19,7 @@ impl Model {
                 JointKind::Prismatic => reach,
                 _ => std::f64::consts::PI,
             };
-            let end = |limit: f64, beyond: f64| if limit.is_finite() { limit } else { beyond };
-            let lower = end(joint.limits.lower, neutral - spread);
-            let upper = end(joint.limits.upper, neutral + spread);
+            let (lower, upper) = joint.limits.sampling_range(neutral, spread);
             let share = random.unit();
             joint.limits.clamp(lower * (1.0 - share) + upper * share)
         };

@@ -99,7 +99,7 @@ impl<'m> ProblemBuilder<'m> {
     /// Checks everything and compiles the kinematics.
     ///
     /// # Errors
-    /// The first thing that is wrong, by name: no task, no free joint, ids of another model,
+    /// The first thing that is wrong, by name: no task, no free joint, ids beyond the model's,
     /// targets that are not finite, weights or tolerances out of range, bounds that leave nothing.
     pub fn build(self) -> Result<Problem, ProblemError> {
         let model = self.model;
@@ -153,11 +153,16 @@ impl<'m> ProblemBuilder<'m> {
             .collect();
         let names = Names {
             model: model.name().to_owned(),
-            variables: variables.map(|v| leading_joint(v).name.clone()).collect(),
+            variables: (variables.clone())
+                .map(|v| leading_joint(v).name.clone())
+                .collect(),
+            variable_is_angle: variables
+                .map(|v| leading_joint(v).kind != JointKind::Prismatic)
+                .collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
             task_frames,
         };
-        Ok(Problem {
+        let mut problem = Problem {
             names: Arc::new(names),
             tree: Tree::new(model, &map, &frames),
             lower: map.lower().to_vec(),
@@ -168,7 +173,10 @@ impl<'m> ProblemBuilder<'m> {
             spread,
             reach,
             derivatives: self.derivatives,
-        })
+            felt: Vec::new(),
+        };
+        problem.mark_felt();
+        Ok(problem)
     }
 }
 

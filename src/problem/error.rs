@@ -20,7 +20,7 @@ pub enum ProblemError {
         /// The model.
         model: String,
     },
-    /// A frame or joint id from another model, or a joint that does not move.
+    /// A frame or joint id beyond those of the model, or a joint that does not move.
     #[error("task {task} refers to a {kind} that model `{model}` does not have")]
     ForeignId {
         /// The task's name.
@@ -66,7 +66,7 @@ pub enum ProblemError {
         /// The quantity asked for.
         quantity: Quantity,
     },
-    /// A parameter map of another model.
+    /// A parameter map of another model, told by its size.
     #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
     ForeignMap {
         /// Coordinates in the map.
@@ -76,7 +76,7 @@ pub enum ProblemError {
         /// Coordinates in the model.
         model_coordinates: usize,
     },
-    /// Bounds for a joint of another model.
+    /// Bounds for a joint beyond those of the model.
     #[error("bounds are set on a joint that model `{model}` does not have")]
     ForeignBound {
         /// The model.

@@ -96,10 +96,18 @@ pub struct Evaluation<'a> {
 }
 
 impl<'a> Evaluation<'a> {
-    /// Evaluates `problem` with memory made by [`Problem::scratch`].
+    /// Evaluates `problem` with memory made by its [`Problem::scratch`]; memory of another problem is
+    /// replaced. Arguments of the wrong shape give NaN everywhere.
     #[must_use]
     pub fn new(problem: &'a Problem, scratch: &'a mut Scratch) -> Self {
+        if !scratch.fits(problem) {
+            *scratch = problem.scratch();
+        }
         Self { problem, scratch }
+    }
+
+    fn fits(&self, x: &[f64], rows: usize) -> bool {
+        x.len() == self.problem.variables() && rows == self.problem.rows()
     }
 
     /// Runs the forward pass unless the last one was at the same x.
@@ -143,7 +151,8 @@ impl<'a> Evaluation<'a> {
 
     fn analytic_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
-        jacobian.fill(0.0);
+        // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
+        jacobian.as_mut_slice().fill(0.0);
         let problem = self.problem;
         let rows = problem.rows();
         for task in &problem.tasks {
@@ -306,6 +315,9 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        if !self.fits(x, residual.len()) {
+            return residual.fill(f64::NAN);
+        }
         self.forward(x);
         for task in &self.problem.tasks {
             Self::gather(self.scratch, task);
@@ -319,6 +331,9 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        if !self.fits(x, jacobian.nrows()) || jacobian.ncols() != x.len() {
+            return jacobian.fill(f64::NAN);
+        }
         match self.problem.derivatives {
             Derivatives::Analytic => self.analytic_jacobian(x, jacobian),
             Derivatives::Dual => self.dual_jacobian(x, jacobian),
@@ -334,9 +349,15 @@ impl LeastSquares for Evaluation<'_> {
         gradient: &mut [f64],
         jacobian: &mut DMatrix<f64>,
     ) {
+        if !self.fits(x, residual.len()) || gradient.len() != x.len() {
+            return gradient.fill(f64::NAN);
+        }
         if self.problem.derivatives == Derivatives::Analytic {
             self.reverse_gradient(x, residual, gradient);
         } else {
+            if jacobian.shape() != (residual.len(), x.len()) {
+                return gradient.fill(f64::NAN);
+            }
             self.jacobian(x, jacobian);
             for (k, entry) in gradient.iter_mut().enumerate() {
                 let column = jacobian.column(k);

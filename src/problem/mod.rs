@@ -18,7 +18,7 @@ pub(crate) use names::Names;
 use std::sync::Arc;
 
 use crate::kinematics::Tree;
-use crate::model::{Model, ParameterMap, Source};
+use crate::model::{Limits, Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
 use compiled_task::CompiledTask;
 
@@ -66,6 +66,8 @@ pub struct Problem {
     upper: Vec<f64>,
     /// How far around the start an unbounded variable is drawn at random: π or the reach.
     spread: Vec<f64>,
+    /// Whether any task depends on each variable.
+    felt: Vec<bool>,
     /// A length of the model's own scale, in metres.
     reach: f64,
     derivatives: Derivatives,
@@ -161,15 +163,16 @@ impl Problem {
         self.derivatives = route;
     }
 
-    /// A task's residual, to look at. `None` for an id of another problem.
+    /// A task's residual, to look at. `None` for an id of another problem that is out of range here
+    /// or names a residual of another type.
     #[must_use]
     pub fn residual<R: Residual>(&self, task: TaskId<R>) -> Option<&R> {
         let residual = &*self.tasks.get(task.index)?.residual;
         residual.as_any().downcast_ref()
     }
 
-    /// A task's residual, to move its target. `None` for an id of another problem. Numbers set
-    /// here are not checked: a target that is not finite ends the solve as non-finite.
+    /// A task's residual, to move its target. `None` for an id of another problem that is out of
+    /// range here or names a residual of another type. Numbers set here are not checked: a target that is not finite ends the solve as non-finite.
     #[must_use]
     pub fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
         let residual = &mut *self.tasks.get_mut(task.index)?.residual;
@@ -198,26 +201,22 @@ impl Problem {
         &self.names
     }
 
-    /// Where random values of a variable are drawn from: its bounds, or where one is infinite as
-    /// far as ±π or ± the reach around `at` allows.
+    /// Where random values of a variable are drawn from: its bounds, or where one is missing or
+    /// endlessly far away π or the reach from `at`.
     pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
-        let (lower, upper) = (self.lower[variable], self.upper[variable]);
-        if lower.is_finite() && upper.is_finite() {
-            return (lower, upper);
-        }
-        let spread = self.spread[variable];
-        (lower.max(at - spread), upper.min(at + spread))
+        let bounds = Limits::new(self.lower[variable], self.upper[variable]);
+        bounds.sampling_range(at, self.spread[variable])
     }
 
-    /// Marks the variables that move a missed goal and no other task, given the weighted residual
-    /// there; all of them where there is none such.
+    /// Marks the variables that move a missed goal and no reached one, given the weighted residual
+    /// there; all that any task feels where there is none such.
     pub(crate) fn mark_free_to_wander(&self, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
             for (index, task) in self.tasks.iter().enumerate() {
                 let mut blocks = self.errors(r).filter(|block| block.task == index);
-                let missed = task.role == Role::Goal && blocks.any(|block| !block.reached);
-                if missed != pass_reached {
+                let missed = blocks.any(|block| !block.reached);
+                if task.role == Role::Goal && missed != pass_reached {
                     for variable in self.variables_moving(task) {
                         marked[variable] = missed;
                     }
@@ -225,8 +224,25 @@ impl Problem {
             }
         }
         if !marked.contains(&true) {
-            marked.fill(true);
+            marked.copy_from_slice(&self.felt);
         }
+    }
+
+    /// Whether any task depends on a variable.
+    pub(crate) fn is_felt(&self, variable: usize) -> bool {
+        self.felt[variable]
+    }
+
+    fn mark_felt(&mut self) {
+        let mut felt = vec![false; self.variables()];
+        for variable in self
+            .tasks
+            .iter()
+            .flat_map(|task| self.variables_moving(task))
+        {
+            felt[variable] = true;
+        }
+        self.felt = felt;
     }
 
     /// The variables that a task feels.
@@ -271,11 +287,14 @@ impl Problem {
             })
     }
 
-    /// Whether every goal is within its tolerances for the weighted residual `r`.
+    /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
+    /// [`rows`](Self::rows); of another length it reaches nothing).
     #[must_use]
     pub fn is_reached(&self, r: &[f64]) -> bool {
-        self.errors(r)
-            .all(|block| block.reached || block.role == Role::Preference)
+        r.len() == self.rows
+            && self
+                .errors(r)
+                .all(|block| block.reached || block.role == Role::Preference)
     }
 }
 

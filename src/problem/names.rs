@@ -6,6 +6,8 @@ pub(crate) struct Names {
     pub(crate) model: String,
     /// The joint that each variable moves directly.
     pub(crate) variables: Vec<String>,
+    /// Whether that joint turns, rather than slides.
+    pub(crate) variable_is_angle: Vec<bool>,
     pub(crate) tasks: Vec<String>,
     /// The first frame each task looks at, if any.
     pub(crate) task_frames: Vec<Option<String>>,

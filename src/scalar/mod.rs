@@ -5,6 +5,7 @@
 //! it compares into a [`Scalar::Mask`] and picks with [`Scalar::select`].
 
 mod dual;
+pub(crate) mod trigonometry;
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
@@ -57,6 +58,14 @@ pub trait Scalar:
 
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
+
+    /// Sines and cosines of many angles in radians, over the shortest of the slices.
+    #[inline]
+    fn sin_cos_all(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
+        for ((angle, sin), cos) in angles.iter().zip(sines).zip(cosines) {
+            (*sin, *cos) = angle.sin_cos();
+        }
+    }
 
     /// Angle of the point (`x`, `self`) in radians, within [−π, π].
     fn atan2(self, x: Self) -> Self;
@@ -120,6 +129,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         f64::sin_cos(self)
+    }
+
+    fn sin_cos_all(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
+        trigonometry::sin_cos_all(angles, sines, cosines);
     }
 
     #[inline(always)]

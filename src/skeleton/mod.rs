@@ -6,12 +6,14 @@
 //! configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃, θ₂₁, …) in radians, bone by bone.
 
 mod bone;
+mod builder;
 mod error;
 mod pose;
 
 use std::collections::HashMap;
 
 pub use bone::{Bone, BoneId};
+pub use builder::SkeletonBuilder;
 pub use error::SkeletonError;
 pub use pose::{BonePlacements, Posing};
 
@@ -30,6 +32,12 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
+    /// Starts an empty skeleton.
+    #[must_use]
+    pub fn builder(name: impl Into<String>) -> SkeletonBuilder {
+        SkeletonBuilder::new(name.into())
+    }
+
     /// Checks the bones and compiles them.
     ///
     /// The model's frames are `NAME` (the bone's own frame, origin at its tail) and `NAME/tip`;
@@ -39,11 +47,12 @@ impl Skeleton {
     /// # Errors
     /// The first bone that is wrong, by name: a parent that does not come before it, a length that
     /// is negative or not finite, limits that are no interval, a rest placement that is not
-    /// rigid, a name used twice.
-    pub fn new(name: impl Into<String>, bones: Vec<Bone>) -> Result<Self, SkeletonError> {
+    /// rigid (within 1e-6; the rigid one next to it is then taken), a name used twice.
+    pub fn new(name: impl Into<String>, mut bones: Vec<Bone>) -> Result<Self, SkeletonError> {
         let mut by_name = HashMap::with_capacity(bones.len());
-        for (index, bone) in bones.iter().enumerate() {
+        for (index, bone) in bones.iter_mut().enumerate() {
             bone.check(index)?;
+            bone.model_from_rest = bone.model_from_rest.made_rigid();
             if by_name
                 .insert(bone.name.clone(), BoneId::new(index))
                 .is_some()

@@ -5,6 +5,12 @@ use crate::kinematics::{Tree, TreeState};
 use crate::model::{FrameId, ParameterMap};
 use crate::spatial::{Placement, Vector3};
 
+const NOWHERE: Vector3<f64> = Vector3 {
+    x: f64::NAN,
+    y: f64::NAN,
+    z: f64::NAN,
+};
+
 /// Where every bone of a skeleton stands in one pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BonePlacements {
@@ -13,17 +19,21 @@ pub struct BonePlacements {
 }
 
 impl BonePlacements {
-    /// A bone's tail in the pose.
+    /// A bone's tail in the pose; NaN for a bone that is not in it.
     #[must_use]
     pub fn tail(&self, bone: BoneId) -> Vector3<f64> {
-        self.model_from_bone[bone.index()].translation
+        let posed = self.model_from_bone.get(bone.index());
+        posed.map_or(NOWHERE, |posed| posed.translation)
     }
 
-    /// A bone's tip in the pose.
+    /// A bone's tip in the pose of its skeleton; NaN for a bone that is not in both.
     #[must_use]
     pub fn tip(&self, skeleton: &Skeleton, bone: BoneId) -> Vector3<f64> {
-        let length = skeleton.bones()[bone.index()].length;
-        self.model_from_bone[bone.index()].apply(Vector3::new(length, 0.0, 0.0))
+        let posed = self.model_from_bone.get(bone.index());
+        match (posed, skeleton.bones().get(bone.index())) {
+            (Some(posed), Some(bone)) => posed.apply(Vector3::new(bone.length, 0.0, 0.0)),
+            _ => NOWHERE,
+        }
     }
 
     /// The skinning transforms T_i = W_i T̂_i⁻¹ by bone index: rest model → posed model.

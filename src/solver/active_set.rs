@@ -29,11 +29,12 @@ pub(super) fn list_free(
     }));
 }
 
-/// ‖proj(x − g) − x‖∞: zero exactly at the stationary points of the bounded problem, NaN where the
-/// gradient is not finite.
+/// ‖proj(x − g/c) − x‖∞ for a curvature c: zero exactly at the stationary points of the bounded
+/// problem, NaN where the gradient is not finite.
 pub(crate) fn projected_gradient_norm(
     x: &[f64],
     gradient: &[f64],
+    curvature: f64,
     lower: &[f64],
     upper: &[f64],
 ) -> f64 {
@@ -48,7 +49,7 @@ pub(crate) fn projected_gradient_norm(
         } else {
             upper[j] - x[j]
         };
-        largest = largest.max(gradient[j].abs().min(room));
+        largest = largest.max((gradient[j].abs() / curvature).min(room));
     }
     largest
 }

@@ -1,6 +1,6 @@
 //! Levenberg-Marquardt: (JᵀJ + λI) Δ = −Jᵀr over the free variables.
 
-use super::{LeastSquares, Memory, Method, Step, project};
+use super::{LeastSquares, Memory, Method, Step};
 
 /// How λ follows the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,7 +34,7 @@ impl LevenbergMarquardt {
     }
 
     /// The first damping: τ in λ₀ = τ · max diag(JᵀJ) for the gain ratio, μ in λ = μ · cost for
-    /// the error-proportional rule. Positive.
+    /// the error-proportional rule. Must be positive and finite; anything else changes nothing.
     #[must_use]
     pub fn with_initial_damping(mut self, initial: f64) -> Self {
         if initial > 0.0 && initial.is_finite() {
@@ -63,10 +63,8 @@ impl Method for LevenbergMarquardt {
     }
 
     fn begin(&self, memory: &mut Memory) {
-        memory.damping_growth = match self.damping {
-            Damping::GainRatio => 2.0,
-            Damping::ErrorProportional => self.initial,
-        };
+        memory.damping_growth = 2.0;
+        memory.damping_per_cost = self.initial;
         memory.damping = match self.damping {
             Damping::GainRatio => self.initial * memory.column_norm * memory.column_norm,
             Damping::ErrorProportional => self.initial * memory.cost,
@@ -77,7 +75,7 @@ impl Method for LevenbergMarquardt {
         memory.solve_damped();
         memory.project_step(problem);
         let promised = memory.cost - memory.model_cost();
-        let trial_cost = memory.evaluate_trial(problem);
+        let trial_cost = memory.evaluate_projected_trial(problem);
         let won = memory.cost - trial_cost;
         let accepted = won > 0.0;
 
@@ -92,13 +90,12 @@ impl Method for LevenbergMarquardt {
                 memory.damping_growth *= 2.0;
             }
             Damping::ErrorProportional => {
-                // damping_growth holds μ.
                 if !accepted {
-                    memory.damping_growth *= 4.0;
+                    memory.damping_per_cost *= 4.0;
                 } else if trial_cost < 0.25 * memory.cost {
-                    memory.damping_growth *= 0.5;
+                    memory.damping_per_cost *= 0.5;
                 }
-                memory.damping = memory.damping_growth * trial_cost.min(memory.cost);
+                memory.damping = memory.damping_per_cost * trial_cost.min(memory.cost);
             }
         }
         if accepted {
@@ -112,7 +109,7 @@ impl Method for LevenbergMarquardt {
 
 impl Memory {
     /// Puts the damped step over the free variables into `step`.
-    fn solve_damped(&mut self) {
+    pub(super) fn solve_damped(&mut self) {
         let Self {
             jacobian,
             free,
@@ -131,9 +128,6 @@ impl Memory {
         for ((trial, &x), &step) in self.trial.iter_mut().zip(&self.x).zip(&self.step) {
             *trial = x + step;
         }
-        project(&mut self.trial, problem.lower(), problem.upper());
-        for ((step, &trial), &x) in self.step.iter_mut().zip(&self.trial).zip(&self.x) {
-            *step = trial - x;
-        }
+        self.project_trial(problem);
     }
 }

@@ -6,9 +6,9 @@ use super::{LeastSquares, Memory};
 const SUFFICIENT: f64 = 1e-4;
 /// The source documents halve the step until the cost falls.
 const SHRINK: f64 = 0.5;
-const MOST_TRIALS: usize = 80;
 
-/// Shortens α from `first` until the cost falls below `reference` by a share of gᵀ(x(α) − x)
+/// Shortens α from `first`, at most `trials` times, until the cost falls below `reference`, if only
+/// by the last digit, by a share of gᵀ(x(α) − x)
 /// (Bertsekas 1999, "Nonlinear Programming", eq. 2.45). `direction` is d for unit α. Returns the
 /// α and the cost of the trial in memory, or `None` when no α does.
 pub(super) fn along_projected_path(
@@ -17,9 +17,10 @@ pub(super) fn along_projected_path(
     direction: impl Fn(&Memory, usize) -> f64,
     first: f64,
     reference: f64,
+    trials: usize,
 ) -> Option<(f64, f64)> {
     let mut alpha = first;
-    for _ in 0..MOST_TRIALS {
+    for _ in 0..trials {
         for j in 0..memory.x.len() {
             memory.trial[j] = memory.x[j] + alpha * direction(memory, j);
         }
@@ -30,7 +31,7 @@ pub(super) fn along_projected_path(
             .zip(&memory.step)
             .map(|(g, s)| g * s)
             .sum();
-        if slope < 0.0 && cost <= reference + SUFFICIENT * slope {
+        if slope < 0.0 && cost < reference && cost <= reference + SUFFICIENT * slope {
             return Some((alpha, cost));
         }
         if memory.step.iter().all(|&s| s == 0.0) {

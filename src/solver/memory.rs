@@ -11,6 +11,9 @@ use super::linear::{CompleteOrthogonal, DampedNormal, add_scaled, dot};
 /// How many past costs a search may remember.
 pub(super) const MOST_RECENT_COSTS: usize = 10;
 
+/// A step that changes the cost by no more than this share of it has hardly changed it.
+const FLAT: f64 = 1e-13;
+
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -45,7 +48,14 @@ pub struct Memory {
     pub(super) trial_residual: Vec<f64>,
     pub(super) step: Vec<f64>,
     pub(super) damping: f64,
+    /// By how much a refused step raises λ (Nielsen's ν).
     pub(super) damping_growth: f64,
+    /// μ in λ = μ · cost.
+    pub(super) damping_per_cost: f64,
+    /// Δ, while the trials of a line search overwrite `step`.
+    pub(super) direction: Vec<f64>,
+    /// How many steps in a row have hardly changed the cost.
+    pub(super) flat_steps: usize,
     pub(super) previous_x: Vec<f64>,
     pub(super) previous_gradient: Vec<f64>,
     /// Costs of the last steps, newest last, for searches that may climb for a while.
@@ -72,6 +82,9 @@ impl Default for Memory {
             step: Vec::new(),
             damping: 0.0,
             damping_growth: 0.0,
+            damping_per_cost: 0.0,
+            direction: Vec::new(),
+            flat_steps: 0,
             previous_x: Vec::new(),
             previous_gradient: Vec::new(),
             recent_costs: Vec::new(),
@@ -121,7 +134,8 @@ impl Memory {
         self.counts
     }
 
-    /// Takes the shape of `problem` and stands at the projected start.
+    /// Takes the shape of `problem` and stands at the projected start, where what is missing or not
+    /// finite counts as zero.
     pub(super) fn start_at(&mut self, problem: &mut dyn LeastSquares, start: &[f64]) {
         let (n, m) = (problem.variables(), problem.rows());
         for vector in [
@@ -129,6 +143,7 @@ impl Memory {
             &mut self.gradient,
             &mut self.trial,
             &mut self.step,
+            &mut self.direction,
             &mut self.previous_x,
             &mut self.previous_gradient,
             &mut self.best_x,
@@ -152,32 +167,44 @@ impl Memory {
         self.counts = Counts::default();
         self.damping = 0.0;
         self.damping_growth = 0.0;
+        self.damping_per_cost = 0.0;
+        self.flat_steps = 0;
 
         for (own, &given) in self.x.iter_mut().zip(start) {
-            *own = given;
+            *own = if given.is_finite() { given } else { 0.0 };
         }
         project(&mut self.x, problem.lower(), problem.upper());
-        problem.residual(&self.x, &mut self.residual);
-        self.counts.residuals += 1;
-        self.cost = half_squared(&self.residual);
+        self.cost = f64::INFINITY;
+        if has_bounds_for_all(problem) {
+            problem.residual(&self.x, &mut self.residual);
+            self.counts.residuals += 1;
+            self.cost = half_squared(&self.residual);
+        }
         self.best_cost = self.cost;
         self.best_x.copy_from_slice(&self.x);
     }
 
-    /// Evaluates the Jacobian at x, and the gradient and free variables with it.
+    /// Evaluates the Jacobian at x, and with it what it decides: the gradient, the largest column
+    /// norm and the free variables. The factorisation of the last one is forgotten.
     pub(super) fn differentiate(&mut self, problem: &mut dyn LeastSquares) {
         problem.jacobian(&self.x, &mut self.jacobian);
         self.counts.jacobians += 1;
         self.normal.forget();
-        self.column_norm = 0.0;
-        let rows = self.residual.len();
-        let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
-        for (entry, column) in self.gradient.iter_mut().zip(columns) {
-            *entry = dot(column, &self.residual);
-            self.column_norm = self.column_norm.max(dot(column, column));
-        }
-        self.column_norm = self.column_norm.sqrt();
+        let residual = std::mem::take(&mut self.residual);
+        self.take_slope(&residual);
+        self.residual = residual;
         self.list_free(problem);
+    }
+
+    /// Jᵀr and the largest column norm of the Jacobian in memory.
+    fn take_slope(&mut self, residual: &[f64]) {
+        let columns = self.jacobian.as_slice().chunks_exact(residual.len().max(1));
+        let mut squared = 0.0_f64;
+        for (entry, column) in self.gradient.iter_mut().zip(columns) {
+            *entry = dot(column, residual);
+            squared = squared.max(dot(column, column));
+        }
+        self.column_norm = squared.sqrt();
     }
 
     /// Evaluates the gradient alone at x, and the free variables with it.
@@ -197,15 +224,16 @@ impl Memory {
         problem.residual(x, &mut self.residual);
     }
 
-    /// The gradient Jᵀr at any x with residual r.
-    pub(crate) fn gradient_at(
+    /// The gradient Jᵀr at any x with residual r, and the largest column norm of J there.
+    pub(crate) fn slope_at(
         &mut self,
         problem: &mut dyn LeastSquares,
         x: &[f64],
         residual: &[f64],
-    ) -> &[f64] {
-        problem.gradient(x, residual, &mut self.gradient, &mut self.jacobian);
-        &self.gradient
+    ) -> (&[f64], f64) {
+        problem.jacobian(x, &mut self.jacobian);
+        self.take_slope(residual);
+        (&self.gradient, self.column_norm)
     }
 
     fn list_free(&mut self, problem: &dyn LeastSquares) {
@@ -219,16 +247,43 @@ impl Memory {
     }
 
     pub(super) fn projected_gradient_norm(&self, problem: &dyn LeastSquares) -> f64 {
-        projected_gradient_norm(&self.x, &self.gradient, problem.lower(), problem.upper())
+        self.projected_step_norm(1.0, problem)
+    }
+
+    fn projected_step_norm(&self, curvature: f64, problem: &dyn LeastSquares) -> f64 {
+        let (lower, upper) = (problem.lower(), problem.upper());
+        projected_gradient_norm(&self.x, &self.gradient, curvature, lower, upper)
+    }
+
+    /// s ‖proj(x − g/s²) − x‖∞ / ‖r‖ with s the largest column norm of J: the cosine between r and
+    /// what a free variable can do about it (MINPACK's test, Moré 1978, for bounds). The step
+    /// g/s² is of the size of x, so the test does not depend on the unit of r.
+    pub(super) fn stationarity(&self, problem: &dyn LeastSquares) -> f64 {
+        let length = (2.0 * self.cost).sqrt();
+        if length == 0.0 || self.column_norm == 0.0 {
+            return 0.0;
+        }
+        let scale = self.column_norm;
+        self.projected_step_norm(scale * scale, problem) * scale / length
     }
 
     /// Projects `trial`, evaluates it and returns its cost; `step` becomes trial − x, after
     /// projection.
     pub(super) fn evaluate_trial(&mut self, problem: &mut dyn LeastSquares) -> f64 {
+        self.project_trial(problem);
+        self.evaluate_projected_trial(problem)
+    }
+
+    /// Projects `trial` and makes `step` what is left of the way there.
+    pub(super) fn project_trial(&mut self, problem: &dyn LeastSquares) {
         project(&mut self.trial, problem.lower(), problem.upper());
         for ((step, &trial), &x) in self.step.iter_mut().zip(&self.trial).zip(&self.x) {
             *step = trial - x;
         }
+    }
+
+    /// Evaluates `trial`, which is within the bounds, and returns its cost.
+    pub(super) fn evaluate_projected_trial(&mut self, problem: &mut dyn LeastSquares) -> f64 {
         problem.residual(&self.trial, &mut self.trial_residual);
         self.counts.residuals += 1;
         half_squared(&self.trial_residual)
@@ -238,6 +293,8 @@ impl Memory {
     pub(super) fn accept_trial(&mut self, cost: f64) {
         std::mem::swap(&mut self.x, &mut self.trial);
         std::mem::swap(&mut self.residual, &mut self.trial_residual);
+        let flat = (self.cost - cost).abs() <= FLAT * self.cost;
+        self.flat_steps = if flat { self.flat_steps + 1 } else { 0 };
         self.cost = cost;
         if cost < self.best_cost {
             self.best_cost = cost;
@@ -271,6 +328,12 @@ impl Memory {
             .into_iter()
             .all(|(s, x)| s.abs() <= tolerance * x.abs().max(1.0))
     }
+}
+
+/// Whether there is a bound on either side for every variable.
+pub(super) fn has_bounds_for_all(problem: &dyn LeastSquares) -> bool {
+    let n = problem.variables();
+    problem.lower().len() == n && problem.upper().len() == n
 }
 
 /// ½‖r‖².

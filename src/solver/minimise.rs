@@ -18,7 +18,10 @@ pub struct Outcome {
 }
 
 /// Searches from `start` (n numbers, projected into the bounds first) and leaves the result in
-/// `memory`. Never returns an x outside the bounds; a start that is not finite ends at once.
+/// `memory`. Never leaves an x outside the bounds. A start of the wrong length or with a number that
+/// is not finite ends at once as [`Termination::NonFinite`], standing at the bounded value next to
+/// the start, where what is missing or not finite counts as zero; so does a problem whose bounds are
+/// not n numbers.
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     method: &dyn Method,

@@ -35,6 +35,7 @@ pub use observer::{Iteration, Observer, Silent};
 pub use projected_gradient::{FirstStep, ProjectedGradient};
 #[cfg(feature = "argmin")]
 pub(crate) use search::Search;
+pub(crate) use search::negligible_slope;
 #[cfg(feature = "argmin")]
 pub(crate) use snapshot::Snapshot;
 pub use stopping::{Stopping, Termination};

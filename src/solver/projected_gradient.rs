@@ -6,6 +6,8 @@ use super::{LeastSquares, Memory, Method, Step};
 
 /// The source documents' large first σ.
 const LARGE: f64 = 10_000.0;
+/// From the large σ down to steps that change nothing.
+const MOST_TRIALS: usize = 80;
 /// How many past costs a spectral step may climb back to (Birgin, Martínez & Raydan 2000).
 const HISTORY: usize = MOST_RECENT_COSTS;
 
@@ -79,7 +81,7 @@ impl Method for ProjectedGradient {
         memory.previous_gradient.copy_from_slice(&memory.gradient);
 
         let downhill = |memory: &Memory, j: usize| -memory.gradient[j];
-        let found = along_projected_path(problem, memory, downhill, first, reference);
+        let found = along_projected_path(problem, memory, downhill, first, reference, MOST_TRIALS);
         let Some((sigma, cost)) = found else {
             return Step::Stuck;
         };

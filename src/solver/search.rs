@@ -1,6 +1,10 @@
 //! The course of one search in single steps: what the loop here and executors of others share.
 
+use super::memory::has_bounds_for_all;
 use super::{LeastSquares, Memory, Method, Step, Stopping, Termination};
+
+/// After so many steps in a row that hardly change the cost no further one makes sense.
+const FLAT_STEPS: usize = 5;
 
 /// How far a search has come; where it stands is in the memory.
 #[derive(Clone, Copy, Debug)]
@@ -9,21 +13,27 @@ pub(crate) struct Search {
     pub(crate) iterations: usize,
     /// ‖proj(x − g) − x‖∞; `None` where x is good enough to need no derivatives.
     pub(crate) projected_gradient: Option<f64>,
+    /// What [`Stopping::with_gradient_tolerance`] is compared with.
+    stationarity: f64,
     last_step: Step,
 }
 
 impl Search {
-    /// Stands at the projected `start`. `None` for a start of the wrong length or not finite.
+    /// Stands at the projected `start`. `None` for a start of the wrong length or not finite, and for
+    /// a problem that lacks bounds.
     pub(crate) fn start(
         problem: &mut dyn LeastSquares,
         start: &[f64],
         memory: &mut Memory,
     ) -> Option<Self> {
         memory.start_at(problem, start);
-        let usable = start.len() == problem.variables() && start.iter().all(|v| v.is_finite());
+        let usable = start.len() == problem.variables()
+            && start.iter().all(|v| v.is_finite())
+            && has_bounds_for_all(problem);
         usable.then_some(Self {
             iterations: 0,
             projected_gradient: None,
+            stationarity: f64::INFINITY,
             last_step: Step::Taken,
         })
     }
@@ -34,6 +44,7 @@ impl Search {
         Self {
             iterations,
             projected_gradient,
+            stationarity: f64::INFINITY,
             last_step: Step::Refused,
         }
     }
@@ -63,6 +74,7 @@ impl Search {
             memory.differentiate_cost(problem);
         }
         self.projected_gradient = Some(memory.projected_gradient_norm(problem));
+        self.stationarity = memory.stationarity(problem);
         true
     }
 
@@ -71,7 +83,10 @@ impl Search {
         match self.projected_gradient {
             None => Some(Termination::Reached),
             Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
-            Some(norm) if is_stationary(norm, memory, stopping) => Some(Termination::Stationary),
+            Some(_) if self.stationarity <= stopping.gradient_tolerance => {
+                Some(Termination::Stationary)
+            }
+            Some(_) if memory.flat_steps >= FLAT_STEPS => Some(Termination::SmallStep),
             Some(_) => None,
         }
     }
@@ -103,8 +118,7 @@ impl Search {
     }
 }
 
-/// The cosine test of MINPACK (Moré 1978), with the largest column norm for every column.
-fn is_stationary(projected_gradient: f64, memory: &Memory, stopping: &Stopping) -> bool {
-    let length = (2.0 * memory.cost).sqrt();
-    projected_gradient <= stopping.gradient_tolerance * memory.column_norm * length
+/// The slope along one variable that counts as none: the share of s ‖r‖ that ends a search.
+pub(crate) fn negligible_slope(column_norm: f64, cost: f64, stopping: &Stopping) -> f64 {
+    stopping.gradient_tolerance * column_norm * (2.0 * cost).sqrt()
 }

@@ -12,6 +12,8 @@ pub(crate) struct Snapshot {
     column_norm: f64,
     damping: f64,
     damping_growth: f64,
+    damping_per_cost: f64,
+    flat_steps: usize,
     previous_x: Vec<f64>,
     previous_gradient: Vec<f64>,
     recent_costs: Vec<f64>,
@@ -29,6 +31,8 @@ impl Memory {
             column_norm: self.column_norm,
             damping: self.damping,
             damping_growth: self.damping_growth,
+            damping_per_cost: self.damping_per_cost,
+            flat_steps: self.flat_steps,
             previous_x: self.previous_x.clone(),
             previous_gradient: self.previous_gradient.clone(),
             recent_costs: self.recent_costs.clone(),
@@ -76,6 +80,8 @@ impl Memory {
         self.column_norm = snapshot.column_norm;
         self.damping = snapshot.damping;
         self.damping_growth = snapshot.damping_growth;
+        self.damping_per_cost = snapshot.damping_per_cost;
+        self.flat_steps = snapshot.flat_steps;
         self.previous_x.copy_from_slice(previous_x);
         self.previous_gradient.copy_from_slice(previous_gradient);
         self.recent_costs.extend_from_slice(&snapshot.recent_costs);

@@ -108,7 +108,7 @@ pub enum Termination {
     Reached,
     /// No free variable can lower the cost: a local minimum within the bounds.
     Stationary,
-    /// Steps became too small to change anything.
+    /// Steps became too small to change anything: x, or over several steps the cost.
     SmallStep,
     /// Progress became too slow for the patience asked for.
     Stalled,
@@ -120,7 +120,7 @@ pub enum Termination {
     CannotContinue,
     /// The observer said stop.
     Cancelled,
-    /// The residual or its derivative is NaN or infinite, or the start is.
+    /// The residual or its derivative is NaN or infinite, or the start is (or is of the wrong length).
     NonFinite,
 }
 

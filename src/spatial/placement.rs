@@ -4,7 +4,7 @@ use std::ops::Mul;
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
-use super::{Matrix3, Vector3};
+use super::{Matrix3, Quaternion, Vector3};
 use crate::scalar::Scalar;
 
 /// A rigid motion `x ↦ rotation · x + translation`. Names say both frames: `world_from_tip` maps
@@ -92,6 +92,24 @@ impl Placement<f64> {
             return Err("its rotation mirrors");
         }
         Ok(())
+    }
+}
+
+impl Placement<f64> {
+    /// The same placement with the rotation next to its own, if that is off by more than rounding
+    /// leaves in numbers written with 17 digits; those keep their bits.
+    pub(crate) fn made_rigid(self) -> Self {
+        const ROUNDING: f64 = 1e-14;
+        if self.check_rigid(ROUNDING).is_ok() {
+            return self;
+        }
+        let Quaternion { w, v } = Quaternion::from_matrix(&self.rotation);
+        let scale = 1.0 / w.mul_add(w, v.norm_squared()).sqrt();
+        let unit = Quaternion {
+            w: w * scale,
+            v: v * scale,
+        };
+        Self::new(unit.to_matrix(), self.translation)
     }
 }
 

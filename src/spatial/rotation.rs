@@ -144,7 +144,7 @@ pub fn rotation_log<S: Scalar>(rotation: &Matrix3<S>) -> Vector3<S> {
 
 /// How the rotation vector φ changes when its rotation is turned further in world axes:
 /// ∂ log(exp(ω) exp(φ)) / ∂ω at ω = 0, the inverse of the left Jacobian
-/// J_l⁻¹ = I − ½[φ] + (1 − (θ/2) cot(θ/2)) [φ]²/θ² (Chirikjian 2012, eq. 10.86).
+/// `J_l⁻¹ = I − ½[φ] + (1 − (θ/2) cot(θ/2)) [φ]²/θ²` (Chirikjian 2012, eq. 10.86).
 #[must_use]
 pub fn rotation_log_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
     let squared = phi.norm_squared();

@@ -1,5 +1,7 @@
 //! The derivative of one residual by what it reads: its frames' twists and its joints' values.
 
+use std::ops::Range;
+
 use super::erased::make_room;
 use crate::spatial::Vector3;
 
@@ -49,45 +51,56 @@ impl LocalJacobian {
         self.rows
     }
 
-    /// ∂r/∂velocity of a frame, one vector per row.
+    /// Where the rows of one frame or joint stand; past the end for one that is not read.
+    fn range(&self, index: usize) -> Range<usize> {
+        let start = index.saturating_mul(self.rows);
+        start..start.saturating_add(self.rows)
+    }
+
+    /// ∂r/∂velocity of a frame, one vector per row; empty for a frame that the residual does not
+    /// read.
     #[must_use]
     pub fn linear(&self, frame: usize) -> &[Vector3<f64>] {
-        &self.linear[frame * self.rows..(frame + 1) * self.rows]
+        self.linear.get(self.range(frame)).unwrap_or_default()
     }
 
     /// ∂r/∂angular velocity of a frame, one vector per row; empty if nothing was ever written.
     #[must_use]
     pub fn angular(&self, frame: usize) -> &[Vector3<f64>] {
-        if self.turning[frame] {
-            &self.angular[frame * self.rows..(frame + 1) * self.rows]
-        } else {
-            &[]
+        match self.turning.get(frame) {
+            Some(true) => self.angular.get(self.range(frame)).unwrap_or_default(),
+            _ => &[],
         }
     }
 
     /// The non-zero entries of ∂r/∂value of a joint, as (row, entry).
     pub(crate) fn joint(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let start = joint * self.rows;
-        let column = self.joints.get(start..start + self.rows).unwrap_or(&[]);
+        let column = self.joints.get(self.range(joint)).unwrap_or_default();
         let own = self.diagonal.get(joint).map(|&entry| (joint, entry));
         column.iter().copied().enumerate().chain(own)
     }
 
-    /// ∂r/∂velocity of a frame, to write.
+    /// ∂r/∂velocity of a frame, to write; empty for a frame that the residual does not read.
     pub fn linear_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
-        &mut self.linear[frame * self.rows..(frame + 1) * self.rows]
+        let range = self.range(frame);
+        self.linear.get_mut(range).unwrap_or_default()
     }
 
-    /// ∂r/∂angular velocity of a frame, to write.
+    /// ∂r/∂angular velocity of a frame, to write; empty for a frame that the residual does not
+    /// read.
     pub fn angular_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
-        self.turning[frame] = true;
-        &mut self.angular[frame * self.rows..(frame + 1) * self.rows]
+        if let Some(turning) = self.turning.get_mut(frame) {
+            *turning = true;
+        }
+        let range = self.range(frame);
+        self.angular.get_mut(range).unwrap_or_default()
     }
 
-    /// ∂r/∂value of a joint, to write.
+    /// ∂r/∂value of a joint, to write; empty for a joint that the residual does not read.
     pub fn joint_mut(&mut self, joint: usize) -> &mut [f64] {
         self.joints.resize(self.rows * self.joint_count, 0.0);
-        &mut self.joints[joint * self.rows..(joint + 1) * self.rows]
+        let range = self.range(joint);
+        self.joints.get_mut(range).unwrap_or_default()
     }
 
     /// Says that row k depends on joint k alone, with these derivatives.

@@ -60,11 +60,15 @@ impl Residual for LookAt {
         let sight = Vector3::select(blind, axis, sight * (S::one() / length));
 
         // The half-way quaternion (1 + a·s, a × s) turns a onto s; opposite vectors leave it
-        // empty, and any axis across a does. ½‖a + s‖² is 1 + a·s without cancellation.
+        // empty, and any axis n across a does: turning a about n by ε leaves π − ε to turn, so that
+        // w = ε/2 and ε = (a × s)·n, which is the slope by which a search gets away from there.
+        // ½‖a + s‖² is 1 + a·s without cancellation.
         let w = (axis + sight).norm_squared() * S::constant(0.5);
         let opposite = w.less_than(S::constant(1e-12));
-        let v = Vector3::select(opposite, across(axis), axis.cross(sight));
-        let w = S::select(opposite, S::zero(), w);
+        let turn = axis.cross(sight);
+        let other = across(axis);
+        let v = Vector3::select(opposite, other, turn);
+        let w = S::select(opposite, turn.dot(other) * S::constant(0.5), w);
         let scale = S::one() / w.mul_add(w, v.norm_squared()).sqrt();
         let turn = Quaternion {
             w: w * scale,
@@ -80,7 +84,7 @@ impl Residual for LookAt {
     }
 }
 
-/// Some vector across a unit vector.
+/// Some unit vector across a unit vector.
 fn across<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
     let along_x = S::constant(0.5).less_than(unit.x.abs());
     let (zero, one) = (S::zero(), S::one());
@@ -89,5 +93,6 @@ fn across<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
         S::select(along_x, one, zero),
         zero,
     );
-    unit.cross(other)
+    let across = unit.cross(other);
+    across * (S::one() / across.norm())
 }

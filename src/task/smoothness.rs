@@ -1,17 +1,15 @@
 //! Joints should move slowly from where they last were.
 
-use super::residual::not_finite;
-use super::{LocalJacobian, Quantity, Residual, Role, Rows};
+use super::{LocalJacobian, Posture, Quantity, Residual, Role, Rows};
 use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// (q_j − previous_j) / Δt, one row per joint, in radians or metres per second. A preference by
-/// default.
+/// (q_j − previous_j) / Δt, one row per joint, in radians or metres per second: a posture that
+/// moves along, seen as a speed. A preference by default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Smoothness {
-    joints: Vec<JointId>,
-    previous: Vec<f64>,
+    previous: Posture,
     time_step_s: f64,
 }
 
@@ -20,21 +18,15 @@ impl Smoothness {
     /// missing value counts as 0) `time_step_s` seconds ago.
     #[must_use]
     pub fn new(model: &Model, previous: &[f64], time_step_s: f64) -> Self {
-        let joints = model.moving_joints().to_vec();
-        let mut previous = previous.to_vec();
-        previous.resize(joints.len(), 0.0);
         Self {
-            joints,
-            previous,
+            previous: Posture::new(model, previous),
             time_step_s,
         }
     }
 
     /// Takes the next step's starting point; missing values keep what they were.
     pub fn set_previous(&mut self, previous: &[f64]) {
-        for (own, &new) in self.previous.iter_mut().zip(previous) {
-            *own = new;
-        }
+        self.previous.set_reference(previous);
     }
 }
 
@@ -50,17 +42,19 @@ impl Residual for Smoothness {
     }
 
     fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
+        self.previous.joints()
     }
 
     fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::JointUnitsPerSecond, self.joints.len())]
+        let count = self.previous.rows().iter().map(|rows| rows.count).sum();
+        vec![Rows::new(Quantity::JointUnitsPerSecond, count)]
     }
 
-    fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.previous.evaluate(frames, joints, residual);
         let per_second = S::constant(1.0 / self.time_step_s);
-        for ((row, &value), &previous) in residual.iter_mut().zip(joints).zip(&self.previous) {
-            *row = (value - S::constant(previous)) * per_second;
+        for row in residual {
+            *row *= per_second;
         }
     }
 
@@ -75,7 +69,7 @@ impl Residual for Smoothness {
     }
 
     fn defect(&self) -> Option<String> {
-        not_finite("its previous configuration", self.previous.iter().copied()).or_else(|| {
+        self.previous.defect().or_else(|| {
             let usable = self.time_step_s > 0.0 && self.time_step_s.is_finite();
             (!usable).then(|| format!("its time step {} s is not positive", self.time_step_s))
         })

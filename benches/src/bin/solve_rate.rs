@@ -1,5 +1,5 @@
 //! How often, how fast and in how many steps each solver reaches five random tip targets of a
-//! figure from its rest pose: `cargo run --release -p kinopt-benches --bin solve_rate -- [problems]`.
+//! figure from its rest pose, and how fast it drags one hand along a circle: `cargo run --release -p kinopt-benches --bin solve_rate -- [problems]`.
 #![allow(clippy::print_stdout)]
 
 use std::time::Instant;
@@ -106,5 +106,44 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             tries as f64 / problems as f64,
         );
     }
+
+    // One hand goes round a circle in 240 frames, each from the last, while the other tips hold.
+    let at_rest = skeleton.pose(&rest);
+    let hand = at_rest.tip(&skeleton, tips[1]);
+    for (&task, &tip) in tasks.iter().zip(&tips) {
+        if let Some(point) = problem.residual_mut(task) {
+            point.set_target(at_rest.tip(&skeleton, tip));
+        }
+    }
+    let solver = Solver::default();
+    let mut q = rest.clone();
+    let (mut solved, mut steps, mut tries) = (0, 0, 0);
+    let mut micros = Vec::new();
+    for frame in 0..480 {
+        let angle = f64::from(frame) * std::f64::consts::TAU / 240.0;
+        let offset = [-0.25 + 0.1 * angle.cos(), 0.1 * angle.sin(), 0.15];
+        if let Some(point) = problem.residual_mut(tasks[1]) {
+            point.set_target(hand + offset.into());
+        }
+        let begun = Instant::now();
+        let solution = solver.solve(&problem, &q, &mut workspace)?;
+        micros.push(begun.elapsed().as_secs_f64() * 1e6);
+        solved += usize::from(solution.reached);
+        steps += solution.iterations;
+        tries += solution.attempts;
+        q.copy_from_slice(&solution.q);
+        if !solution.reached && frame % 40 == 0 {
+            println!("frame {frame}: {}", solution.explain());
+        }
+    }
+    micros.sort_by(f64::total_cmp);
+    println!(
+        "drag, LM gain ratio: {solved} of 480 frames reached, median {:.1} µs, p99 {:.1} µs, \
+         {:.1} steps and {:.2} tries a frame",
+        micros[240],
+        micros[475],
+        steps as f64 / 480.0,
+        tries as f64 / 480.0
+    );
     Ok(())
 }

@@ -234,6 +234,7 @@ impl Arguments {
         let restarts = Restarts::default()
             .with_attempts(attempts)
             .with_agreeing(attempts)
+            .with_steps(usize::MAX)
             .with_seed(self.rng_seed);
         let solver = match &self.solver {
             Some(name) => method_choice::solver(name),

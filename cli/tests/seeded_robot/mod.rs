@@ -1,8 +1,7 @@
 //! Robots of models/, and targets that seeded configurations reach.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{Tree, TreeState};
-use kinopt::model::ParameterMap;
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, rotation_log};
 use serde_json::{Value, json};
@@ -44,10 +43,9 @@ impl Seeded {
     pub(crate) fn base_from(&self, frame: &str, q: &[f64]) -> Placement<f64> {
         let model = self.robot.model();
         let frames = [model.frame(self.base).unwrap(), model.frame(frame).unwrap()];
-        let tree = Tree::new(model, &ParameterMap::identity(model), &frames);
-        let mut state = TreeState::new(&tree);
-        tree.forward(q, &mut state);
-        state.frames()[0].inverse() * state.frames()[1]
+        let mut kinematics = ForwardKinematics::of_frames(model, &frames).unwrap();
+        let placed = kinematics.place(q).unwrap();
+        placed[0].inverse() * placed[1]
     }
 
     /// The tip's pose as seven numbers.

@@ -1,4 +1,4 @@
-//! Rigs from several sides, at rest and posed: for the eye of whoever changes them.
+//! A rig at rest and in poses from all over its limits: for the eye of whoever changes it.
 
 use std::path::Path;
 
@@ -9,45 +9,47 @@ use crate::Failure;
 use crate::render::{Scene, View, linear, render};
 use crate::skin::add_posed;
 
-/// The rig in each of the poses, one beside the other, from the side of `eye`.
-pub(crate) fn contact_sheet(
-    rig: &Rig,
-    poses: &[Vec<f64>],
-    eye: DVec3,
-    size: [usize; 2],
-    path: &Path,
-) -> Result<(), Failure> {
+const POSES: usize = 5;
+const SIZE: [usize; 2] = [1800, 560];
+
+/// The rig at rest and in other poses, one beside the other, from the side of `eye`.
+pub(crate) fn contact_sheet(rig: &Rig, eye: DVec3, path: &Path) -> Result<(), Failure> {
     let mut scene = Scene {
         paper: linear(0xf4f5f7),
         ..Scene::default()
     };
     let across = DVec3::Z.cross(eye).normalize();
-    let (tall, apart) = (
-        rig.mesh
-            .as_ref()
-            .and_then(|m| m.bounding_box())
-            .map_or(1.0, |[_, high]| f64::from(high.z)),
-        0.85,
-    );
-    for (index, q) in poses.iter().enumerate() {
-        let place = index as f64 - 0.5 * (poses.len() - 1) as f64;
-        add_posed(
-            &mut scene,
-            rig,
-            q,
-            across * (place * apart * tall),
-            linear(0x8fa9c4),
-        )?;
+    let tall = rig.skeleton.size();
+    for pose in 0..POSES {
+        let place = pose as f64 - 0.5 * (POSES - 1) as f64;
+        let q = angles(rig, pose);
+        let shift = across * (place * 0.8 * tall);
+        add_posed(&mut scene, rig, &q, shift, linear(0x8fa9c4))?;
     }
-    scene.ground = scene
-        .positions
-        .iter()
-        .fold(f64::INFINITY, |low, p| low.min(p.z));
-    let centre = DVec3::Z * (0.5 * tall + 0.5 * scene.ground);
-    let view = View::new(
-        centre + eye.normalize() * 6.0 * tall,
-        centre,
-        1.2 * tall - scene.ground,
-    );
-    render(&scene, &view, size, 1).write(path)
+    let heights = scene.positions.iter().map(|p| p.z);
+    scene.ground = heights.fold(f64::INFINITY, f64::min);
+    let centre = DVec3::Z * 0.45 * tall;
+    let view = View::new(centre + eye.normalize() * 6.0 * tall, centre, 1.35 * tall);
+    render(&scene, &view, SIZE, 1).write(path)
+}
+
+/// Zero at first; then up to two thirds of the way to either limit, spread evenly by the powers of
+/// an irrational number so that no two angles go together.
+fn angles(rig: &Rig, pose: usize) -> Vec<f64> {
+    let limits = rig.skeleton.bones().iter().flat_map(|bone| bone.limits);
+    let each = limits.enumerate().map(|(index, limits)| {
+        let unit = (index as f64 * 0.618_034 + pose as f64 * 0.381_97).fract();
+        let share = if pose == 0 {
+            0.0
+        } else {
+            0.66 * (2.0 * unit - 1.0)
+        };
+        share.abs()
+            * if share < 0.0 {
+                limits.lower
+            } else {
+                limits.upper
+            }
+    });
+    each.collect()
 }

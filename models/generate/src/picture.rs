@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
+use kinopt::ik::Restarts;
 use kinopt::io::rig::Rig;
 use kinopt::task::{Orientation, Point, Posture, Quantity, Task};
 use kinopt::{Problem, Solver};
@@ -14,18 +15,18 @@ use crate::skin::add_posed;
 /// Where the tips go, in metres.
 const TARGETS: [(&str, [f64; 3]); 5] = [
     ("head", [0.14, 0.05, 1.72]),
-    ("left_hand", [0.46, 0.42, 1.84]),
-    ("right_hand", [-0.08, -0.86, 1.3]),
+    ("left_hand", [0.32, 0.6, 1.86]),
+    ("right_hand", [0.06, -0.91, 1.32]),
     ("left_foot", [0.1, 0.1, 0.06]),
     ("right_foot", [-0.62, -0.28, 0.52]),
 ];
-/// How much a radian away from the rest pose counts against a metre: enough to choose among the
-/// poses that reach, too little to pull away from a target.
-const POSTURE: f64 = 1e-3;
+/// How much a radian away from the rest pose counts against a metre: at first enough to choose a
+/// natural pose among those that reach, at last too little to pull away from a target.
+const POSTURE: [f64; 3] = [0.1, 0.01, 1e-3];
 /// Reached within a tenth of a millimetre.
 const TOLERANCE: f64 = 1e-4;
 
-const SIZE: [usize; 2] = [1200, 900];
+const SIZE: [usize; 2] = [1280, 820];
 const PAPER: u32 = 0xfafafa;
 const AT_REST: u32 = 0xc9ccd1;
 const POSED: u32 = 0x5b9bd5;
@@ -34,6 +35,25 @@ const BONE: u32 = 0xffffff;
 
 /// The stacked angles that take every tip to its target.
 pub(crate) fn reach(rig: &Rig) -> Result<Vec<f64>, Failure> {
+    let rest = vec![0.0; rig.skeleton.angles()];
+    let mut q = rest.clone();
+    let mut reached = Err("there is nothing to solve".into());
+    for weight in POSTURE {
+        // Only the last problem has to reach; the others are steps on the way to it.
+        let solution = Solver::default()
+            .with_restarts(Restarts::none())
+            .solve_once(&problem(rig, &rest, weight)?, &q)?;
+        reached = match solution.reached {
+            true => Ok(()),
+            false => Err(solution.explain().to_string()),
+        };
+        q = solution.q;
+    }
+    reached.map_err(|why| format!("the picture's targets are not reached: {why}"))?;
+    Ok(q)
+}
+
+fn problem(rig: &Rig, rest: &[f64], posture_weight: f64) -> Result<Problem, Failure> {
     let skeleton = &rig.skeleton;
     let mut problem = Problem::builder(skeleton.model());
     for (bone, target) in TARGETS {
@@ -45,24 +65,12 @@ pub(crate) fn reach(rig: &Rig) -> Result<Vec<f64>, Failure> {
     let foot = skeleton.bone("left_foot")?;
     if let Some(bone) = skeleton.bones().get(foot.index()) {
         let level = Orientation::new(skeleton.tail(foot), bone.model_from_rest.rotation);
-        problem.add(
-            Task::new(level)
-                .weight(Quantity::Radians, 0.02)
-                .preference(),
-        );
+        let level = Task::new(level).weight(Quantity::Radians, 5.0 * posture_weight);
+        problem.add(level.preference());
     }
-    let rest = vec![0.0; skeleton.angles()];
-    let posture = Posture::new(skeleton.model(), &rest);
-    problem.add(Task::new(posture).weight(Quantity::JointUnits, POSTURE));
-    let solution = Solver::default().solve_once(&problem.build()?, &rest)?;
-    if !solution.reached {
-        return Err(format!(
-            "the picture's targets are not reached: {}",
-            solution.explain()
-        )
-        .into());
-    }
-    Ok(solution.q)
+    let posture = Posture::new(skeleton.model(), rest);
+    problem.add(Task::new(posture).weight(Quantity::JointUnits, posture_weight));
+    Ok(problem.build()?)
 }
 
 /// Draws both figures.
@@ -73,7 +81,7 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
         paper: linear(PAPER),
         ..Scene::default()
     };
-    let (beside, here) = (DVec3::new(-0.35, -1.25, 0.0), DVec3::new(0.0, 0.3, 0.0));
+    let (beside, here) = (DVec3::new(-0.35, -1.24, 0.0), DVec3::new(0.0, 0.42, 0.0));
     // Each stands on the paper with its lowest point.
     let mut stand = |q: &[f64], place: DVec3, colour: u32| -> Result<DVec3, Failure> {
         let mut alone = Scene::default();
@@ -89,8 +97,8 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
     let beside = stand(&rest, beside, AT_REST)?;
     let here = stand(&posed, here, POSED)?;
 
-    let centre = DVec3::new(0.0, -0.28, 0.9);
-    let view = View::new(centre + DVec3::new(6.2, -1.8, 1.1), centre, 2.25);
+    let centre = DVec3::new(0.0, -0.4, 0.97);
+    let view = View::new(centre + DVec3::new(6.2, -1.3, 1.1), centre, 2.2);
     let mut image = render(&scene, &view, SIZE, 3);
     draw_bones(&mut image, &view, rig, &rest, beside);
     draw_bones(&mut image, &view, rig, &posed, here);

@@ -105,7 +105,7 @@ fn part(bone: usize, shape: Shape, origin: DVec3, along: DVec3) -> Part {
         axes: axes(along, towards),
         fillet: 0.008,
         edge: 0.0105,
-        softness: 0.004,
+        softness: 0.008,
     }
 }
 
@@ -139,8 +139,9 @@ fn parts() -> Vec<Part> {
     };
     let mut parts = vec![
         drum(0, z * 0.018, z, 0.135, 0.018),
-        drum(0, z * 0.11, z, 0.088, 0.095),
-        drum(1, z * 0.24, z, 0.095, 0.034),
+        drum(0, z * 0.1, z, 0.088, 0.078),
+        drum(0, z * 0.18, z, 0.066, 0.03),
+        drum(1, z * 0.236, z, 0.095, 0.04),
         drum(2, z * SHOULDER, y, 0.075, 0.046),
         taper(
             2,
@@ -152,15 +153,21 @@ fn parts() -> Vec<Part> {
         drum(2, z * ELBOW, y, 0.058, 0.036),
         taper(
             3,
-            z * ELBOW + x * 0.1,
+            z * ELBOW + x * 0.122,
             z * ELBOW + x * (WRIST - 0.1),
             [0.05, 0.036],
             1.0,
         ),
-        drum(3, z * ELBOW + x * 0.275, x, 0.04, 0.04),
-        drum(4, z * ELBOW + x * WRIST, y, 0.037, 0.046),
-        drum(4, z * ELBOW + x * 0.445, x, 0.033, 0.052),
-        drum(5, z * ELBOW + x * 0.53, x, 0.042, 0.026),
+        drum(3, z * ELBOW + x * 0.28, x, 0.041, 0.052),
+        part(
+            4,
+            Shape::Ellipsoid(DVec3::splat(0.046)),
+            z * ELBOW + x * WRIST,
+            x,
+        ),
+        drum(4, z * ELBOW + x * 0.43, x, 0.033, 0.055),
+        drum(4, z * ELBOW + x * 0.49, x, 0.026, 0.03),
+        drum(5, z * ELBOW + x * 0.532, x, 0.042, 0.028),
         block(5, z * ELBOW + x * 0.56, dvec3(0.018, 0.072, 0.026)),
     ];
     for side in [1.0, -1.0] {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use kinopt::io::rig::Rig;
+use kinopt::skinning::{LinearBlend, single_precision_transform};
 
 use crate::Failure;
 use crate::render::Scene;
@@ -18,22 +19,15 @@ pub(crate) fn add_posed(
         return Err("the rig has no skin".into());
     };
     let placements = rig.skeleton.pose(q);
-    let turns: Vec<_> = placements.skinning_transforms(&rig.skeleton).collect();
-    let posed = mesh
+    let transforms = placements.skinning_transforms(&rig.skeleton);
+    let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
+    let skin = LinearBlend::new(weights, &transforms)?.mesh(mesh)?;
+    let positions: Vec<DVec3> = skin
         .positions()
         .iter()
-        .zip(weights.iter())
-        .map(|(p, influences)| {
-            let p = p.as_dvec3().to_array().into();
-            let each = influences.iter();
-            let sum: DVec3 = each
-                .map(|i| DVec3::from_array(turns[i.bone as usize].apply(p).to_array()) * i.weight)
-                .sum();
-            sum + shift
-        });
-    let posed: Vec<DVec3> = posed.collect();
-    let skin = mesh.with_vertices(posed.iter().map(|p| p.as_vec3()).collect(), Vec::new())?;
+        .map(|p| p.as_dvec3() + shift)
+        .collect();
     let normals: Vec<DVec3> = skin.vertex_normals().iter().map(|n| n.as_dvec3()).collect();
-    scene.add(&posed, &normals, mesh.triangles(), colour);
+    scene.add(&positions, &normals, skin.triangles(), colour);
     Ok(())
 }

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::key::Key;
-use super::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
+use super::table::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
 use crate::lanes::chain::JointKind;
 use crate::lanes::ldlt;
 use crate::lanes::links::Links;
-use crate::lanes::seeds::mix;
+use crate::lanes::split_mix::mix;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// A joint's axis and a point on it.

@@ -1,6 +1,6 @@
 //! The key of a goal, and the cell it falls in.
 
-use super::Atlas;
+use super::table::Atlas;
 use crate::lanes::links::frame_along;
 use crate::spatial::{Placement, Vector3};
 

@@ -45,28 +45,6 @@ impl Scene {
         self.triangles
             .extend(triangles.iter().map(|t| (t.map(|v| v + first), colour)));
     }
-
-    /// Adds a small ball: an octahedron cut four times.
-    pub(crate) fn add_ball(&mut self, centre: DVec3, radius: f64, colour: DVec3) {
-        let mut corners = Vec::new();
-        let [x, y, z] = DVec3::AXES;
-        for (a, b) in [(x, y), (y, -x), (-x, -y), (-y, x)] {
-            corners.extend([[a, b, z], [b, a, -z]]);
-        }
-        for _ in 0..4 {
-            let cut = |[a, b, c]: [DVec3; 3]| {
-                let [ab, bc, ca] = [a + b, b + c, c + a].map(DVec3::normalize);
-                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-            };
-            corners = corners.into_iter().flat_map(cut).collect();
-        }
-        let normals: Vec<DVec3> = corners.into_iter().flatten().collect();
-        let positions: Vec<DVec3> = normals.iter().map(|n| centre + *n * radius).collect();
-        let triangles: Vec<[u32; 3]> = (0..normals.len() as u32 / 3)
-            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
-            .collect();
-        self.add(&positions, &normals, &triangles, colour);
-    }
 }
 
 /// Who sees the sky from where.

@@ -1,4 +1,4 @@
-//! The search over attempts: which one runs next, and which one counts.
+//! Attempts one after the other: which one runs next, and which one counts.
 
 use std::time::Instant;
 
@@ -36,15 +36,15 @@ impl Found {
     }
 }
 
-/// One search of one problem.
-pub(super) struct Search<'a> {
+/// All attempts at one problem; each is a search of its own.
+pub(super) struct Attempts<'a> {
     pub(super) problem: &'a Problem,
     pub(super) method: &'a dyn Method,
     pub(super) stopping: Stopping,
     pub(super) restarts: Restarts,
 }
 
-impl Search<'_> {
+impl Attempts<'_> {
     /// Runs the trials from the workspace's start until one reaches the goals, several agree that
     /// none can, or they run out.
     pub(super) fn run(
@@ -65,7 +65,9 @@ impl Search<'_> {
         let deadline = self.stopping.deadline();
         let mut found = Found::nothing();
         let mut agreeing = 0;
-        for trial in self.restarts.trials() {
+        // With preferences the minimum is the goal, and a stall is on the way to it.
+        let patient = self.problem.has_preferences();
+        for trial in self.restarts.trials(patient) {
             match trial {
                 Trial::Quick(index) | Trial::Full(index) => {
                     if index == 1 {
@@ -77,6 +79,7 @@ impl Search<'_> {
                         .start_of(index, start, wander, self.problem, attempt);
                     found.attempts += 1;
                 }
+                Trial::FinishBest if found.outcome.termination != Termination::Stalled => continue,
                 Trial::FinishBest => attempt.copy_from_slice(best_x),
             }
             let stopping = match trial {
@@ -105,7 +108,8 @@ impl Search<'_> {
                 };
             }
             let first = found.attempts == 1 && trial != Trial::FinishBest;
-            let better = cost < found.cost || found.cost.is_nan();
+            // Among equals the earliest, which is the nearest to the caller's start, stays.
+            let better = cost < found.cost * (1.0 - SAME_COST) || found.cost.is_nan();
             if reached || first || better || trial == Trial::FinishBest {
                 (found.outcome, found.cost) = (outcome, cost);
                 best_x.copy_from_slice(memory.x());

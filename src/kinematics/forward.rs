@@ -1,0 +1,153 @@
+//! The public door to forward kinematics: where frames stand for a configuration.
+
+use thiserror::Error;
+
+use super::{Tree, TreeState};
+use crate::model::{FrameId, Model, ParameterMap};
+use crate::scalar::Scalar;
+use crate::spatial::Placement;
+
+/// Why frames cannot be placed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum KinematicsError {
+    /// A frame id beyond the model's frames.
+    #[error("frame number {index} was asked for, but model `{model}` has {frames} frames")]
+    ForeignFrame {
+        /// The model.
+        model: String,
+        /// The position that the id stands for.
+        index: usize,
+        /// How many frames the model has.
+        frames: usize,
+    },
+    /// A parameter map of another model, told by its size.
+    #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
+    ForeignMap {
+        /// Coordinates in the map.
+        map: usize,
+        /// The model.
+        model: String,
+        /// Coordinates in the model.
+        model_coordinates: usize,
+    },
+    /// Too few or too many numbers.
+    #[error("{given} numbers were given, placing the frames of `{model}` takes {expected}")]
+    Length {
+        /// The model.
+        model: String,
+        /// Numbers given.
+        given: usize,
+        /// Numbers needed: degrees of freedom, or the parameter map's variables.
+        expected: usize,
+    },
+}
+
+/// Places frames of one model again and again in memory of its own; after it is made, nothing is
+/// allocated. Joints that move none of its frames cost nothing.
+///
+/// ```
+/// use kinopt::kinematics::ForwardKinematics;
+/// use kinopt::model::{Limits, Model};
+/// use kinopt::spatial::{Placement, Vector3};
+///
+/// let mut builder = Model::builder("pendulum");
+/// let pivot = builder.revolute(
+///     "pivot", None, Placement::identity(), Vector3::new(1.0, 0.0, 0.0), Limits::UNBOUNDED);
+/// let bob = builder.frame("bob", Some(pivot), Placement::translation([0.0, 0.0, -2.0].into()));
+/// let model = builder.build()?;
+///
+/// let mut kinematics = ForwardKinematics::of_frames(&model, &[bob])?;
+/// let [world_from_bob] = kinematics.place(&[std::f64::consts::FRAC_PI_2])? else { unreachable!() };
+/// assert!((world_from_bob.translation.y - 2.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ForwardKinematics<S = f64> {
+    model: String,
+    tree: Tree,
+    state: TreeState<S>,
+}
+
+impl<S: Scalar> ForwardKinematics<S> {
+    /// For all frames of a model, by [`FrameId::index`].
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
+        let frames: Vec<FrameId> = model.frame_ids().collect();
+        Self::compile(model, &ParameterMap::identity(model), &frames)
+    }
+
+    /// For some frames, in any order.
+    ///
+    /// # Errors
+    /// An id beyond the model's frames.
+    pub fn of_frames(model: &Model, frames: &[FrameId]) -> Result<Self, KinematicsError> {
+        Self::under(model, &ParameterMap::identity(model), frames)
+    }
+
+    /// For some frames, placed for the variables of `map` rather than for a configuration.
+    ///
+    /// # Errors
+    /// An id beyond the model's frames, or a map of another model.
+    pub fn under(
+        model: &Model,
+        map: &ParameterMap,
+        frames: &[FrameId],
+    ) -> Result<Self, KinematicsError> {
+        if map.sources().len() != model.degrees_of_freedom() {
+            return Err(KinematicsError::ForeignMap {
+                map: map.sources().len(),
+                model: model.name().to_owned(),
+                model_coordinates: model.degrees_of_freedom(),
+            });
+        }
+        let beyond = |frame: &&FrameId| frame.index() >= model.frames().len();
+        match frames.iter().find(beyond) {
+            Some(frame) => Err(KinematicsError::ForeignFrame {
+                model: model.name().to_owned(),
+                index: frame.index(),
+                frames: model.frames().len(),
+            }),
+            None => Ok(Self::compile(model, map, frames)),
+        }
+    }
+
+    fn compile(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
+        let tree = Tree::new(model, map, frames);
+        Self {
+            model: model.name().to_owned(),
+            state: TreeState::new(&tree),
+            tree,
+        }
+    }
+
+    /// How many numbers [`place`](Self::place) reads: the model's degrees of freedom, or the
+    /// variables of the parameter map.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.tree.variables()
+    }
+
+    /// world_from_frame of each frame, in the order asked for, at the configuration `q` (radians
+    /// and metres, within limits or not; NaN gives NaN).
+    ///
+    /// # Errors
+    /// A wrong number of numbers.
+    pub fn place(&mut self, q: &[S]) -> Result<&[Placement<S>], KinematicsError> {
+        if q.len() != self.tree.variables() {
+            return Err(KinematicsError::Length {
+                model: self.model.clone(),
+                given: q.len(),
+                expected: self.tree.variables(),
+            });
+        }
+        self.tree.forward(q, &mut self.state);
+        Ok(self.state.frames())
+    }
+
+    /// What the last [`place`](Self::place) found; identities before the first.
+    #[must_use]
+    pub fn placements(&self) -> &[Placement<S>] {
+        self.state.frames()
+    }
+}

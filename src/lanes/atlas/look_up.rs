@@ -1,0 +1,115 @@
+//! Finding the seeds of a goal.
+
+use std::f64::consts::TAU;
+
+use super::candidates::Candidates;
+use super::table::{Atlas, PER_CELL, Row};
+use crate::lanes::lane::LaneScalar;
+use crate::lanes::links::Links;
+use crate::lanes::trigonometry::{ROUNDER, rough_atan2};
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+
+impl Atlas {
+    /// Seeds for a goal, best first.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn look_up<V: LaneScalar>(
+        &self,
+        links: &Links,
+        goal_from_first: &Placement<f64>,
+    ) -> Candidates {
+        let c = V::Four::constant;
+        let n = self.joints;
+        let mut place = goal_from_first.inverse();
+        let Some(last) = links.links.last() else {
+            return Candidates::none();
+        };
+        place.translation -= place.rotation.x * last.along_x + place.rotation.y * last.along_y;
+        let key = self.key(&place);
+        let cell = self.cell(&key);
+        let count = usize::from(self.counts[cell]);
+        let mut found = Candidates::none();
+        if count == 0 {
+            return found;
+        }
+        found.count = count;
+        let (_, h) = self.direction_frame(cell);
+        let (roll_y, roll_x) = self.roll_parts(&key, h);
+        let (mut y, mut x) = (V::Four::zero(), V::Four::zero());
+        if self.first_turns {
+            y.set_lane(0, place.translation.y);
+            x.set_lane(0, place.translation.x);
+        }
+        y.set_lane(1, roll_y);
+        x.set_lane(1, roll_x);
+        let angles = rough_atan2(y, x);
+        let shift = if self.first_turns {
+            angles.lane(0)
+        } else {
+            key.shift
+        };
+        let roll = if self.last_turns { angles.lane(1) } else { 0.0 };
+        let (centre, _) = self.direction_frame(cell);
+        let across = centre.cross(h);
+
+        let stride = n + 5 + 4 * n;
+        let Some(rows) = self.rows.get(cell * stride..(cell + 1) * stride) else {
+            return Candidates::none();
+        };
+        let (q_rows, rest) = rows.split_at(n);
+        let (key_rows, slopes) = rest.split_at(5);
+        let row = |row: &Row| V::Four::from_singles(row);
+        let axis = Vector3::<V::Four>::constant(key.axis)
+            - Vector3::new(row(&key_rows[2]), row(&key_rows[3]), row(&key_rows[4]));
+        let delta = [
+            c(key.place[0]) - row(&key_rows[0]),
+            c(key.place[1]) - row(&key_rows[1]),
+            axis.dot(Vector3::constant(h)),
+            axis.dot(Vector3::constant(across)),
+        ];
+        let mut score = V::Four::zero();
+        let per_joint = links.links.iter().zip(q_rows).zip(slopes.chunks_exact(4));
+        for (i, ((link, q_row), slope)) in per_joint.enumerate() {
+            let mut step = row(&slope[0]) * delta[0];
+            for k in 1..4 {
+                step = row(&slope[k]).mul_add(delta[k], step);
+            }
+            let mut q = row(q_row) + step;
+            let ends = (i == 0 && self.first_turns, i == n - 1 && self.last_turns);
+            if i == 0 {
+                q += c(shift);
+            } else if i == n - 1 {
+                q += c(roll);
+            }
+            if ends.0 || ends.1 {
+                let middle = self.middles[usize::from(i != 0)];
+                let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
+                q = turns.mul_add(c(-TAU), q);
+            }
+            let out = (c(link.lower) - q)
+                .max(q - c(link.upper))
+                .max(V::Four::zero());
+            score = step.mul_add(step, out.mul_add(c(4.0), score));
+            for s in 0..PER_CELL {
+                found.q[i][s] = q.lane(s);
+            }
+        }
+        // Sorting network for four; the index makes keys differ, empty slots come last.
+        let mut keys = [(0.0, 0u8); PER_CELL];
+        for (s, key) in keys.iter_mut().enumerate() {
+            let score = if s < count {
+                score.lane(s)
+            } else {
+                f64::INFINITY
+            };
+            *key = (score, s as u8);
+        }
+        for (a, b) in [(0, 1), (2, 3), (0, 2), (1, 3), (1, 2)] {
+            if keys[b].0 < keys[a].0 {
+                keys.swap(a, b);
+            }
+        }
+        found.order = keys.map(|key| key.1);
+        found
+    }
+}

@@ -1,0 +1,47 @@
+//! What is asked of a call's arguments before anything is solved.
+
+use super::chain::is_rigid;
+use super::options::{LaneError, Outcome};
+use crate::spatial::Placement;
+
+/// Refuses a batch for a chain of `joints` joints whose slices do not fit or whose queries are not
+/// sound.
+pub(crate) fn batch(
+    joints: usize,
+    targets: &[Placement<f64>],
+    starts: &[f64],
+    q: &[f64],
+    outcomes: &[Outcome],
+) -> Result<(), LaneError> {
+    length("starts", starts.len(), joints * targets.len())?;
+    length("q", q.len(), joints * targets.len())?;
+    length("outcomes", outcomes.len(), targets.len())?;
+    for (index, (target, start)) in targets.iter().zip(starts.chunks_exact(joints)).enumerate() {
+        query(index, target, start)?;
+    }
+    Ok(())
+}
+
+/// Refuses a slice of another length than is needed.
+pub(crate) fn length(what: &'static str, found: usize, expected: usize) -> Result<(), LaneError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(LaneError::Length {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
+/// Refuses a start that is not finite and a target that is not rigid.
+pub(crate) fn query(index: usize, target: &Placement<f64>, start: &[f64]) -> Result<(), LaneError> {
+    if !start.iter().all(|value| value.is_finite()) {
+        return Err(LaneError::Start(index));
+    }
+    if !is_rigid(target) {
+        return Err(LaneError::Target(index));
+    }
+    Ok(())
+}

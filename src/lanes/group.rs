@@ -1,0 +1,103 @@
+//! The state of the lanes that run in lock step: loading an attempt, reading what it found.
+
+use super::lane::LaneScalar;
+use super::settings::Settings;
+use crate::spatial::{Placement, Vector3};
+
+/// The state of one group of lanes, which the step advances.
+pub(crate) struct Group<V, const N: usize> {
+    /// Number of joints, at most N; N itself in the kernels made for one size.
+    pub(super) joints: usize,
+    pub(super) goal_from_first: Placement<V>,
+    /// The frame that travels along the chain, from one place to the other and back.
+    pub(super) frames: [Placement<V>; 2],
+    /// Jacobian columns: velocity of the point at the goal's origin per unit of each joint's
+    /// velocity, and the axis of each turning joint.
+    pub(super) linear: [Vector3<V>; N],
+    pub(super) angular: [Vector3<V>; N],
+    /// Sine and cosine of each turning joint's angle.
+    pub(super) sin_cos: [(V, V); N],
+    /// J Jᵀ, lower triangle.
+    pub(super) normal: [[V; 6]; 6],
+    /// The point to evaluate next.
+    pub(super) q: [V; N],
+    /// The best point so far, and twice its cost.
+    pub(super) accepted: [V; N],
+    pub(super) accepted_cost: V,
+    pub(super) damping: V,
+    /// Cost at the last real progress, and iterations since.
+    pub(super) reference_cost: V,
+    pub(super) stalled: V,
+}
+
+impl<V: LaneScalar, const N: usize> Group<V, N> {
+    pub(crate) fn new(joints: usize) -> Self {
+        let zero = V::zero();
+        Self {
+            joints,
+            goal_from_first: Placement::identity(),
+            frames: [Placement::identity(); 2],
+            linear: [Vector3::zero(); N],
+            angular: [Vector3::zero(); N],
+            sin_cos: [(zero, zero); N],
+            normal: [[zero; 6]; 6],
+            q: [zero; N],
+            accepted: [zero; N],
+            accepted_cost: zero,
+            damping: zero,
+            reference_cost: zero,
+            stalled: zero,
+        }
+    }
+
+    /// Starts an attempt in `lane`. The values of `q` lie within the bounds.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn load(
+        &mut self,
+        lane: usize,
+        goal_from_first: &Placement<f64>,
+        q: &[f64],
+        settings: &Settings,
+    ) {
+        let set = |to: &mut Vector3<V>, from: Vector3<f64>| {
+            to.x.set_lane(lane, from.x);
+            to.y.set_lane(lane, from.y);
+            to.z.set_lane(lane, from.z);
+        };
+        let (to, from) = (&mut self.goal_from_first, goal_from_first);
+        set(&mut to.rotation.x, from.rotation.x);
+        set(&mut to.rotation.y, from.rotation.y);
+        set(&mut to.rotation.z, from.rotation.z);
+        set(&mut to.translation, from.translation);
+        for (i, &value) in q.iter().enumerate().take(self.joints) {
+            self.q[i].set_lane(lane, value);
+            self.accepted[i].set_lane(lane, value);
+        }
+        self.accepted_cost.set_lane(lane, f64::INFINITY);
+        self.reference_cost.set_lane(lane, f64::INFINITY);
+        self.stalled.set_lane(lane, 0.0);
+        self.damping.set_lane(lane, settings.damping);
+    }
+
+    /// The point of `lane` that the last [`step`](super::kernel::step) found reached.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn point(&self, lane: usize, q: &mut [f64]) {
+        for (i, value) in q.iter_mut().enumerate().take(self.joints) {
+            *value = self.accepted[i].lane(lane);
+        }
+    }
+
+    /// The point of `lane` that the next [`step`](super::kernel::step) will evaluate.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn next_point(&self, lane: usize, q: &mut [f64]) {
+        for (i, value) in q.iter_mut().enumerate().take(self.joints) {
+            *value = self.q[i].lane(lane);
+        }
+    }
+
+    /// Twice the cost at [`point`](Self::point).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn cost(&self, lane: usize) -> f64 {
+        self.accepted_cost.lane(lane)
+    }
+}

@@ -1,0 +1,75 @@
+//! A chain and options made ready for solving: what every driver reads and none changes.
+
+use std::f64::consts::TAU;
+
+use super::atlas::{Atlas, Resolution};
+use super::chain::{Chain, JointKind};
+use super::links::Links;
+use super::options::{LaneError, LaneOptions};
+use super::settings::Settings;
+
+/// A chain and the task, prepared.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    pub(crate) links: Links,
+    pub(crate) settings: Settings,
+    pub(crate) options: LaneOptions,
+    pub(crate) atlas: Option<Atlas>,
+    /// Whether the goal is not the full pose.
+    pub(crate) weighted: bool,
+    /// Whether some joint can turn once round.
+    pub(crate) wide: bool,
+}
+
+impl Prepared {
+    /// Normalises a chain and builds its seed atlas.
+    ///
+    /// # Errors
+    /// [`LaneError::Option`] for a tolerance, damping or weight out of range.
+    pub(crate) fn new(chain: &Chain, options: LaneOptions) -> Result<Self, LaneError> {
+        options.check()?;
+        let settings = Settings::new(&options);
+        let links = Links::new(chain);
+        let atlas = if options.atlas {
+            Atlas::new(&links, Resolution::default(), options.seed)
+        } else {
+            None
+        };
+        let wide = links
+            .links
+            .iter()
+            .any(|link| link.kind == JointKind::Revolute && link.upper - link.lower >= TAU);
+        Ok(Self {
+            weighted: !options.axes.is_full_pose(),
+            atlas,
+            links,
+            settings,
+            options,
+            wide,
+        })
+    }
+
+    /// The same without an atlas, whose seeds mean nothing once the bounds have moved.
+    pub(crate) fn without_atlas(&self) -> Self {
+        Self {
+            links: self.links.clone(),
+            settings: self.settings,
+            options: self.options.clone(),
+            atlas: None,
+            weighted: self.weighted,
+            wide: self.wide,
+        }
+    }
+
+    /// Number of moving joints.
+    pub(crate) fn joints(&self) -> usize {
+        self.links.links.len()
+    }
+
+    /// Moves the bounds, radians or metres.
+    pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
+        for (link, (&lower, &upper)) in self.links.links.iter_mut().zip(lower.iter().zip(upper)) {
+            (link.lower, link.upper) = (lower, upper);
+        }
+    }
+}

