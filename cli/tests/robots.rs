@@ -123,6 +123,8 @@ fn one_target_by_every_search_and_solver() {
         vec!["--solver=levenberg-marquardt"],
         vec!["--solver=gauss-newton", "--jacobian=dual"],
         vec!["--restarts=40", "--jacobian=central"],
+        // Out of many attempts from elsewhere.
+        vec!["--solver=projected-gradient-bb", "--max-iterations=2000"],
     ] {
         let mut all = vec!["solve", &panda.file, &target, "--json"];
         all.extend(&arguments);
@@ -251,6 +253,23 @@ fn both_arms_at_once() {
 }
 
 #[test]
+fn people_see_what_matters() {
+    let panda = Seeded::panda();
+    let target = typed("tool", &panda.pose(&panda.configuration(11)));
+    let output = kinopt(&["solve", &panda.file, &target, "--search=distinct:3"]);
+    let text = stdout(&output);
+    for word in [
+        "Reached",
+        "joint7",
+        "3 answers in all",
+        "orientation error (rad)",
+    ] {
+        assert!(text.contains(word), "{text}");
+    }
+    assert!(!text.contains("finger"), "{text}");
+}
+
+#[test]
 fn out_of_reach_is_an_answer() {
     let scara = Seeded::new("adept_cobra_s600", "base", "flange");
     let output = kinopt(&["solve", &scara.file, "--target=flange=2,0,0.2"]);
@@ -330,6 +349,11 @@ fn wrong_names_and_options() {
             vec!["solve", &panda.file, pose, "--free-axis=w"],
             2,
             vec!["w"],
+        ),
+        (
+            vec!["solve", &panda.file, both, "--free-axis=z"],
+            2,
+            vec!["--free-axis", "orientation"],
         ),
         (
             vec!["solve", &panda.file, pose, "--track"],

@@ -44,7 +44,12 @@ impl<'a> ArmDoor<'a> {
         let base = base.or_else(|| loaded.root_link()).unwrap_or_default();
         let options = &arguments.arm;
         let goal = match options.free_axis {
-            _ if !turns => Goal::position(),
+            Some(_) if !turns => {
+                return Err(Failure::usage(
+                    "--free-axis is for targets with an orientation (x,y,z,qw,qx,qy,qz)",
+                ));
+            }
+            None if !turns => Goal::position(),
             Some(axis) => Goal::free_about(axis.into()),
             None => Goal::pose(),
         };

@@ -44,6 +44,14 @@ impl Base {
         Ok(Self::Still(placed.unwrap_or_else(Placement::identity)))
     }
 
+    /// The frame, where free joints move it.
+    pub(super) fn moving_frame(&self) -> Option<FrameId> {
+        match *self {
+            Self::Still(_) => None,
+            Self::Moving(frame) => Some(frame),
+        }
+    }
+
     /// Adds the task that brings `tip` to a target in this frame; without `turns` its orientation
     /// does not matter.
     pub(super) fn add_target(

@@ -12,6 +12,7 @@ use super::answer::{Answer, AskedTask, Question};
 use super::arguments::Arguments;
 use super::arm_door::microseconds;
 use super::base::{Base, TargetTask};
+use super::bystanders::{bystanders, put_back};
 use super::door::Door;
 use super::tasks::pinned_tips;
 use crate::failure::Outcome;
@@ -29,6 +30,7 @@ pub(super) struct CoreDoor<'a> {
     tip_name: String,
     turns: bool,
     held: Vec<(String, FrameId)>,
+    bystanders: Vec<usize>,
 }
 
 /// The problem and the memory of one thread.
@@ -48,12 +50,15 @@ impl<'a> CoreDoor<'a> {
         turns: bool,
     ) -> Outcome<Self> {
         let tip = loaded.frame(tip_name, BareName::Tip)?;
+        let base = Base::named(loaded, base)?;
+        let frames: Vec<FrameId> = base.moving_frame().into_iter().chain([tip]).collect();
         Ok(Self {
             loaded,
             solver: arguments.general_solver(),
             derivatives: arguments.derivatives(),
             tolerances: arguments.tolerances(loaded),
-            base: Base::named(loaded, base)?,
+            base,
+            bystanders: bystanders(loaded, &frames),
             tip,
             tip_name: tip_name.to_owned(),
             turns,
@@ -118,8 +123,10 @@ impl Door for CoreDoor<'_> {
             .solver
             .solve(&desk.problem, &question.start, &mut desk.workspace)?;
         let micros = microseconds(started);
+        let mut q = solution.q.clone();
+        put_back(&mut q, &self.bystanders, &question.start);
         Ok(Answer {
-            q: solution.q.clone(),
+            q,
             alternatives: Vec::new(),
             solution: solution.clone(),
             micros: Some(micros),

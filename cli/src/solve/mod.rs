@@ -5,6 +5,7 @@ mod arguments;
 mod arm_arguments;
 mod arm_door;
 mod base;
+mod bystanders;
 mod core_door;
 mod door;
 mod many;
@@ -24,6 +25,7 @@ use door::Door;
 use report::Report;
 
 use crate::failure::Outcome;
+use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 use crate::progress::Progress;
@@ -36,17 +38,18 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     // Before the search, not after it.
     let skin = arguments.out.as_ref().map(|_| loaded.skin()).transpose()?;
-    let (answer, tasks) = match robot {
+    let answered = match robot {
         Some(robot) => by_arm(&loaded, robot, arguments)?,
         None => by_general_solver(&loaded, arguments)?,
     };
     if let (Some(skin), Some(out)) = (skin, &arguments.out) {
-        out.write(&skin.posed(&answer.q)?)?;
+        out.write(&skin.posed(&answered.answer.q)?)?;
     }
     let report = Report {
         loaded: &loaded,
-        answer: &answer,
-        tasks: &tasks,
+        answer: &answered.answer,
+        tasks: &answered.tasks,
+        bystanders: &answered.bystanders,
     };
     if json {
         output::json(&report.document_with_joints())?;
@@ -59,12 +62,16 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     Ok(())
 }
 
+/// An answer to all that was asked at once.
+struct Answered {
+    answer: Answer,
+    tasks: Vec<AskedTask>,
+    /// Coordinates that no task feels.
+    bystanders: Vec<usize>,
+}
+
 /// One target of a robot.
-fn by_arm(
-    loaded: &LoadedModel,
-    robot: &Robot,
-    arguments: &Arguments,
-) -> Outcome<(Answer, Vec<AskedTask>)> {
+fn by_arm(loaded: &LoadedModel, robot: &Robot, arguments: &Arguments) -> Outcome<Answered> {
     let Some(target) = arguments.targets.first() else {
         return by_general_solver(loaded, arguments);
     };
@@ -76,28 +83,38 @@ fn by_arm(
         start: arguments.start(loaded, Some(&door))?,
     };
     let mut desk = door.desk()?;
-    Ok((door.answer(&mut desk, &question)?, door.tasks()))
+    let ends = [Some(target.frame.as_str()), base].into_iter().flatten();
+    let ends = ends.map(|name| loaded.frame(name, BareName::Tail));
+    let ends = ends.collect::<Result<Vec<_>, _>>()?;
+    Ok(Answered {
+        answer: door.answer(&mut desk, &question)?,
+        tasks: door.tasks(),
+        bystanders: bystanders::bystanders(loaded, &ends),
+    })
 }
 
 /// Everything that is asked at once.
-fn by_general_solver(
-    loaded: &LoadedModel,
-    arguments: &Arguments,
-) -> Outcome<(Answer, Vec<AskedTask>)> {
+fn by_general_solver(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Answered> {
     let start = arguments.start(loaded, None)?;
-    let (problem, tasks) = tasks::problem(loaded, arguments, &start)?;
+    let asked = tasks::asked(loaded, arguments, &start)?;
     let mut workspace = Workspace::new();
     let mut progress = Progress::new();
     let solver = arguments.general_solver();
     let started = Instant::now();
-    let solution = solver.solve_observed(&problem, &start, &mut workspace, &mut progress)?;
+    let solution = solver.solve_observed(&asked.problem, &start, &mut workspace, &mut progress)?;
     let micros = microseconds(started);
     progress.finish();
+    let mut q = solution.q.clone();
+    bystanders::put_back(&mut q, &asked.bystanders, &start);
     let answer = Answer {
-        q: solution.q.clone(),
+        q,
         alternatives: Vec::new(),
         solution: solution.clone(),
         micros: Some(micros),
     };
-    Ok((answer, tasks))
+    Ok(Answered {
+        answer,
+        tasks: asked.tasks,
+        bystanders: asked.bystanders,
+    })
 }

@@ -14,6 +14,8 @@ pub(super) struct Report<'a> {
     pub(super) loaded: &'a LoadedModel,
     pub(super) answer: &'a Answer,
     pub(super) tasks: &'a [AskedTask],
+    /// Coordinates that no task feels, which text does not show.
+    pub(super) bystanders: &'a [usize],
 }
 
 #[derive(Serialize)]
@@ -128,7 +130,41 @@ impl<'a> Report<'a> {
         text.push_str(&self.task_table());
         text.push('\n');
         text.push_str(&self.joint_table(degrees));
+        text.push_str(&self.alternatives(degrees));
         text
+    }
+
+    /// Further answers, a line each with the free joints' values.
+    fn alternatives(&self, degrees: bool) -> String {
+        let alternatives = &self.answer.alternatives;
+        if alternatives.is_empty() {
+            return String::new();
+        }
+        let count = alternatives.len() + 1;
+        let mut text = format!("\n{count} answers in all; the others, in the same order:\n");
+        let free = self.shown();
+        for alternative in alternatives {
+            let values = alternative.iter().zip(self.loaded.is_angle()).zip(&free);
+            let shown = values
+                .filter(|(_, free)| **free)
+                .map(|((&value, angle), _)| {
+                    let converted = degrees && angle;
+                    six_digits(if converted { value.to_degrees() } else { value })
+                });
+            text.push_str(&format!("  {}\n", shown.collect::<Vec<_>>().join("  ")));
+        }
+        text
+    }
+
+    /// Which coordinates people are told.
+    fn shown(&self) -> Vec<bool> {
+        let mut shown = self.loaded.free_coordinates();
+        for &bystander in self.bystanders {
+            if let Some(shown) = shown.get_mut(bystander) {
+                *shown = false;
+            }
+        }
+        shown
     }
 
     fn task_table(&self) -> String {
@@ -177,7 +213,7 @@ impl<'a> Report<'a> {
         let model = &self.loaded.model;
         let coordinates = model.moving_joints().iter().zip(&self.answer.q);
         let coordinates = coordinates.zip(self.loaded.is_angle()).zip(model.limits());
-        let free = self.loaded.free_coordinates();
+        let free = self.shown();
         for ((((id, &value), is_angle), limits), free) in coordinates.zip(free) {
             let Some(joint) = model.joints().get(id.index()).filter(|_| free) else {
                 continue;

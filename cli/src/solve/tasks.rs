@@ -7,16 +7,22 @@ use kinopt::task::{Point, Quantity, Ray, Task};
 use super::answer::AskedTask;
 use super::arguments::Arguments;
 use super::base::Base;
+use super::bystanders::bystanders;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 
+/// All that is asked at once.
+pub(super) struct Asked {
+    pub(super) problem: Problem,
+    /// In the order of the problem's tasks.
+    pub(super) tasks: Vec<AskedTask>,
+    /// Coordinates that no task feels.
+    pub(super) bystanders: Vec<usize>,
+}
+
 /// The targets, the rays, and the pinned tips as they stand at `start`.
-pub(super) fn problem(
-    loaded: &LoadedModel,
-    arguments: &Arguments,
-    start: &[f64],
-) -> Outcome<(Problem, Vec<AskedTask>)> {
+pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) -> Outcome<Asked> {
     let mut builder = Problem::builder(&loaded.model);
     let (length, angle) = arguments.tolerances(loaded);
     builder
@@ -63,7 +69,12 @@ pub(super) fn problem(
             });
         }
     }
-    Ok((builder.build()?, asked))
+    taken.extend(base.moving_frame());
+    Ok(Asked {
+        problem: builder.build()?,
+        tasks: asked,
+        bystanders: bystanders(loaded, &taken),
+    })
 }
 
 /// A rig's pinned tips, by their bones' names, that nothing else is asked of.

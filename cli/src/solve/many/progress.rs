@@ -1,45 +1,54 @@
 //! A bar on standard error while many targets are solved, on a terminal only.
 
-use std::time::Duration;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Counts answers. It is told between questions, so no time that is taken holds its drawing.
-pub(super) struct Countdown(Option<ProgressBar>);
-
+/// Runs shorter than this show nothing.
+const PATIENCE: Duration = Duration::from_millis(300);
 /// How many drawings a second.
 const DRAWINGS: u8 = 10;
+
+/// Counts answers. It is told between questions, so no time that is taken holds its drawing.
+pub(super) struct Countdown {
+    started: Instant,
+    done: AtomicU64,
+    /// None where nobody would see it.
+    bar: Option<ProgressBar>,
+}
 
 impl Countdown {
     pub(super) fn new(questions: usize) -> Self {
         let target = ProgressDrawTarget::stderr_with_hz(DRAWINGS);
-        if target.is_hidden() {
-            return Self(None);
+        let bar = (!target.is_hidden()).then(|| {
+            let length = u64::try_from(questions).unwrap_or(u64::MAX);
+            let bar = ProgressBar::with_draw_target(Some(length), target);
+            let shape = "{bar:40} {pos} of {len} targets, {eta} left";
+            match ProgressStyle::with_template(shape) {
+                Ok(style) => bar.with_style(style),
+                Err(_) => bar,
+            }
+        });
+        Self {
+            started: Instant::now(),
+            done: AtomicU64::new(0),
+            bar,
         }
-        let length = u64::try_from(questions).unwrap_or(u64::MAX);
-        let bar = ProgressBar::with_draw_target(Some(length), target);
-        let style = ProgressStyle::with_template("{wide_bar} {pos} of {len} targets, {eta} left");
-        Self(Some(match style {
-            Ok(style) => bar.with_style(style),
-            Err(_) => bar,
-        }))
     }
 
     pub(super) fn one_more(&self) {
-        // Short runs show nothing.
-        if let Some(bar) = &self.0 {
-            let quick = bar.elapsed() < Duration::from_millis(300);
-            if quick {
-                bar.update(|state| state.set_pos(state.pos() + 1));
-            } else {
-                bar.inc(1);
+        if let Some(bar) = &self.bar {
+            let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+            if self.started.elapsed() > PATIENCE {
+                bar.set_position(done);
             }
         }
     }
 
     /// Takes the bar away.
     pub(super) fn finish(&self) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }

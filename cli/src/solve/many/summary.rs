@@ -46,6 +46,7 @@ impl Outcomes {
                 loaded,
                 answer,
                 tasks: &self.tasks,
+                bystanders: &[],
             };
             report.document()
         });
