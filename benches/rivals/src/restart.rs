@@ -1,0 +1,48 @@
+//! Restarts for solvers that bring none: the start, then random configurations until time is up.
+
+use std::time::Instant;
+
+use kinopt::lanes::Chain;
+use kinopt_benches::{Sequence, random_configuration};
+
+/// The limits as most optimisers want them; unbounded joints get ±4π, as their file has no number.
+pub struct Limits {
+    /// Smallest values, radians and metres.
+    pub lower: Vec<f64>,
+    /// Largest values, radians and metres.
+    pub upper: Vec<f64>,
+}
+
+impl Limits {
+    /// Of all joints of a chain.
+    #[must_use]
+    pub fn of(chain: &Chain) -> Self {
+        let far = 4.0 * std::f64::consts::PI;
+        let joints = chain.joints();
+        Self {
+            lower: joints.iter().map(|j| j.lower.max(-far)).collect(),
+            upper: joints.iter().map(|j| j.upper.min(far)).collect(),
+        }
+    }
+}
+
+/// Attempts from `start` and then from random configurations, the same ones in each run, until one
+/// says that it succeeded, whose q is returned, or the deadline has passed.
+pub fn until_deadline(
+    chain: &Chain,
+    start: &[f64],
+    deadline: Instant,
+    mut attempt: impl FnMut(&mut [f64]) -> bool,
+) -> Option<Vec<f64>> {
+    let mut random = Sequence::new(0.75);
+    let mut q = start.to_vec();
+    loop {
+        if attempt(&mut q) {
+            return Some(q);
+        }
+        if Instant::now() >= deadline {
+            return None;
+        }
+        q = random_configuration(chain, &mut random);
+    }
+}

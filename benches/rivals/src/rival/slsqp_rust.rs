@@ -1,0 +1,56 @@
+//! The crate `slsqp`, NLopt's SLSQP in Rust, on kinopt's kinematics.
+
+use std::time::{Duration, Instant};
+
+use slsqp::{Func, StopTols, minimize};
+
+use super::{Answer, Rival, timed};
+use crate::{Failure, Objective, Query, Workload, until_deadline};
+
+struct Slsqp<'a> {
+    workload: &'a Workload,
+    bounds: Vec<(f64, f64)>,
+    limit: Duration,
+}
+
+/// Set up for one robot.
+pub fn new(workload: &Workload, limit: Duration) -> Box<dyn Rival + '_> {
+    let limits = crate::Limits::of(&workload.chain);
+    Box::new(Slsqp {
+        workload,
+        bounds: limits.lower.into_iter().zip(limits.upper).collect(),
+        limit,
+    })
+}
+
+impl Rival for Slsqp<'_> {
+    fn name(&self) -> String {
+        "slsqp".into()
+    }
+
+    fn answer(&mut self, query: &Query) -> Result<Answer, Failure> {
+        let chain = &self.workload.chain;
+        Ok(timed(|| {
+            let objective = Objective::new(chain, query.target);
+            let evaluate = |q: &[f64], gradient: Option<&mut [f64]>, (): &mut ()| -> f64 {
+                objective.at(q, gradient)
+            };
+            let unconstrained: [&dyn Func<()>; 0] = [];
+            let deadline = Instant::now() + self.limit;
+            until_deadline(chain, &query.start, deadline, |q| {
+                // It has no goal value to stop at, only the change from one iterate to the next.
+                let stop = StopTols {
+                    ftol_abs: 1e-3 * Objective::GOAL,
+                    ..StopTols::default()
+                };
+                let bounds = &self.bounds;
+                let ended = minimize(evaluate, q, bounds, &unconstrained, (), 200, Some(stop));
+                let (found, value) = match ended {
+                    Ok((_, found, value)) | Err((_, found, value)) => (found, value),
+                };
+                q.copy_from_slice(&found);
+                value <= Objective::GOAL
+            })
+        }))
+    }
+}

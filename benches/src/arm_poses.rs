@@ -1,0 +1,110 @@
+//! Arms read from URDF as chains of the lane engine, and poses they can reach.
+
+use kinopt::lanes::{Chain, ChainJoint, JointKind};
+use kinopt::model;
+use kinopt::robot::Robot;
+use kinopt::spatial::Placement;
+
+use crate::Sequence;
+
+/// The joints from the link `base` down to the link `tip`, fixed ones folded in.
+///
+/// # Errors
+/// An unknown link (the error lists the valid ones), a base that is not above the tip, a chain
+/// that the lane engine refuses.
+pub fn chain(robot: &Robot, base: &str, tip: &str) -> Result<Chain, Box<dyn std::error::Error>> {
+    let model = robot.model();
+    let base = &model.frames()[model.frame(base)?.index()];
+    let tip = &model.frames()[model.frame(tip)?.index()];
+    let mut path = Vec::new();
+    let mut at = tip.joint;
+    while at != base.joint {
+        let joint = &model.joints()[at.ok_or("the tip does not hang on the base")?.index()];
+        path.push(joint);
+        at = joint.parent;
+    }
+    let mut joints = Vec::new();
+    let mut last_from_here = base.joint_from_frame.inverse();
+    for joint in path.into_iter().rev() {
+        last_from_here = last_from_here * joint.parent_from_joint;
+        let kind = match joint.kind {
+            model::JointKind::Fixed => continue,
+            model::JointKind::Prismatic => JointKind::Prismatic,
+            model::JointKind::Revolute | model::JointKind::Continuous => JointKind::Revolute,
+        };
+        joints.push(ChainJoint {
+            parent_from_joint: std::mem::replace(&mut last_from_here, Placement::identity()),
+            axis: joint.axis,
+            kind,
+            lower: joint.limits.lower,
+            upper: joint.limits.upper,
+        });
+    }
+    Ok(Chain::new(joints, last_from_here * tip.joint_from_frame)?)
+}
+
+/// Questions to a chain that have an answer.
+pub struct ArmPoses {
+    /// `base_from_target` of each question.
+    pub targets: Vec<Placement<f64>>,
+    /// One configuration a target, one after the other, radians and metres.
+    pub starts: Vec<f64>,
+}
+
+/// Tip poses of random configurations across the full limits (unbounded joints within ±π), and
+/// other random configurations to start from.
+#[must_use]
+pub fn random_poses(chain: &Chain, count: usize, random: &mut Sequence) -> ArmPoses {
+    let targets = (0..count)
+        .map(|_| chain.base_from_tip(&random_configuration(chain, random)))
+        .collect();
+    let starts = (0..count)
+        .flat_map(|_| random_configuration(chain, random))
+        .collect();
+    ArmPoses { targets, starts }
+}
+
+/// A configuration anywhere within the limits; unbounded joints within ±π.
+#[must_use]
+pub fn random_configuration(chain: &Chain, random: &mut Sequence) -> Vec<f64> {
+    let joints = chain.joints().iter();
+    joints
+        .map(|joint| {
+            let (lower, upper) = range(joint);
+            lower + random.unit() * (upper - lower)
+        })
+        .collect()
+}
+
+/// Tip poses along a path on which each joint swings slowly about the middle of its range, at most
+/// 0.005 rad a step; all start from the path's first configuration.
+#[must_use]
+pub fn smooth_path(chain: &Chain, count: usize) -> ArmPoses {
+    let at = |step: usize| -> Vec<f64> {
+        let joints = chain.joints().iter().enumerate();
+        joints
+            .map(|(index, joint)| {
+                let (lower, upper) = range(joint);
+                let phase = 0.001 * step as f64 * (1.0 + 0.3 * index as f64);
+                0.5 * (lower + upper) + 0.3 * (upper - lower).min(6.0) * phase.sin()
+            })
+            .collect()
+    };
+    ArmPoses {
+        targets: (0..count)
+            .map(|step| chain.base_from_tip(&at(step)))
+            .collect(),
+        starts: at(0),
+    }
+}
+
+fn range(joint: &ChainJoint) -> (f64, f64) {
+    if joint.lower.is_finite() && joint.upper.is_finite() {
+        (joint.lower, joint.upper)
+    } else {
+        (
+            joint.lower.max(-std::f64::consts::PI),
+            joint.upper.min(std::f64::consts::PI),
+        )
+    }
+}
