@@ -8,7 +8,7 @@
 //! minimise  cost(q) = ½ Σ ‖W r(q)‖²     subject to  q_min ≤ q ≤ q_max
 //! ```
 //!
-//! Build a [`Model`](model::Model) (by hand, from a [`Skeleton`], or from a URDF with feature
+//! Build a [`Model`] (by hand, from a [`Skeleton`], or from a URDF with feature
 //! `urdf`), state a [`Problem`] of [`task`]s, and give it to a [`Solver`]. The [`Solution`] says
 //! what was reached, by how much the rest was missed, and which limits are in the way.
 //!
