@@ -12,8 +12,8 @@ use support::bones::RandomRig;
 use support::random::Random;
 use support::trees::configuration_of;
 
-const PROBLEMS: u64 = 200;
-const RIGS: u64 = 20;
+const PROBLEMS: u64 = 1000;
+const RIGS: u64 = 50;
 
 #[test]
 fn ninety_nine_of_a_hundred() {

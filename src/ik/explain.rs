@@ -46,11 +46,24 @@ impl Solution {
             }
             writeln!(text, ".")?;
         }
+        // A search that was cut short proves nothing about what is in its way.
+        let cut_short = matches!(
+            self.termination,
+            Termination::Stalled | Termination::IterationLimit | Termination::TimeLimit
+        );
         let mut limits = self.active_limits().peekable();
         if limits.peek().is_none() {
-            write!(text, "  No joint limit holds it back.")?;
+            let verdict = match cut_short {
+                true => "No joint limit is in the way so far",
+                false => "No joint limit holds it back",
+            };
+            write!(text, "  {verdict}.")?;
         } else {
-            write!(text, "  It is held back by ")?;
+            let verdict = match cut_short {
+                true => "So far it stands against",
+                false => "It is held back by",
+            };
+            write!(text, "  {verdict} ")?;
             for (k, limit) in limits.enumerate() {
                 let side = match limit.side {
                     Side::Lower => "lower",
@@ -67,6 +80,9 @@ impl Solution {
                 write!(text, " of `{}`", limit.joint)?;
             }
             text.push('.');
+        }
+        if cut_short {
+            write!(text, " More time or iterations may help.")?;
         }
         Ok(())
     }
