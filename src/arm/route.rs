@@ -13,32 +13,19 @@ pub(super) enum Part {
     Joint { id: JointId, reversed: bool },
 }
 
-/// The joints from the root to a frame.
-fn from_root(model: &Model, frame: FrameId) -> Vec<JointId> {
-    let mut joints = Vec::new();
-    let mut at = model.frames()[frame.index()].joint;
-    while let Some(joint) = at {
-        joints.push(joint);
-        at = model.joints()[joint.index()].parent;
-    }
-    joints.reverse();
-    joints
-}
-
 /// All parts from base to tip.
 pub(super) fn parts(model: &Model, base: FrameId, tip: FrameId) -> Vec<Part> {
-    let (up, down) = (from_root(model, base), from_root(model, tip));
-    let shared = up.iter().zip(&down).take_while(|(a, b)| a == b).count();
+    let path = model.path(base, tip);
     let placement = |id: JointId| model.joints()[id.index()].parent_from_joint;
     let on_joint = |frame: FrameId| model.frames()[frame.index()].joint_from_frame;
 
     let mut parts = vec![Part::Way(on_joint(base).inverse())];
-    for &id in up[shared..].iter().rev() {
+    for id in path.up {
         let reversed = true;
         parts.push(Part::Joint { id, reversed });
         parts.push(Part::Way(placement(id).inverse()));
     }
-    for &id in &down[shared..] {
+    for id in path.down {
         let reversed = false;
         parts.push(Part::Way(placement(id)));
         parts.push(Part::Joint { id, reversed });

@@ -32,7 +32,6 @@ mod race;
 mod seeds;
 mod settings;
 mod solver;
-mod split_mix;
 pub mod trigonometry;
 mod turns;
 

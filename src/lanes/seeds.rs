@@ -8,7 +8,7 @@ use super::lane::LaneScalar;
 use super::options::Search;
 use super::prepared::Prepared;
 use super::query::Query;
-use super::split_mix::mix;
+use crate::random::mix;
 use crate::spatial::Placement;
 
 /// Beyond this an angle loses digits, radians.

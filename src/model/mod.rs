@@ -5,6 +5,7 @@ mod error;
 mod id;
 mod joint;
 mod parameter_map;
+mod path;
 mod random_configuration;
 
 use std::collections::HashMap;

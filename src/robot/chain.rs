@@ -2,27 +2,11 @@
 
 use crate::model::{FrameId, JointId, Model};
 
-/// The joints from the root to a frame.
-fn from_root(model: &Model, frame: FrameId) -> Vec<JointId> {
-    let mut joints = Vec::new();
-    let mut at = model.frames()[frame.index()].joint;
-    while let Some(joint) = at {
-        joints.push(joint);
-        at = model.joints()[joint.index()].parent;
-    }
-    joints.reverse();
-    joints
-}
-
 /// The moving joints on the way from `base` up to the common ancestor and down to `tip`.
 pub(super) fn between(model: &Model, base: FrameId, tip: FrameId) -> Vec<JointId> {
-    let (up, down) = (from_root(model, base), from_root(model, tip));
-    let shared = up.iter().zip(&down).take_while(|(a, b)| a == b).count();
-    up[shared..]
-        .iter()
-        .rev()
-        .chain(&down[shared..])
-        .copied()
+    let path = model.path(base, tip);
+    let joints = path.up.into_iter().chain(path.down);
+    joints
         .filter(|&joint| model.coordinate(joint).is_some())
         .collect()
 }

@@ -7,7 +7,7 @@ use super::table::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
 use crate::lanes::chain::JointKind;
 use crate::lanes::ldlt;
 use crate::lanes::links::Links;
-use crate::lanes::split_mix::mix;
+use crate::random::mix;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// A joint's axis and a point on it.
