@@ -6,6 +6,7 @@ mod support;
 
 use kinopt::geometric::{Elbow, Fabrik, Geometric, GeometricError, Span, TwoBone, triangle};
 use kinopt::io::rig::Rig;
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Orientation, Point, Ray};
@@ -120,6 +121,36 @@ fn a_hinge_that_bends_one_way_refuses_the_other() {
     assert!(!solution.reached);
     assert_eq!(solution.q[1].to_bits(), 0.0_f64.to_bits());
     assert!(solution.explain().contains("misses by"));
+}
+
+/// Turn, lift and bend, as most robots have them: the elbow's sign picks one of the two solutions,
+/// and of a pose's own sign the pose itself, but for half a turn of the base.
+#[test]
+fn an_arm_on_a_turning_base() {
+    let mut builder = Model::builder("arm");
+    let [x, y, z] = Vector3::UNITS;
+    let still = Placement::identity();
+    let turn = builder.continuous("turn", None, Placement::translation(z * 0.3), z);
+    let lift = builder.continuous("lift", Some(turn), still, y);
+    let bend = builder.continuous("bend", Some(lift), Placement::translation(x * 0.5), y);
+    let tip = builder.frame("tip", Some(bend), Placement::translation(x * 0.4));
+    let model = builder.build().unwrap();
+    let mut kinematics = ForwardKinematics::of_frames(&model, &[tip]).unwrap();
+    for seed in 0..100 {
+        let goal = model.random_configuration(seed);
+        let target = kinematics.place(&goal).unwrap()[0].translation;
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, target));
+        let problem = builder.build().unwrap();
+        let start = model.random_configuration(seed + 500);
+        for (elbow, sign) in [(Elbow::Positive, 1.0), (Elbow::Negative, -1.0)] {
+            let solution = TwoBone::new(elbow).solve(&problem, &start).unwrap();
+            assert!(solution.reached, "{seed} {elbow:?}: {}", solution.explain());
+            let bent = wrapped(solution.q[2]);
+            assert!(sign * bent >= 0.0);
+            assert!((bent.abs() - wrapped(goal[2]).abs()).abs() < 1e-6);
+        }
+    }
 }
 
 /// The shipped humanoid's arms and legs: with the pole at the elbow of a pose, that pose's target is

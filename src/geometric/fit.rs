@@ -1,7 +1,7 @@
 //! From points to joints: from the base out, each group of joints brings its points where they
 //! should be, within limits.
 
-use super::joint_points::JointPoints;
+use super::joint_points::{Group, JointPoints};
 use super::turn::{Knob, Turn, turned, two_turns};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
@@ -55,36 +55,79 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// The last joint of the group that brings `point` where it should be, after the last forward
-    /// pass.
-    pub(super) fn last_axis_for(&self, point: usize) -> Option<JointAxis> {
-        let mut groups = self.joint_points.groups.iter();
-        let group = groups.find(|group| group.serves == [point])?;
-        let joint = *group.joints.last()?;
-        Some(self.problem.tree().axis(&self.state, joint))
-    }
-
     /// Moves the variables so that the points come near `wanted`.
     pub(super) fn follow(&mut self, wanted: &[Vector3<f64>], x: &mut [f64]) {
-        for group in 0..self.joint_points.groups.len() {
+        for index in 0..self.joint_points.groups.len() {
+            let group = std::mem::take(&mut self.joint_points.groups[index]);
+            self.serve(&group, wanted, x);
+            self.joint_points.groups[index] = group;
+        }
+    }
+
+    /// The joints that bring one point where it should be, from the base out.
+    pub(super) fn joints_for(&self, point: usize) -> &[usize] {
+        let mut groups = self.joint_points.groups.iter();
+        let group = groups.find(|group| group.serves == [point]);
+        group.map_or(&[], |group| &group.joints)
+    }
+
+    /// The axis of a joint after the last forward pass.
+    pub(super) fn axis(&self, joint: usize) -> JointAxis {
+        self.problem.tree().axis(&self.state, joint)
+    }
+
+    /// Turns one joint until `point` is at `distance` from the point `root`, which it does not move:
+    /// counter-clockwise of where the point is farthest, or clockwise. As near to that as it gets.
+    pub(super) fn bend(
+        &mut self,
+        joint: usize,
+        [root, point]: [usize; 2],
+        (distance, counter_clockwise): (f64, bool),
+        x: &mut [f64],
+    ) {
+        self.problem.tree().forward(x, &mut self.state);
+        let JointAxis {
+            direction, origin, ..
+        } = self.axis(joint);
+        let (u, w) = (origin - self.point(root), self.point(point) - origin);
+        // ‖u + R(φ) w‖² = ‖u‖² + ‖w‖² + 2 (u∥ w∥ + cosine cos φ + sine sin φ)
+        let along = direction.dot(u) * direction.dot(w);
+        let (cosine, sine) = (u.dot(w) - along, direction.dot(w.cross(u)));
+        let squares = distance * distance - u.norm_squared() - w.norm_squared();
+        let size = cosine.hypot(sine);
+        if !self.leads[joint] || size <= self.rounding * self.rounding {
+            return;
+        }
+        let apart = ((0.5 * squares - along) / size).clamp(-1.0, 1.0).acos();
+        let farthest = sine.atan2(cosine);
+        let angle = match counter_clockwise {
+            true => farthest + apart,
+            false => farthest - apart,
+        };
+        let (variable, knob) = self.knob(joint);
+        let by = Turn::towards(angle).best(knob.room(x[variable]));
+        x[variable] = knob.moved(x[variable], by);
+    }
+
+    /// Brings the points of one group near `wanted`.
+    pub(super) fn serve(&mut self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) {
+        self.problem.tree().forward(x, &mut self.state);
+        let mut missed = self.missed(group, wanted);
+        if missed > self.rounding && self.point_with_two(group, wanted, x) {
             self.problem.tree().forward(x, &mut self.state);
-            let mut missed = self.missed(group, wanted);
-            if missed > self.rounding && self.point_with_two(group, wanted, x) {
-                self.problem.tree().forward(x, &mut self.state);
-                missed = self.missed(group, wanted);
+            missed = self.missed(group, wanted);
+        }
+        for _ in 0..CYCLES {
+            if missed <= self.rounding {
+                break;
             }
-            for _ in 0..CYCLES {
-                if missed <= self.rounding {
-                    break;
-                }
-                self.turn_each(group, wanted, x);
-                self.problem.tree().forward(x, &mut self.state);
-                let left = self.missed(group, wanted);
-                if left > 0.99 * missed {
-                    break;
-                }
-                missed = left;
+            self.turn_each(group, wanted, x);
+            self.problem.tree().forward(x, &mut self.state);
+            let left = self.missed(group, wanted);
+            if left > 0.99 * missed {
+                break;
             }
+            missed = left;
         }
     }
 
@@ -98,16 +141,16 @@ impl<'a> Fit<'a> {
 
     /// How far the group's points are from where its joints could at best bring each of them: its
     /// place, if that is at the right distance.
-    fn missed(&self, group: usize, wanted: &[Vector3<f64>]) -> f64 {
-        let serves = self.joint_points.groups[group].serves.iter();
-        let squared = serves.map(|&k| (self.aim(k, wanted) - self.point(k)).norm_squared());
+    fn missed(&self, group: &Group, wanted: &[Vector3<f64>]) -> f64 {
+        let miss = |&k: &usize| (self.aim(group, k, wanted) - self.point(k)).norm_squared();
+        let squared = group.serves.iter().map(miss);
         squared.sum::<f64>().sqrt()
     }
 
     /// Where a point should be, seen from where its bone's centre really is: in the direction of its
     /// place, at the bone's length.
-    fn aim(&self, point: usize, wanted: &[Vector3<f64>]) -> Vector3<f64> {
-        let Some(centre) = self.centres[point].map(|centre| self.point(centre)) else {
+    fn aim(&self, group: &Group, point: usize, wanted: &[Vector3<f64>]) -> Vector3<f64> {
+        let Some(centre) = self.centre(group, point) else {
             return wanted[point];
         };
         let way = wanted[point] - centre;
@@ -116,6 +159,12 @@ impl<'a> Fit<'a> {
             true => way.mul_add(length / distance, centre),
             false => self.point(point),
         }
+    }
+
+    /// Where the point that a group turns `point` about is.
+    fn centre(&self, group: &Group, point: usize) -> Option<Vector3<f64>> {
+        let centre = group.about.or(self.centres[point]);
+        centre.map(|centre| self.point(centre))
     }
 
     fn knob(&self, joint: usize) -> (usize, Knob) {
@@ -129,12 +178,11 @@ impl<'a> Fit<'a> {
 
     /// Points a bone in closed form with the last two joints of its group, where their axes meet in
     /// the bone's centre. Says whether it moved them.
-    fn point_with_two(&self, group: usize, wanted: &[Vector3<f64>], x: &mut [f64]) -> bool {
-        let group = &self.joint_points.groups[group];
+    fn point_with_two(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) -> bool {
         let ([point], [.., outer, inner]) = (&*group.serves, &*group.joints) else {
             return false;
         };
-        let Some(centre) = self.centres[*point].map(|centre| self.point(centre)) else {
+        let Some(centre) = self.centre(group, *point) else {
             return false;
         };
         let tree = self.problem.tree();
@@ -147,7 +195,7 @@ impl<'a> Fit<'a> {
             return false;
         }
         let u = self.point(*point) - centre;
-        let v = self.aim(*point, wanted) - centre;
+        let v = self.aim(group, *point, wanted) - centre;
         let Some(ways) = two_turns(outer_axis.direction, inner_axis.direction, u, v) else {
             return false;
         };
@@ -176,12 +224,11 @@ impl<'a> Fit<'a> {
 
     /// One sweep of coordinate descent within a group, from its last joint to its first, so that no
     /// axis moves before its turn.
-    fn turn_each(&self, group: usize, wanted: &[Vector3<f64>], x: &mut [f64]) {
-        let group = &self.joint_points.groups[group];
+    fn turn_each(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) {
         let tree = self.problem.tree();
         let points = group.serves.iter();
         let mut points: Vec<(Vector3<f64>, Vector3<f64>)> = points
-            .map(|&k| (self.point(k), self.aim(k, wanted)))
+            .map(|&k| (self.point(k), self.aim(group, k, wanted)))
             .collect();
         for &joint in group
             .joints

@@ -25,10 +25,12 @@ pub(super) struct Carried {
 }
 
 /// Joints, from the base out, that bring the same points where they should be.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Group {
     pub(super) joints: Vec<usize>,
     pub(super) serves: Vec<usize>,
+    /// The point that the joints turn about, where that is not the parent of what they serve.
+    pub(super) about: Option<usize>,
 }
 
 /// A problem's joints as points.
@@ -291,6 +293,7 @@ fn group(serves: &[Vec<usize>], above: impl Fn(usize) -> Option<usize>) -> Vec<G
             None => groups.push(Group {
                 joints: vec![joint],
                 serves: points.clone(),
+                about: None,
             }),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::fit::Fit;
 use super::goal::goals;
-use super::joint_points::JointPoints;
+use super::joint_points::{Group, JointPoints};
 use super::search::{self, Limits, Sweep};
 use super::triangle::triangle;
 use super::{Geometric, GeometricError};
@@ -19,12 +19,14 @@ const SWEEPS: usize = 20;
 /// On which side of the way to the target the bones meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Elbow {
-    /// The second bone turns counter-clockwise from the first, about the elbow's last axis (its
-    /// bend) as it is at the start: an angle ≥ 0 of a hinge that is 0 where the bones are aligned.
+    /// The second bone turns counter-clockwise from the first about the elbow's last axis (its
+    /// bend): an angle ≥ 0 of a hinge that is 0 where the bones are aligned. Only that joint and
+    /// the root's joints move.
     Positive,
     /// The second bone turns clockwise.
     Negative,
-    /// As far out towards this point (the pole, in world coordinates) as it gets.
+    /// As far out towards this point (the pole, in world coordinates) as it gets. For limbs whose
+    /// root is a ball joint: the plane of the bones is free.
     Towards(Vector3<f64>),
 }
 
@@ -34,9 +36,9 @@ pub enum Elbow {
 /// and an elbow, say. On rigs and redundant robots lock the other joints with
 /// [`ParameterMap::builder`](crate::model::ParameterMap::builder) and `only`. The joints are then set
 /// from the base out, in closed form where two axes meet in a point and by coordinate descent where
-/// they do not, within their limits. Exact where the first bone can point anywhere that the elbow's
-/// side asks for and the limits allow it; everything else ends with the miss that is left. A target
-/// out of reach stretches or folds the bones.
+/// they do not, within their limits. Exact where the root's joints can point anywhere and the limits
+/// allow it; everything else ends with the miss that is left. A target out of reach stretches or
+/// folds the bones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoBone {
     elbow: Elbow,
@@ -71,12 +73,20 @@ impl Geometric for TwoBone {
                 tips: points.pins().len(),
             });
         };
+        let wanted = points.rest().to_vec();
+        let fit = Fit::new(problem, points);
         let mut limb = Limb {
             elbow: self.elbow,
             lengths: [upper, lower],
             target: pin.target,
-            wanted: points.rest().to_vec(),
-            fit: Fit::new(problem, points),
+            wanted,
+            bend: fit.joints_for(TIP).last().copied(),
+            shoulder: Group {
+                joints: fit.joints_for(MID).to_vec(),
+                serves: vec![TIP],
+                about: Some(ROOT),
+            },
+            fit,
         };
         let limits = Limits {
             stopping: Stopping::default().with_max_iterations(SWEEPS),
@@ -86,32 +96,34 @@ impl Geometric for TwoBone {
     }
 }
 
+/// The three points of a limb.
+const ROOT: usize = 0;
+const MID: usize = 1;
+const TIP: usize = 2;
+
 struct Limb<'a> {
     elbow: Elbow,
     lengths: [f64; 2],
     target: Vector3<f64>,
-    /// Where shoulder, elbow and tip should be.
+    /// Where root, mid point and tip should be.
     wanted: Vec<Vector3<f64>>,
+    /// The elbow's last joint.
+    bend: Option<usize>,
+    /// The joints at the root, with the bent limb as one body.
+    shoulder: Group,
     fit: Fit<'a>,
 }
 
 impl Sweep for Limb<'_> {
     fn begin(&mut self, x: &[f64]) {
         self.fit.points_at(x, &mut self.wanted);
-        let bend = self.fit.last_axis_for(2).map(|axis| axis.direction);
-        let [root, mid, tip] = &mut *self.wanted else {
-            return;
-        };
-        let way = self.target - *root;
-        // Counter-clockwise about the axis means that the elbow is on the clockwise side.
-        let aside = bend.unwrap_or(Vector3::zero()).cross(way);
         let towards = match self.elbow {
-            Elbow::Positive => -aside,
-            Elbow::Negative => aside,
-            Elbow::Towards(pole) => pole - *root,
+            Elbow::Towards(pole) => pole - self.wanted[ROOT],
+            Elbow::Positive | Elbow::Negative => self.wanted[MID] - self.wanted[ROOT],
         };
-        let solved = triangle(*root, self.lengths, self.target, towards);
-        (*mid, *tip) = (solved.mid, solved.tip);
+        let solved = triangle(self.wanted[ROOT], self.lengths, self.target, towards);
+        self.wanted[MID] = solved.mid;
+        self.wanted[TIP] = solved.tip;
     }
 
     fn start_counts(&self) -> bool {
@@ -119,6 +131,17 @@ impl Sweep for Limb<'_> {
     }
 
     fn sweep(&mut self, x: &mut [f64]) {
-        self.fit.follow(&self.wanted, x);
+        let positive = match self.elbow {
+            Elbow::Towards(_) => return self.fit.follow(&self.wanted, x),
+            Elbow::Positive => true,
+            Elbow::Negative => false,
+        };
+        // The bend alone says how far the tip is from the root; the root's joints then point the
+        // limb as one body.
+        let distance = (self.wanted[TIP] - self.wanted[ROOT]).norm();
+        if let Some(bend) = self.bend {
+            self.fit.bend(bend, [ROOT, TIP], (distance, positive), x);
+        }
+        self.fit.serve(&self.shoulder, &self.wanted, x);
     }
 }
