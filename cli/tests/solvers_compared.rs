@@ -154,7 +154,7 @@ fn an_interrupt_keeps_what_is_done() {
             "--out",
             &out,
             "--problems",
-            "random:1000000",
+            "random:5000",
             "--position-only",
         ])
         .args(["--solver", "levenberg-marquardt", "--json"])
@@ -162,10 +162,10 @@ fn an_interrupt_keeps_what_is_done() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(3));
+    std::thread::sleep(std::time::Duration::from_secs(4));
     assert!(
         child.try_wait().unwrap().is_none(),
-        "a million problems take longer"
+        "so many problems take longer"
     );
     let id = child.id().to_string();
     assert!(
@@ -183,8 +183,8 @@ fn an_interrupt_keeps_what_is_done() {
 
     let results = results(&folder);
     let done = results["problems"].as_u64().unwrap();
-    assert!(0 < done && done < 1_000_000);
-    assert_eq!(results["setting"]["problems"], 1_000_000);
+    assert!(0 < done && done < 5000);
+    assert_eq!(results["setting"]["problems"], 5000);
     for run in results["runs"].as_array().unwrap() {
         assert_eq!(run["records"].as_array().unwrap().len() as u64, done);
     }

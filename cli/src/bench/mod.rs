@@ -17,6 +17,7 @@ use crate::output;
 use crate::table::{Align, Table};
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let interrupt = Interrupt::listen()?;
     let loaded = LoadedModel::read(&arguments.model)?;
     let set = problems::problems(&loaded, arguments)?;
     if arguments.problem >= set.cases().len() {
@@ -33,7 +34,6 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             arguments.out.display()
         ))
     })?;
-    let interrupt = Interrupt::listen()?;
     let mut bench = Bench::new(&set, arguments.budget()).with_chosen(arguments.problem);
     let wanted = contenders::all().into_iter();
     bench.extend(wanted.filter(|solver| arguments.wants(solver.name())));

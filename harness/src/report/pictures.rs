@@ -107,7 +107,7 @@ pub fn routes(results: &Results) -> Figure {
     let mut best = choice::best_routes(results);
     best.retain(|run| run.route.is_some());
     // Stable, so equals stay in the order of the results.
-    best.sort_by(|a, b| b.solved().cmp(&a.solved()));
+    best.sort_by_key(|run| std::cmp::Reverse(run.solved()));
     let mut figure = Figure::new(format!("Derivative routes: {}", results.model.name));
     for solver in best.iter().take(COMPARED).map(|run| &run.solver) {
         let mut chart = Chart::new(solver.clone())
