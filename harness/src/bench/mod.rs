@@ -1,14 +1,13 @@
 //! Asks every adapter every case by every route.
 
 mod asked;
-mod stated;
 
 use std::ops::ControlFlow;
 
 use kinopt::problem::Derivatives;
 
 use self::asked::{Asked, Judged};
-use self::stated::Stated;
+use crate::problem_set::Stated;
 use crate::results::route_name;
 use crate::{
     Adapter, Budget, Course, HarnessError, Judge, ModelSummary, ProblemSet, Provenance, Question,
@@ -74,6 +73,10 @@ impl<'s> Bench<'s> {
         &mut self,
         progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Results, HarnessError> {
+        if self.set.cases().is_empty() {
+            let model = self.set.model().name().to_owned();
+            return Err(HarnessError::NoCases { model });
+        }
         let mut stated = Stated::new(self.set)?;
         let mut judge = Judge::new(self.set)?;
         let mut results = self.empty_results();

@@ -5,6 +5,7 @@
 
 mod argmin_derivative_free;
 mod argmin_gradient;
+mod geometric;
 mod lane_engine;
 mod marked_run;
 mod method;
@@ -12,6 +13,7 @@ mod pose_solver;
 
 pub use argmin_derivative_free::{NelderMeadAdapter, ParticleSwarmAdapter};
 pub use argmin_gradient::{LbfgsAdapter, TrustRegionAdapter};
+pub use geometric::GeometricAdapter;
 pub use lane_engine::LaneEngineAdapter;
 pub use method::MethodAdapter;
 pub use pose_solver::SolverAdapter;
@@ -44,5 +46,7 @@ pub fn all() -> Vec<Box<dyn Adapter>> {
         Box::new(TrustRegionAdapter),
         Box::new(NelderMeadAdapter),
         Box::new(ParticleSwarmAdapter),
+        Box::new(GeometricAdapter::ccd()),
+        Box::new(GeometricAdapter::fabrik()),
     ]
 }

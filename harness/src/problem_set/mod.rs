@@ -1,15 +1,17 @@
 //! The problems that all solvers get.
 
 mod builder;
+mod stated;
 
 pub use builder::ProblemSetBuilder;
+pub(crate) use stated::Stated;
 
-use kinopt::Model;
 use kinopt::arm::Joints;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, ParameterMap};
 use kinopt::robot::Mimic;
 use kinopt::spatial::Placement;
+use kinopt::{Model, Problem};
 
 use crate::HarnessError;
 
@@ -106,6 +108,14 @@ impl ProblemSet {
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
+    }
+
+    /// The problem that all cases are stated as, with targets that say nothing yet.
+    ///
+    /// # Errors
+    /// No frames; no free joint; frames of another model.
+    pub fn problem(&self) -> Result<Problem, HarnessError> {
+        Ok(Stated::new(self)?.problem)
     }
 
     /// The model.

@@ -38,7 +38,7 @@ fn by_panel(
     x: &str,
     y: Axis,
 ) -> Figure {
-    let mut figure = Figure::new(title).columns(panels.len().min(2));
+    let mut figure = Figure::new(title).columns(1);
     let x = match span(curves) {
         Some((low, high)) => Axis::log(x).range(low, high),
         None => Axis::log(x),
@@ -127,24 +127,26 @@ pub fn routes(results: &Results) -> Figure {
 /// The lowest cost so far over the steps of the chosen problem.
 #[must_use]
 pub fn course(results: &Results) -> Figure {
-    let panels = panels(results);
-    let points = |run: &&Run| {
+    let mut panels = panels(results);
+    let points = |run: &&Run| -> Vec<(f64, f64)> {
         let mut courses = results.courses.iter();
         let own = courses.find(|course| course.solver == run.solver && course.route == run.route);
-        let points = own
-            .map(|course| course.points.as_slice())
-            .unwrap_or_default();
+        let own = own.map(|course| course.points.as_slice());
+        let points = own.unwrap_or_default().iter();
         points
-            .iter()
             .map(|&(step, cost)| ((step + 1) as f64, cost))
             .collect()
     };
+    for panel in &mut panels {
+        panel.runs.retain(|run| !points(run).is_empty());
+    }
+    panels.retain(|panel| !panel.runs.is_empty());
     let runs = panels.iter().flat_map(|panel| &panel.runs);
     let curves: Vec<Vec<(f64, f64)>> = runs.map(points).collect();
     let costs = || curves.iter().flatten().map(|(_, cost)| *cost);
     let highest = costs().fold(0.0, f64::max);
     let lowest = costs().filter(|cost| *cost > 0.0).fold(highest, f64::min);
-    let mut y = Axis::log("lowest cost so far, squared lengths");
+    let mut y = Axis::log("lowest cost so far, length²");
     if highest > 0.0 {
         y = y.range(lowest.max(LOWEST_COST * highest) / 3.0, 3.0 * highest);
     }
@@ -156,7 +158,7 @@ pub fn course(results: &Results) -> Figure {
 /// What one Jacobian costs by each route, with lines for O(m) and O(m²).
 #[must_use]
 pub fn jacobian(results: &Results) -> Figure {
-    let mut chart = Chart::new("One Jacobian of a chain of bones with three angles each")
+    let mut chart = Chart::new("Cost of one Jacobian: a chain of m bones with three angles each")
         .x(Axis::log("bones m"))
         .y(Axis::log("time, µs"));
     for (colour, cost) in results.jacobian_cost.iter().enumerate() {
@@ -187,7 +189,7 @@ pub fn jacobian(results: &Results) -> Figure {
             chart = chart.with(Series::line(name, points).style(Style::guide(power as usize)));
         }
     }
-    Figure::new("Cost of one Jacobian").columns(1).chart(chart)
+    chart.into()
 }
 
 type Ends<'r> = (Option<&'r (usize, f64)>, Option<&'r (usize, f64)>);

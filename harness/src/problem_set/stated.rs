@@ -8,18 +8,14 @@ use kinopt::task::{Point, Pose, Quantity};
 use crate::{Case, HarnessError, ProblemSet};
 
 /// The problem of a set, whose targets move from case to case.
-pub(super) struct Stated {
-    pub(super) problem: Problem,
+pub(crate) struct Stated {
+    pub(crate) problem: Problem,
     points: Vec<TaskId<Point>>,
     poses: Vec<TaskId<Pose>>,
 }
 
 impl Stated {
-    pub(super) fn new(set: &ProblemSet) -> Result<Self, HarnessError> {
-        if set.cases().is_empty() {
-            let model = set.model().name().to_owned();
-            return Err(HarnessError::NoCases { model });
-        }
+    pub(crate) fn new(set: &ProblemSet) -> Result<Self, HarnessError> {
         let mut builder = Problem::builder(set.model());
         builder
             .parameters(set.map().clone())
@@ -41,7 +37,7 @@ impl Stated {
         })
     }
 
-    pub(super) fn aim(&mut self, case: &Case) {
+    pub(crate) fn aim(&mut self, case: &Case) {
         for (&id, target) in self.points.iter().zip(&case.targets) {
             if let Some(point) = self.problem.residual_mut(id) {
                 point.set_target(target.translation);
