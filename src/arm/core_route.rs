@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::desk::Desk;
 use super::query::Arm;
 use super::report::Reply;
-use crate::ik::{Restarts, Solver};
+use crate::ik::Restarts;
 use crate::lanes::Outcome;
 use crate::model::JointKind;
 use crate::random::RandomStream;
@@ -34,7 +34,9 @@ impl Arm {
             .with_steps(20_000)
             .with_agreeing(AGREEING)
             .with_seed(self.options.seed);
-        let solver = Solver::default()
+        let solver = desk
+            .solver
+            .clone()
             .with_stopping(stopping)
             .with_restarts(restarts);
         self.serial.map.expand(&desk.start, &mut desk.q);

@@ -128,7 +128,8 @@ impl Arm {
         let goal = self.options.goal;
         if n > goal.rows() || goal.has_room() {
             let mut best = f64::INFINITY;
-            let reference = desk.start.clone();
+            // Taken out and put back, so that nothing is allocated.
+            let reference = std::mem::take(&mut desk.start);
             for turn in 0..desk.order.len().min(REFINED) {
                 let place = desk.order[turn].1;
                 desk.x
@@ -143,6 +144,7 @@ impl Arm {
                     break;
                 }
             }
+            desk.start = reference;
             desk.x.copy_from_slice(&desk.found[..n]);
         }
         Reply {
