@@ -12,8 +12,9 @@ use crate::lanes::{self, Outcome};
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// Attempts that the nearest is chosen among.
-const NEAREST_ATTEMPTS: u32 = 96;
+/// Attempts that the nearest is chosen among: with 200 it is farther than the best of 100 random
+/// restarts in 11 of 300 cases on a Panda, with 96 in 20.
+const NEAREST_ATTEMPTS: u32 = 200;
 /// Attempts between two looks at the clock.
 const GROUP: u32 = 16;
 /// How many of the nearest are moved towards the start.
