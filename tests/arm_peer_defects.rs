@@ -3,13 +3,16 @@
 #![allow(clippy::unwrap_used)]
 
 mod arm_support;
+mod urdf_matrices;
 
 use arm_support::{Random, apart, panda, robot, within_limits};
 use kinopt::arm::{Arm, Goal, QueryError};
 use kinopt::model::{Limits, Model};
+use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra::Isometry3;
+use urdf_matrices::Tree;
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 const X: [f64; 3] = [1.0, 0.0, 0.0];
@@ -116,6 +119,63 @@ fn starts_outside_limits_are_projected_and_nan_is_an_error() {
         arm.solve(goal, &[0.0; 6]),
         Err(QueryError::Length { .. })
     ));
+}
+
+/// Fixed joints fold in the order they stand in, turned ones in mid-chain too.
+#[test]
+fn fixed_joints_fold_in_the_right_order() {
+    let limits = r#"<limit lower="-2" upper="2" effort="1" velocity="1"/>"#;
+    let mut text = String::from("<robot name=\"crooked\"><link name=\"l0\"/>");
+    // revolute, fixed, fixed, revolute, fixed, …: each fixed one turned about two axes and off.
+    let kinds = ["revolute", "fixed", "fixed"];
+    for k in 0..18 {
+        let (kind, next) = (kinds[k % 3], k + 1);
+        let turned = 0.3 + 0.1 * k as f64;
+        let rpy = if kind == "fixed" {
+            format!("{turned} -0.4 {turned}")
+        } else {
+            "0 0 0".into()
+        };
+        text.push_str(&format!(
+            "<link name=\"l{next}\"/><joint name=\"j{k}\" type=\"{kind}\"><parent link=\"l{k}\"/>\
+             <child link=\"l{next}\"/><origin xyz=\"0.1 0.0{k} -0.03\" rpy=\"{rpy}\"/>\
+             <axis xyz=\"0 0.6 0.8\"/>{limits}</joint>"
+        ));
+    }
+    text.push_str("</robot>");
+    let robot = Robot::parse(&text, "crooked.urdf").unwrap();
+    let tree = Tree::parse(&text);
+    for (base, tip) in [("l0", "l18"), ("l2", "l17"), ("l17", "l1")] {
+        let arm = Arm::new(&robot, base, tip).unwrap();
+        let mut random = Random(14);
+        for _ in 0..10 {
+            let q = random.configuration(&arm);
+            let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
+            let wanted = tree.base_from_tip(base, tip, &values);
+            let own = urdf_matrices::from_placement(&arm.base_from_tool(&q).unwrap());
+            let (metres, radians) = urdf_matrices::apart(&own, &wanted);
+            assert!(metres < 1e-14 && radians < 1e-14, "{metres:e} {radians:e}");
+        }
+    }
+}
+
+#[test]
+fn floating_and_planar_joints_are_refused_by_name_and_not_turned_fixed() {
+    let text = std::fs::read_to_string("models/franka_panda.urdf").unwrap();
+    for kind in ["floating", "planar"] {
+        let changed = text.replacen(
+            r#"name="joint4" type="revolute""#,
+            &format!(r#"name="joint4" type="{kind}""#),
+            1,
+        );
+        assert_ne!(changed, text);
+        let error = Robot::parse(&changed, "loose.urdf")
+            .unwrap_err()
+            .to_string();
+        for said in ["loose.urdf", "joint4", kind] {
+            assert!(error.contains(said), "{error}");
+        }
+    }
 }
 
 #[test]

@@ -8,15 +8,17 @@ use std::collections::BTreeMap;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{Robot, UrdfError};
 
-const FILES: [&str; 6] = [
+const FILES: [&str; 8] = [
     "models/adept_cobra_s600.urdf",
     "models/aldebaran_nao.urdf",
     "models/franka_panda.urdf",
     "models/kuka_iiwa14.urdf",
     "models/rethink_baxter.urdf",
+    "models/universal_ur10e.urdf",
+    "models/universal_ur5e.urdf",
     "tests/reference/oblique.urdf",
 ];
-const COPIES_PER_FILE: u64 = 800;
+const COPIES_PER_FILE: u64 = 600;
 
 /// Steele, Lea and Flood's SplitMix64: a fixed stream from a seed.
 struct Random(u64);

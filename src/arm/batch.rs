@@ -168,27 +168,26 @@ impl Arm {
             }
             _ => false,
         };
-        let mut solution = None;
+        let mut solution = self.with_desk(|desk| std::mem::take(&mut desk.spare))?;
         let queries = targets.iter().zip(starts.chunks(n));
         for ((target, start), (q, outcome)) in queries.zip(q.chunks_mut(n).zip(outcomes)) {
             if by_lanes && outcome.reached {
                 continue;
             }
-            let solution = solution.get_or_insert_with(Solution::default);
             if by_lanes {
                 solution.q.clear();
                 solution.q.extend_from_slice(q);
                 let reply = Reply::of(outcome);
                 self.with_desk(|desk| {
-                    self.explain_miss(desk, target, start, reply, None, solution);
+                    self.explain_miss(desk, target, start, reply, None, &mut solution);
                 })?;
             } else {
-                self.answer(target, start, false, solution)?;
+                self.answer(target, start, false, &mut solution)?;
             }
             q.copy_from_slice(&solution.q);
-            *outcome = self.outcome(solution);
+            *outcome = self.outcome(&solution);
         }
-        Ok(())
+        self.with_desk(|desk| desk.spare = solution)
     }
 
     /// A solution's figures alone.

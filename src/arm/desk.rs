@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use super::options::Options;
 use super::serial::Serial;
 use super::tool_pose::ToolPose;
-use crate::ik::Workspace;
+use crate::ik::{Solution, Solver, Workspace};
 use crate::lanes::{Outcome, PoseSolver};
 use crate::problem::{Evaluation, Problem, ProblemError, Scratch, TaskId};
 use crate::solver::{
@@ -34,6 +34,10 @@ pub(super) struct Desk {
     scratch: Scratch,
     pub(super) memory: Memory,
     pub(super) workspace: Workspace,
+    /// The core's solver, cloned for a question's own limits without allocating.
+    pub(super) solver: Solver,
+    /// A batch's misses are explained in here.
+    pub(super) spare: Solution,
     /// The lane engine with bounds of the question's own, where moves are bounded.
     pub(super) windowed: Option<PoseSolver>,
     /// Bounds of the question.
@@ -83,6 +87,8 @@ impl Desk {
             task,
             memory: Memory::default(),
             workspace: Workspace::new(),
+            solver: Solver::default(),
+            spare: Solution::default(),
             windowed: None,
             lower: serial.map.lower().to_vec(),
             upper: serial.map.upper().to_vec(),

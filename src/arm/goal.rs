@@ -61,9 +61,9 @@ impl Goal {
 
     /// An interval of ± a half width for each component: three in metres along the axes x, y, z,
     /// three in radians about them. 0 is exact, infinity (for angles π or more) is free; negative
-    /// or NaN is an error when the arm is built. Turns are measured by the components of
-    /// 2 asin(|v|) v/|v|, v the vector part of the relative rotation's quaternion: for a turn about
-    /// one axis its angle.
+    /// or NaN is an error when the arm is built. Turns are measured by 2 asin(v_x), 2 asin(v_y) and
+    /// 2 asin(v_z), v the vector part of the relative rotation's quaternion with w ≥ 0: for a turn
+    /// about one axis its angle.
     #[must_use]
     pub fn within(half_widths: [f64; 6]) -> Self {
         Self { half_widths }

