@@ -145,8 +145,8 @@ impl Arm {
             if outcome.reached {
                 self.report(&reply, solution);
             } else {
-                self.with_desk(|desk| {
-                    self.explain_miss(desk, target, start, reply, None, solution);
+                self.with_workspace(|workspace| {
+                    self.explain_miss(workspace, target, start, reply, None, solution);
                 })?;
             }
         }
@@ -179,8 +179,8 @@ impl Arm {
                 solution.q.clear();
                 solution.q.extend_from_slice(q);
                 let reply = Reply::of(outcome);
-                self.with_desk(|desk| {
-                    self.explain_miss(desk, target, start, reply, None, solution);
+                self.with_workspace(|workspace| {
+                    self.explain_miss(workspace, target, start, reply, None, solution);
                 })?;
             } else {
                 self.answer(target, start, false, solution)?;

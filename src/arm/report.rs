@@ -1,7 +1,7 @@
 //! The truth about a configuration, as the core's solution.
 
-use super::desk::{Desk, Errors};
 use super::query::Arm;
+use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes::Outcome;
 use crate::solver::{Counts, Termination};
@@ -73,16 +73,27 @@ impl Arm {
         0.5 * (position * position + turned * turned)
     }
 
-    /// Fills everything in from the desk's configuration, naming the limits that block it.
-    pub(super) fn report_desk(&self, reply: &Reply, desk: &mut Desk, solution: &mut Solution) {
+    /// Fills everything in from the workspace's configuration, naming the limits that block it.
+    pub(super) fn report_workspace(
+        &self,
+        reply: &Reply,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) {
         solution.q.clear();
-        solution.q.extend_from_slice(&desk.x);
+        solution.q.extend_from_slice(&workspace.x);
         self.report(reply, solution);
         if !solution.reached {
-            desk.differentiate();
-            solution.name_limits(&desk.x, &desk.lower, &desk.upper, &desk.gradient, 0.0);
-            let bounds = desk.lower.iter().zip(&desk.upper);
-            let moves = desk.x.iter().zip(&desk.gradient).zip(bounds);
+            workspace.differentiate();
+            solution.name_limits(
+                &workspace.x,
+                &workspace.lower,
+                &workspace.upper,
+                &workspace.gradient,
+                0.0,
+            );
+            let bounds = workspace.lower.iter().zip(&workspace.upper);
+            let moves = workspace.x.iter().zip(&workspace.gradient).zip(bounds);
             let projected = moves.map(|((x, g), (lower, upper))| {
                 let to = (x - g).max(*lower).min(*upper);
                 (to - x).abs()

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use super::options::Options;
 use super::serial::Serial;
 use super::tool_pose::ToolPose;
-use crate::ik::Workspace;
+use crate::ik;
 use crate::lanes::{Outcome, PoseSolver};
 use crate::problem::{Evaluation, Problem, ProblemError, Scratch, TaskId};
 use crate::solver::{
@@ -28,12 +28,12 @@ pub(super) struct Errors {
 
 /// What the slower ways need: the pose as a core problem, and room.
 #[derive(Debug)]
-pub(super) struct Desk {
+pub(super) struct Workspace {
     pub(super) problem: Problem,
     task: TaskId<ToolPose>,
     scratch: Scratch,
     pub(super) memory: Memory,
-    pub(super) workspace: Workspace,
+    pub(super) core: ik::Workspace,
     /// The lane engine with bounds of the question's own, where moves are bounded.
     pub(super) windowed: Option<PoseSolver>,
     /// Bounds of the question.
@@ -59,7 +59,7 @@ pub(super) struct Desk {
     metres_per_radian: f64,
 }
 
-impl Desk {
+impl Workspace {
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
         let mut builder = Problem::builder(&serial.model);
         builder.parameters(serial.map.clone());
@@ -82,7 +82,7 @@ impl Desk {
             scratch: problem.scratch(),
             task,
             memory: Memory::default(),
-            workspace: Workspace::new(),
+            core: ik::Workspace::new(),
             windowed: None,
             lower: serial.map.lower().to_vec(),
             upper: serial.map.upper().to_vec(),
@@ -119,7 +119,7 @@ impl Desk {
         self.errors(&residual)
     }
 
-    /// As [`judge`](Self::judge), of the desk's own x.
+    /// As [`judge`](Self::judge), of the workspace's own x.
     pub(super) fn judge_x(&mut self) -> Errors {
         let x = std::mem::take(&mut self.x);
         let errors = self.judge(&x);
@@ -142,7 +142,7 @@ impl Desk {
         }
     }
 
-    /// Residual and Jacobian at x; the Jacobian stays on the desk.
+    /// Residual and Jacobian at x; the Jacobian stays on the workspace.
     pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
         let mut residual = [0.0; 6];
         let mut evaluation = Evaluation::new(&self.problem, &mut self.scratch);
