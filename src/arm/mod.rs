@@ -38,6 +38,7 @@ mod rescue;
 mod route;
 mod search;
 mod serial;
+mod stationary;
 mod tool_pose;
 mod track;
 mod window;

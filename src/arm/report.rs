@@ -69,7 +69,12 @@ impl Arm {
 
     /// Half the squared errors, a radian weighing as much as so many metres.
     pub(super) fn cost(&self, position: f64, orientation: f64) -> f64 {
-        let turned = orientation * self.options.metres_per_radian;
+        // Goals that leave room are solved in chords.
+        let turned = match self.options.goal.is_full_pose() {
+            true => orientation,
+            false => 2.0 * (0.5 * orientation).sin(),
+        };
+        let turned = turned * self.options.metres_per_radian;
         0.5 * (position * position + turned * turned)
     }
 
@@ -84,21 +89,14 @@ impl Arm {
         solution.q.extend_from_slice(&workspace.x);
         self.report(reply, solution);
         if !solution.reached {
-            workspace.differentiate();
-            solution.name_limits(
-                &workspace.x,
-                &workspace.lower,
-                &workspace.upper,
-                &workspace.gradient,
-                0.0,
-            );
-            let bounds = workspace.lower.iter().zip(&workspace.upper);
-            let moves = workspace.x.iter().zip(&workspace.gradient).zip(bounds);
-            let projected = moves.map(|((x, g), (lower, upper))| {
-                let to = (x - g).max(*lower).min(*upper);
-                (to - x).abs()
-            });
-            solution.projected_gradient = Some(projected.fold(0.0, f64::max));
+            let negligible = workspace.take_slope();
+            let (x, lower, upper) = (&workspace.x, &workspace.lower, &workspace.upper);
+            solution.name_limits(x, lower, upper, &workspace.gradient, negligible);
+            solution.projected_gradient = Some(workspace.projected_gradient(x));
+            if self.options.max_move.is_some() {
+                let map = &self.serial.map;
+                solution.mark_moves(map.lower(), map.upper());
+            }
         }
     }
 }
