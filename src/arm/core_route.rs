@@ -7,7 +7,7 @@ use super::query::Arm;
 use super::report::Reply;
 use super::workspace::Workspace;
 use crate::ik::{Restarts, Solver};
-use crate::lanes::Outcome;
+use crate::lanes::{Outcome, reduced};
 use crate::model::JointKind;
 use crate::random::RandomStream;
 use crate::solver::{Stopping, Termination};
@@ -99,7 +99,7 @@ impl Arm {
                 continue;
             }
             let (lowest, highest) = ((lower - *value) / TAU, (upper - *value) / TAU);
-            let turns = ((start[i] - *value) / TAU).round();
+            let turns = ((reduced(start[i]) - *value) / TAU).round();
             let turned = *value + turns.min(highest.floor()).max(lowest.ceil()) * TAU;
             if lower <= turned && turned <= upper {
                 *value = turned;

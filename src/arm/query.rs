@@ -22,7 +22,8 @@ use crate::spatial::Placement;
 ///
 /// The same question has the same answer bit for bit on any number of threads, unless there is a
 /// time limit. Joints that turn without limits, or further than a turn, come out as near to the
-/// start as whole turns bring them.
+/// start as whole turns bring them; from a start beyond a million radians, where sines lose their
+/// digits, as near to the start less whole turns (within half a turn of zero).
 #[derive(Debug)]
 pub struct Arm {
     pub(super) serial: Serial,
@@ -119,7 +120,7 @@ impl Arm {
     }
 
     /// As [`solve`](Self::solve), into a solution whose memory is used again: after the first few
-    /// questions nothing is allocated.
+    /// questions nothing is allocated for a target that is reached.
     ///
     /// # Errors
     /// As [`solve`](Self::solve).

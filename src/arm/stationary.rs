@@ -16,7 +16,7 @@ use crate::solver::negligible_slope;
 const STEPS: usize = 60;
 /// Most dampings tried in one step.
 const DAMPINGS: usize = 8;
-/// Difference that gradients are taken over, radians or metres.
+/// Difference that gradients are taken over, radians; slides by the metres that weigh as much.
 const DIFFERENCE: f64 = 1e-6;
 
 impl Workspace {
@@ -118,11 +118,12 @@ impl Workspace {
         let mut hessian = DMatrix::zeros(free.len(), free.len());
         for (column, &i) in free.iter().enumerate() {
             let at = x[i];
-            x[i] = at + DIFFERENCE;
+            let unit = self.units[i];
+            x[i] = at + DIFFERENCE * unit;
             self.slope(x);
             x[i] = at;
             for (row, &k) in free.iter().enumerate() {
-                hessian[(row, column)] = (self.gradient[k] - slope[row]) / DIFFERENCE;
+                hessian[(row, column)] = (self.gradient[k] - slope[row]) / (DIFFERENCE * unit);
             }
         }
         0.5 * (&hessian + hessian.transpose())
