@@ -60,10 +60,8 @@ fn overruns(kind: &str, builder: &ArmBuilder<'_>, limit: Duration) {
         let start = random.configuration(&arm);
         let before = interruptions();
         let begun = Instant::now();
-        match arm.solve_all(goal, &start) {
-            Ok(all) => solution = all.into_iter().next().unwrap_or(solution),
-            Err(error) => panic!("{error}"),
-        }
+        let all = arm.solve_all(goal, &start).unwrap();
+        solution = all.into_iter().next().unwrap_or(solution);
         let taken = begun.elapsed();
         stopped += usize::from(solution.termination == Termination::TimeLimit);
         if interruptions() == before {

@@ -135,12 +135,14 @@ fn robot(file: &str, base: &str, tip: &str) {
         .map(|k| arm.base_from_tool(&wave(k)).unwrap())
         .collect();
     let mut fastest = f64::INFINITY;
-    let mut worst = 0.0_f64;
+    let (mut worst, mut jumps) = (0.0_f64, 0);
     for _ in 0..7 {
         let begun = Instant::now();
-        let solutions = arm.track(&path, &wave(0)).unwrap();
+        let track = arm.track(&path, &wave(0)).unwrap();
         fastest = fastest.min(micros(begun) / POSES as f64);
-        worst = solutions
+        jumps = track.jumps.len();
+        worst = track
+            .solutions
             .windows(2)
             .flat_map(|pair| {
                 pair[0]
@@ -152,7 +154,7 @@ fn robot(file: &str, base: &str, tip: &str) {
             })
             .fold(0.0, f64::max);
     }
-    println!("  track: {fastest:.3} us a step, longest joint step {worst:.3}");
+    println!("  track: {fastest:.3} us a step, longest joint step {worst:.3}, {jumps} jumps");
 
     let start = vec![0.3; n];
     let far: Vec<Placement<f64>> = goals[..200]

@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use super::QueryError;
-use super::desk::Desk;
 use super::query::Arm;
 use super::report::Reply;
+use super::workspace::Workspace;
 use crate::ik::Solution;
 use crate::lanes;
 use crate::solver::Termination;
@@ -24,8 +24,8 @@ impl Arm {
         options.max_move.is_none() && options.posture.is_none() && !options.search.compares()
     }
 
-    /// Answers a question that is checked. `follow` takes the start's own attempt alone if it
-    /// succeeds, whatever the search.
+    /// Answers a question that is checked. `follow` wants the solution nearest to the start, whatever
+    /// the search.
     pub(super) fn answer(
         &self,
         target: &Placement<f64>,
@@ -37,8 +37,8 @@ impl Arm {
         let options = &self.options;
         let alone = options.max_move.is_none() && options.posture.is_none();
         let (Some(lanes), true) = (&self.lanes, self.is_plain() || follow && alone) else {
-            return self.with_desk(|desk| {
-                self.answer_at(desk, target, start, follow, deadline, solution);
+            return self.with_workspace(|workspace| {
+                self.answer_at(workspace, target, start, follow, deadline, solution);
             });
         };
         let search = self.lane_search(follow);
@@ -53,26 +53,28 @@ impl Arm {
             &mut solution.q,
         );
         let reply = Reply::of(&outcome);
-        if outcome.reached && !(follow && outcome.winner != Some(0)) {
+        if outcome.reached && !follow {
             self.report(&reply, solution);
             return Ok(());
         }
         if outcome.reached {
-            // The start's own attempt failed: of all rescues the nearest keeps a path together.
-            return self.with_desk(|desk| {
-                desk.aim(target);
-                self.open_window(desk, start);
-                self.gather(desk, target, start, deadline);
-                let reply = self.nearest(desk, target, start, deadline);
-                let rescued = self.distance(&solution.q, &desk.start);
-                if reply.errors.reached && self.distance(&desk.x, &desk.start) < rescued {
-                    self.report_desk(&reply, desk, solution);
+            // The start's own attempt led far away: the nearest of all keeps a path together.
+            return self.with_workspace(|workspace| {
+                workspace.aim(target);
+                self.open_window(workspace, start);
+                self.gather(workspace, target, start, deadline);
+                let reply = self.nearest(workspace, target, start, deadline);
+                let rescued = self.distance(&solution.q, &workspace.start);
+                if reply.errors.reached && self.distance(&workspace.x, &workspace.start) < rescued {
+                    self.report_workspace(&reply, workspace, solution);
                 } else {
                     self.report(&Reply::of(&outcome), solution);
                 }
             });
         }
-        self.with_desk(|desk| self.explain_miss(desk, target, start, reply, deadline, solution))
+        self.with_workspace(|workspace| {
+            self.explain_miss(workspace, target, start, reply, deadline, solution)
+        })
     }
 
     pub(super) fn lane_search(&self, follow: bool) -> lanes::Search {
@@ -86,61 +88,61 @@ impl Arm {
     /// Goes on from the best configuration that the engine left in the solution, and reports it.
     pub(super) fn explain_miss(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
         mut reply: Reply,
         deadline: Option<Instant>,
         solution: &mut Solution,
     ) {
-        desk.aim(target);
-        self.open_window(desk, start);
-        desk.x.copy_from_slice(&solution.q);
-        self.finish(desk, target, start, &mut reply, deadline);
-        self.report_desk(&reply, desk, solution);
+        workspace.aim(target);
+        self.open_window(workspace, start);
+        workspace.x.copy_from_slice(&solution.q);
+        self.finish(workspace, target, start, &mut reply, deadline);
+        self.report_workspace(&reply, workspace, solution);
     }
 
-    /// Answers with a desk: bounded moves, searches that compare, postures, chains with followers.
+    /// Answers with a workspace: bounded moves, searches that compare, postures, chains with followers.
     fn answer_at(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
         follow: bool,
         deadline: Option<Instant>,
         solution: &mut Solution,
     ) {
-        desk.aim(target);
-        self.open_window(desk, start);
+        workspace.aim(target);
+        self.open_window(workspace, start);
         let compares = self.options.search.compares() && !follow;
         let mut reply = if compares {
-            self.gather(desk, target, start, deadline);
-            self.nearest(desk, target, start, deadline)
+            self.gather(workspace, target, start, deadline);
+            self.nearest(workspace, target, start, deadline)
         } else {
-            self.one_search(desk, target, start, follow, deadline)
+            self.one_search(workspace, target, start, follow, deadline)
         };
-        self.finish(desk, target, start, &mut reply, deadline);
+        self.finish(workspace, target, start, &mut reply, deadline);
         if let (true, Some(posture)) = (reply.errors.reached, &self.options.posture) {
-            self.descend(desk, posture, deadline);
-            reply.errors = desk.judge_x();
+            self.descend(workspace, posture, deadline);
+            reply.errors = workspace.judge_x();
         }
-        self.report_desk(&reply, desk, solution);
+        self.report_workspace(&reply, workspace, solution);
     }
 
-    /// The engine's or the core's own search, into the desk's x.
+    /// The engine's or the core's own search, into the workspace's x.
     pub(super) fn one_search(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
         follow: bool,
         deadline: Option<Instant>,
     ) -> Reply {
         let Some(lanes) = &self.lanes else {
-            return self.search_by_core(desk, start, deadline);
+            return self.search_by_core(workspace, start, deadline);
         };
         let search = self.lane_search(follow);
-        let Desk { windowed, x, .. } = desk;
+        let Workspace { windowed, x, .. } = workspace;
         let lanes = match windowed {
             Some(windowed) if self.options.max_move.is_some() => windowed,
             _ => lanes,
@@ -151,7 +153,7 @@ impl Arm {
     /// Takes a miss to the place where nothing near is better, and names how it ended.
     pub(super) fn finish(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
         reply: &mut Reply,
@@ -161,13 +163,13 @@ impl Arm {
             return;
         }
         let late = || deadline.is_some_and(|at| Instant::now() >= at);
-        let mut termination = self.settle(desk, reply, deadline);
+        let mut termination = self.settle(workspace, reply, deadline);
         if let (false, Some(lanes)) = (reply.errors.reached || late(), &self.lanes) {
             // More attempts, and again from the best of all.
             let cost = self.cost(reply.errors.position, reply.errors.orientation);
-            let Desk {
+            let Workspace {
                 windowed, trial, ..
-            } = &mut *desk;
+            } = &mut *workspace;
             let lanes = match windowed {
                 Some(windowed) if self.options.max_move.is_some() => windowed,
                 _ => lanes,
@@ -177,11 +179,19 @@ impl Arm {
             reply.iterations += more.iterations as usize;
             reply.attempts = reply.attempts.max(more.attempts as usize);
             if more.reached {
-                desk.x.copy_from_slice(&desk.trial);
+                workspace.x.copy_from_slice(&workspace.trial);
                 reply.errors = Reply::of(&more).errors;
             } else if self.cost(more.position_error, more.orientation_error) < cost {
-                desk.x.copy_from_slice(&desk.trial);
-                termination = self.settle(desk, reply, deadline);
+                workspace.x.copy_from_slice(&workspace.trial);
+                termination = self.settle(workspace, reply, deadline);
+            }
+        }
+        if !reply.errors.reached && !late() && termination != Termination::Stationary {
+            let (stationary, gradients) = workspace.finish_by_newton(deadline);
+            reply.iterations += gradients;
+            reply.errors = workspace.judge_x();
+            if stationary {
+                termination = Termination::Stationary;
             }
         }
         reply.termination = if reply.errors.reached {
@@ -199,10 +209,15 @@ impl Arm {
         };
     }
 
-    fn settle(&self, desk: &mut Desk, reply: &mut Reply, deadline: Option<Instant>) -> Termination {
-        let (termination, iterations) = desk.settle(deadline);
+    fn settle(
+        &self,
+        workspace: &mut Workspace,
+        reply: &mut Reply,
+        deadline: Option<Instant>,
+    ) -> Termination {
+        let (termination, iterations) = workspace.settle(deadline);
         reply.iterations += iterations;
-        reply.errors = desk.judge_x();
+        reply.errors = workspace.judge_x();
         termination
     }
 }

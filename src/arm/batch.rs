@@ -145,8 +145,8 @@ impl Arm {
             if outcome.reached {
                 self.report(&reply, solution);
             } else {
-                self.with_desk(|desk| {
-                    self.explain_miss(desk, target, start, reply, None, solution);
+                self.with_workspace(|workspace| {
+                    self.explain_miss(workspace, target, start, reply, None, solution);
                 })?;
             }
         }
@@ -168,7 +168,7 @@ impl Arm {
             }
             _ => false,
         };
-        let mut solution = self.with_desk(|desk| std::mem::take(&mut desk.spare))?;
+        let mut solution = self.with_workspace(|workspace| std::mem::take(&mut workspace.spare))?;
         let queries = targets.iter().zip(starts.chunks(n));
         for ((target, start), (q, outcome)) in queries.zip(q.chunks_mut(n).zip(outcomes)) {
             if by_lanes && outcome.reached {
@@ -178,8 +178,8 @@ impl Arm {
                 solution.q.clear();
                 solution.q.extend_from_slice(q);
                 let reply = Reply::of(outcome);
-                self.with_desk(|desk| {
-                    self.explain_miss(desk, target, start, reply, None, &mut solution);
+                self.with_workspace(|workspace| {
+                    self.explain_miss(workspace, target, start, reply, None, &mut solution);
                 })?;
             } else {
                 self.answer(target, start, false, &mut solution)?;
@@ -187,7 +187,7 @@ impl Arm {
             q.copy_from_slice(&solution.q);
             *outcome = self.outcome(&solution);
         }
-        self.with_desk(|desk| desk.spare = solution)
+        self.with_workspace(|workspace| workspace.spare = solution)
     }
 
     /// A solution's figures alone.

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-use super::desk::Desk;
 use super::query::Arm;
 use super::report::Reply;
+use super::workspace::Workspace;
 use crate::ik::Restarts;
-use crate::lanes::Outcome;
+use crate::lanes::{Outcome, reduced};
 use crate::model::JointKind;
 use crate::random::RandomStream;
 use crate::solver::{Stopping, Termination};
@@ -17,10 +17,10 @@ use crate::solver::{Stopping, Termination};
 const AGREEING: usize = 10;
 
 impl Arm {
-    /// The core's search from the desk's start, into the desk's x.
+    /// The core's search from the workspace's start, into the workspace's x.
     pub(super) fn search_by_core(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         start: &[f64],
         deadline: Option<Instant>,
     ) -> Reply {
@@ -34,27 +34,27 @@ impl Arm {
             .with_steps(20_000)
             .with_agreeing(AGREEING)
             .with_seed(self.options.seed);
-        let solver = desk
+        let solver = workspace
             .solver
             .clone()
             .with_stopping(stopping)
             .with_restarts(restarts);
-        self.serial.map.expand(&desk.start, &mut desk.q);
-        let answer = solver.solve(&desk.problem, &desk.q, &mut desk.workspace);
+        self.serial.map.expand(&workspace.start, &mut workspace.q);
+        let answer = solver.solve(&workspace.problem, &workspace.q, &mut workspace.core);
         // The start is finite and of the right length, which is all a solver can object to.
         let (iterations, attempts, termination) = match answer {
             Ok(solution) => {
-                self.serial.map.reduce(&solution.q, &mut desk.x);
+                self.serial.map.reduce(&solution.q, &mut workspace.x);
                 (solution.iterations, solution.attempts, solution.termination)
             }
             Err(_) => {
-                desk.x.copy_from_slice(&desk.start);
+                workspace.x.copy_from_slice(&workspace.start);
                 (0, 0, Termination::NonFinite)
             }
         };
-        self.unwrap_towards(start, desk);
+        self.unwrap_towards(start, workspace);
         Reply {
-            errors: desk.judge_x(),
+            errors: workspace.judge_x(),
             termination,
             iterations,
             attempts,
@@ -65,26 +65,26 @@ impl Arm {
     /// configurations found.
     pub(super) fn attempts_by_core(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         start: &[f64],
         first: u32,
         count: u32,
         deadline: Option<Instant>,
     ) {
         for attempt in first..first + count {
-            desk.x.copy_from_slice(&desk.start);
+            workspace.x.copy_from_slice(&workspace.start);
             if attempt > 0 {
                 let mut random = RandomStream::new(self.options.seed, u64::from(attempt));
-                for (i, value) in desk.x.iter_mut().enumerate() {
-                    let (low, high) = desk.problem.sampling_range(i, desk.start[i]);
+                for (i, value) in workspace.x.iter_mut().enumerate() {
+                    let (low, high) = workspace.problem.sampling_range(i, workspace.start[i]);
                     *value = low + (high - low) * random.unit();
                 }
             }
-            let (_, iterations) = desk.settle(deadline);
-            self.unwrap_towards(start, desk);
-            let errors = desk.judge_x();
-            desk.found.extend_from_slice(&desk.x);
-            desk.outcomes.push(Outcome {
+            let (_, iterations) = workspace.settle(deadline);
+            self.unwrap_towards(start, workspace);
+            let errors = workspace.judge_x();
+            workspace.found.extend_from_slice(&workspace.x);
+            workspace.outcomes.push(Outcome {
                 reached: errors.reached,
                 position_error: errors.position,
                 orientation_error: errors.orientation,
@@ -95,18 +95,18 @@ impl Arm {
         }
     }
 
-    /// Adds whole turns to the desk's x where joints can make them and nothing follows them.
-    fn unwrap_towards(&self, start: &[f64], desk: &mut Desk) {
+    /// Adds whole turns to the workspace's x where joints can make them and nothing follows them.
+    fn unwrap_towards(&self, start: &[f64], workspace: &mut Workspace) {
         let (model, map) = (&self.serial.model, &self.serial.map);
-        for (i, value) in desk.x.iter_mut().enumerate() {
+        for (i, value) in workspace.x.iter_mut().enumerate() {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];
-            let (lower, upper) = (desk.lower[i], desk.upper[i]);
+            let (lower, upper) = (workspace.lower[i], workspace.upper[i]);
             let slides = joint.kind == JointKind::Prismatic;
             if slides || self.serial.followed[i] || upper - lower < TAU {
                 continue;
             }
             let (lowest, highest) = ((lower - *value) / TAU, (upper - *value) / TAU);
-            let turns = ((start[i] - *value) / TAU).round();
+            let turns = ((reduced(start[i]) - *value) / TAU).round();
             let turned = *value + turns.min(highest.floor()).max(lowest.ceil()) * TAU;
             if lower <= turned && turned <= upper {
                 *value = turned;

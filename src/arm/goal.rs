@@ -96,6 +96,11 @@ impl Goal {
         }
     }
 
+    /// Whether all components count and none has room.
+    pub(super) fn is_full_pose(&self) -> bool {
+        self.half_widths == [0.0; 6]
+    }
+
     /// How many components count.
     pub(super) fn rows(&self) -> usize {
         let (position, turn) = self.half_widths.split_at(3);

@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use super::configuration::Coordinates;
-use super::desk::Desk;
 use super::options::Options;
 use super::serial::Serial;
+use super::workspace::Workspace;
 use super::{ArmError, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
@@ -22,7 +22,8 @@ use crate::spatial::Placement;
 ///
 /// The same question has the same answer bit for bit on any number of threads, unless there is a
 /// time limit. Joints that turn without limits, or further than a turn, come out as near to the
-/// start as whole turns bring them.
+/// start as whole turns bring them; from a start beyond a million radians, where sines lose their
+/// digits, as near to the start less whole turns (within half a turn of zero).
 #[derive(Debug)]
 pub struct Arm {
     pub(super) serial: Serial,
@@ -31,7 +32,7 @@ pub struct Arm {
     pub(super) coordinates: Coordinates,
     pub(super) names: Arc<Names>,
     /// Memory of the slower ways, taken out while one is under way.
-    desks: Mutex<Vec<Box<Desk>>>,
+    workspaces: Mutex<Vec<Box<Workspace>>>,
 }
 
 impl Arm {
@@ -53,14 +54,14 @@ impl Arm {
             tasks: vec![format!("pose of `{tip}`")],
             task_frames: vec![Some(tip.to_owned())],
         };
-        let desk = Desk::new(&serial, &options)?;
+        let workspace = Workspace::new(&serial, &options)?;
         Ok(Self {
             serial,
             options,
             lanes,
             coordinates,
             names: Arc::new(names),
-            desks: Mutex::new(vec![Box::new(desk)]),
+            workspaces: Mutex::new(vec![Box::new(workspace)]),
         })
     }
 
@@ -99,7 +100,7 @@ impl Arm {
         if let Some(chain) = &self.serial.chain {
             return Ok(chain.base_from_tip(q));
         }
-        self.with_desk(|desk| desk.base_from_tool(&self.serial, q))
+        self.with_workspace(|workspace| workspace.base_from_tool(&self.serial, q))
     }
 
     /// Solves for one target from one start (which may lie outside the limits and is then projected
@@ -119,7 +120,7 @@ impl Arm {
     }
 
     /// As [`solve`](Self::solve), into a solution whose memory is used again: after the first few
-    /// questions nothing is allocated.
+    /// questions nothing is allocated for a target that is reached.
     ///
     /// # Errors
     /// As [`solve`](Self::solve).
@@ -135,30 +136,6 @@ impl Arm {
         self.answer(&target, start, false, solution)
     }
 
-    /// Follows a path: every step starts from the configuration of the one before and takes its own
-    /// attempt's solution where that succeeds, whatever the arm's search.
-    ///
-    /// # Errors
-    /// As [`solve`](Self::solve); the error names the first bad target.
-    pub fn track(
-        &self,
-        base_from_tools: &[Placement<f64>],
-        start: &[f64],
-    ) -> Result<Vec<Solution>, QueryError> {
-        self.check_length("the start", start.len(), self.joint_count())?;
-        for (query, target) in base_from_tools.iter().enumerate() {
-            self.check_query(query, target, start)?;
-        }
-        let mut solutions: Vec<Solution> = Vec::with_capacity(base_from_tools.len());
-        for target in base_from_tools {
-            let mut solution = Solution::default();
-            let from = solutions.last().map_or(start, |last| &last.q);
-            self.answer(target, from, true, &mut solution)?;
-            solutions.push(solution);
-        }
-        Ok(solutions)
-    }
-
     pub(super) fn deadline(&self) -> Option<Instant> {
         // A limit beyond what the clock can tell is none.
         let limit = self.options.time_limit?;
@@ -166,19 +143,22 @@ impl Arm {
     }
 
     /// Runs something with memory of its own.
-    pub(super) fn with_desk<R>(&self, run: impl FnOnce(&mut Desk) -> R) -> Result<R, QueryError> {
+    pub(super) fn with_workspace<R>(
+        &self,
+        run: impl FnOnce(&mut Workspace) -> R,
+    ) -> Result<R, QueryError> {
         let lock = || {
-            self.desks
+            self.workspaces
                 .lock()
                 .unwrap_or_else(std::sync::PoisonError::into_inner)
         };
         let taken = lock().pop();
-        let mut desk = match taken {
-            Some(desk) => desk,
-            None => Box::new(Desk::new(&self.serial, &self.options)?),
+        let mut workspace = match taken {
+            Some(workspace) => workspace,
+            None => Box::new(Workspace::new(&self.serial, &self.options)?),
         };
-        let result = run(&mut desk);
-        lock().push(desk);
+        let result = run(&mut workspace);
+        lock().push(workspace);
         Ok(result)
     }
 

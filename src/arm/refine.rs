@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::desk::{Desk, Errors};
 use super::query::Arm;
+use super::workspace::{Errors, Workspace};
 
 /// Steps towards the wanted configuration.
 const STEPS: usize = 40;
@@ -25,35 +25,40 @@ const LONGEST: f64 = 0.4;
 const WORTHWHILE: f64 = 1e-7;
 
 impl Arm {
-    /// Moves the desk's x, which reaches its target, towards `wanted`. It never leaves the
+    /// Moves the workspace's x, which reaches its target, towards `wanted`. It never leaves the
     /// tolerances or the bounds, and never ends farther away.
-    pub(super) fn descend(&self, desk: &mut Desk, wanted: &[f64], deadline: Option<Instant>) {
-        let mut distance = self.distance(&desk.x, wanted);
+    pub(super) fn descend(
+        &self,
+        workspace: &mut Workspace,
+        wanted: &[f64],
+        deadline: Option<Instant>,
+    ) {
+        let mut distance = self.distance(&workspace.x, wanted);
         for _ in 0..STEPS {
             if deadline.is_some_and(|at| Instant::now() >= at) {
                 return;
             }
-            let x = std::mem::take(&mut desk.x);
-            let residual = desk.linearise(&x);
-            desk.projected.copy_from_slice(wanted);
-            self.project(desk, &x, &residual);
+            let x = std::mem::take(&mut workspace.x);
+            let residual = workspace.linearise(&x);
+            workspace.projected.copy_from_slice(wanted);
+            self.project(workspace, &x, &residual);
             let longest = x
                 .iter()
-                .zip(&desk.projected)
+                .zip(&workspace.projected)
                 .fold(0.0_f64, |most, (x, to)| most.max((to - x).abs()));
             let mut share = (LONGEST / longest).min(1.0);
-            let way: &mut Vec<f64> = &mut desk.gradient;
-            for ((way, x), to) in way.iter_mut().zip(&x).zip(&desk.projected) {
+            let way: &mut Vec<f64> = &mut workspace.gradient;
+            for ((way, x), to) in way.iter_mut().zip(&x).zip(&workspace.projected) {
                 *way = to - x;
             }
             let mut nearer = None;
             for _ in 0..HALVINGS {
-                for (i, trial) in desk.trial.iter_mut().enumerate() {
-                    let moved = x[i] + share * desk.gradient[i];
-                    *trial = moved.max(desk.lower[i]).min(desk.upper[i]);
+                for (i, trial) in workspace.trial.iter_mut().enumerate() {
+                    let moved = x[i] + share * workspace.gradient[i];
+                    *trial = moved.max(workspace.lower[i]).min(workspace.upper[i]);
                 }
-                if self.correct(desk) {
-                    let now = self.distance(&desk.trial, wanted);
+                if self.correct(workspace) {
+                    let now = self.distance(&workspace.trial, wanted);
                     if now < distance {
                         nearer = Some(now);
                         break;
@@ -61,11 +66,11 @@ impl Arm {
                 }
                 share *= 0.5;
             }
-            desk.x = x;
+            workspace.x = x;
             let Some(now) = nearer else {
                 return;
             };
-            desk.x.copy_from_slice(&desk.trial);
+            workspace.x.copy_from_slice(&workspace.trial);
             let worthwhile = now < distance * (1.0 - WORTHWHILE);
             distance = now;
             if !worthwhile {
@@ -74,40 +79,41 @@ impl Arm {
         }
     }
 
-    /// Brings the desk's trial back to the pose; whether it came there.
-    fn correct(&self, desk: &mut Desk) -> bool {
+    /// Brings the workspace's trial back to the pose; whether it came there.
+    fn correct(&self, workspace: &mut Workspace) -> bool {
         for _ in 0..CORRECTIONS {
-            let trial = std::mem::take(&mut desk.trial);
-            let errors = desk.judge(&trial);
+            let trial = std::mem::take(&mut workspace.trial);
+            let errors = workspace.judge(&trial);
             if errors.reached {
-                desk.trial = trial;
+                workspace.trial = trial;
                 return true;
             }
-            let residual = desk.linearise(&trial);
-            desk.projected.copy_from_slice(&trial);
-            self.project(desk, &trial, &residual);
-            desk.trial = trial;
-            let Desk {
+            let residual = workspace.linearise(&trial);
+            workspace.projected.copy_from_slice(&trial);
+            self.project(workspace, &trial, &residual);
+            workspace.trial = trial;
+            let Workspace {
                 trial, projected, ..
-            } = desk;
+            } = workspace;
             trial.copy_from_slice(projected);
         }
-        let trial = std::mem::take(&mut desk.trial);
-        let Errors { reached, .. } = desk.judge(&trial);
-        desk.trial = trial;
+        let trial = std::mem::take(&mut workspace.trial);
+        let Errors { reached, .. } = workspace.judge(&trial);
+        workspace.trial = trial;
         reached
     }
 
-    /// Replaces the desk's `projected` by its projection onto the bounds and the pose linearised at
-    /// x, where the residual is given and the Jacobian is on the desk.
-    fn project(&self, desk: &mut Desk, x: &[f64], residual: &[f64; 6]) {
+    /// Replaces the workspace's `projected` by its projection onto the bounds and the pose linearised at
+    /// x, where the residual is given and the Jacobian is on the workspace.
+    fn project(&self, workspace: &mut Workspace, x: &[f64], residual: &[f64; 6]) {
         let weights = &self.options.weights;
         let n = x.len();
         let mut y = Vector6::<f64>::zeros();
-        let wanted = &mut desk.wanted;
+        let wanted = &mut workspace.wanted;
         wanted.clear();
-        wanted.extend_from_slice(&desk.projected);
-        let column = |i: usize| -> Vector6<f64> { desk.jacobian.fixed_view::<6, 1>(0, i).into() };
+        wanted.extend_from_slice(&workspace.projected);
+        let column =
+            |i: usize| -> Vector6<f64> { workspace.jacobian.fixed_view::<6, 1>(0, i).into() };
         for _ in 0..12 {
             let mut miss = Vector6::from(*residual);
             let mut normal = Matrix6::<f64>::zeros();
@@ -116,8 +122,8 @@ impl Arm {
                 // In z = w q the column is J/w; back in q the multiplier's pull is J y / w².
                 let inverse = 1.0 / (weights[i] * weights[i]);
                 let free = wanted[i] + column.dot(&y) * inverse;
-                let held = free.max(desk.lower[i]).min(desk.upper[i]);
-                desk.projected[i] = held;
+                let held = free.max(workspace.lower[i]).min(workspace.upper[i]);
+                workspace.projected[i] = held;
                 miss += column * (held - x[i]);
                 if held == free {
                     normal += column * column.transpose() * inverse;

@@ -1,7 +1,7 @@
 //! The truth about a configuration, as the core's solution.
 
-use super::desk::{Desk, Errors};
 use super::query::Arm;
+use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes::Outcome;
 use crate::solver::{Counts, Termination};
@@ -69,25 +69,34 @@ impl Arm {
 
     /// Half the squared errors, a radian weighing as much as so many metres.
     pub(super) fn cost(&self, position: f64, orientation: f64) -> f64 {
-        let turned = orientation * self.options.metres_per_radian;
+        // Goals that leave room are solved in chords.
+        let turned = match self.options.goal.is_full_pose() {
+            true => orientation,
+            false => 2.0 * (0.5 * orientation).sin(),
+        };
+        let turned = turned * self.options.metres_per_radian;
         0.5 * (position * position + turned * turned)
     }
 
-    /// Fills everything in from the desk's configuration, naming the limits that block it.
-    pub(super) fn report_desk(&self, reply: &Reply, desk: &mut Desk, solution: &mut Solution) {
+    /// Fills everything in from the workspace's configuration, naming the limits that block it.
+    pub(super) fn report_workspace(
+        &self,
+        reply: &Reply,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) {
         solution.q.clear();
-        solution.q.extend_from_slice(&desk.x);
+        solution.q.extend_from_slice(&workspace.x);
         self.report(reply, solution);
         if !solution.reached {
-            desk.differentiate();
-            solution.name_limits(&desk.x, &desk.lower, &desk.upper, &desk.gradient, 0.0);
-            let bounds = desk.lower.iter().zip(&desk.upper);
-            let moves = desk.x.iter().zip(&desk.gradient).zip(bounds);
-            let projected = moves.map(|((x, g), (lower, upper))| {
-                let to = (x - g).max(*lower).min(*upper);
-                (to - x).abs()
-            });
-            solution.projected_gradient = Some(projected.fold(0.0, f64::max));
+            let negligible = workspace.take_slope();
+            let (x, lower, upper) = (&workspace.x, &workspace.lower, &workspace.upper);
+            solution.name_limits(x, lower, upper, &workspace.gradient, negligible);
+            solution.projected_gradient = Some(workspace.projected_gradient(x));
+            if self.options.max_move.is_some() {
+                let map = &self.serial.map;
+                solution.mark_moves(map.lower(), map.upper());
+            }
         }
     }
 }

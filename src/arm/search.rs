@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use super::desk::Desk;
 use super::options::Search;
 use super::query::Arm;
 use super::report::Reply;
-use super::{QueryError, desk::Errors};
+use super::workspace::Workspace;
+use super::{QueryError, workspace::Errors};
 use crate::ik::Solution;
 use crate::lanes::{self, Outcome};
 use crate::solver::Termination;
@@ -39,18 +39,18 @@ impl Arm {
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &target, start)?;
         let deadline = self.deadline();
-        self.with_desk(|desk| {
-            desk.aim(&target);
-            self.open_window(desk, start);
-            self.gather(desk, &target, start, deadline);
-            self.distinct(desk, k, distance)
+        self.with_workspace(|workspace| {
+            workspace.aim(&target);
+            self.open_window(workspace, start);
+            self.gather(workspace, &target, start, deadline);
+            self.distinct(workspace, k, distance)
         })
     }
 
     /// Runs attempts and sorts those that reach by their distance from the start.
     pub(super) fn gather(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
         deadline: Option<Instant>,
@@ -60,29 +60,29 @@ impl Arm {
             Search::Nearest => self.options.attempts.min(NEAREST_ATTEMPTS),
             _ => self.options.attempts,
         };
-        desk.found.clear();
-        desk.outcomes.clear();
+        workspace.found.clear();
+        workspace.outcomes.clear();
         let mut first = 0;
         while first < wanted {
             let count = GROUP.min(wanted - first);
             match &self.lanes {
-                None => self.attempts_by_core(desk, start, first, count, deadline),
+                None => self.attempts_by_core(workspace, start, first, count, deadline),
                 Some(lanes) => {
-                    let windowed = desk.windowed.as_ref();
+                    let windowed = workspace.windowed.as_ref();
                     let lanes = match windowed {
                         Some(windowed) if self.options.max_move.is_some() => windowed,
                         _ => lanes,
                     };
                     let end = (first + count) as usize;
-                    desk.found.resize(end * n, 0.0);
-                    desk.outcomes.resize(end, Outcome::default());
+                    workspace.found.resize(end * n, 0.0);
+                    workspace.outcomes.resize(end, Outcome::default());
                     lanes.run_attempts_checked(
                         target,
                         start,
                         lanes::Search::Start,
                         first,
-                        &mut desk.found[first as usize * n..],
-                        &mut desk.outcomes[first as usize..],
+                        &mut workspace.found[first as usize * n..],
+                        &mut workspace.outcomes[first as usize..],
                     );
                 }
             }
@@ -91,23 +91,26 @@ impl Arm {
                 break;
             }
         }
-        desk.order.clear();
-        for (place, outcome) in desk.outcomes.iter().enumerate() {
+        workspace.order.clear();
+        for (place, outcome) in workspace.outcomes.iter().enumerate() {
             if outcome.reached {
-                let q = &desk.found[place * n..(place + 1) * n];
-                desk.order.push((self.distance(q, &desk.start), place));
+                let q = &workspace.found[place * n..(place + 1) * n];
+                workspace
+                    .order
+                    .push((self.distance(q, &workspace.start), place));
             }
         }
         // By distance, then by number: no two are equal.
-        desk.order
+        workspace
+            .order
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
 
-    /// The nearest of the solutions gathered, into the desk's x; on redundant arms moved towards
+    /// The nearest of the solutions gathered, into the workspace's x; on redundant arms moved towards
     /// the start.
     pub(super) fn nearest(
         &self,
-        desk: &mut Desk,
+        workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
         deadline: Option<Instant>,
@@ -116,40 +119,42 @@ impl Arm {
         let total = |outcomes: &[Outcome]| -> usize {
             outcomes.iter().map(|o| o.iterations as usize).sum()
         };
-        let (iterations, attempts) = (total(&desk.outcomes), desk.outcomes.len());
-        let Some(&(_, place)) = desk.order.first() else {
+        let (iterations, attempts) = (total(&workspace.outcomes), workspace.outcomes.len());
+        let Some(&(_, place)) = workspace.order.first() else {
             // Nothing reached: all attempts may be needed, or the target is out of reach.
-            let mut reply = self.one_search(desk, target, start, false, deadline);
+            let mut reply = self.one_search(workspace, target, start, false, deadline);
             reply.iterations += iterations;
             reply.attempts += attempts;
             return reply;
         };
-        desk.x
-            .copy_from_slice(&desk.found[place * n..(place + 1) * n]);
+        workspace
+            .x
+            .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
         let goal = self.options.goal;
         if n > goal.rows() || goal.has_room() {
             let mut best = f64::INFINITY;
             // Taken out and put back, so that nothing is allocated.
-            let reference = std::mem::take(&mut desk.start);
-            for turn in 0..desk.order.len().min(REFINED) {
-                let place = desk.order[turn].1;
-                desk.x
-                    .copy_from_slice(&desk.found[place * n..(place + 1) * n]);
-                self.descend(desk, &reference, deadline);
-                let distance = self.distance(&desk.x, &reference);
+            let reference = std::mem::take(&mut workspace.start);
+            for turn in 0..workspace.order.len().min(REFINED) {
+                let place = workspace.order[turn].1;
+                workspace
+                    .x
+                    .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
+                self.descend(workspace, &reference, deadline);
+                let distance = self.distance(&workspace.x, &reference);
                 if distance < best {
                     best = distance;
-                    desk.found[..n].copy_from_slice(&desk.x);
+                    workspace.found[..n].copy_from_slice(&workspace.x);
                 }
                 if deadline.is_some_and(|at| Instant::now() >= at) {
                     break;
                 }
             }
-            desk.start = reference;
-            desk.x.copy_from_slice(&desk.found[..n]);
+            workspace.start = reference;
+            workspace.x.copy_from_slice(&workspace.found[..n]);
         }
         Reply {
-            errors: desk.judge_x(),
+            errors: workspace.judge_x(),
             termination: Termination::Reached,
             iterations,
             attempts,
@@ -157,20 +162,25 @@ impl Arm {
     }
 
     /// Of the solutions gathered, the first k that are far enough from those before.
-    fn distinct(&self, desk: &mut Desk, k: usize, distance: f64) -> Vec<Solution> {
+    pub(super) fn distinct(
+        &self,
+        workspace: &mut Workspace,
+        k: usize,
+        distance: f64,
+    ) -> Vec<Solution> {
         let n = self.joint_count();
         let mut chosen: Vec<Solution> = Vec::new();
-        for turn in 0..desk.order.len() {
+        for turn in 0..workspace.order.len() {
             if chosen.len() >= k {
                 break;
             }
-            let place = desk.order[turn].1;
-            let q = &desk.found[place * n..(place + 1) * n];
+            let place = workspace.order[turn].1;
+            let q = &workspace.found[place * n..(place + 1) * n];
             let apart = |other: &Solution| self.distance(q, &other.q) > distance;
             if !chosen.iter().all(apart) {
                 continue;
             }
-            let outcome = &desk.outcomes[place];
+            let outcome = &workspace.outcomes[place];
             let mut solution = Solution::default();
             solution.q.extend_from_slice(q);
             let reply = Reply {

@@ -1,27 +1,30 @@
 //! The bounds of one question: the limits, or less where moves are bounded.
 
-use super::desk::Desk;
 use super::query::Arm;
+use super::workspace::Workspace;
 
 impl Arm {
-    /// Sets the desk's bounds and its start, which is projected into the limits.
-    pub(super) fn open_window(&self, desk: &mut Desk, start: &[f64]) {
+    /// Sets the workspace's bounds and its start, which is projected into the limits.
+    pub(super) fn open_window(&self, workspace: &mut Workspace, start: &[f64]) {
         let map = &self.serial.map;
-        for (i, value) in desk.start.iter_mut().enumerate() {
+        for (i, value) in workspace.start.iter_mut().enumerate() {
             *value = start[i].max(map.lower()[i]).min(map.upper()[i]);
         }
         let Some(max_move) = &self.options.max_move else {
             return;
         };
         for (i, &most) in max_move.iter().enumerate() {
-            desk.lower[i] = map.lower()[i].max(within(desk.start[i], -most));
-            desk.upper[i] = map.upper()[i].min(within(desk.start[i], most));
+            workspace.lower[i] = map.lower()[i].max(within(workspace.start[i], -most));
+            workspace.upper[i] = map.upper()[i].min(within(workspace.start[i], most));
         }
-        desk.problem.set_bounds(&desk.lower, &desk.upper);
+        workspace
+            .problem
+            .set_bounds(&workspace.lower, &workspace.upper);
         if let Some(lanes) = &self.lanes {
-            desk.windowed
+            workspace
+                .windowed
                 .get_or_insert_with(|| lanes.without_atlas())
-                .set_bounds(&desk.lower, &desk.upper);
+                .set_bounds(&workspace.lower, &workspace.upper);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Side, Solution};
+use super::{BoundKind, Side, Solution};
 use crate::solver::Termination;
 use crate::task::Role;
 
@@ -71,7 +71,11 @@ impl Solution {
                 };
                 let joiner = if k > 0 { ", " } else { "" };
                 let value = Significant(limit.value);
-                write!(text, "{joiner}the {side} limit {value} ")?;
+                let kind = match limit.kind {
+                    BoundKind::Limit => "limit",
+                    BoundKind::Move => "end of the allowed move",
+                };
+                write!(text, "{joiner}the {side} {kind} {value} ")?;
                 if limit.is_angle {
                     write!(text, "rad ({}°)", Significant(limit.value.to_degrees()))?;
                 } else {

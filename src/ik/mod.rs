@@ -10,7 +10,7 @@ mod workspace;
 
 pub use error::SolveError;
 pub use restarts::Restarts;
-pub use solution::{ActiveLimit, RowsReport, Side, Solution, TaskReport};
+pub use solution::{ActiveLimit, BoundKind, RowsReport, Side, Solution, TaskReport};
 pub use solver::Solver;
 pub(crate) use solver::check_start;
 pub use workspace::Workspace;

@@ -15,6 +15,16 @@ pub enum Side {
     Upper,
 }
 
+/// Whose bound it is that a joint stands on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BoundKind {
+    /// The joint's own limit.
+    #[default]
+    Limit,
+    /// How far the question lets the joint move from the start.
+    Move,
+}
+
 /// A limit that holds the solution back: the joint stands on it and the cost would fall beyond it
 /// by more than what counts as stationary.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +33,8 @@ pub struct ActiveLimit<'a> {
     pub joint: &'a str,
     /// Which limit.
     pub side: Side,
+    /// The joint's limit, or that of its move.
+    pub kind: BoundKind,
     /// The limit, in radians or metres.
     pub value: f64,
     /// Whether the limit is an angle.
@@ -35,6 +47,7 @@ pub struct ActiveLimit<'a> {
 pub(super) struct Blocked {
     pub(super) variable: usize,
     pub(super) side: Side,
+    pub(super) kind: BoundKind,
     pub(super) value: f64,
     pub(super) push: f64,
 }
@@ -154,6 +167,7 @@ impl Solution {
             Some(ActiveLimit {
                 joint: names.variables.get(blocked.variable)?,
                 side: blocked.side,
+                kind: blocked.kind,
                 value: blocked.value,
                 is_angle: *names.variable_is_angle.get(blocked.variable)?,
                 push: blocked.push,
@@ -216,9 +230,23 @@ impl Solution {
             self.blocked.push(Blocked {
                 variable,
                 side,
+                kind: BoundKind::Limit,
                 value,
                 push: g.abs(),
             });
+        }
+    }
+
+    /// Tells bounds of moves, which lie within the limits `lower` and `upper`, from the limits.
+    pub(crate) fn mark_moves(&mut self, lower: &[f64], upper: &[f64]) {
+        for blocked in &mut self.blocked {
+            let limit = match blocked.side {
+                Side::Lower => lower[blocked.variable],
+                Side::Upper => upper[blocked.variable],
+            };
+            if blocked.value != limit {
+                blocked.kind = BoundKind::Move;
+            }
         }
     }
 

@@ -27,10 +27,10 @@ pub(crate) fn weigh<V: LaneScalar>(
     let turn = v * V::constant(2.0);
     let (p_out, p_gate) = band(p, axes.position_half_widths);
     let (r_out, r_gate) = band(turn, axes.orientation_half_widths);
-    let metres = settings.metres_per_radian;
+    let length = settings.length_per_radian;
     let p_weight = product(Vector3::constant(axes.position_weights.into()), p_gate);
     let r_weight = product(
-        Vector3::constant(axes.orientation_weights.into()) * V::constant(metres),
+        Vector3::constant(axes.orientation_weights.into()) * V::constant(length),
         r_gate,
     );
     for (linear, angular) in linear.iter_mut().zip(angular) {

@@ -3,7 +3,7 @@
 use super::chain::MAX_JOINTS;
 use super::group::Group;
 use super::judge::judge;
-use super::kernel;
+use super::kernel::{self, Ended};
 use super::lane::LaneScalar;
 use super::options::{Outcome, Search};
 use super::prepared::Prepared;
@@ -98,86 +98,88 @@ pub(crate) fn batch<
         }};
     }
     let mut active = 0u32;
-    for (lane, job) in jobs.iter_mut().enumerate() {
-        *job = take!();
-        if let Some(job) = job {
-            job.seeds.fill::<V>(job.attempt, &mut seed);
-            group.load(lane, &job.goal_from_first, &seed, settings);
-            active |= 1 << lane;
-        }
-    }
-    while active != 0 {
-        let ended = kernel::step::<V, N, EXACT, AXES>(&mut group, &prepared.links, settings);
-        let mut over = (ended.reached | ended.stalled | ended.closing) & active;
-        for (lane, job) in jobs.iter_mut().enumerate() {
-            if let Some(job) = job {
-                job.age += 1;
-                over |= u32::from(job.age >= options.iterations) << lane;
-            }
-        }
+    // At first every lane is done with nothing.
+    let mut over = (1u32 << L) - 1;
+    let mut ended = Ended::none();
+    loop {
         while over != 0 {
             let lane = over.trailing_zeros() as usize;
             over &= over - 1;
-            let Some(job) = jobs.get_mut(lane).and_then(Option::as_mut) else {
-                continue;
-            };
-            let q = &mut q_out[job.index * n..(job.index + 1) * n];
-            let mut reached = ended.reached >> lane & 1 != 0;
-            let mut errors = None;
-            if !reached && ended.closing >> lane & 1 != 0 {
-                group.next_point(lane, &mut seed);
-                unwrap_towards(prepared, job.query.start, &mut seed[..n]);
-                let (close, found) =
-                    judge::<V, N, AXES>(prepared, &job.goal_from_first, &seed[..n]);
-                if close {
-                    reached = true;
-                    errors = Some(found);
-                    q.copy_from_slice(&seed[..n]);
-                } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
-                    continue;
+            if let Some(job) = &mut jobs[lane] {
+                let q = &mut q_out[job.index * n..(job.index + 1) * n];
+                let mut reached = ended.reached >> lane & 1 != 0;
+                let mut errors = None;
+                if !reached && ended.closing >> lane & 1 != 0 {
+                    group.next_point(lane, &mut seed);
+                    unwrap_towards(prepared, job.query.start, &mut seed[..n]);
+                    let (close, found) =
+                        judge::<V, N, AXES>(prepared, &job.goal_from_first, &seed[..n]);
+                    if close {
+                        reached = true;
+                        errors = Some(found);
+                        q.copy_from_slice(&seed[..n]);
+                    } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
+                        continue;
+                    }
+                }
+                if errors.is_none() && (reached || group.cost(lane) < job.best_cost) {
+                    job.best_cost = group.cost(lane);
+                    group.point(lane, q);
+                }
+                job.iterations += job.age;
+                job.age = 0;
+                let attempt = job.attempt;
+                job.attempt += 1;
+                job.begun += 1;
+                if reached
+                    || attempts_from.is_some()
+                    || job.begun >= options.attempts
+                    || job.iterations >= options.total_iterations
+                {
+                    let winner = reached.then_some(attempt);
+                    let errors = match errors {
+                        Some(errors) => errors,
+                        None => {
+                            unwrap_towards(prepared, job.query.start, q);
+                            let (close, errors) =
+                                judge::<V, N, AXES>(prepared, &job.goal_from_first, q);
+                            reached = close;
+                            errors
+                        }
+                    };
+                    prepared.links.to_metres(q);
+                    outcomes[job.index] = Outcome {
+                        reached,
+                        position_error: errors.position,
+                        orientation_error: errors.orientation,
+                        iterations: job.iterations,
+                        attempts: job.begun,
+                        winner,
+                    };
+                    jobs[lane] = None;
                 }
             }
-            if errors.is_none() && (reached || group.cost(lane) < job.best_cost) {
-                job.best_cost = group.cost(lane);
-                group.point(lane, q);
-            }
-            job.iterations += job.age;
-            job.age = 0;
-            let attempt = job.attempt;
-            job.attempt += 1;
-            job.begun += 1;
-            if reached
-                || attempts_from.is_some()
-                || job.begun >= options.attempts
-                || job.iterations >= options.total_iterations
-            {
-                let winner = reached.then_some(attempt);
-                let errors = match errors {
-                    Some(errors) => errors,
-                    None => {
-                        unwrap_towards(prepared, job.query.start, q);
-                        let (close, errors) =
-                            judge::<V, N, AXES>(prepared, &job.goal_from_first, q);
-                        reached = close;
-                        errors
-                    }
-                };
-                outcomes[job.index] = Outcome {
-                    reached,
-                    position_error: errors.position,
-                    orientation_error: errors.orientation,
-                    iterations: job.iterations,
-                    attempts: job.begun,
-                    winner,
-                };
+            if jobs[lane].is_none() {
                 jobs[lane] = take!();
             }
             match &mut jobs[lane] {
                 Some(job) => {
                     job.seeds.fill::<V>(job.attempt, &mut seed);
                     group.load(lane, &job.goal_from_first, &seed, settings);
+                    active |= 1 << lane;
                 }
                 None => active &= !(1 << lane),
+            }
+        }
+        if active == 0 {
+            return;
+        }
+        ended = kernel::step::<V, N, EXACT, AXES>(&mut group, &prepared.links, settings);
+        over = (ended.reached | ended.stalled | ended.closing) & active;
+        for (lane, job) in jobs.iter_mut().enumerate() {
+            if let Some(job) = job {
+                job.age += 1;
+                over |= u32::from(job.age >= options.iterations) << lane;
             }
         }
     }

@@ -10,20 +10,23 @@ use super::settings::Settings;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// Judges a q that is to be returned: whether it is within the tolerances, and its errors.
+/// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
+/// errors in metres and radians.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn judge<V: LaneScalar, const N: usize, const AXES: bool>(
     prepared: &Prepared,
     goal_from_first: &Placement<f64>,
     q: &[f64],
 ) -> (bool, Errors) {
-    let errors = errors::<V, N, AXES>(&prepared.links, &prepared.settings, goal_from_first, q);
+    let links = &prepared.links;
+    let mut errors = errors::<V, N, AXES>(links, &prepared.settings, goal_from_first, q);
+    errors.position *= links.metres_per_length;
     let reached = errors.position <= prepared.options.position_tolerance
         && errors.orientation <= prepared.options.orientation_tolerance;
     (reached, errors)
 }
 
-/// Distance and angle of the tip at `q` from the goal.
+/// Distance and angle of the tip at `q` from the goal, in the solver's lengths.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
     links: &Links,

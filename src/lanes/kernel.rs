@@ -33,6 +33,17 @@ pub(crate) struct Ended {
     pub(crate) closing: u32,
 }
 
+impl Ended {
+    /// Before the first step.
+    pub(crate) fn none() -> Self {
+        Self {
+            reached: 0,
+            stalled: 0,
+            closing: 0,
+        }
+    }
+}
+
 /// Evaluates every lane's point, judges it, and moves every lane that has not ended.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn step<V: LaneScalar, const N: usize, const EXACT: bool, const AXES: bool>(
@@ -42,7 +53,7 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
 ) -> Ended {
     let n = if EXACT { N } else { group.joints };
     let c = V::constant;
-    let weight = settings.metres_per_radian * settings.metres_per_radian;
+    let weight = settings.length_per_radian * settings.length_per_radian;
     let mut at = jacobian::evaluate::<V, N, EXACT>(group, links);
     let tp = settings.position_tolerance * settings.position_tolerance;
     let to = settings.orientation_tolerance * settings.orientation_tolerance;

@@ -20,17 +20,21 @@ pub(crate) struct Link {
     pub(crate) offset: f64,
     /// Sine and cosine of the offset, for sliding joints.
     pub(crate) offset_sin_cos: (f64, f64),
-    /// Way to the next joint, metres.
+    /// Way to the next joint, lengths of the solver.
     pub(crate) along_x: f64,
     pub(crate) along_y: f64,
     /// Sine and cosine of α.
     pub(crate) twist: (f64, f64),
-    /// Bounds of the value, radians or metres.
+    /// Bounds of the value, radians or lengths of the solver.
     pub(crate) lower: f64,
     pub(crate) upper: f64,
 }
 
 /// A chain as links, with the constant ends.
+///
+/// Inside the solver lengths are counted in `metres_per_length`, the power of two that makes the
+/// chain one to two lengths long: thresholds then mean the same for a chain of any size, and whoever
+/// measures in other units by a power of two gets the same bits.
 #[derive(Clone, Debug)]
 pub(crate) struct Links {
     pub(crate) links: Vec<Link>,
@@ -40,6 +44,10 @@ pub(crate) struct Links {
     pub(crate) last_from_tip: Matrix3<f64>,
     /// Whether every joint turns.
     pub(crate) all_revolute: bool,
+    /// Metres in a length of the solver.
+    pub(crate) metres_per_length: f64,
+    /// Its reciprocal.
+    pub(crate) lengths_per_metre: f64,
 }
 
 impl Links {
@@ -98,15 +106,51 @@ impl Links {
             (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
             link.offset_sin_cos = link.offset.sin_cos();
         }
-        Self {
+        let metres_per_length = power_of_two_below(reach(&links));
+        let lengths_per_metre = metres_per_length.recip();
+        base_from_first.translation = base_from_first.translation * lengths_per_metre;
+        for link in &mut links {
+            link.along_x *= lengths_per_metre;
+            link.along_y *= lengths_per_metre;
+        }
+        let mut links = Self {
             all_revolute: links.iter().all(|link| link.kind == JointKind::Revolute),
             links,
             base_from_first,
             last_from_tip,
+            metres_per_length,
+            lengths_per_metre,
+        };
+        let bounds: Vec<(f64, f64)> = joints.iter().map(|j| (j.lower, j.upper)).collect();
+        links.set_bounds(bounds.into_iter());
+        links
+    }
+
+    /// Moves the bounds, radians or metres.
+    pub(crate) fn set_bounds(&mut self, bounds: impl Iterator<Item = (f64, f64)>) {
+        for (link, (lower, upper)) in self.links.iter_mut().zip(bounds) {
+            let unit = match link.kind {
+                JointKind::Revolute => 1.0,
+                JointKind::Prismatic => self.lengths_per_metre,
+            };
+            (link.lower, link.upper) = (lower * unit, upper * unit);
         }
     }
 
-    /// Where the tip stands at `q`.
+    /// Turns a q of the solver into one of the caller's.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn to_metres(&self, q: &mut [f64]) {
+        if self.all_revolute {
+            return;
+        }
+        for (value, link) in q.iter_mut().zip(&self.links) {
+            if link.kind == JointKind::Prismatic {
+                *value *= self.metres_per_length;
+            }
+        }
+    }
+
+    /// Where the tip stands at a q of the solver, in its lengths.
     pub(crate) fn base_from_tip(&self, q: &[f64]) -> Placement<f64> {
         let mut r = self.base_from_first.rotation;
         let mut p = self.base_from_first.translation;
@@ -136,8 +180,33 @@ impl Links {
         } else {
             base_from_target.rotation * self.last_from_tip.transpose()
         };
-        let goal = Placement::new(rotation, base_from_target.translation);
+        let translation = base_from_target.translation * self.lengths_per_metre;
+        let goal = Placement::new(rotation, translation);
         goal.inverse() * self.base_from_first
+    }
+}
+
+/// How far a chain can reach, the ends of its slides included, metres.
+fn reach(links: &[Link]) -> f64 {
+    let lengths = links.iter().map(|link| {
+        let slide = match link.kind {
+            JointKind::Prismatic if link.lower.is_finite() && link.upper.is_finite() => {
+                link.lower.abs().max(link.upper.abs())
+            }
+            _ => 0.0,
+        };
+        link.along_x.hypot(link.along_y) + slide
+    });
+    lengths.sum()
+}
+
+/// The largest power of two that is not larger; 1 for what has no such.
+fn power_of_two_below(value: f64) -> f64 {
+    if value.is_normal() && value > 1e-200 && value < 1e200 {
+        // The mantissa cleared.
+        f64::from_bits(value.to_bits() & 0x7FF0_0000_0000_0000)
+    } else {
+        1.0
     }
 }
 

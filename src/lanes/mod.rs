@@ -39,3 +39,4 @@ pub use chain::{Chain, ChainError, ChainJoint, JointKind, MAX_JOINTS};
 pub use goal::AxisGoal;
 pub use options::{LaneError, LaneOptions, Outcome, Search};
 pub use solver::PoseSolver;
+pub(crate) use turns::reduced;

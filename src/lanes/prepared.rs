@@ -28,8 +28,8 @@ impl Prepared {
     /// [`LaneError::Option`] for a tolerance, damping or weight out of range.
     pub(crate) fn new(chain: &Chain, options: LaneOptions) -> Result<Self, LaneError> {
         options.check()?;
-        let settings = Settings::new(&options);
         let links = Links::new(chain);
+        let settings = Settings::new(&options, links.lengths_per_metre);
         let atlas = if options.atlas {
             Atlas::new(&links, Resolution::default(), options.seed)
         } else {
@@ -68,8 +68,7 @@ impl Prepared {
 
     /// Moves the bounds, radians or metres.
     pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
-        for (link, (&lower, &upper)) in self.links.links.iter_mut().zip(lower.iter().zip(upper)) {
-            (link.lower, link.upper) = (lower, upper);
-        }
+        let bounds = lower.iter().zip(upper);
+        self.links.set_bounds(bounds.map(|(l, u)| (*l, *u)));
     }
 }

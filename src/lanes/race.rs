@@ -53,11 +53,6 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
     let mut best_cost = f64::INFINITY;
     let mut winner: Option<Winner> = None;
     let mut late = false;
-    seeds.fill::<V>(0, &mut seed);
-    for lane in 1..V::WIDTH {
-        // Idle lanes carry harmless numbers.
-        group.load(lane, &goal_from_first, &seed, settings);
-    }
     loop {
         for lane in 0..fill_to {
             if active >> lane & 1 == 0
@@ -67,7 +62,11 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
                 && iterations < query.budget.max(1)
             {
                 seeds.fill::<V>(next, &mut seed);
-                group.load(lane, &goal_from_first, &seed, settings);
+                // Before the first step all lanes take harmless numbers.
+                let last = if next == 0 { V::WIDTH } else { lane + 1 };
+                for lane in lane..last {
+                    group.load(lane, &goal_from_first, &seed, settings);
+                }
                 (attempt[lane], age[lane]) = (next, 0);
                 active |= 1 << lane;
                 next += 1;
@@ -148,6 +147,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
             judge::<V, N, AXES>(prepared, &goal_from_first, q_out)
         }
     };
+    prepared.links.to_metres(q_out);
     Outcome {
         reached,
         position_error: errors.position,

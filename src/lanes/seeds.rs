@@ -5,9 +5,11 @@ use std::f64::consts::TAU;
 use super::atlas::Candidates;
 use super::chain::JointKind;
 use super::lane::LaneScalar;
+use super::links::Link;
 use super::options::Search;
 use super::prepared::Prepared;
 use super::query::Query;
+use super::turns::reduced;
 use crate::random::mix;
 use crate::spatial::Placement;
 
@@ -37,12 +39,22 @@ impl<'a> QuerySeeds<'a> {
         }
     }
 
+    /// A start's value in the solver's terms.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start_value(&self, link: &Link, start: f64) -> f64 {
+        match link.kind {
+            JointKind::Revolute => reduced(start),
+            JointKind::Prismatic => start * self.prepared.links.lengths_per_metre,
+        }
+    }
+
     /// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fill_start(&self, q: &mut [f64]) {
         let links = &self.prepared.links.links;
         for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
-            *q = start.max(link.lower).min(link.upper);
+            *q = self.start_value(link, start);
+            *q = q.max(link.lower).min(link.upper);
             if link.kind == JointKind::Revolute && q.abs() > LARGE_ANGLE {
                 let turned = *q - TAU * (*q / TAU).round();
                 *q = turned.max(link.lower).min(link.upper);
@@ -65,7 +77,8 @@ impl<'a> QuerySeeds<'a> {
                     let mut goal = links.goal_from_first::<false>(self.target);
                     if self.prepared.settings.axes.orientation_weights == [0.0; 3] {
                         // Any orientation will do: the start's is the nearest.
-                        let tip = links.base_from_tip(self.start);
+                        self.fill_start(q);
+                        let tip = links.base_from_tip(q);
                         let target = Placement::new(tip.rotation, self.target.translation);
                         goal = links.goal_from_first::<false>(&target);
                     }
@@ -89,6 +102,7 @@ impl<'a> QuerySeeds<'a> {
         } else {
             let mut state = mix(self.prepared.options.seed ^ mix(u64::from(attempt)));
             for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
+                let start = self.start_value(link, start);
                 state = mix(state);
                 let unit = (state >> 11) as f64 * (0.5f64).powi(53);
                 let half = match link.kind {

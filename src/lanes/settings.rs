@@ -3,15 +3,15 @@
 use super::goal::AxisGoal;
 use super::options::LaneOptions;
 
-/// The numbers of the iteration, the same for all lanes.
+/// The numbers of the iteration, the same for all lanes; lengths are those of the solver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
-    /// Position counts as reached below this, metres.
+    /// Position counts as reached below this, lengths.
     pub(crate) position_tolerance: f64,
     /// Orientation counts as reached below this, radians.
     pub(crate) orientation_tolerance: f64,
-    /// Metres that weigh as much as one radian.
-    pub(crate) metres_per_radian: f64,
+    /// Lengths that weigh as much as one radian.
+    pub(crate) length_per_radian: f64,
     /// λ = damping · cost at the start of an attempt.
     pub(crate) damping: f64,
     /// Weights and dead bands of the six components, for the weighted kernel.
@@ -22,25 +22,28 @@ pub(crate) struct Settings {
     pub(crate) stall_limit: f64,
 }
 
-/// One more step is trusted to reach below twice the cost of this times the tolerance, metres.
+/// One more step is trusted to reach below twice the cost of this times the tolerance, lengths.
 const CLOSING: f64 = 0.1;
 
 impl Settings {
     /// The numbers that valid options ask for.
-    pub(crate) fn new(options: &LaneOptions) -> Self {
+    pub(crate) fn new(options: &LaneOptions, lengths_per_metre: f64) -> Self {
         // Slightly inside, so that rounding in the judge's other order of operations cannot refuse.
         let margin = 0.999;
-        let smaller = options
-            .position_tolerance
-            .min(options.orientation_tolerance * options.metres_per_radian);
+        let position_tolerance = options.position_tolerance * lengths_per_metre;
+        let length_per_radian = options.metres_per_radian * lengths_per_metre;
+        let smaller = position_tolerance.min(options.orientation_tolerance * length_per_radian);
+        let mut axes = options.axes;
+        let half_widths = &mut axes.position_half_widths;
+        *half_widths = half_widths.map(|half_width| half_width * lengths_per_metre);
         Self {
-            position_tolerance: options.position_tolerance * margin,
+            position_tolerance: position_tolerance * margin,
             orientation_tolerance: options.orientation_tolerance * margin,
-            metres_per_radian: options.metres_per_radian,
+            length_per_radian,
             damping: options.damping,
             stall_limit: f64::from(options.stall_limit),
-            axes: options.axes,
-            // Convergence is quadratic: the error after a step is about its square, in metres.
+            axes,
+            // Convergence is quadratic: the error after a step is about its square, in lengths.
             closing_cost: CLOSING * smaller,
         }
     }

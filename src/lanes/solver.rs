@@ -17,7 +17,9 @@ use crate::spatial::Placement;
 ///
 /// Joint values are radians and metres, in the chain's order; several queries' values stand one
 /// after another in one slice. Every q that comes back lies within the bounds bit for bit, and the
-/// errors beside it are those of that q. Where the target is not reached q is the point of least
+/// errors beside it are those of that q. A joint that can turn right round comes out within half a
+/// turn of the start; of a start beyond a million radians, where sines lose their digits, whole turns
+/// are taken off first. Lengths may be in any unit, as long as it is the same everywhere. Where the target is not reached q is the point of least
 /// cost `½(|p|² + (metres_per_radian)² · 2(1 − cos θ))` over all attempts.
 #[derive(Debug)]
 pub struct PoseSolver {

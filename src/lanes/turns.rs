@@ -4,6 +4,17 @@ use std::f64::consts::TAU;
 
 use super::chain::JointKind;
 use super::prepared::Prepared;
+use super::trigonometry::MAX_ANGLE;
+
+/// A start that is too large an angle for exact sines, less whole turns: within half a turn of zero.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn reduced(start: f64) -> f64 {
+    if start.abs() > MAX_ANGLE - TAU {
+        start - TAU * (start / TAU).round()
+    } else {
+        start
+    }
+}
 
 /// Adds whole turns to the joints that can make them, as near to the start as bounds allow.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -15,7 +26,10 @@ pub(crate) fn unwrap_towards(prepared: &Prepared, start: &[f64], q: &mut [f64]) 
         if link.kind == JointKind::Revolute && link.upper - link.lower >= TAU {
             let lowest = ((link.lower - *q) / TAU).ceil();
             let highest = ((link.upper - *q) / TAU).floor();
-            let turns = ((start - *q) / TAU).round().min(highest).max(lowest);
+            let turns = ((reduced(*start) - *q) / TAU)
+                .round()
+                .min(highest)
+                .max(lowest);
             let turned = *q + turns * TAU;
             if link.lower <= turned && turned <= link.upper {
                 *q = turned;

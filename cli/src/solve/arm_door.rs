@@ -167,14 +167,35 @@ impl Door for ArmDoor<'_> {
         self.answer_of(question, desk.solution.clone(), Some(micros))
     }
 
-    fn follow(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<Answer> {
-        self.read_start(desk, question)?;
-        let step = std::slice::from_ref(&question.base_from_tip);
-        let started = Instant::now();
-        let solutions = self.arm.track(step, &desk.q_arm)?;
-        let micros = microseconds(started);
-        let solution = solutions.into_iter().next().unwrap_or_default();
-        self.answer_of(question, solution, Some(micros))
+    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Vec<Answer>> {
+        let Some(first) = questions.first() else {
+            return Ok(Vec::new());
+        };
+        let mut desk = ArmDesk::default();
+        self.read_start(&mut desk, first)?;
+        let mut follower = self.arm.follower(&desk.q_arm)?;
+        let mut flips = false;
+        let mut steps = Vec::with_capacity(questions.len());
+        for question in questions {
+            let started = Instant::now();
+            let jump = follower.advance(question.base_from_tip, &mut desk.solution)?;
+            steps.push((desk.solution.clone(), microseconds(started)));
+            flips |= jump.is_some_and(|jump| !jump.continuous);
+            told();
+        }
+        if flips {
+            // Whoever knows the whole path may find a way round; its steps are timed together.
+            let targets: Vec<_> = questions.iter().map(|q| q.base_from_tip).collect();
+            let started = Instant::now();
+            let track = self.arm.track(&targets, &desk.q_arm)?;
+            let each = microseconds(started) / questions.len() as f64;
+            let solutions = track.solutions.into_iter();
+            steps = solutions.map(|solution| (solution, each)).collect();
+        }
+        let answers = steps.into_iter();
+        answers
+            .map(|(solution, micros)| self.answer_of(first, solution, Some(micros)))
+            .collect()
     }
 
     fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {

@@ -133,8 +133,18 @@ impl Door for CoreDoor<'_> {
         })
     }
 
-    fn follow(&self, desk: &mut CoreDesk, question: &Question) -> Outcome<Answer> {
-        self.answer(desk, question)
+    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Vec<Answer>> {
+        let mut desk = self.desk()?;
+        let mut answers: Vec<Answer> = Vec::with_capacity(questions.len());
+        for question in questions {
+            let mut question = question.clone();
+            if let Some(last) = answers.last() {
+                question.start.clone_from(&last.q);
+            }
+            answers.push(self.answer(&mut desk, &question)?);
+            told();
+        }
+        Ok(answers)
     }
 
     fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {

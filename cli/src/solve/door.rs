@@ -13,8 +13,9 @@ pub(super) trait Door: Sync {
     /// Answers, and takes the time of that alone.
     fn answer(&self, desk: &mut Self::Desk, question: &Question) -> Outcome<Answer>;
 
-    /// As [`answer`](Self::answer), where the start is the answer to the step before of a path.
-    fn follow(&self, desk: &mut Self::Desk, question: &Question) -> Outcome<Answer>;
+    /// Answers questions each of which starts from the answer to the one before; the start of the
+    /// first counts. `told` hears of every step.
+    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Vec<Answer>>;
 
     /// Answers all questions together, on the threads of the current pool where `parallel`. Returns
     /// the microseconds that took.

@@ -36,12 +36,12 @@ pub(super) fn run(
         Some(robot) => {
             let door = ArmDoor::new(loaded, robot, arguments, base, tip, turns)?;
             let questions = questions(loaded, Some(&door), arguments, &file, path)?;
-            solve(&door, arguments, questions)?
+            solve(&door, arguments, &questions)?
         }
         None => {
             let door = CoreDoor::new(loaded, arguments, base, tip, turns)?;
             let questions = questions(loaded, None, arguments, &file, path)?;
-            solve(&door, arguments, questions)?
+            solve(&door, arguments, &questions)?
         }
     };
     if json {
@@ -137,7 +137,7 @@ fn columns(
 }
 
 /// Asks the door in the way that the arguments say.
-fn solve(door: &impl Door, arguments: &Arguments, questions: Vec<Question>) -> Outcome<Outcomes> {
+fn solve(door: &impl Door, arguments: &Arguments, questions: &[Question]) -> Outcome<Outcomes> {
     let tasks = door.tasks();
     let threads = arguments.threads.map(usize::from);
     let pool = threads.map(|threads| {
@@ -147,14 +147,17 @@ fn solve(door: &impl Door, arguments: &Arguments, questions: Vec<Question>) -> O
     let pool = pool.transpose()?;
     let (answers, batch_micros) = if arguments.batch {
         let (answers, micros) = match &pool {
-            Some(pool) => pool.install(|| door.batch(&questions, true))?,
-            None => door.batch(&questions, false)?,
+            Some(pool) => pool.install(|| door.batch(questions, true))?,
+            None => door.batch(questions, false)?,
         };
         (answers, Some(micros))
     } else if arguments.track {
-        (track(door, questions)?, None)
+        let countdown = Countdown::new(questions.len(), "targets");
+        let answers = door.path(questions, &|| countdown.one_more());
+        countdown.finish();
+        (answers?, None)
     } else {
-        (one_at_a_time(door, &questions, pool.as_ref())?, None)
+        (one_at_a_time(door, questions, pool.as_ref())?, None)
     };
     Ok(Outcomes {
         answers,
@@ -191,19 +194,4 @@ fn one_at_a_time(
     };
     countdown.finish();
     answers
-}
-
-fn track(door: &impl Door, questions: Vec<Question>) -> Outcome<Vec<Answer>> {
-    let countdown = Countdown::new(questions.len(), "targets");
-    let mut desk = door.desk()?;
-    let mut answers: Vec<Answer> = Vec::with_capacity(questions.len());
-    for mut question in questions {
-        if let Some(last) = answers.last() {
-            question.start.clone_from(&last.q);
-        }
-        answers.push(door.follow(&mut desk, &question)?);
-        countdown.one_more();
-    }
-    countdown.finish();
-    Ok(answers)
 }

@@ -7,7 +7,8 @@ use nalgebra::DMatrix;
 use super::options::Options;
 use super::serial::Serial;
 use super::tool_pose::ToolPose;
-use crate::ik::{Solution, Solver, Workspace};
+use crate::ik::{self, Solution, Solver};
+use crate::kinematics::ForwardKinematics;
 use crate::lanes::{Outcome, PoseSolver};
 use crate::problem::{Evaluation, Problem, ProblemError, Scratch, TaskId};
 use crate::solver::{
@@ -26,14 +27,21 @@ pub(super) struct Errors {
     pub(super) reached: bool,
 }
 
+/// When the core's search ends.
+pub(super) fn stopping() -> Stopping {
+    Stopping::default()
+        .with_max_iterations(60)
+        .with_gradient_tolerance(1e-8)
+}
+
 /// What the slower ways need: the pose as a core problem, and room.
 #[derive(Debug)]
-pub(super) struct Desk {
+pub(super) struct Workspace {
     pub(super) problem: Problem,
     task: TaskId<ToolPose>,
     scratch: Scratch,
     pub(super) memory: Memory,
-    pub(super) workspace: Workspace,
+    pub(super) core: ik::Workspace,
     /// The core's solver, cloned for a question's own limits without allocating.
     pub(super) solver: Solver,
     /// A batch's misses are explained in here.
@@ -50,6 +58,7 @@ pub(super) struct Desk {
     pub(super) projected: Vec<f64>,
     pub(super) wanted: Vec<f64>,
     pub(super) jacobian: DMatrix<f64>,
+    /// The cost's gradient, at wherever it was taken last.
     pub(super) gradient: Vec<f64>,
     /// Configurations found, one after another, and what is known of each.
     pub(super) found: Vec<f64>,
@@ -58,12 +67,15 @@ pub(super) struct Desk {
     pub(super) order: Vec<(f64, usize)>,
     /// A configuration of the whole serial model.
     pub(super) q: Vec<f64>,
+    /// What counts as much as a radian of each joint, radians or metres.
+    pub(super) units: Vec<f64>,
+    kinematics: ForwardKinematics,
     position_tolerance: f64,
     orientation_tolerance: f64,
     metres_per_radian: f64,
 }
 
-impl Desk {
+impl Workspace {
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
         let mut builder = Problem::builder(&serial.model);
         builder.parameters(serial.map.clone());
@@ -82,11 +94,19 @@ impl Desk {
         );
         let problem = builder.build()?;
         let n = problem.variables();
+        let unit = |angle: &bool| {
+            if *angle {
+                1.0
+            } else {
+                options.metres_per_radian
+            }
+        };
+        let units = problem.names().variable_is_angle.iter().map(unit).collect();
         Ok(Self {
             scratch: problem.scratch(),
             task,
             memory: Memory::default(),
-            workspace: Workspace::new(),
+            core: ik::Workspace::new(),
             solver: Solver::default(),
             spare: Solution::default(),
             windowed: None,
@@ -103,6 +123,8 @@ impl Desk {
             outcomes: Vec::new(),
             order: Vec::new(),
             q: vec![0.0; serial.model.degrees_of_freedom()],
+            units,
+            kinematics: ForwardKinematics::new(&serial.model),
             position_tolerance: options.position_tolerance,
             orientation_tolerance: options.orientation_tolerance,
             metres_per_radian: options.metres_per_radian,
@@ -119,13 +141,11 @@ impl Desk {
 
     /// The errors at x.
     pub(super) fn judge(&mut self, x: &[f64]) -> Errors {
-        let mut residual = [0.0; 6];
-        let mut evaluation = Evaluation::new(&self.problem, &mut self.scratch);
-        evaluation.residual(x, &mut residual);
+        let residual = self.residual(x);
         self.errors(&residual)
     }
 
-    /// As [`judge`](Self::judge), of the desk's own x.
+    /// As [`judge`](Self::judge), of the workspace's own x.
     pub(super) fn judge_x(&mut self) -> Errors {
         let x = std::mem::take(&mut self.x);
         let errors = self.judge(&x);
@@ -148,24 +168,27 @@ impl Desk {
         }
     }
 
-    /// Residual and Jacobian at x; the Jacobian stays on the desk.
-    pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
+    /// The weighted residual at x.
+    pub(super) fn residual(&mut self, x: &[f64]) -> [f64; 6] {
         let mut residual = [0.0; 6];
-        let mut evaluation = Evaluation::new(&self.problem, &mut self.scratch);
-        evaluation.residual(x, &mut residual);
-        evaluation.jacobian(x, &mut self.jacobian);
+        Evaluation::new(&self.problem, &mut self.scratch).residual(x, &mut residual);
         residual
     }
 
-    /// Goes on from `x` to where nothing near is better, by the core's Levenberg-Marquardt.
+    /// Residual and Jacobian at x; the Jacobian stays here.
+    pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
+        let residual = self.residual(x);
+        Evaluation::new(&self.problem, &mut self.scratch).jacobian(x, &mut self.jacobian);
+        residual
+    }
+
+    /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt.
     pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
         let outcome = minimise_until(
             &mut Evaluation::new(&self.problem, &mut self.scratch),
             &LevenbergMarquardt::default(),
             &self.x,
-            &Stopping::default()
-                .with_max_iterations(100)
-                .with_gradient_tolerance(1e-6),
+            &stopping(),
             deadline,
             &mut Silent,
             &mut self.memory,
@@ -174,28 +197,12 @@ impl Desk {
         (outcome.termination, outcome.iterations)
     }
 
-    /// The cost's gradient at `x`.
-    pub(super) fn differentiate(&mut self) {
-        let mut residual = [0.0; 6];
-        let mut evaluation = Evaluation::new(&self.problem, &mut self.scratch);
-        evaluation.residual(&self.x, &mut residual);
-        evaluation.gradient(&self.x, &residual, &mut self.gradient, &mut self.jacobian);
-    }
-
     /// Where the tool stands.
     pub(super) fn base_from_tool(&mut self, serial: &Serial, x: &[f64]) -> Placement<f64> {
         serial.map.expand(x, &mut self.q);
-        let mut placements: Vec<Placement<f64>> = Vec::new();
-        let mut moving = self.q.iter();
-        for joint in serial.model.joints() {
-            let value = moving.next().copied().unwrap_or(0.0);
-            let parent = joint.parent.and_then(|id| placements.get(id.index()));
-            let parent = parent.copied().unwrap_or_else(Placement::identity);
-            let motion = super::serial::motion(joint.kind, joint.axis, value);
-            placements.push(parent * joint.parent_from_joint * motion);
-        }
-        let frame = &serial.model.frames()[serial.tool.index()];
-        let last = frame.joint.and_then(|id| placements.get(id.index()));
-        last.copied().unwrap_or_else(Placement::identity) * frame.joint_from_frame
+        // The configuration is the model's own, so that it can be placed.
+        let placements = self.kinematics.place(&self.q).unwrap_or(&[]);
+        let tool = placements.get(serial.tool.index()).copied();
+        tool.unwrap_or_else(Placement::identity)
     }
 }

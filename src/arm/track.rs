@@ -1,0 +1,140 @@
+//! Whole paths, on one branch from end to end where there is one.
+
+use super::QueryError;
+use super::follower::{Follower, Jump, LONG_STEP};
+use super::query::Arm;
+use crate::ik::Solution;
+use crate::spatial::Placement;
+
+/// How many solutions beyond the end of a branch are tried as places to come from.
+const LANDINGS: usize = 16;
+/// How strongly the way back is drawn to the way known, one after another: radians of each joint a
+/// radian of path. A strong pull meets sooner, a weak one keeps clear of limits.
+const PULLS: [f64; 3] = [0.3, 0.1, 0.03];
+/// Steps that are gone back at most, in all, as a multiple of the path's length.
+const LOOK_BACK: usize = 32;
+/// Two ways meet where no joint differs by more than this, radians.
+const MEETING: f64 = 0.25 * LONG_STEP;
+
+/// A path of solutions, and where it is broken.
+#[derive(Clone, Debug, Default)]
+pub struct Track {
+    /// One a target, reached or not.
+    pub solutions: Vec<Solution>,
+    /// The steps in which a joint moves further than 0.2 rad, in order.
+    pub jumps: Vec<Jump>,
+}
+
+impl Arm {
+    /// Follows a path: every step goes on from the one before on the same branch, whatever the
+    /// arm's search. Where the branch ends (in a limit, mostly, that the null space ran into), it
+    /// looks for another way through the steps before; where there is none it jumps to the nearest
+    /// solution and says so in [`Track::jumps`].
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve); the error names the first bad target.
+    pub fn track(
+        &self,
+        base_from_tools: &[Placement<f64>],
+        start: &[f64],
+    ) -> Result<Track, QueryError> {
+        let mut follower = self.follower(start)?;
+        for (query, target) in base_from_tools.iter().enumerate() {
+            self.check_query(query, target, start)?;
+        }
+        let mut track = Track::default();
+        track.solutions.reserve(base_from_tools.len());
+        let mut back_left = LOOK_BACK * base_from_tools.len();
+        for (step, target) in base_from_tools.iter().enumerate() {
+            let mut solution = Solution::default();
+            let jump = follower.advance(*target, &mut solution)?;
+            track.solutions.push(solution);
+            let Some(jump) = jump else {
+                continue;
+            };
+            if self.go_round(base_from_tools, step, &mut track, &mut back_left)? {
+                follower = self.follower_at(base_from_tools, step, &track)?;
+            } else {
+                track.jumps.push(jump);
+            }
+        }
+        Ok(track)
+    }
+
+    /// Looks for another way to the end of a branch at `step`: from solutions there it goes back
+    /// along the path, drawn to the way already found, until it meets that. Whether it does; the
+    /// track then holds the new way.
+    fn go_round(
+        &self,
+        targets: &[Placement<f64>],
+        step: usize,
+        track: &mut Track,
+        back_left: &mut usize,
+    ) -> Result<bool, QueryError> {
+        let Some(last) = step.checked_sub(1) else {
+            return Ok(false);
+        };
+        let others = self.landings(&targets[step], &track.solutions[last].q, LANDINGS)?;
+        let first = track.solutions[step].clone();
+        for pull in PULLS {
+            for landing in std::iter::once(&first).chain(&others) {
+                let way = self.way_back(targets, step, landing, pull, track, back_left)?;
+                if let Some(way) = way {
+                    let meeting = step - way.len();
+                    track.solutions.truncate(meeting + 1);
+                    track.solutions.extend(way.into_iter().rev());
+                    track.jumps.retain(|jump| jump.step <= meeting);
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    /// The steps from `landing` back to where they meet the track; none if they do not.
+    fn way_back(
+        &self,
+        targets: &[Placement<f64>],
+        step: usize,
+        landing: &Solution,
+        pull: f64,
+        track: &Track,
+        back_left: &mut usize,
+    ) -> Result<Option<Vec<Solution>>, QueryError> {
+        let mut follower = self.follower(&landing.q)?;
+        follower.stand_at(&targets[step], &landing.q);
+        let mut way = vec![landing.clone()];
+        for (target, known) in targets.iter().zip(&track.solutions).take(step).rev() {
+            if *back_left == 0 {
+                break;
+            }
+            *back_left -= 1;
+            let mut solution = Solution::default();
+            if !follower.try_branch(target, Some((&known.q, pull)), &mut solution) {
+                break;
+            }
+            if self.longest_move(&known.q, &solution.q).1 <= MEETING {
+                return Ok(Some(way));
+            }
+            follower.stand_at(target, &solution.q);
+            way.push(solution);
+        }
+        Ok(None)
+    }
+
+    /// A follower that has come along the last two steps of a track.
+    fn follower_at(
+        &self,
+        targets: &[Placement<f64>],
+        step: usize,
+        track: &Track,
+    ) -> Result<Follower<'_>, QueryError> {
+        let first = step.saturating_sub(2);
+        let mut follower = self.follower(&track.solutions[first].q)?;
+        for (target, solution) in targets[first..=step].iter().zip(&track.solutions[first..]) {
+            follower.stand_at(target, &solution.q);
+        }
+        follower.set_steps(step + 1);
+        Ok(follower)
+    }
+}
