@@ -152,7 +152,7 @@ fn several_answers_and_a_path() {
         let mut all: Vec<Solution> = all
             .flat_map(|(goal, start)| arm.solve_all(goal, start).unwrap())
             .collect();
-        all.extend(arm.track(&path, &starts[..7]).unwrap());
+        all.extend(arm.track(&path, &starts[..7]).unwrap().solutions);
         bits(&all)
     };
     let once = run();

@@ -61,7 +61,7 @@ fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
             }
             kept += usize::from(distance(&ours.q, &start) <= best + SAME);
         }
-        println!("{name}: {kept} of {cases}");
+        eprintln!("{name}: {kept} of {cases}");
         assert!(kept * 100 >= cases * 95, "{name}: {kept} of {cases}");
     }
 }

@@ -70,7 +70,11 @@ fn ends_at_once(what: &str, builder: ArmBuilder<'_>, most_iterations: usize) {
     }
     let together = arm.solve_batch(&goals, &starts).unwrap();
     let path = arm.track(&goals, &starts[..n]).unwrap();
-    for (solution, goal) in together.iter().chain(&path).zip(goals.iter().chain(&goals)) {
+    for (solution, goal) in together
+        .iter()
+        .chain(&path.solutions)
+        .zip(goals.iter().chain(&goals))
+    {
         assert_true(&arm, goal, solution);
         let ended = solution.termination;
         assert!(

@@ -152,10 +152,8 @@ fn each_number_is_none_or_too_large() {
                 assert!(named, "{name} {} {bad}: {error}", attribute.name);
             }
             // Huge but finite: right or refused, and no panic either way.
-            for large in ["1e308"] {
-                let numbers = vec![large; count].join(" ");
-                let _ = Robot::parse(&with(&text, &attribute.value, &numbers), "damaged.urdf");
-            }
+            let numbers = vec!["1e308"; count].join(" ");
+            let _ = Robot::parse(&with(&text, &attribute.value, &numbers), "damaged.urdf");
         }
     }
 }
