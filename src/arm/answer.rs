@@ -186,14 +186,6 @@ impl Arm {
                 termination = self.settle(workspace, reply, deadline);
             }
         }
-        if !reply.errors.reached && !late() && termination != Termination::Stationary {
-            let (stationary, gradients) = workspace.finish_by_newton(deadline);
-            reply.iterations += gradients;
-            reply.errors = workspace.judge_x();
-            if stationary {
-                termination = Termination::Stationary;
-            }
-        }
         reply.termination = if reply.errors.reached {
             Termination::Reached
         } else if late() {

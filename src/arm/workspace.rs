@@ -30,7 +30,7 @@ pub(super) struct Errors {
 /// When the core's search ends.
 pub(super) fn stopping() -> Stopping {
     Stopping::default()
-        .with_max_iterations(60)
+        .with_max_iterations(400)
         .with_gradient_tolerance(1e-8)
 }
 
@@ -67,8 +67,6 @@ pub(super) struct Workspace {
     pub(super) order: Vec<(f64, usize)>,
     /// A configuration of the whole serial model.
     pub(super) q: Vec<f64>,
-    /// What counts as much as a radian of each joint, radians or metres.
-    pub(super) units: Vec<f64>,
     kinematics: ForwardKinematics,
     position_tolerance: f64,
     orientation_tolerance: f64,
@@ -94,14 +92,6 @@ impl Workspace {
         );
         let problem = builder.build()?;
         let n = problem.variables();
-        let unit = |angle: &bool| {
-            if *angle {
-                1.0
-            } else {
-                options.metres_per_radian
-            }
-        };
-        let units = problem.names().variable_is_angle.iter().map(unit).collect();
         Ok(Self {
             scratch: problem.scratch(),
             task,
@@ -123,7 +113,6 @@ impl Workspace {
             outcomes: Vec::new(),
             order: Vec::new(),
             q: vec![0.0; serial.model.degrees_of_freedom()],
-            units,
             kinematics: ForwardKinematics::new(&serial.model),
             position_tolerance: options.position_tolerance,
             orientation_tolerance: options.orientation_tolerance,

@@ -6,6 +6,10 @@ use super::{LeastSquares, Memory, Method, Step, Stopping, Termination};
 /// After so many steps in a row that hardly change the cost no further one makes sense.
 const FLAT_STEPS: usize = 5;
 
+/// A stationarity below this is lost in the rounding of the cost: where slopes are of size g and
+/// curvatures of size c, a step wins g²/2c, which must be more than ε of the cost to be seen.
+const ROUNDED: f64 = 1e-7;
+
 /// How far a search has come; where it stands is in the memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Search {
@@ -86,7 +90,7 @@ impl Search {
             Some(_) if self.stationarity <= stopping.gradient_tolerance => {
                 Some(Termination::Stationary)
             }
-            Some(_) if memory.flat_steps >= FLAT_STEPS => Some(Termination::SmallStep),
+            Some(_) if memory.flat_steps >= FLAT_STEPS => Some(self.out_of_steps()),
             Some(_) => None,
         }
     }
@@ -106,7 +110,16 @@ impl Search {
             && problem.stops_when_reached()
             && problem.is_reached(&memory.residual);
         let ends = self.last_step == Step::Stuck || (negligible && !reached);
-        ends.then_some(Termination::SmallStep)
+        ends.then(|| self.out_of_steps())
+    }
+
+    /// Why no further step makes sense.
+    fn out_of_steps(&self) -> Termination {
+        if self.stationarity <= ROUNDED {
+            Termination::Stationary
+        } else {
+            Termination::SmallStep
+        }
     }
 
     /// ‖Δ‖∞ of the last step, 0 for a refused one and before the first.
