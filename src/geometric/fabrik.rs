@@ -2,7 +2,7 @@
 
 use super::fit::Fit;
 use super::goal::goals;
-use super::joint_points::JointPoints;
+use super::layout::joint_points;
 use super::linkage::{Linkage, Pin, Span, lay_straight};
 use super::search::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};
@@ -65,7 +65,7 @@ impl Geometric for Fabrik {
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
         let goals = goals(problem, "FABRIK")?;
-        let joint_points = JointPoints::new(problem, &goals, "FABRIK")?;
+        let joint_points = joint_points(problem, &goals, "FABRIK")?;
         let mut passes = Passes {
             linkage: joint_points.linkage(),
             pins: joint_points.pins().to_vec(),

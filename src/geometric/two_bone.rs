@@ -2,7 +2,8 @@
 
 use super::fit::Fit;
 use super::goal::goals;
-use super::joint_points::{Group, JointPoints};
+use super::joint_points::Group;
+use super::layout::joint_points;
 use super::search::{self, Limits, Sweep};
 use super::triangle::triangle;
 use super::{Geometric, GeometricError};
@@ -64,7 +65,7 @@ impl Geometric for TwoBone {
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
         let goals = goals(problem, NAME)?;
-        let points = JointPoints::new(problem, &goals, NAME)?;
+        let points = joint_points(problem, &goals, NAME)?;
         let linkage = points.linkage();
         let (Some(&[upper, lower]), &[pin]) = (linkage.as_chain(), points.pins()) else {
             return Err(GeometricError::NotTwoBones {
