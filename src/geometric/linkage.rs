@@ -72,6 +72,11 @@ impl Linkage {
         Self::new(parents, points)
     }
 
+    /// Marks the roots, which no pass moves.
+    pub(super) fn roots(&self) -> Vec<bool> {
+        self.parents.iter().map(Option::is_none).collect()
+    }
+
     pub(super) fn parent(&self, point: usize) -> Option<usize> {
         self.parents[point]
     }
@@ -83,16 +88,16 @@ impl Linkage {
         (is_chain && self.parents.len() > 1).then(|| &self.lengths[1..])
     }
 
-    /// One pass forward from the pins to the roots and one back (Aristidou & Lasenby 2011, "FABRIK: a
+    /// One pass forward from the pins to the points that are `fixed`, and one back (Aristidou & Lasenby 2011, "FABRIK: a
     /// fast, iterative solver for the inverse kinematics problem", algorithm 1; where several
-    /// children meet, the centroid of what they ask, section 5).
-    pub(super) fn pass(&mut self, points: &mut [Vector3<f64>], pins: &[Pin]) {
+    /// children meet, the centroid of what they ask, section 5). Roots are fixed.
+    pub(super) fn pass(&mut self, points: &mut [Vector3<f64>], pins: &[Pin], fixed: &[bool]) {
         self.before.copy_from_slice(points);
         self.asked.fill((Vector3::zero(), 0.0));
         for pin in pins {
             self.asked[pin.point] = (pin.target, f64::INFINITY);
         }
-        for k in (0..points.len()).rev() {
+        for k in (0..points.len()).rev().filter(|&k| !fixed[k]) {
             let (sum, count) = self.asked[k];
             if count > 0.0 {
                 // A pinned point is where it should be, whatever its children ask.
@@ -112,15 +117,12 @@ impl Linkage {
                 }
             }
         }
-        for k in 0..points.len() {
-            points[k] = match self.parents[k] {
-                Some(parent) => {
-                    let base = points[parent];
-                    let along = direction(points[k] - base, self.before[k] - self.before[parent]);
-                    along.mul_add(self.lengths[k], base)
-                }
-                None => self.before[k],
-            };
+        for k in (0..points.len()).filter(|&k| !fixed[k]) {
+            if let Some(parent) = self.parents[k] {
+                let base = points[parent];
+                let along = direction(points[k] - base, self.before[k] - self.before[parent]);
+                points[k] = along.mul_add(self.lengths[k], base);
+            }
         }
     }
 }
