@@ -97,7 +97,9 @@ impl Sweep for Passes<'_> {
         fit.points_at(x, points);
         reach(linkage, points, pins);
         // What a limit keeps one bone from, the bones beyond it make up for.
-        fit.follow(points, x, |points, fixed| linkage.pass(points, pins, fixed));
+        fit.follow(points, x, |points, fixed| {
+            linkage.pass_beyond(fixed, points, pins)
+        });
     }
 }
 
@@ -110,8 +112,7 @@ fn reach(linkage: &mut Linkage, points: &mut [Vector3<f64>], pins: &[Pin]) -> Sp
             return span;
         }
     }
-    let roots = linkage.roots();
-    linkage.pass(points, pins, &roots);
+    linkage.pass(points, pins);
     Span::Within
 }
 

@@ -46,6 +46,7 @@ pub(super) struct Linkage {
     parents: Vec<Option<usize>>,
     /// To the parent; 0 for roots.
     lengths: Vec<f64>,
+    roots: Vec<bool>,
     /// Where each point was before the pass.
     before: Vec<Vector3<f64>>,
     /// What the children of each point ask of it: the sum of the places, and how many.
@@ -60,6 +61,7 @@ impl Linkage {
         };
         Self {
             lengths: points.iter().zip(&parents).map(length).collect(),
+            roots: parents.iter().map(Option::is_none).collect(),
             before: points.to_vec(),
             asked: vec![(Vector3::zero(), 0.0); points.len()],
             parents,
@@ -70,11 +72,6 @@ impl Linkage {
     pub(super) fn chain(points: &[Vector3<f64>]) -> Self {
         let parents = (0..points.len()).map(|k| k.checked_sub(1)).collect();
         Self::new(parents, points)
-    }
-
-    /// Marks the roots, which no pass moves.
-    pub(super) fn roots(&self) -> Vec<bool> {
-        self.parents.iter().map(Option::is_none).collect()
     }
 
     pub(super) fn parent(&self, point: usize) -> Option<usize> {
@@ -88,10 +85,22 @@ impl Linkage {
         (is_chain && self.parents.len() > 1).then(|| &self.lengths[1..])
     }
 
+    /// One pass over all points but the roots.
+    pub(super) fn pass(&mut self, points: &mut [Vector3<f64>], pins: &[Pin]) {
+        let roots = std::mem::take(&mut self.roots);
+        self.pass_beyond(&roots, points, pins);
+        self.roots = roots;
+    }
+
     /// One pass forward from the pins to the points that are `fixed`, and one back (Aristidou & Lasenby 2011, "FABRIK: a
     /// fast, iterative solver for the inverse kinematics problem", algorithm 1; where several
     /// children meet, the centroid of what they ask, section 5). Roots are fixed.
-    pub(super) fn pass(&mut self, points: &mut [Vector3<f64>], pins: &[Pin], fixed: &[bool]) {
+    pub(super) fn pass_beyond(
+        &mut self,
+        fixed: &[bool],
+        points: &mut [Vector3<f64>],
+        pins: &[Pin],
+    ) {
         self.before.copy_from_slice(points);
         self.asked.fill((Vector3::zero(), 0.0));
         for pin in pins {
