@@ -2,11 +2,15 @@
 #![allow(clippy::expect_used)]
 
 mod arm_poses;
+mod baseline;
 mod drag;
 mod figure;
 mod sequence;
+mod stages;
 
 pub use arm_poses::{ArmPoses, chain, random_configuration, random_poses, smooth_path};
+pub use baseline::Baseline;
 pub use drag::{at_ease, drag_targets};
 pub use figure::{every_angle_free, figure, random_targets};
 pub use sequence::Sequence;
+pub use stages::{Run, Stage, stages};

@@ -2,7 +2,7 @@
 
 use super::fit::Fit;
 use super::goal::goals;
-use super::joint_points::JointPoints;
+use super::layout::joint_points;
 use super::linkage::{Linkage, Pin, Span, lay_straight};
 use super::search::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};
@@ -14,7 +14,8 @@ use crate::spatial::Vector3;
 /// Forward and backward reaching (Aristidou & Lasenby 2011) on the points where joints turn: the
 /// tails of a rig's bones, the centres of a robot's shoulder, elbow and wrist. After every pass the
 /// joints are set from the base out so that each bone points where its points went, clamped into
-/// their limits; that pose is what the next pass starts from, so limits hold throughout.
+/// their limits; where a limit keeps a bone from that, the points beyond it make another pass from
+/// where it really ends. The pose is what the next pass starts from, so limits hold throughout.
 ///
 /// Point and pose tasks, any number of them: where limbs meet, a point goes to the centroid of what
 /// they ask. A pose is held as three points of its frame. Turning joints only, and tasks must have a
@@ -65,7 +66,7 @@ impl Geometric for Fabrik {
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
         let goals = goals(problem, "FABRIK")?;
-        let joint_points = JointPoints::new(problem, &goals, "FABRIK")?;
+        let joint_points = joint_points(problem, &goals, "FABRIK")?;
         let mut passes = Passes {
             linkage: joint_points.linkage(),
             pins: joint_points.pins().to_vec(),
@@ -87,9 +88,18 @@ impl Sweep for Passes<'_> {
     fn begin(&mut self, _x: &[f64]) {}
 
     fn sweep(&mut self, x: &mut [f64]) {
-        self.fit.points_at(x, &mut self.points);
-        reach(&mut self.linkage, &mut self.points, &self.pins);
-        self.fit.follow(&self.points, x);
+        let Self {
+            linkage,
+            pins,
+            points,
+            fit,
+        } = self;
+        fit.points_at(x, points);
+        reach(linkage, points, pins);
+        // What a limit keeps one bone from, the bones beyond it make up for.
+        fit.follow(points, x, |points, fixed| {
+            linkage.pass_beyond(fixed, points, pins)
+        });
     }
 }
 

@@ -55,11 +55,29 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Moves the variables so that the points come near `wanted`.
-    pub(super) fn follow(&mut self, wanted: &[Vector3<f64>], x: &mut [f64]) {
+    /// Moves the variables so that the points come near `wanted`, from the base out. Points that no
+    /// further joint brings nearer are put where they really are, and where that is not where they
+    /// should be `replan` may change its mind about the others; it is told which are `fixed` now.
+    pub(super) fn follow(
+        &mut self,
+        wanted: &mut [Vector3<f64>],
+        x: &mut [f64],
+        mut replan: impl FnMut(&mut [Vector3<f64>], &[bool]),
+    ) {
+        let mut fixed: Vec<bool> = self.centres.iter().map(Option::is_none).collect();
         for index in 0..self.joint_points.groups.len() {
             let group = std::mem::take(&mut self.joint_points.groups[index]);
-            self.serve(&group, wanted, x);
+            let missed = self.serve(&group, wanted, x);
+            let later = &self.joint_points.groups[index + 1..];
+            for &point in &group.serves {
+                if !later.iter().any(|other| other.serves.contains(&point)) {
+                    wanted[point] = self.point(point);
+                    fixed[point] = true;
+                }
+            }
+            if missed > self.rounding {
+                replan(wanted, &fixed);
+            }
             self.joint_points.groups[index] = group;
         }
     }
@@ -109,8 +127,8 @@ impl<'a> Fit<'a> {
         x[variable] = knob.moved(x[variable], by);
     }
 
-    /// Brings the points of one group near `wanted`.
-    pub(super) fn serve(&mut self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) {
+    /// Brings the points of one group near `wanted` and returns by how much they miss.
+    pub(super) fn serve(&mut self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) -> f64 {
         self.problem.tree().forward(x, &mut self.state);
         let mut missed = self.missed(group, wanted);
         if missed > self.rounding && self.point_with_two(group, wanted, x) {
@@ -124,11 +142,13 @@ impl<'a> Fit<'a> {
             self.turn_each(group, wanted, x);
             self.problem.tree().forward(x, &mut self.state);
             let left = self.missed(group, wanted);
-            if left > 0.99 * missed {
+            let gained = left < 0.99 * missed;
+            missed = left;
+            if !gained {
                 break;
             }
-            missed = left;
         }
+        missed
     }
 
     fn point(&self, index: usize) -> Vector3<f64> {

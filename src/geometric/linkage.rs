@@ -46,6 +46,7 @@ pub(super) struct Linkage {
     parents: Vec<Option<usize>>,
     /// To the parent; 0 for roots.
     lengths: Vec<f64>,
+    roots: Vec<bool>,
     /// Where each point was before the pass.
     before: Vec<Vector3<f64>>,
     /// What the children of each point ask of it: the sum of the places, and how many.
@@ -60,6 +61,7 @@ impl Linkage {
         };
         Self {
             lengths: points.iter().zip(&parents).map(length).collect(),
+            roots: parents.iter().map(Option::is_none).collect(),
             before: points.to_vec(),
             asked: vec![(Vector3::zero(), 0.0); points.len()],
             parents,
@@ -83,16 +85,28 @@ impl Linkage {
         (is_chain && self.parents.len() > 1).then(|| &self.lengths[1..])
     }
 
-    /// One pass forward from the pins to the roots and one back (Aristidou & Lasenby 2011, "FABRIK: a
-    /// fast, iterative solver for the inverse kinematics problem", algorithm 1; where several
-    /// children meet, the centroid of what they ask, section 5).
+    /// One pass over all points but the roots.
     pub(super) fn pass(&mut self, points: &mut [Vector3<f64>], pins: &[Pin]) {
+        let roots = std::mem::take(&mut self.roots);
+        self.pass_beyond(&roots, points, pins);
+        self.roots = roots;
+    }
+
+    /// One pass forward from the pins to the points that are `fixed`, and one back (Aristidou & Lasenby 2011, "FABRIK: a
+    /// fast, iterative solver for the inverse kinematics problem", algorithm 1; where several
+    /// children meet, the centroid of what they ask, section 5). Roots are fixed.
+    pub(super) fn pass_beyond(
+        &mut self,
+        fixed: &[bool],
+        points: &mut [Vector3<f64>],
+        pins: &[Pin],
+    ) {
         self.before.copy_from_slice(points);
         self.asked.fill((Vector3::zero(), 0.0));
         for pin in pins {
             self.asked[pin.point] = (pin.target, f64::INFINITY);
         }
-        for k in (0..points.len()).rev() {
+        for k in (0..points.len()).rev().filter(|&k| !fixed[k]) {
             let (sum, count) = self.asked[k];
             if count > 0.0 {
                 // A pinned point is where it should be, whatever its children ask.
@@ -112,15 +126,12 @@ impl Linkage {
                 }
             }
         }
-        for k in 0..points.len() {
-            points[k] = match self.parents[k] {
-                Some(parent) => {
-                    let base = points[parent];
-                    let along = direction(points[k] - base, self.before[k] - self.before[parent]);
-                    along.mul_add(self.lengths[k], base)
-                }
-                None => self.before[k],
-            };
+        for k in (0..points.len()).filter(|&k| !fixed[k]) {
+            if let Some(parent) = self.parents[k] {
+                let base = points[parent];
+                let along = direction(points[k] - base, self.before[k] - self.before[parent]);
+                points[k] = along.mul_add(self.lengths[k], base);
+            }
         }
     }
 }

@@ -41,12 +41,15 @@
 //! ```
 
 mod ccd;
+mod descent;
 mod error;
 mod fabrik;
 mod fit;
 mod goal;
 mod joint_points;
+mod layout;
 mod linkage;
+mod report;
 mod search;
 mod triangle;
 mod turn;

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use super::GeometricError;
+use super::report::{Best, report};
 use crate::ik::{Restarts, Solution, check_start};
 use crate::problem::{Evaluation, Problem, Scratch};
 use crate::solver::{
-    Counts, Iteration, LeastSquares, Memory, Observer, Stopping, Termination, half_squared,
-    negligible_slope, project, projected_gradient_norm,
+    Counts, Iteration, LeastSquares, Observer, Stopping, Termination, half_squared, project,
 };
 
 /// Costs within this share of each other count as the same miss.
@@ -51,15 +51,7 @@ impl Limits {
     }
 }
 
-/// The best place that the attempts have found.
-#[derive(Default)]
-struct Best {
-    x: Vec<f64>,
-    residual: Vec<f64>,
-    cost: f64,
-    reached: bool,
-}
-
+/// All attempts at one problem.
 struct Search<'a> {
     problem: &'a Problem,
     scratch: Scratch,
@@ -90,7 +82,17 @@ pub(super) fn solve(
         iterations: 0,
     };
     let (best, termination, attempts) = search.attempts(&from, method, observer);
-    Ok(search.report(&best, termination, attempts))
+    let mut solution = report(
+        problem,
+        &mut search.scratch,
+        limits.stopping,
+        &best,
+        termination,
+    );
+    solution.iterations = search.iterations;
+    solution.attempts = attempts;
+    solution.counts = search.counts;
+    Ok(solution)
 }
 
 impl Search<'_> {
@@ -237,40 +239,6 @@ impl Search<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
         Evaluation::new(self.problem, &mut self.scratch).residual(x, residual);
         self.counts.residuals += 1;
-    }
-
-    /// The truth about the best place: its errors, the slope of the cost there, the limits that
-    /// block it. A search that stopped where nothing is left to gain ends as stationary.
-    fn report(&mut self, best: &Best, termination: Termination, attempts: usize) -> Solution {
-        let problem = self.problem;
-        let mut solution = Solution::default();
-        solution.termination = termination;
-        solution.cost = best.cost;
-        solution.iterations = self.iterations;
-        solution.attempts = attempts;
-        solution.counts = self.counts;
-        let mut memory = Memory::default();
-        let (mut gradient, mut negligible): (&[f64], f64) = (&[], 0.0);
-        if !best.reached && best.cost.is_finite() {
-            let mut evaluation = Evaluation::new(problem, &mut self.scratch);
-            memory.take_shape(problem.rows(), problem.variables());
-            let (slope, column_norm) = memory.slope_at(&mut evaluation, &best.x, &best.residual);
-            let (lower, upper) = (problem.lower(), problem.upper());
-            let left = |curvature| projected_gradient_norm(&best.x, slope, curvature, lower, upper);
-            solution.projected_gradient = Some(left(1.0));
-            // The solvers' own test: the cosine between r and what a free variable can do about it.
-            let scale = column_norm;
-            let length = (2.0 * best.cost).sqrt();
-            let cosine = left(scale * scale) * scale / length;
-            let flat = cosine <= self.limits.stopping.gradient_tolerance() || column_norm == 0.0;
-            if flat && termination == Termination::SmallStep {
-                solution.termination = Termination::Stationary;
-            }
-            negligible = negligible_slope(column_norm, best.cost, &self.limits.stopping);
-            gradient = slope;
-        }
-        solution.measure(problem, &best.x, &best.residual, gradient, negligible);
-        solution
     }
 }
 

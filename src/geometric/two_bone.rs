@@ -2,7 +2,8 @@
 
 use super::fit::Fit;
 use super::goal::goals;
-use super::joint_points::{Group, JointPoints};
+use super::joint_points::Group;
+use super::layout::joint_points;
 use super::search::{self, Limits, Sweep};
 use super::triangle::triangle;
 use super::{Geometric, GeometricError};
@@ -64,7 +65,7 @@ impl Geometric for TwoBone {
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
         let goals = goals(problem, NAME)?;
-        let points = JointPoints::new(problem, &goals, NAME)?;
+        let points = joint_points(problem, &goals, NAME)?;
         let linkage = points.linkage();
         let (Some(&[upper, lower]), &[pin]) = (linkage.as_chain(), points.pins()) else {
             return Err(GeometricError::NotTwoBones {
@@ -114,8 +115,9 @@ struct Limb<'a> {
     fit: Fit<'a>,
 }
 
-impl Sweep for Limb<'_> {
-    fn begin(&mut self, x: &[f64]) {
+impl Limb<'_> {
+    /// The triangle for the target, from wherever the joints are.
+    fn place_points(&mut self, x: &[f64]) {
         self.fit.points_at(x, &mut self.wanted);
         let towards = match self.elbow {
             Elbow::Towards(pole) => pole - self.wanted[ROOT],
@@ -125,6 +127,12 @@ impl Sweep for Limb<'_> {
         self.wanted[MID] = solved.mid;
         self.wanted[TIP] = solved.tip;
     }
+}
+
+impl Sweep for Limb<'_> {
+    fn begin(&mut self, x: &[f64]) {
+        self.place_points(x);
+    }
 
     fn start_counts(&self) -> bool {
         false
@@ -132,7 +140,10 @@ impl Sweep for Limb<'_> {
 
     fn sweep(&mut self, x: &mut [f64]) {
         let positive = match self.elbow {
-            Elbow::Towards(_) => return self.fit.follow(&self.wanted, x),
+            Elbow::Towards(_) => {
+                self.place_points(x);
+                return self.fit.follow(&mut self.wanted, x, |_, _| ());
+            }
             Elbow::Positive => true,
             Elbow::Negative => false,
         };

@@ -1,0 +1,23 @@
+//! Every stage of the library on its own: forward kinematics, derivatives, iterations, the lane
+//! engine, the geometric methods, sampling and skinning. The `instructions` program counts the same
+//! stages under callgrind.
+#![allow(missing_docs, clippy::expect_used)]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use kinopt_benches::stages;
+
+fn all(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("stages");
+    for stage in stages() {
+        group.throughput(Throughput::Elements(stage.elements));
+        // The input is made only for stages that the filter lets through.
+        group.bench_function(stage.name, |bencher| {
+            let mut run = stage.build().expect("its input can be made");
+            bencher.iter(&mut run);
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, all);
+criterion_main!(benches);

@@ -1,0 +1,94 @@
+//! Forward kinematics of whole figures, and derivatives of five tips.
+
+use std::error::Error;
+use std::hint::black_box;
+
+use kinopt::Problem;
+use kinopt::problem::{Derivatives, Evaluation};
+use kinopt::skeleton::Posing;
+use kinopt::solver::LeastSquares;
+use kinopt::task::Point;
+use nalgebra::DMatrix;
+
+use super::{Run, Stage, single};
+use crate::{Sequence, every_angle_free, figure};
+
+pub(super) fn stages() -> Vec<Stage> {
+    vec![
+        single("forward kinematics, 22 bones", || forward(2, 4)),
+        single("forward kinematics, 60 bones", || forward(10, 10)),
+        single("Jacobian, analytic, 22 bones", || {
+            jacobian(Derivatives::Analytic)
+        }),
+        single("Jacobian, dual numbers, 22 bones", || {
+            jacobian(Derivatives::Dual)
+        }),
+        single("Jacobian, forward differences, 22 bones", || {
+            jacobian(Derivatives::ForwardDifference)
+        }),
+        single("Jacobian, central differences, 22 bones", || {
+            jacobian(Derivatives::CentralDifference)
+        }),
+        single("gradient, reverse mode, 22 bones", gradient),
+    ]
+}
+
+/// Two places in turn, so that no forward pass is ever reused.
+fn places(count: usize) -> [Vec<f64>; 2] {
+    let mut random = Sequence::new(0.5);
+    let x: Vec<f64> = (0..count).map(|_| random.unit() - 0.5).collect();
+    let y = x.iter().map(|v| v + 1e-3).collect();
+    [x, y]
+}
+
+fn forward(spine: usize, per_limb: usize) -> Result<Run, Box<dyn Error>> {
+    let (skeleton, _) = figure(spine, per_limb);
+    let mut posing = Posing::new(&skeleton);
+    let places = places(skeleton.angles());
+    let mut turn = 0;
+    Ok(Box::new(move || {
+        turn ^= 1;
+        black_box(posing.pose(&places[turn]));
+    }))
+}
+
+/// Five tips of 22 bones, every angle a variable.
+fn five_tips() -> Result<Problem, Box<dyn Error>> {
+    let (skeleton, tips) = figure(2, 4);
+    let skeleton = every_angle_free(&skeleton);
+    let mut builder = Problem::builder(skeleton.model());
+    for tip in tips {
+        builder.add(Point::new(skeleton.tip(tip), [0.1, 0.2, 0.3]));
+    }
+    Ok(builder.build()?)
+}
+
+fn jacobian(route: Derivatives) -> Result<Run, Box<dyn Error>> {
+    let mut problem = five_tips()?;
+    problem.set_derivatives(route);
+    let places = places(problem.variables());
+    let mut scratch = problem.scratch();
+    let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());
+    let mut turn = 0;
+    Ok(Box::new(move || {
+        turn ^= 1;
+        Evaluation::new(&problem, &mut scratch).jacobian(&places[turn], &mut jacobian);
+        black_box(&jacobian);
+    }))
+}
+
+fn gradient() -> Result<Run, Box<dyn Error>> {
+    let problem = five_tips()?;
+    let places = places(problem.variables());
+    let mut scratch = problem.scratch();
+    let (m, n) = (problem.rows(), problem.variables());
+    let (residual, mut gradient) = (vec![0.1; m], vec![0.0; n]);
+    let mut jacobian = DMatrix::zeros(m, n);
+    let mut turn = 0;
+    Ok(Box::new(move || {
+        turn ^= 1;
+        let mut evaluation = Evaluation::new(&problem, &mut scratch);
+        evaluation.gradient(&places[turn], &residual, &mut gradient, &mut jacobian);
+        black_box(&gradient);
+    }))
+}

@@ -1,0 +1,74 @@
+//! Iterations of each method on a figure of 22 bones with five tips. One run is one search of a few
+//! iterations towards tips of a random pose, from rest; what is counted is the iteration, with its
+//! evaluations.
+
+use std::error::Error;
+use std::hint::black_box;
+
+use kinopt::Problem;
+use kinopt::problem::Evaluation;
+use kinopt::solver::{
+    Damping, FirstStep, GaussNewton, LevenbergMarquardt, Memory, Method, ProjectedGradient, Silent,
+    Stopping, minimise,
+};
+use kinopt::task::Point;
+
+use super::{Run, Stage};
+use crate::{Sequence, at_ease, figure, random_targets};
+
+const ITERATIONS: usize = 5;
+
+pub(super) fn stages() -> Vec<Stage> {
+    let stage = |name, build| Stage {
+        name,
+        elements: ITERATIONS as u64,
+        unit: "iteration",
+        build,
+    };
+    vec![
+        stage("iteration, Levenberg-Marquardt", || {
+            search(LevenbergMarquardt::new(Damping::GainRatio))
+        }),
+        stage("iteration, Levenberg-Marquardt by error", || {
+            search(LevenbergMarquardt::new(Damping::ErrorProportional))
+        }),
+        stage("iteration, Gauss-Newton", || search(GaussNewton::default())),
+        stage("iteration, projected gradient", || {
+            search(ProjectedGradient::new(FirstStep::BarzilaiBorwein))
+        }),
+    ]
+}
+
+fn search(method: impl Method + 'static) -> Result<Run, Box<dyn Error>> {
+    let (skeleton, tips) = figure(2, 4);
+    let targets = random_targets(&skeleton, &tips, 1, &mut Sequence::new(0.5));
+    let mut builder = Problem::builder(skeleton.model());
+    for (&tip, &target) in tips.iter().zip(targets.iter().flatten()) {
+        builder.add(Point::new(skeleton.tip(tip), target));
+    }
+    let problem = builder.build()?;
+    let start = at_ease(&skeleton);
+    let mut x = vec![0.0; problem.variables()];
+    problem.parameters().reduce(&start, &mut x);
+    let stopping = Stopping::default().with_max_iterations(ITERATIONS);
+    let mut scratch = problem.scratch();
+    let mut memory = Memory::default();
+    let mut run = move || {
+        let mut evaluation = Evaluation::new(&problem, &mut scratch);
+        let outcome = minimise(
+            &mut evaluation,
+            &method,
+            &x,
+            &stopping,
+            &mut Silent,
+            &mut memory,
+        );
+        black_box(outcome.iterations)
+    };
+    if run() != ITERATIONS {
+        return Err("the search ends before its iterations are made".into());
+    }
+    Ok(Box::new(move || {
+        run();
+    }))
+}
