@@ -53,8 +53,8 @@ fn heading(results: &Results) -> String {
     if !provenance.tool.is_empty() {
         let _ = write!(
             text,
-            "{} on {} ({} threads), {}.\n\n",
-            provenance.tool, machine.cpu, machine.cores, provenance.date
+            "{} on {} ({} threads), {}. Times are {}.\n\n",
+            provenance.tool, machine.cpu, machine.cores, provenance.date, setting.clock
         );
     }
     if !provenance.command.is_empty() {
