@@ -127,7 +127,10 @@ fn accuracies(results: &Results) -> String {
         }
         text.push('\n');
     }
-    text.push_str("\n\\* known at its end only.\n\n");
+    if choice::best_routes(results).iter().any(|run| !run.traced) {
+        text.push_str("\n\\* known at its end only.\n");
+    }
+    text.push('\n');
     text
 }
 
