@@ -198,6 +198,30 @@ fn an_interrupt_keeps_what_is_done() {
     }
 }
 
+/// Models that this project has never seen carry no licence, so they are not shipped: set
+/// `KINOPT_SHARED` to the folder that has them under `robots/` and `rigs/`.
+#[test]
+#[allow(clippy::print_stderr)] // To say that nothing was tested.
+fn models_of_others() {
+    let Some(shared) = std::env::var_os("KINOPT_SHARED") else {
+        eprintln!("SKIPPED: KINOPT_SHARED is not set, so no models of others were read");
+        return;
+    };
+    let shared = std::path::Path::new(&shared);
+    for model in ["robots/ur5.urdf", "rigs/ikea-lamp.json"] {
+        let folder = Folder::new(&format!("bench-others-{}", model.len()));
+        let file = shared.join(model).display().to_string();
+        let out = folder.file("out");
+        let mut arguments = vec!["bench", &file, "--out", &out, "--json", "--bones", "0"];
+        arguments.extend(["--problems", "random:3", "--time-limit", "60000"]);
+        arguments.extend(["--solver", "kinopt default", "--solver", "lane engine"]);
+        let document = json(&arguments);
+        for run in document["runs"].as_array().unwrap() {
+            assert_eq!(run["solved"], 3, "{model}: {run}");
+        }
+    }
+}
+
 #[test]
 fn wrong_usage_is_named() {
     let folder = Folder::new("bench-usage");

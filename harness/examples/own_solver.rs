@@ -8,9 +8,8 @@ use std::ops::ControlFlow;
 use kinopt::problem::Evaluation;
 use kinopt::robot::Robot;
 use kinopt::solver::LeastSquares;
-use kinopt_harness::{
-    Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace, contenders, report,
-};
+use kinopt_harness::contenders::{LbfgsAdapter, SolverAdapter};
+use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace, report};
 
 /// Turns one joint after the other a little either way, and keeps what helps.
 struct CoordinateSearch;
@@ -58,11 +57,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let robot = Robot::read(path)?;
     let flange = robot.model().frame("flange")?;
     let set = ProblemSet::builder(&robot).point(flange).build()?;
-    let set = set.with_random_cases(20, 1, None)?;
+    let set = set.with_random_cases(10, 1, None)?;
 
     let mut bench = Bench::new(&set, Budget::default());
     bench.add(CoordinateSearch);
-    bench.extend(contenders::all());
+    bench.add(SolverAdapter::default());
+    bench.add(LbfgsAdapter);
     let results = bench.run(&mut |_| ControlFlow::Continue(()))?;
 
     println!("{}", report::markdown(&results));

@@ -4,11 +4,12 @@ use std::time::Duration;
 
 /// The same for every solver.
 ///
-/// Answers do not depend on the machine as long as the clock ends nothing: give a long time limit
-/// where runs must repeat exactly. [`Record::late`](crate::Record::late) tells where it was reached.
+/// Answers do not depend on the machine as long as the clock ends no search: give a long time limit
+/// where runs must repeat exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// The wall-clock limit of one problem. An answer that takes a tenth longer does not count as solved.
+    /// The limit of one problem. Solvers look at the wall clock; an answer that took a tenth longer
+    /// by the clock that times them does not count as solved.
     pub time_limit: Duration,
     /// How many starts each solver may try: the case's own and, where that misses, random ones,
     /// the same for all. Solvers with restarts of their own use those.

@@ -75,6 +75,8 @@ pub struct Setting {
     pub tolerance: f64,
     /// The wall-clock limit of one problem, in seconds.
     pub time_limit: f64,
+    /// What times are measured by.
+    pub clock: String,
     /// Attempts of each solver without restarts of its own.
     pub attempts: usize,
     /// Shares of the size, and radians: when each was reached is in the records, in this order.

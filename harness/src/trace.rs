@@ -2,7 +2,9 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use crate::clock;
 
 /// A trace stops growing here: 100 000 steps of 60 variables are 50 MB.
 const MOST_MARKS: usize = 100_000;
@@ -22,7 +24,8 @@ pub struct Trace(Option<Rc<RefCell<Recording>>>);
 #[derive(Debug)]
 struct Recording {
     worked: Duration,
-    resumed: Instant,
+    /// By [`clock::now`].
+    resumed: Duration,
     marks: Vec<Mark>,
     /// Marks before this one are configurations already.
     translated: usize,
@@ -39,7 +42,7 @@ impl Trace {
     pub(crate) fn on() -> Self {
         Self(Some(Rc::new(RefCell::new(Recording {
             worked: Duration::ZERO,
-            resumed: Instant::now(),
+            resumed: clock::now(),
             marks: Vec::new(),
             translated: 0,
         }))))
@@ -87,15 +90,15 @@ impl Trace {
     }
 
     fn paused(&self, work: impl FnOnce(&mut Recording)) {
-        let now = Instant::now();
         let Some(shared) = &self.0 else { return };
+        let now = clock::now();
         // Taken only if an adapter marks from within its own translation: that mark is dropped.
         let Ok(mut recording) = shared.try_borrow_mut() else {
             return;
         };
         let resumed = recording.resumed;
-        recording.worked += now.saturating_duration_since(resumed);
+        recording.worked += now.saturating_sub(resumed);
         work(&mut recording);
-        recording.resumed = Instant::now();
+        recording.resumed = clock::now();
     }
 }

@@ -4,7 +4,10 @@
 
 mod two_links;
 
-use kinopt_harness::{Adapter, Answer, Case, Question, Trace};
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use kinopt_harness::{Adapter, Answer, Bench, Budget, Case, Question, Trace};
 use two_links::{points, run, two_links};
 
 /// Answers what it is told to, and says that it has reached.
@@ -69,6 +72,40 @@ fn the_modest_have_solved() {
             .all(|record| record.solved && !record.claimed)
     );
     assert!(records.iter().all(|record| record.cost.unwrap() < 1e-24));
+}
+
+#[test]
+fn too_late_does_not_count() {
+    struct Dawdles;
+    impl Adapter for Dawdles {
+        fn name(&self) -> &str {
+            "dawdles"
+        }
+
+        fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+            let begun = std::time::Instant::now();
+            let mut q = closed_form(question);
+            // Works on, far beyond the limit on any clock.
+            while begun.elapsed() < Duration::from_millis(400) {
+                q = closed_form(question);
+            }
+            Answer::at(q)
+        }
+    }
+    let set = points(1);
+    let budget = Budget {
+        time_limit: Duration::from_micros(10),
+        attempts: 1,
+    };
+    let mut bench = Bench::new(&set, budget);
+    bench.add(Dawdles);
+    let results = bench.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    let record = &results.runs[0].records[0];
+    assert!(record.solved && record.late && !record.counts());
+    assert_eq!(
+        (results.runs[0].solved(), record.solved_micros()),
+        (0, None)
+    );
 }
 
 #[test]

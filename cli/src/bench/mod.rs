@@ -48,6 +48,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         results.jacobian_cost = jacobian_cost::measure(arguments.bones, &mut go_on)?;
     }
     results.provenance = provenance::provenance();
+    if let (Some(_), Some(stem)) = (&loaded.rig, arguments.model.file_stem()) {
+        // A rig's own name is the way to its file.
+        results.model.name = stem.to_string_lossy().into_owned();
+    }
     report::write(&results, &arguments.out)?;
     if interrupt.came() {
         let (done, all) = (results.problems, results.setting.problems);

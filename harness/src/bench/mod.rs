@@ -7,6 +7,7 @@ use std::ops::ControlFlow;
 use kinopt::problem::Derivatives;
 
 use self::asked::{Asked, Judged};
+use crate::clock;
 use crate::problem_set::Stated;
 use crate::results::route_name;
 use crate::{
@@ -143,6 +144,7 @@ impl<'s> Bench<'s> {
                 seed: set.seed(),
                 tolerance: set.tolerance(),
                 time_limit: self.budget.time_limit.as_secs_f64(),
+                clock: clock::NAME.to_owned(),
                 attempts: self.budget.attempts,
                 accuracies: accuracies(set.tolerance()),
                 chosen: self.chosen,

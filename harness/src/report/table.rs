@@ -53,8 +53,8 @@ fn heading(results: &Results) -> String {
     if !provenance.tool.is_empty() {
         let _ = write!(
             text,
-            "{} on {} ({} threads), {}.\n\n",
-            provenance.tool, machine.cpu, machine.cores, provenance.date
+            "{} on {} ({} threads), {}. Times are {}.\n\n",
+            provenance.tool, machine.cpu, machine.cores, provenance.date, setting.clock
         );
     }
     if !provenance.command.is_empty() {
@@ -127,7 +127,10 @@ fn accuracies(results: &Results) -> String {
         }
         text.push('\n');
     }
-    text.push_str("\n\\* known at its end only.\n\n");
+    if choice::best_routes(results).iter().any(|run| !run.traced) {
+        text.push_str("\n\\* known at its end only.\n");
+    }
+    text.push('\n');
     text
 }
 
