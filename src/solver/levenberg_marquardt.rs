@@ -1,6 +1,14 @@
 //! Levenberg-Marquardt: (JᵀJ + λI) Δ = −Jᵀr over the free variables.
+//!
+//! Where that is slow, which is where large residuals stay, the true second derivative of the cost
+//! takes the place of JᵀJ (see `curvature`).
 
 use super::{LeastSquares, Memory, Method, Step};
+
+/// A step that leaves more than this share of the cost is slow.
+const SLOW: f64 = 0.95;
+/// After so many slow steps in a row the true second derivative is worth its price.
+const SLOW_STEPS: usize = 10;
 
 /// How λ follows the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,9 +80,17 @@ impl Method for LevenbergMarquardt {
     }
 
     fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
-        memory.solve_damped();
-        memory.project_step(problem);
-        let promised = memory.cost - memory.model_cost();
+        let curved = self.damping == Damping::GainRatio && memory.slow_steps >= SLOW_STEPS;
+        let promised = if curved {
+            memory.solve_curved(problem);
+            memory.project_step(problem);
+            let (slope, free) = (&memory.gradient, &memory.free);
+            memory.curvature.promised(slope, free, &memory.step)
+        } else {
+            memory.solve_damped();
+            memory.project_step(problem);
+            memory.cost - memory.model_cost()
+        };
         let trial_cost = memory.evaluate_projected_trial(problem);
         let won = memory.cost - trial_cost;
         let accepted = won > 0.0;
@@ -99,6 +115,8 @@ impl Method for LevenbergMarquardt {
             }
         }
         if accepted {
+            let slow = trial_cost > SLOW * memory.cost;
+            memory.slow_steps = if slow { memory.slow_steps + 1 } else { 0 };
             memory.accept_trial(trial_cost);
             Step::Taken
         } else {
@@ -121,6 +139,25 @@ impl Memory {
         step.fill(0.0);
         normal.factorise(jacobian, free, self.damping);
         normal.solve(jacobian, free, residual, step);
+    }
+
+    /// As [`solve_damped`](Self::solve_damped), with the true second derivative for JᵀJ, and with
+    /// λ raised as far as that needs to be positive definite. The Jacobian may be overwritten.
+    fn solve_curved(&mut self, problem: &mut dyn LeastSquares) {
+        let Self {
+            curvature,
+            x,
+            gradient,
+            free,
+            jacobian,
+            step,
+            ..
+        } = self;
+        let taken = curvature.differentiate(problem, x, free, jacobian);
+        self.counts.residuals += taken;
+        self.counts.gradients += taken;
+        step.fill(0.0);
+        self.damping = curvature.solve(gradient, free, self.damping, step);
     }
 
     /// Puts the projected x + Δ into `trial` and what is left of Δ into `step`.

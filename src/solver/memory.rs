@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 
 use super::LeastSquares;
 use super::active_set::{list_free, project, projected_gradient_norm};
+use super::curvature::Curvature;
 use super::linear::{CompleteOrthogonal, DampedNormal, add_scaled, dot};
 
 /// How many past costs a search may remember.
@@ -56,6 +57,8 @@ pub struct Memory {
     pub(super) direction: Vec<f64>,
     /// How many steps in a row have hardly changed the cost.
     pub(super) flat_steps: usize,
+    /// How many steps in a row have lowered the cost by little.
+    pub(super) slow_steps: usize,
     pub(super) previous_x: Vec<f64>,
     pub(super) previous_gradient: Vec<f64>,
     /// Costs of the last steps, newest last, for searches that may climb for a while.
@@ -64,6 +67,7 @@ pub struct Memory {
     pub(super) best_cost: f64,
     pub(super) normal: DampedNormal,
     pub(super) orthogonal: CompleteOrthogonal,
+    pub(super) curvature: Curvature,
     pub(super) counts: Counts,
 }
 
@@ -85,6 +89,7 @@ impl Default for Memory {
             damping_per_cost: 0.0,
             direction: Vec::new(),
             flat_steps: 0,
+            slow_steps: 0,
             previous_x: Vec::new(),
             previous_gradient: Vec::new(),
             recent_costs: Vec::new(),
@@ -92,6 +97,7 @@ impl Default for Memory {
             best_cost: f64::INFINITY,
             normal: DampedNormal::default(),
             orthogonal: CompleteOrthogonal::default(),
+            curvature: Curvature::default(),
             counts: Counts::default(),
         }
     }
@@ -164,11 +170,13 @@ impl Memory {
         self.recent_costs.reserve(MOST_RECENT_COSTS);
         self.normal.reserve(m, n);
         self.orthogonal.reserve(m, n);
+        self.curvature.reserve(m, n);
         self.counts = Counts::default();
         self.damping = 0.0;
         self.damping_growth = 0.0;
         self.damping_per_cost = 0.0;
         self.flat_steps = 0;
+        self.slow_steps = 0;
 
         for (own, &given) in self.x.iter_mut().zip(start) {
             *own = if given.is_finite() { given } else { 0.0 };
@@ -190,6 +198,7 @@ impl Memory {
         problem.jacobian(&self.x, &mut self.jacobian);
         self.counts.jacobians += 1;
         self.normal.forget();
+        self.curvature.forget();
         let residual = std::mem::take(&mut self.residual);
         self.take_slope(&residual);
         self.residual = residual;

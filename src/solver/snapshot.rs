@@ -14,6 +14,7 @@ pub(crate) struct Snapshot {
     damping_growth: f64,
     damping_per_cost: f64,
     flat_steps: usize,
+    slow_steps: usize,
     previous_x: Vec<f64>,
     previous_gradient: Vec<f64>,
     recent_costs: Vec<f64>,
@@ -33,6 +34,7 @@ impl Memory {
             damping_growth: self.damping_growth,
             damping_per_cost: self.damping_per_cost,
             flat_steps: self.flat_steps,
+            slow_steps: self.slow_steps,
             previous_x: self.previous_x.clone(),
             previous_gradient: self.previous_gradient.clone(),
             recent_costs: self.recent_costs.clone(),
@@ -82,6 +84,7 @@ impl Memory {
         self.damping_growth = snapshot.damping_growth;
         self.damping_per_cost = snapshot.damping_per_cost;
         self.flat_steps = snapshot.flat_steps;
+        self.slow_steps = snapshot.slow_steps;
         self.previous_x.copy_from_slice(previous_x);
         self.previous_gradient.copy_from_slice(previous_gradient);
         self.recent_costs.extend_from_slice(&snapshot.recent_costs);
