@@ -1,0 +1,414 @@
+//! Promise: on the bounded least-squares problems of `notebooks-ref/2-minima.ipynb`, the default
+//! solver ends no higher than the best of CasADi with IPOPT, NLopt and SciPy; where it ends in
+//! another minimum, that is stationary within the bounds, and named here.
+#![cfg(feature = "urdf")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use kinopt::ik::Solution;
+use kinopt::io::rig::Rig;
+use kinopt::model::ParameterMap;
+use kinopt::problem::{Evaluation, Problem, ProblemBuilder};
+use kinopt::robot::Robot;
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::{
+    Distance, LimitCentring, LookAt, Orientation, Plane, Point, Pose, Posture, Quantity, Ray,
+    Residual, Task,
+};
+use kinopt::{Model, Solver};
+use nalgebra::DMatrix;
+use serde::Deserialize;
+
+/// Relative to the reference's cost.
+const NO_WORSE: f64 = 1e-9;
+/// What tolerances of 1e-9 m leave of a cost of zero, in m².
+const NOTHING: f64 = 1e-16;
+const TOLERANCE: f64 = 1e-9;
+/// The cosine between the residual and what any free variable can do about it.
+const STATIONARY: f64 = 1e-6;
+/// The problems are many: they are solved side by side.
+const THREADS: usize = 4;
+/// The problems that end in another minimum than the best known, which is stationary.
+const IN_ANOTHER_MINIMUM: [&str; 19] = [
+    "five tips with posture, humanoid 16",
+    "five tips with posture, humanoid 3",
+    "look, distance, plane, humanoid 18",
+    "look, distance, plane, humanoid 4",
+    "orientation with centring, iiwa14 7",
+    "orientation with centring, ur5e 3",
+    "orientation with centring, ur5e 5",
+    "orientation with centring, ur5e 7",
+    "orientation with centring, ur5e 8",
+    "pose out of reach, iiwa14 6",
+    "pose out of reach, panda 3",
+    "two arms, baxter 10",
+    "two arms, baxter 12",
+    "two arms, baxter 3",
+    "two arms, baxter 5",
+    "two arms, baxter 6",
+    "two arms, baxter 9",
+    "viewing ray, humanoid 5",
+    "viewing ray, robot-arm 22",
+];
+
+#[derive(Deserialize)]
+struct Reference {
+    models: BTreeMap<String, ReferenceModel>,
+    problems: Vec<Statement>,
+}
+
+#[derive(Deserialize)]
+struct ReferenceModel {
+    file: String,
+    variables: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Statement {
+    name: String,
+    kind: String,
+    model: String,
+    tasks: Vec<Asked>,
+    start: Vec<f64>,
+    answers: BTreeMap<String, Answer>,
+    minima: Vec<Minimum>,
+    best: usize,
+}
+
+#[derive(Deserialize)]
+struct Answer {
+    x: Vec<f64>,
+    cost: f64,
+    kkt: f64,
+}
+
+#[derive(Deserialize)]
+struct Minimum {
+    cost: f64,
+}
+
+#[derive(Deserialize)]
+struct Weights {
+    metres: Option<f64>,
+    radians: Option<f64>,
+    #[serde(rename = "joint units")]
+    joint_units: Option<f64>,
+    ratio: Option<f64>,
+}
+
+/// One task as the fixture states it; rotations by rows.
+#[derive(Deserialize)]
+struct Asked {
+    weights: Weights,
+    #[serde(flatten)]
+    residual: AskedResidual,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "task", rename_all = "kebab-case")]
+enum AskedResidual {
+    Point {
+        frame: String,
+        target: [f64; 3],
+    },
+    Ray {
+        frame: String,
+        eye: [f64; 3],
+        through: [f64; 3],
+    },
+    Plane {
+        frame: String,
+        point: [f64; 3],
+        normal: [f64; 3],
+    },
+    Distance {
+        frame: String,
+        other: String,
+        distance: f64,
+    },
+    Orientation {
+        frame: String,
+        rotation: [f64; 9],
+    },
+    Pose {
+        frame: String,
+        target: [f64; 3],
+        rotation: [f64; 9],
+    },
+    LookAt {
+        frame: String,
+        axis: [f64; 3],
+        target: [f64; 3],
+    },
+    Posture {
+        reference: Vec<f64>,
+    },
+    Centring,
+}
+
+/// A model with the variables that the reference's x stands for.
+struct Loaded {
+    model: Model,
+    map: ParameterMap,
+}
+
+fn load(reference: &ReferenceModel) -> Loaded {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(&reference.file);
+    let (model, map) = if reference.file.ends_with(".json") {
+        let model = Rig::read(path).unwrap().skeleton.model().clone();
+        let map = ParameterMap::free(&model);
+        (model, map)
+    } else {
+        let robot = Robot::read(path).unwrap();
+        (robot.model().clone(), robot.map().clone())
+    };
+    let names: Vec<&str> = map
+        .leaders()
+        .iter()
+        .map(|&c| {
+            model.joints()[model.moving_joints()[c].index()]
+                .name
+                .as_str()
+        })
+        .collect();
+    assert_eq!(names, reference.variables, "{}", reference.file);
+    Loaded { model, map }
+}
+
+fn rotation(rows: &[f64; 9]) -> Matrix3<f64> {
+    let column = |k: usize| Vector3::new(rows[k], rows[3 + k], rows[6 + k]);
+    Matrix3::from_columns(column(0), column(1), column(2))
+}
+
+fn weighted<R: Residual>(residual: R, weights: &Weights) -> Task<R> {
+    let stated = [
+        (Quantity::Metres, weights.metres),
+        (Quantity::Radians, weights.radians),
+        (Quantity::JointUnits, weights.joint_units),
+        (Quantity::Ratio, weights.ratio),
+    ];
+    let stated = stated.into_iter().filter_map(|(q, w)| Some((q, w?)));
+    stated.fold(Task::new(residual), |task, (quantity, weight)| {
+        task.weight(quantity, weight)
+    })
+}
+
+fn add(builder: &mut ProblemBuilder<'_>, asked: &Asked, loaded: &Loaded) {
+    let Loaded { model, map } = loaded;
+    let frame = |name: &str| model.frame(name).unwrap();
+    let weights = &asked.weights;
+    match &asked.residual {
+        AskedResidual::Point { frame: at, target } => {
+            builder.add(weighted(Point::new(frame(at), *target), weights));
+        }
+        AskedResidual::Ray {
+            frame: at,
+            eye,
+            through,
+        } => {
+            builder.add(weighted(Ray::new(frame(at), *eye, *through), weights));
+        }
+        AskedResidual::Plane {
+            frame: at,
+            point,
+            normal,
+        } => {
+            builder.add(weighted(Plane::new(frame(at), *point, *normal), weights));
+        }
+        AskedResidual::Distance {
+            frame: at,
+            other,
+            distance,
+        } => {
+            let residual = Distance::new(frame(at), frame(other), *distance);
+            builder.add(weighted(residual, weights));
+        }
+        AskedResidual::Orientation {
+            frame: at,
+            rotation: rows,
+        } => {
+            builder.add(weighted(
+                Orientation::new(frame(at), rotation(rows)),
+                weights,
+            ));
+        }
+        AskedResidual::Pose {
+            frame: at,
+            target,
+            rotation: rows,
+        } => {
+            let placement = Placement::new(rotation(rows), (*target).into());
+            builder.add(weighted(Pose::new(frame(at), placement), weights));
+        }
+        AskedResidual::LookAt {
+            frame: at,
+            axis,
+            target,
+        } => {
+            builder.add(weighted(LookAt::new(frame(at), *axis, *target), weights));
+        }
+        AskedResidual::Posture { reference } => {
+            let joints = map.leaders().iter().map(|&c| model.moving_joints()[c]);
+            let values = joints.zip(reference.iter().copied());
+            builder.add(weighted(Posture::of_joints(values), weights));
+        }
+        AskedResidual::Centring => {
+            builder.add(weighted(LimitCentring::new(model), weights));
+        }
+    }
+}
+
+fn problem(statement: &Statement, loaded: &Loaded) -> Problem {
+    let mut builder = Problem::builder(&loaded.model);
+    builder.parameters(loaded.map.clone());
+    for asked in &statement.tasks {
+        add(&mut builder, asked, loaded);
+    }
+    builder.tolerance(Quantity::Metres, TOLERANCE);
+    builder.tolerance(Quantity::Radians, TOLERANCE);
+    builder.build().unwrap()
+}
+
+/// Cost, KKT residual and the cosine that our solvers judge by, measured afresh.
+struct Measured {
+    cost: f64,
+    kkt: f64,
+    cosine: f64,
+}
+
+fn measure(problem: &Problem, x: &[f64]) -> Measured {
+    let mut scratch = problem.scratch();
+    let mut evaluation = Evaluation::new(problem, &mut scratch);
+    let mut r = vec![0.0; problem.rows()];
+    let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());
+    evaluation.residual(x, &mut r);
+    evaluation.jacobian(x, &mut jacobian);
+    let norm = r.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let gradient = jacobian.transpose() * nalgebra::DVector::from_column_slice(&r);
+    let bounds = problem.lower().iter().zip(problem.upper());
+    let moves = x.iter().zip(gradient.iter()).zip(bounds);
+    let kkt = moves
+        .map(|((x, g), (lower, upper))| ((x - g).clamp(*lower, *upper) - x).abs())
+        .fold(0.0, f64::max);
+    let longest = jacobian.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
+    Measured {
+        cost: 0.5 * norm * norm,
+        kkt,
+        cosine: kkt / (longest * norm).max(f64::MIN_POSITIVE),
+    }
+}
+
+fn solve(statement: &Statement, problem: &Problem) -> Solution {
+    let mut start = vec![0.0; problem.degrees_of_freedom()];
+    problem.parameters().expand(&statement.start, &mut start);
+    Solver::default().solve_once(problem, &start).unwrap()
+}
+
+fn variables(problem: &Problem, q: &[f64]) -> Vec<f64> {
+    let mut x = vec![0.0; problem.variables()];
+    problem.parameters().reduce(q, &mut x);
+    x
+}
+
+fn reference() -> (BTreeMap<String, Loaded>, Vec<Statement>) {
+    let Reference { models, problems } =
+        serde_json::from_str(include_str!("reference/minima.json")).unwrap();
+    let models = models.iter().map(|(name, m)| (name.clone(), load(m)));
+    (models.collect(), problems)
+}
+
+#[test]
+fn there_are_enough_of_enough_kinds() {
+    let (_, problems) = reference();
+    let kinds: BTreeSet<&str> = problems.iter().map(|p| p.kind.as_str()).collect();
+    let names: BTreeSet<&str> = problems.iter().map(|p| p.name.as_str()).collect();
+    assert!(problems.len() >= 200 && names.len() == problems.len());
+    assert!(kinds.len() >= 6, "{kinds:?}");
+}
+
+#[test]
+fn both_sides_mean_the_same_problem() {
+    // Ours and CasADi's expression of every cost and KKT residual, at every tool's answer.
+    let (models, problems) = reference();
+    for statement in &problems {
+        let problem = problem(statement, &models[&statement.model]);
+        for (tool, answer) in &statement.answers {
+            let here = measure(&problem, &answer.x);
+            let off = (here.cost - answer.cost).abs() / answer.cost.max(1e-6);
+            assert!(
+                off < 1e-12,
+                "{}, {tool}: cost off by {off:e}",
+                statement.name
+            );
+            let off = (here.kkt - answer.kkt).abs() / answer.cost.sqrt().max(1e-3);
+            assert!(
+                off < 1e-10,
+                "{}, {tool}: kkt off by {off:e}",
+                statement.name
+            );
+        }
+    }
+}
+
+/// Why a problem's solution is no good, and where it is in another minimum.
+struct Verdict<'a> {
+    name: &'a str,
+    not_stationary: Option<String>,
+    above_the_best: Option<String>,
+}
+
+fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
+    let problem = problem(statement, loaded);
+    let solution = solve(statement, &problem);
+    let here = measure(&problem, &variables(&problem, &solution.q));
+    let best = statement.minima[statement.best].cost;
+    let told = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
+    assert!(told, "{}: {} told", statement.name, solution.cost);
+    let moving = !solution.reached && here.cosine > STATIONARY;
+    let above = here.cost > best * (1.0 + NO_WORSE) + NOTHING;
+    Verdict {
+        name: &statement.name,
+        not_stationary: moving
+            .then(|| format!("{} at a cosine of {:e}", solution.termination, here.cosine)),
+        above_the_best: above.then(|| format!("{:.9e}, the best known is {best:.9e}", here.cost)),
+    }
+}
+
+#[test]
+fn the_default_solver_ends_no_higher_than_the_best_of_the_references() {
+    let (models, problems) = reference();
+    let verdicts: Vec<Verdict<'_>> = std::thread::scope(|scope| {
+        // By turns, so that every thread gets its share of the large ones.
+        let workers: Vec<_> = (0..THREADS)
+            .map(|first| {
+                let part = problems.iter().skip(first).step_by(THREADS);
+                let models = &models;
+                scope.spawn(move || {
+                    part.map(|p| judge(p, &models[&p.model]))
+                        .collect::<Vec<_>>()
+                })
+            })
+            .collect();
+        workers
+            .into_iter()
+            .flat_map(|w| w.join().unwrap())
+            .collect()
+    });
+    assert_eq!(verdicts.len(), problems.len());
+    for Verdict {
+        name,
+        not_stationary,
+        above_the_best,
+    } in &verdicts
+    {
+        assert!(not_stationary.is_none(), "{name}: {not_stationary:?}");
+        let known = IN_ANOTHER_MINIMUM.contains(name);
+        assert!(
+            known || above_the_best.is_none(),
+            "{name}: {above_the_best:?}"
+        );
+    }
+}
