@@ -63,14 +63,14 @@ struct RigCase {
     /// x, y, z, then the rotation by rows.
     frames: BTreeMap<String, [f64; 12]>,
     jacobians: BTreeMap<String, Rows>,
-    /// One for each of `jacobians`, in the notebook's order, which `targets_of` says.
+    /// One for each of [`tips`].
     targets: Vec<[f64; 3]>,
     cost: f64,
     gradient: Vec<f64>,
     hessian: Vec<Vec<f64>>,
 }
 
-/// Where the tips of the cost are in the fixture.
+/// The tips that the cost is about, in the order of their targets.
 fn tips(file: &str) -> &'static [&'static str] {
     match file {
         "models/humanoid/humanoid.json" => &[
