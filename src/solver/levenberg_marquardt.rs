@@ -23,6 +23,10 @@ pub enum Damping {
 }
 
 /// Levenberg-Marquardt with hard bounds.
+///
+/// With [`Damping::GainRatio`] the true second derivative of the cost takes the place of JᵀJ after ten
+/// slow steps in a row, as happens where large residuals stay; such a step takes a gradient for every
+/// free variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct LevenbergMarquardt {
