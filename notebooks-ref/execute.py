@@ -3,6 +3,7 @@
 python execute.py [--keep] NOTEBOOK …    --keep leaves the notebook files as they are.
 """
 
+import os
 import pathlib
 import sys
 import time
@@ -16,6 +17,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 def execute(name, keep):
     path = HERE / name
     notebook = nbformat.read(path, as_version=4)
+    os.environ.pop("MPLBACKEND", None)  # figures go into the notebook by its own backend
     begun = time.monotonic()
     client = nbclient.NotebookClient(notebook, timeout=900, kernel_name="python3", resources={"metadata": {"path": str(HERE)}})
     client.execute()
