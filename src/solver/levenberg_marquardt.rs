@@ -10,6 +10,11 @@ const SLOW: f64 = 0.95;
 /// After so many slow steps in a row the true second derivative is worth its price.
 const SLOW_STEPS: usize = 10;
 
+/// A residual below this share of the largest column norm of J (both per radian) bends the cost by
+/// no more than that share of JᵀJ: searches that are slow there are slow because J is singular, and
+/// fare better with JᵀJ.
+const LARGE_RESIDUAL: f64 = 1e-3;
+
 /// How λ follows the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
@@ -25,7 +30,7 @@ pub enum Damping {
 /// Levenberg-Marquardt with hard bounds.
 ///
 /// With [`Damping::GainRatio`] the true second derivative of the cost takes the place of JᵀJ after ten
-/// slow steps in a row, as happens where large residuals stay; such a step takes a gradient for every
+/// slow steps in a row while the residual is large; such a step takes a gradient for every
 /// free variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
@@ -84,7 +89,9 @@ impl Method for LevenbergMarquardt {
     }
 
     fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
-        let curved = self.damping == Damping::GainRatio && memory.slow_steps >= SLOW_STEPS;
+        let curved = self.damping == Damping::GainRatio
+            && memory.slow_steps >= SLOW_STEPS
+            && memory.residual_is_large();
         let promised = if curved {
             memory.solve_curved(problem);
             memory.project_step(problem);
@@ -143,6 +150,10 @@ impl Memory {
         step.fill(0.0);
         normal.factorise(jacobian, free, self.damping);
         normal.solve(jacobian, free, residual, step);
+    }
+
+    fn residual_is_large(&self) -> bool {
+        (2.0 * self.cost).sqrt() > LARGE_RESIDUAL * self.column_norm
     }
 
     /// As [`solve_damped`](Self::solve_damped), with the true second derivative for JᵀJ, and with
