@@ -4,7 +4,7 @@
 
 mod support;
 
-use kinopt::ik::Side;
+use kinopt::ik::{Restarts, Side};
 use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::solver::{FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient, Termination};
@@ -214,5 +214,27 @@ fn a_target_out_of_reach_that_moves_is_followed_without_jumps() {
             "frame {frame} jumped by {most} rad"
         );
         q.clone_from(&solution.q);
+    }
+}
+
+#[test]
+fn tips_pulled_far_away_end_at_a_minimum_and_not_at_the_limit_of_steps() {
+    // The residual stays large, so JᵀJ is a poor second derivative: with it alone most of these
+    // searches crawl until their steps run out.
+    for seed in 0..8 {
+        let rig = support::bones::RandomRig::new(seed);
+        let model = rig.skeleton.model();
+        let mut random = Random::new(seed);
+        let mut builder = Problem::builder(model);
+        for &tip in &rig.tips {
+            builder.add(Point::new(rig.skeleton.tip(tip), random.vector(4.0)));
+        }
+        let problem = builder.build().unwrap();
+        let solver = Solver::default().with_restarts(Restarts::none());
+        let start = support::trees::configuration_of(model, &mut random);
+        let solution = solver.solve_once(&problem, &start).unwrap();
+        assert!(!solution.reached);
+        assert_eq!(solution.termination, Termination::Stationary, "rig {seed}");
+        assert!(solution.projected_gradient.unwrap() < 1e-7, "rig {seed}");
     }
 }

@@ -67,9 +67,9 @@ impl Attempts<'_> {
         let mut agreeing = 0;
         // With preferences the minimum is the goal, and a stall is on the way to it.
         let patient = self.problem.has_preferences();
-        let mut tired = false;
+        let mut over = false;
         for trial in self.restarts.trials(patient) {
-            if tired && trial != Trial::FinishAtLast {
+            if over && trial != Trial::FinishAtLast {
                 continue;
             }
             match trial {
@@ -127,8 +127,8 @@ impl Attempts<'_> {
             }
             let cancelled = outcome.termination == Termination::Cancelled;
             let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            tired = found.iterations >= self.restarts.steps;
-            if reached || cancelled || late || agreeing >= self.restarts.agreeing {
+            over = found.iterations >= self.restarts.steps || agreeing >= self.restarts.agreeing;
+            if reached || cancelled || late {
                 break;
             }
         }

@@ -34,7 +34,8 @@ pub(super) enum Trial {
     FinishBest,
     /// An attempt that runs to its end.
     Full(usize),
-    /// When the steps are used up, the best of all goes on, unless it came to its end.
+    /// When attempts agree or the steps are used up, the best of all goes on, unless it came to its
+    /// end.
     FinishAtLast,
 }
 

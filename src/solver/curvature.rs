@@ -4,16 +4,29 @@
 //! is a poor Hessian and Levenberg-Marquardt creeps. The structured secant update of Dennis, Gay &
 //! Welsch (1981, "An adaptive nonlinear least-squares algorithm", ACM TOMS 7, 348-368, section 3)
 //! adds a symmetric S with S s = y# for the last step s, and as there the model that foretold the
-//! last step better makes the next one.
+//! last step better makes the next one. A search that stays slow at a large residual has S taken
+//! anew from differences of the exact gradient, now and then, at the price of one gradient a free
+//! variable.
 
 use nalgebra::DMatrix;
 
+use super::LeastSquares;
 use super::linear::{add_scaled, dot, multiply_symmetric, quadratic};
 
 /// A step that leaves more than this share of the cost is slow; after so many in a row the learning
 /// begins. Problems whose targets are reached never pay for it.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 6;
+
+/// After so many slow steps in a row, and again after as many more, S is taken from differences.
+const SLOWER_STEPS: usize = 10;
+
+/// A residual below this share of the largest column norm of J (both per radian) bends the cost by
+/// no more than that share of JᵀJ: a search that is slow there is slow because J is singular.
+const LARGE_RESIDUAL: f64 = 1e-3;
+
+/// The difference in x, relative to max(1, |x|): ∛ε bears gradients that are differences themselves.
+const RELATIVE_STEP: f64 = 6.055_454_452_393_343e-6;
 
 /// yᵀs below this share of ‖y‖‖s‖ is taken for zero.
 const NEGLIGIBLE_COSINE: f64 = 1e-10;
@@ -35,6 +48,46 @@ pub(super) struct Curvature {
     crossed: Vec<f64>,
     /// y# − S s.
     missing: Vec<f64>,
+}
+
+/// Room for taking S from differences of the gradient.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Differences {
+    x: Vec<f64>,
+    residual: Vec<f64>,
+    gradient: Vec<f64>,
+    gradient_here: Vec<f64>,
+    /// A gradient may come by way of a Jacobian.
+    jacobian: DMatrix<f64>,
+}
+
+impl Differences {
+    /// Makes room for m rows and n variables.
+    pub(super) fn reserve(&mut self, m: usize, n: usize) {
+        for (vector, length) in [
+            (&mut self.x, n),
+            (&mut self.residual, m),
+            (&mut self.gradient, n),
+            (&mut self.gradient_here, n),
+        ] {
+            vector.clear();
+            vector.resize(length, 0.0);
+        }
+        if self.jacobian.shape() != (m, n) {
+            self.jacobian = DMatrix::zeros(m, n);
+        }
+    }
+
+    /// Jᵀr at [`x`](Self::x).
+    fn gradient(&mut self, problem: &mut dyn LeastSquares) {
+        problem.residual(&self.x, &mut self.residual);
+        problem.gradient(
+            &self.x,
+            &self.residual,
+            &mut self.gradient,
+            &mut self.jacobian,
+        );
+    }
 }
 
 impl Curvature {
@@ -104,6 +157,58 @@ impl Curvature {
         for (entry, column) in self.crossed.iter_mut().zip(columns) {
             *entry = dot(column, new_residual);
         }
+    }
+
+    /// Whether S should be taken from differences.
+    pub(super) fn wants_differences(&self, cost: f64, column_norm: f64) -> bool {
+        self.pending
+            && self.slow_steps % SLOWER_STEPS == 0
+            && self.slow_steps > 0
+            && (2.0 * cost).sqrt() > LARGE_RESIDUAL * column_norm
+    }
+
+    /// Takes S = H − JᵀJ over the free variables, H from differences of the gradient at x. Returns how
+    /// many gradients that took.
+    pub(super) fn take(
+        &mut self,
+        problem: &mut dyn LeastSquares,
+        x: &[f64],
+        free: &[usize],
+        jacobian: &DMatrix<f64>,
+        room: &mut Differences,
+    ) -> usize {
+        let n = x.len();
+        self.pending = false;
+        self.in_use = true;
+        self.matrix.clear();
+        self.matrix.resize(n * n, 0.0);
+        room.x.copy_from_slice(x);
+        // By the same route as the others, so that what rounding does cancels: the gradient in
+        // memory may be Jᵀr.
+        room.gradient(problem);
+        std::mem::swap(&mut room.gradient, &mut room.gradient_here);
+        let columns = |j: usize| jacobian.column(j);
+        for &j in free {
+            let step = RELATIVE_STEP * x[j].abs().max(1.0);
+            // Into the bounds, where the problem is defined; a narrower range is crossed.
+            let above = problem.upper()[j] - x[j];
+            let below = x[j] - problem.lower()[j];
+            room.x[j] = if above >= below {
+                x[j] + step.min(above)
+            } else {
+                x[j] - step.min(below)
+            };
+            let taken = room.x[j] - x[j];
+            room.gradient(problem);
+            room.x[j] = x[j];
+            for &k in free {
+                let change = (room.gradient[k] - room.gradient_here[k]) / taken;
+                let half = 0.5 * (change - columns(j).dot(&columns(k)));
+                self.matrix[j * n + k] += half;
+                self.matrix[k * n + j] += half;
+            }
+        }
+        free.len() + 1
     }
 
     /// Learns from the noted step, now that the gradient after it is known.

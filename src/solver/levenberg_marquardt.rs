@@ -79,7 +79,7 @@ impl Method for LevenbergMarquardt {
     }
 
     fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
-        memory.curvature.learn(&memory.gradient);
+        memory.learn_curvature(problem);
         if !memory.solve_curved(problem) {
             memory.solve_damped();
         }
@@ -127,6 +127,21 @@ impl Method for LevenbergMarquardt {
 }
 
 impl Memory {
+    /// Lets S learn from the last step, or takes it anew.
+    fn learn_curvature(&mut self, problem: &mut dyn LeastSquares) {
+        if self
+            .curvature
+            .wants_differences(self.cost, self.column_norm)
+        {
+            let (x, free, room) = (&self.x, &self.free, &mut self.differences);
+            let taken = self.curvature.take(problem, x, free, &self.jacobian, room);
+            self.counts.residuals += taken;
+            self.counts.gradients += taken;
+        } else {
+            self.curvature.learn(&self.gradient);
+        }
+    }
+
     /// Puts the damped step of the curved model into `step`, if S is in use and the model has a
     /// minimum once λ is large enough.
     fn solve_curved(&mut self, problem: &dyn LeastSquares) -> bool {

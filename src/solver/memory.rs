@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::LeastSquares;
 use super::active_set::{list_free, project, projected_gradient_norm};
-use super::curvature::Curvature;
+use super::curvature::{Curvature, Differences};
 use super::linear::{CompleteOrthogonal, CurvedNormal, DampedNormal, add_scaled, dot};
 
 /// How many past costs a search may remember.
@@ -65,6 +65,7 @@ pub struct Memory {
     pub(super) best_cost: f64,
     pub(super) normal: DampedNormal,
     pub(super) curvature: Curvature,
+    pub(super) differences: Differences,
     pub(super) curved: CurvedNormal,
     pub(super) orthogonal: CompleteOrthogonal,
     pub(super) counts: Counts,
@@ -95,6 +96,7 @@ impl Default for Memory {
             best_cost: f64::INFINITY,
             normal: DampedNormal::default(),
             curvature: Curvature::default(),
+            differences: Differences::default(),
             curved: CurvedNormal::default(),
             orthogonal: CompleteOrthogonal::default(),
             counts: Counts::default(),
@@ -169,6 +171,7 @@ impl Memory {
         self.recent_costs.reserve(MOST_RECENT_COSTS);
         self.normal.reserve(m, n);
         self.curvature.reset(n);
+        self.differences.reserve(m, n);
         self.curved.reserve(m, n);
         self.orthogonal.reserve(m, n);
         self.counts = Counts::default();

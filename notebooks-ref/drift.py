@@ -1,0 +1,57 @@
+"""Compares regenerated fixtures (KINOPT_FIXTURES) with the committed ones; numbers only, not dates.
+
+Kinematics repeat to rounding. So do the statements of the minima. Their answers come out of long iterations, whose last digits
+depend on the processor, and a few searches on a watershed may fall into another valley:
+
+- the best cost known for a problem must come out again, to 1e-7 of it, for all but 2 % of the problems;
+- each tool must come to the same cost, to 1e-6 of it, in all but 10 % of the answers that both times are stationary.
+"""
+
+import itertools
+import sys
+
+from fixtures import COMMITTED, FOLDER, differences, read
+from minima import NO_COST, SAME_COST, STATIONARY
+
+EXACT = {"urdf_fk.json": 1e-13, "urdf_jacobians.json": 1e-13, "rig_kinematics.json": 1e-12}
+BEST_WITHIN, BEST_MISSES, ANSWER_MISSES = 1e-7, 0.02, 0.10
+STATEMENT = ("name", "kind", "model", "tasks", "start")
+
+
+def same_cost(a, b, within):
+    return abs(a - b) <= max(NO_COST, within * max(a, b))
+
+
+def of_minima(old, new):
+    statements = [[{key: problem[key] for key in STATEMENT} for problem in part["problems"]] for part in (old, new)]
+    yield from itertools.islice(differences(*statements, 1e-12, "problems"), 10)
+    yield from differences(old["models"], new["models"], 0.0, "models")
+    pairs = list(zip(old["problems"], new["problems"]))
+    best = lambda problem: problem["minima"][problem["best"]]["cost"]
+    missed = [a["name"] for a, b in pairs if not same_cost(best(a), best(b), BEST_WITHIN)]
+    print(f"minima.json: another best cost in {len(missed)} of {len(pairs)} problems")
+    if len(missed) > BEST_MISSES * len(pairs):
+        yield f"another best cost in {len(missed)} problems: {', '.join(missed)}"
+    for tool in old["problems"][0]["answers"]:
+        both = [(a["answers"][tool], b["answers"][tool]) for a, b in pairs]
+        both = [(a, b) for a, b in both if max(a["kkt"], b["kkt"]) <= STATIONARY]
+        other = sum(not same_cost(a["cost"], b["cost"], SAME_COST) for a, b in both)
+        print(f"minima.json: {tool} has {other} other of {len(both)} stationary answers")
+        if other > ANSWER_MISSES * max(len(both), 10):
+            yield f"{tool} came to another cost in {other} of {len(both)} stationary answers"
+
+
+def main():
+    found = []
+    for name, within in EXACT.items():
+        drift = list(differences(read(COMMITTED, name), read(FOLDER, name), within))
+        print(f"{name}: {len(drift)} numbers differ by more than {within}")
+        found += [f"{name}{place}" for place in drift[:5]]
+    found += [f"minima.json: {what}" for what in of_minima(read(COMMITTED, "minima.json"), read(FOLDER, "minima.json"))]
+    for what in found:
+        print("DRIFTED", what, file=sys.stderr)
+    sys.exit(bool(found))
+
+
+if __name__ == "__main__":
+    main()
