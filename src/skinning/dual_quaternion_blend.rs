@@ -14,7 +14,7 @@ use super::{
 /// skinning with approximate dual quaternion blending" (2008). The sign puts each q̂_j on the
 /// hemisphere of the bone with the largest weight (the first of them), so that blending takes the
 /// short way. Works in single precision with any number of influences.
-/// `PackedDualQuaternionBlend` does the same faster for four.
+/// [`PackedDualQuaternionBlend`](super::PackedDualQuaternionBlend) does the same faster for four.
 #[derive(Clone, Debug)]
 pub struct DualQuaternionBlend<'a> {
     weights: &'a SkinWeights,
@@ -109,8 +109,7 @@ pub(super) fn move_by_dual_quaternions(
     posed: PosedVertices<'_>,
     blended: impl Fn(usize) -> (Option<Affine3A>, DualQuaternion),
 ) {
-    let vertices = rest.positions.len().max(rest.normals.len());
-    for vertex in 0..vertices.max(rest.tangents.len()) {
+    for vertex in 0..rest.len() {
         let (stretch, motion) = blended(vertex);
         if let (Some(&p), Some(out)) = (rest.positions.get(vertex), posed.positions.get_mut(vertex))
         {

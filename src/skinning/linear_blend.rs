@@ -12,7 +12,7 @@ use super::{Deformation, Influence, PosedVertices, RestVertices, SkinWeights, Sk
 /// Works in single precision, with any number of influences; a vertex's result is off by a few
 /// units in the last place of the largest coordinate involved, in the model's own frame. A vertex
 /// without influences goes to the origin, as the empty sum says. For at most four influences a
-/// vertex, `PackedLinearBlend` does the same faster.
+/// vertex, [`PackedLinearBlend`](super::PackedLinearBlend) does the same faster.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearBlend<'a> {
     weights: &'a SkinWeights,
@@ -71,8 +71,7 @@ pub(super) fn move_by_matrices(
     posed: PosedVertices<'_>,
     blended: impl Fn(usize) -> Affine3A,
 ) {
-    let vertices = rest.positions.len().max(rest.normals.len());
-    for vertex in 0..vertices.max(rest.tangents.len()) {
+    for vertex in 0..rest.len() {
         let transform = blended(vertex);
         if let (Some(p), Some(out)) = (rest.positions.get(vertex), posed.positions.get_mut(vertex))
         {

@@ -73,7 +73,13 @@ fn parts<T>(buffer: &[T], count: usize) -> (&[T], &[T]) {
     buffer.split_at(count.min(buffer.len()))
 }
 
-impl<'a> RestVertices<'a> {
+impl RestVertices<'_> {
+    /// How many vertices there are in the buffers that are there.
+    pub(super) fn len(&self) -> usize {
+        let directions = self.normals.len().max(self.tangents.len());
+        self.positions.len().max(directions)
+    }
+
     /// The first `count` vertices and the others.
     pub(super) fn split(self, count: usize) -> (Self, Self) {
         let (positions, normals, tangents) = (
