@@ -160,7 +160,7 @@ pub(crate) fn draw_line<B: DrawingBackend>(
     match style.dash() {
         None => area.draw(&PathElement::new(path.to_vec(), style.line())),
         Some((drawn, left_out)) => area.draw(&DashedPathElement::new(
-            path.to_vec().into_iter(),
+            path.iter().copied(),
             drawn,
             left_out,
             style.line(),
