@@ -155,10 +155,37 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
     for (posed, rest) in posed.positions.iter().zip(&rest.positions) {
         assert!((*posed - *rest).length() < 1e-6);
     }
-    let mut scaled = still;
+    let mut scaled = still.clone();
     scaled[5] = Affine3A::from_scale(Vec3::splat(1.1));
+    let refused = SkinningError::NotRigid { bone: 5 };
+    let mut blend = PackedDualQuaternionBlend::new(&packed, &still).unwrap();
+    assert_eq!(blend.set_transforms(&scaled).unwrap_err(), refused);
+    let kept = rest.deformed(&blend);
+    for (posed, rest) in kept.positions.iter().zip(&rest.positions) {
+        assert!((*posed - *rest).length() < 1e-6);
+    }
     assert_eq!(
         PackedDualQuaternionBlend::new(&packed, &scaled).unwrap_err(),
-        SkinningError::NotRigid { bone: 5 }
+        refused
     );
+}
+
+#[test]
+fn a_pose_set_anew_is_the_pose_built_anew() {
+    let mut random = Random::new(5);
+    let weights = weights(&mut random, 50, BONES, 4);
+    let packed = PackedWeights::new(&weights).unwrap();
+    let rest = Vertices::random(&mut random, 50);
+    let [before, after] =
+        [(), ()].map(|()| -> Vec<Affine3A> { (0..BONES).map(|_| rigid(&mut random)).collect() });
+    let mut lbs = PackedLinearBlend::new(&packed, &before).unwrap();
+    lbs.set_transforms(&after).unwrap();
+    let anew = PackedLinearBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&lbs) == rest.deformed(&anew));
+    assert!(rest.deformed(&lbs.portable()) == rest.deformed(&anew.portable()));
+    let mut dqs = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
+    dqs.set_transforms(&after).unwrap();
+    let anew = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    assert!(rest.deformed(&dqs.portable()) == rest.deformed(&anew.portable()));
 }

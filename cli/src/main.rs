@@ -18,6 +18,7 @@ mod number_format;
 mod number_list;
 mod output;
 mod progress;
+mod skin_report;
 mod skinning_choice;
 mod solve;
 mod table;
@@ -39,7 +40,8 @@ Examples:
   kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0
   kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
-  kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj";
+  kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
+  kinopt skin-report --out twist.svg";
 
 /// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
 /// bring their frames where you want them, within the joints' limits.
@@ -61,6 +63,7 @@ enum Subcommands {
     Info(info::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
+    SkinReport(skin_report::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -78,6 +81,7 @@ fn main() -> ExitCode {
         Subcommands::Info(arguments) => info::run(arguments, json),
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
+        Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),
     };
     match done {
         Ok(()) | Err(Failure::ReaderGone) => ExitCode::SUCCESS,

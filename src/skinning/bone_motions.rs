@@ -16,14 +16,26 @@ pub(super) struct BoneMotions {
 impl BoneMotions {
     /// Motions that turn and shift only.
     pub(super) fn rigid(transforms: &[Affine3A], bones: usize) -> Result<Self, SkinningError> {
+        let mut motions = Self::default();
+        motions.set_rigid(transforms, bones)?;
+        Ok(motions)
+    }
+
+    /// As [`rigid`](Self::rigid), in the same memory.
+    pub(super) fn set_rigid(
+        &mut self,
+        transforms: &[Affine3A],
+        bones: usize,
+    ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
         if let Some(bone) = transforms.iter().position(|t| !is_rotation(&t.matrix3)) {
             return Err(SkinningError::NotRigid { bone });
         }
-        Ok(Self {
-            rigid: transforms.iter().map(DualQuaternion::of_rigid).collect(),
-            stretches: Vec::new(),
-        })
+        self.stretches.clear();
+        self.rigid.clear();
+        let motions = transforms.iter().map(DualQuaternion::of_rigid);
+        self.rigid.extend(motions);
+        Ok(())
     }
 
     /// T = (rigid motion) · (stretch about the bone's pivot): with the polar decomposition M = R S of

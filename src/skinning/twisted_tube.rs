@@ -109,6 +109,20 @@ impl TwistedTube {
         [Affine3A::IDENTITY, Affine3A::from_quat(turn)]
     }
 
+    /// How far each ring is from the axis in a pose of [`mesh`](Self::mesh), on average over its
+    /// corners, from bone 0 to bone 1: (place along x at rest, radius) in the tube's unit.
+    #[must_use]
+    pub fn ring_radii(&self, posed: &TriangleMesh) -> Vec<(f64, f64)> {
+        let sides = self.sides.max(3) as usize;
+        let rings = posed.positions().chunks_exact(sides);
+        let radius = |ring: &[Vec3]| {
+            let distances = ring.iter().map(|p| f64::from(p.y).hypot(f64::from(p.z)));
+            distances.sum::<f64>() / sides as f64
+        };
+        let places = (0..self.rings.max(2)).map(|ring| self.along(ring));
+        places.zip(rings.map(radius)).collect()
+    }
+
     fn along(&self, ring: u32) -> f64 {
         self.length * f64::from(ring) / f64::from(self.rings.max(2) - 1)
     }

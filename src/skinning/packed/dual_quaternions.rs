@@ -29,18 +29,34 @@ impl<'a> PackedDualQuaternionBlend<'a> {
     /// # Errors
     /// As [`DualQuaternionBlend::new`](crate::skinning::DualQuaternionBlend::new).
     pub fn new(weights: &'a PackedWeights, transforms: &[Affine3A]) -> Result<Self, SkinningError> {
-        let motions = BoneMotions::rigid(transforms, weights.bone_count())?;
-        Ok(Self {
+        let mut blend = Self {
             weights,
+            motions: BoneMotions::default(),
             #[cfg(target_arch = "x86_64")]
-            lanes: motions
-                .rigid
-                .iter()
-                .map(|motion| bytemuck::cast([motion.real, motion.dual]))
-                .collect(),
-            motions,
+            lanes: Vec::new(),
             portable: false,
-        })
+        };
+        blend.set_transforms(transforms)?;
+        Ok(blend)
+    }
+
+    /// Another pose in the same memory.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); the old pose is then kept.
+    pub fn set_transforms(&mut self, transforms: &[Affine3A]) -> Result<(), SkinningError> {
+        self.motions
+            .set_rigid(transforms, self.weights.bone_count())?;
+        #[cfg(target_arch = "x86_64")]
+        {
+            self.lanes.clear();
+            let motions = self.motions.rigid.iter();
+            let lane = |motion: &DualQuaternion| -> avx2::Motion {
+                bytemuck::cast([motion.real, motion.dual])
+            };
+            self.lanes.extend(motions.map(lane));
+        }
+        Ok(())
     }
 
     /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
