@@ -3,7 +3,9 @@
 //! Exit codes: 0 done (a target that is out of reach is an answer, not a failure), 1 failed with a
 //! one-line reason on standard error, 2 wrong usage.
 
+mod bench;
 mod configuration;
+mod countdown;
 mod failure;
 mod fk;
 mod frame_name;
@@ -23,6 +25,7 @@ mod skinning_choice;
 mod solve;
 mod table;
 mod target;
+mod targets_file;
 
 use std::process::ExitCode;
 
@@ -41,7 +44,8 @@ Examples:
   kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
-  kinopt skin-report --out twist.svg";
+  kinopt skin-report --out twist.svg
+  kinopt bench robot.urdf --problems random:100 --out results";
 
 /// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
 /// bring their frames where you want them, within the joints' limits.
@@ -64,6 +68,7 @@ enum Subcommands {
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
     SkinReport(skin_report::Arguments),
+    Bench(bench::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -82,6 +87,7 @@ fn main() -> ExitCode {
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
         Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),
+        Subcommands::Bench(arguments) => bench::run(arguments, json),
     };
     match done {
         Ok(()) | Err(Failure::ReaderGone) => ExitCode::SUCCESS,

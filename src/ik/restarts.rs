@@ -30,10 +30,12 @@ const LOCAL_ATTEMPTS: usize = 2;
 pub(super) enum Trial {
     /// An attempt that gives up when it stalls.
     Quick(usize),
-    /// The best attempt so far goes on to its end.
+    /// The best attempt so far goes on to its end, if it gave up when it stalled.
     FinishBest,
     /// An attempt that runs to its end.
     Full(usize),
+    /// When the steps are used up, the best of all goes on, unless it came to its end.
+    FinishAtLast,
 }
 
 impl Trial {
@@ -42,18 +44,23 @@ impl Trial {
     pub(super) fn counts_for_agreement(self) -> bool {
         match self {
             Self::Quick(index) | Self::Full(index) => index % 2 == 0,
-            Self::FinishBest => true,
+            Self::FinishBest | Self::FinishAtLast => true,
         }
+    }
+
+    /// Whether the trial goes on from where the best one stands.
+    pub(super) fn goes_on(self) -> bool {
+        matches!(self, Self::FinishBest | Self::FinishAtLast)
     }
 }
 
 /// How often to try again, and from where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Restarts {
-    pub(super) attempts: usize,
+    pub(crate) attempts: usize,
     pub(super) seed: u64,
-    pub(super) agreeing: usize,
-    pub(super) steps: usize,
+    pub(crate) agreeing: usize,
+    pub(crate) steps: usize,
 }
 
 impl Default for Restarts {
@@ -101,7 +108,8 @@ impl Restarts {
         self
     }
 
-    /// Starts no further attempt after so many steps of all attempts together.
+    /// After so many steps of all attempts together only one further attempt is made: from where the
+    /// best one stands, if that was cut off.
     #[must_use]
     pub fn with_steps(mut self, steps: usize) -> Self {
         self.steps = steps;
@@ -116,10 +124,12 @@ impl Restarts {
             attempts => attempts.min(QUICK_ATTEMPTS),
         };
         let finish = (quick > 0).then_some(Trial::FinishBest);
+        let last = [Trial::FinishAtLast];
         (0..quick)
             .map(Trial::Quick)
             .chain(finish)
             .chain((quick..self.attempts).map(Trial::Full))
+            .chain(last)
     }
 
     /// How long a quick attempt waits for progress, in steps.
@@ -134,7 +144,7 @@ impl Restarts {
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
     /// place, even ones go there. The first attempts after the start leave what is not free to
     /// `wander` where it is, and all leave alone what no task feels.
-    pub(super) fn start_of(
+    pub(crate) fn start_of(
         &self,
         index: usize,
         start: &[f64],

@@ -4,6 +4,7 @@
 //! it ([`minimise`]) counts, observes and stops for all of them.
 
 mod active_set;
+mod curvature;
 mod gauss_newton;
 mod least_squares;
 mod levenberg_marquardt;
@@ -20,12 +21,10 @@ mod snapshot;
 mod stopping;
 
 pub use active_set::project;
-#[cfg(feature = "argmin")]
 pub(crate) use active_set::projected_gradient_norm;
 pub use gauss_newton::GaussNewton;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt};
-#[cfg(feature = "argmin")]
 pub(crate) use memory::half_squared;
 pub use memory::{Counts, Memory};
 pub use method::{Method, Step};

@@ -1,4 +1,4 @@
-//! A bar on standard error while many targets are solved, on a terminal only.
+//! A bar on standard error while many things are done, on a terminal only.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ const PATIENCE: Duration = Duration::from_millis(300);
 const DRAWINGS: u8 = 10;
 
 /// Counts answers. It is told between questions, so no time that is taken holds its drawing.
-pub(super) struct Countdown {
+pub(crate) struct Countdown {
     started: Instant,
     done: AtomicU64,
     /// None where nobody would see it.
@@ -19,13 +19,14 @@ pub(super) struct Countdown {
 }
 
 impl Countdown {
-    pub(super) fn new(questions: usize) -> Self {
+    /// Counts up to `total`; `noun` is what is counted.
+    pub(crate) fn new(total: usize, noun: &str) -> Self {
         let target = ProgressDrawTarget::stderr_with_hz(DRAWINGS);
         let bar = (!target.is_hidden()).then(|| {
-            let length = u64::try_from(questions).unwrap_or(u64::MAX);
+            let length = u64::try_from(total).unwrap_or(u64::MAX);
             let bar = ProgressBar::with_draw_target(Some(length), target);
-            let shape = "{bar:40} {pos} of {len} targets, {eta} left";
-            match ProgressStyle::with_template(shape) {
+            let shape = format!("{{bar:40}} {{pos}} of {{len}} {noun}, {{eta}} left");
+            match ProgressStyle::with_template(&shape) {
                 Ok(style) => bar.with_style(style),
                 Err(_) => bar,
             }
@@ -37,7 +38,7 @@ impl Countdown {
         }
     }
 
-    pub(super) fn one_more(&self) {
+    pub(crate) fn one_more(&self) {
         if let Some(bar) = &self.bar {
             let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
             if self.started.elapsed() > PATIENCE {
@@ -47,7 +48,7 @@ impl Countdown {
     }
 
     /// Takes the bar away.
-    pub(super) fn finish(&self) {
+    pub(crate) fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
