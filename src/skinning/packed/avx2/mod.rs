@@ -55,29 +55,34 @@ pub(super) fn deform(
     let mut positions = blocks(rest.positions, posed.positions);
     let mut normals = blocks(rest.normals, posed.normals);
     let mut tangents = blocks(rest.tangents, posed.tangents);
-    let mut influences = influences.chunks_exact(BLOCK);
-    for four in &mut influences {
-        let Ok(four) = four.try_into() else { break };
-        let block = Block {
-            positions: positions.next(),
-            normals: normals.next(),
-            tangents: tangents.next(),
-        };
-        move_block(palette, four, block);
-    }
-    // The last vertices in a block of their own, filled up with vertices without influences.
+    let mut whole = influences.chunks_exact(BLOCK);
+    // The last vertices have a block of their own, filled up with vertices without influences.
     let mut four = [FourInfluences::default(); BLOCK];
+    copy(&mut four, whole.remainder());
     let mut last = (Last::default(), Last::default(), Last::default());
-    copy(&mut four, influences.remainder());
-    move_block(
-        palette,
-        &four,
-        Block {
-            positions: last.0.filled(positions.rest),
-            normals: last.1.filled(normals.rest),
-            tangents: last.2.filled(tangents.rest),
-        },
-    );
+    let mut ended = false;
+    // One call of the kernel for both kinds of block, so that it becomes part of this loop.
+    while !ended {
+        let next: Option<&[FourInfluences; BLOCK]> =
+            whole.next().and_then(|four| four.try_into().ok());
+        let (influences, block) = if let Some(influences) = next {
+            let block = Block {
+                positions: positions.next(),
+                normals: normals.next(),
+                tangents: tangents.next(),
+            };
+            (influences, block)
+        } else {
+            ended = true;
+            let block = Block {
+                positions: last.0.filled(positions.rest),
+                normals: last.1.filled(normals.rest),
+                tangents: last.2.filled(tangents.rest),
+            };
+            (&four, block)
+        };
+        move_block(palette, influences, block);
+    }
     copy(positions.posed, &last.0.posed);
     copy(normals.posed, &last.1.posed);
     copy(tangents.posed, &last.2.posed);
