@@ -7,6 +7,10 @@ use kinopt::model::{ModelError, ParameterMap};
 use kinopt::problem::{ProblemError, Scratch};
 use kinopt::scalar::Dual;
 use kinopt::skeleton::{Posing, SkeletonError};
+use kinopt::skinning::{
+    CageBinding, CageError, Deformation, MorphError, MorphTargets, PackedDualQuaternionBlend,
+    PackedLinearBlend, SkinWeights, SkinningError, WeightsError,
+};
 use kinopt::solver::{Memory, Method};
 use kinopt::{Model, Problem, Skeleton, Solution, Solver, Workspace};
 
@@ -27,6 +31,16 @@ const _: () = {
     shared::<Posing>();
     shared::<ForwardKinematics>();
     shared::<ForwardKinematics<Dual<6>>>();
+    shared::<SkinWeights>();
+    shared::<PackedLinearBlend<'static>>();
+    shared::<PackedDualQuaternionBlend<'static>>();
+    shared::<MorphTargets>();
+    shared::<CageBinding>();
+    shared::<dyn Deformation + Send>();
+    static_error::<SkinningError>();
+    static_error::<WeightsError>();
+    static_error::<MorphError>();
+    static_error::<CageError>();
     static_error::<ModelError>();
     static_error::<ProblemError>();
     static_error::<SkeletonError>();

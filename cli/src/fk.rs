@@ -10,7 +10,8 @@ use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::LengthFormat;
-use crate::{number_list, output};
+use crate::number_list::{self, Numbers};
+use crate::output;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -76,16 +77,6 @@ pub(crate) struct Arguments {
     /// The angles of --q are in degrees. Default: radians.
     #[arg(long, requires = "q")]
     degrees: bool,
-}
-
-/// A list of numbers as one value.
-#[derive(Clone, Debug)]
-struct Numbers(Vec<f64>);
-
-impl Numbers {
-    fn parse(text: &str) -> Result<Self, String> {
-        number_list::parse(text).map(Self)
-    }
 }
 
 #[derive(Serialize)]

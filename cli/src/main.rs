@@ -20,6 +20,8 @@ mod number_format;
 mod number_list;
 mod output;
 mod progress;
+mod skin_report;
+mod skinning_choice;
 mod solve;
 mod table;
 mod target;
@@ -42,6 +44,7 @@ Examples:
   kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
+  kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results";
 
 /// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
@@ -64,6 +67,7 @@ enum Subcommands {
     Info(info::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
+    SkinReport(skin_report::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -82,6 +86,7 @@ fn main() -> ExitCode {
         Subcommands::Info(arguments) => info::run(arguments, json),
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
+        Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),
         Subcommands::Bench(arguments) => bench::run(arguments, json),
     };
     match done {

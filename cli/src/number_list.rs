@@ -9,6 +9,16 @@ pub(crate) fn parse(text: &str) -> Result<Vec<f64>, String> {
         .collect()
 }
 
+/// A list of numbers as one value of an option.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbers(pub(crate) Vec<f64>);
+
+impl Numbers {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        parse(text).map(Self)
+    }
+}
+
 /// As [`parse`], with exactly N numbers between N − 1 commas.
 pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f64; N], String> {
     let numbers = text

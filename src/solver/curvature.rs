@@ -162,7 +162,7 @@ impl Curvature {
     /// Whether S should be taken from differences.
     pub(super) fn wants_differences(&self, cost: f64, column_norm: f64) -> bool {
         self.pending
-            && self.slow_steps % SLOWER_STEPS == 0
+            && self.slow_steps.is_multiple_of(SLOWER_STEPS)
             && self.slow_steps > 0
             && (2.0 * cost).sqrt() > LARGE_RESIDUAL * column_norm
     }

@@ -1,0 +1,189 @@
+//! `kinopt skin-report`: what is left of a tube that is twisted.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{SkinWeights, SkinningMethod, TwistedTube};
+use kinopt_charts::{Axis, Chart, Figure};
+use serde::Serialize;
+
+use crate::failure::{Failure, Outcome};
+use crate::number_format::three_digits;
+use crate::number_list::Numbers;
+use crate::output;
+use crate::table::{Align, Table};
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt skin-report                        the table
+  kinopt skin-report --out twist.svg        and a picture
+  kinopt skin-report --twists 0,30,60 --json";
+
+/// How much of a twisted tube's volume each way to skin keeps.
+///
+/// A closed tube of radius 1 and length 8 follows two bones; the weight goes over linearly along
+/// its middle half. One bone stands still, the other twists about the tube's axis. Volumes are those
+/// of the posed meshes, in percent of the tube at rest; the waist is the narrowest ring's radius.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// Twists in degrees, −180 to 180.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true,
+          default_value = "0,45,90,135,180", value_parser = Numbers::parse)]
+    twists: Numbers,
+
+    /// Draw volumes over the twist, and the tube's radius along it, as .svg. Default: not drawn.
+    #[arg(long, value_name = "FILE", value_parser = picture_file)]
+    out: Option<PathBuf>,
+}
+
+fn picture_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension().and_then(|e| e.to_str()) {
+        Some(extension) if extension.eq_ignore_ascii_case("svg") => Ok(path),
+        _ => Err("pictures are written as .svg".to_owned()),
+    }
+}
+
+#[derive(Serialize)]
+struct Document {
+    radius: f64,
+    length: f64,
+    blended_share: f64,
+    vertices: usize,
+    twists: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    degrees: f64,
+    lbs: Kept,
+    dqs: Kept,
+}
+
+/// Shares of the tube at rest.
+#[derive(Clone, Copy, Serialize)]
+struct Kept {
+    volume: f64,
+    waist: f64,
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let Numbers(twists) = &arguments.twists;
+    if let Some(beyond) = twists.iter().find(|twist| twist.abs() > 180.0) {
+        return Err(Failure::usage(format!(
+            "--twists: {beyond} degrees is beyond half a turn, where dual quaternions turn the other way"
+        )));
+    }
+    let subject = Subject::new(TwistedTube::default())?;
+    let rows = twists.iter().map(|&degrees| {
+        Ok(Row {
+            degrees,
+            lbs: subject.kept(SkinningMethod::LinearBlend, degrees)?,
+            dqs: subject.kept(SkinningMethod::DualQuaternion, degrees)?,
+        })
+    });
+    let rows = rows.collect::<Outcome<Vec<Row>>>()?;
+    let text = table(&rows);
+    if json {
+        output::json(&Document {
+            radius: subject.tube.radius,
+            length: subject.tube.length,
+            blended_share: subject.tube.blended_share,
+            vertices: subject.rest.positions().len(),
+            twists: rows,
+        })?;
+    } else {
+        output::result(&text)?;
+    }
+    if let Some(path) = &arguments.out {
+        let furthest = twists
+            .iter()
+            .fold(0.0_f64, |far, twist| far.max(twist.abs()));
+        subject.picture(furthest)?.write_svg(path)?;
+        output::message(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut table = Table::new([
+        ("twist, °", Align::Right),
+        ("volume lbs, %", Align::Right),
+        ("dqs, %", Align::Right),
+        ("waist lbs, %", Align::Right),
+        ("dqs, %", Align::Right),
+    ]);
+    let percent = |share: f64| three_digits(100.0 * share);
+    for row in rows {
+        table.row([
+            three_digits(row.degrees),
+            percent(row.lbs.volume),
+            percent(row.dqs.volume),
+            percent(row.lbs.waist),
+            percent(row.dqs.waist),
+        ]);
+    }
+    table.text()
+}
+
+/// The tube and what it is at rest.
+struct Subject {
+    tube: TwistedTube,
+    rest: TriangleMesh,
+    weights: SkinWeights,
+    volume: f64,
+}
+
+impl Subject {
+    fn new(tube: TwistedTube) -> Outcome<Self> {
+        let rest = tube.mesh()?;
+        let weights = tube.weights()?;
+        let volume = rest.signed_volume();
+        Ok(Self {
+            tube,
+            rest,
+            weights,
+            volume,
+        })
+    }
+
+    fn posed(&self, method: SkinningMethod, degrees: f64) -> Outcome<TriangleMesh> {
+        let transforms = TwistedTube::transforms(degrees.to_radians());
+        Ok(method.mesh(&self.rest, &self.weights, &transforms)?)
+    }
+
+    fn kept(&self, method: SkinningMethod, degrees: f64) -> Outcome<Kept> {
+        let posed = self.posed(method, degrees)?;
+        let radii = self.tube.ring_radii(&posed).into_iter();
+        let waist = radii.fold(f64::INFINITY, |least, (_, radius)| least.min(radius));
+        Ok(Kept {
+            volume: posed.signed_volume() / self.volume,
+            waist: waist / self.tube.radius,
+        })
+    }
+
+    /// Volumes up to `furthest` degrees, and the tube's outline there.
+    fn picture(&self, furthest: f64) -> Outcome<Figure> {
+        const STEPS: u32 = 36;
+        let mut volumes = Chart::new("Volume kept")
+            .x(Axis::linear("twist, degrees"))
+            .y(Axis::linear("volume, %").range(0.0, 105.0));
+        let mut outline = Chart::new(format!("Radius at {furthest} degrees"))
+            .x(Axis::linear("place along the tube"))
+            .y(Axis::linear("radius").range(0.0, 1.05 * self.tube.radius));
+        for method in SkinningMethod::ALL {
+            let mut points = Vec::new();
+            for step in 0..=STEPS {
+                let degrees = furthest * f64::from(step) / f64::from(STEPS);
+                points.push((degrees, 100.0 * self.kept(method, degrees)?.volume));
+            }
+            volumes = volumes.series(method.name(), points);
+            let posed = self.posed(method, furthest)?;
+            outline = outline.series(method.name(), self.tube.ring_radii(&posed));
+        }
+        let figure = Figure::new("A tube of two bones, twisted");
+        Ok(figure.chart(volumes).chart(outline))
+    }
+}
