@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use glam::Vec3;
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback};
-use kinopt::skinning::{LinearBlend, SkinWeights, single_precision_transform};
+use kinopt::skinning::{Deformation, LinearBlend, SkinWeights, single_precision_transform};
 
 use super::{Run, Stage, single};
 use crate::{Sequence, at_ease, figure};
