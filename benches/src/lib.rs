@@ -1,11 +1,13 @@
 //! What the benches of kinopt share: models built in code and numbers that never change.
 #![allow(clippy::expect_used)]
 
+mod animated;
 mod arm_poses;
 mod drag;
 mod figure;
 mod sequence;
 
+pub use animated::{Keying, armature, clip};
 pub use arm_poses::{ArmPoses, chain, random_configuration, random_poses, smooth_path};
 pub use drag::{at_ease, drag_targets};
 pub use figure::{every_angle_free, figure, random_targets};

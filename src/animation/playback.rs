@@ -17,11 +17,15 @@ pub enum Playback {
 }
 
 impl Playback {
-    /// The time within the span `[start, end]` that looks as `time` does; all in seconds.
+    /// The time within the span `[start, end]` that looks as `time` does; all in seconds. NaN, and
+    /// an infinite time of motion that repeats, counts as the start.
     #[must_use]
     pub fn within(self, time: f64, [start, end]: [f64; 2]) -> f64 {
         if (start..=end).contains(&time) || start >= end {
             return time.max(start).min(end);
+        }
+        if !time.is_finite() && self != Self::Hold {
+            return start;
         }
         let length = end - start;
         match self {

@@ -136,13 +136,23 @@ impl<V: CurveValue> KeyedCurve<V> {
     #[must_use]
     pub fn at(&self, time: V::Real) -> V {
         let (key, u) = self.place(time);
+        self.within(key, u)
+    }
+
+    /// The value at u in [0, 1] of the way from a key to the next; u counts as 0 after the last key.
+    pub(crate) fn within(&self, key: usize, u: V::Real) -> V {
         let start = self.values[key];
-        // `place` says u = 0 where there is no segment after the key.
         match (&self.between, self.values.get(key + 1)) {
+            (Between::Step, Some(&end)) if u >= V::Real::from(1.0) => end,
             (Between::Linear, Some(&end)) => lerp(start, end, u),
             (Between::Cubic(rates), Some(&end)) => self.segment(key, rates, end).position(u),
             _ => start,
         }
+    }
+
+    /// Whether it runs straight from key to key.
+    pub(crate) fn is_linear(&self) -> bool {
+        matches!(self.between, Between::Linear)
     }
 
     /// The rate of change per unit of time; at a key that of the segment after it. Zero outside the

@@ -14,6 +14,7 @@ pub use catmull_rom::{Knots, catmull_rom, catmull_rom_at_knots};
 pub use hermite::Hermite;
 pub use keyed::KeyedCurve;
 pub use keys::{KeyError, KeyRepair, repair_keys};
+pub(crate) use keys::{check_count, check_times};
 pub use kochanek_bartels::TensionContinuityBias;
 pub use linear::lerp;
 pub use value::{CurveValue, Real};

@@ -1,0 +1,168 @@
+//! A clip's channels as they are sampled: the common kinds packed key by key, the others as curves.
+
+use glam::{Quat, Vec3A, Vec4};
+
+use super::arcs::{Arc, WIDTH, weights};
+use super::timeline::{Place, TimelineId};
+use crate::animation::curve::{KeyedCurve, lerp};
+use crate::animation::rotation::RotationCurve;
+use crate::animation::{EulerCurve, Pose};
+
+/// All moving channels of a clip.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Tracks {
+    pub(super) translations: Vectors,
+    pub(super) scales: Vectors,
+    pub(super) slerps: Slerps,
+    pub(super) rotations: Vec<Curved<RotationCurve>>,
+    pub(super) eulers: Vec<Curved<EulerCurve>>,
+    pub(super) morphs: Vec<Curved<KeyedCurve<f32>>>,
+}
+
+/// Which bone a packed track moves, where its keys start, and when they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Packed {
+    bone: u32,
+    timeline: TimelineId,
+    first: u32,
+}
+
+/// A curve of a bone or a morph target.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Curved<C> {
+    target: usize,
+    timeline: TimelineId,
+    curve: C,
+}
+
+impl<C> Curved<C> {
+    pub(super) fn new(target: usize, timeline: TimelineId, curve: C) -> Self {
+        Self {
+            target,
+            timeline,
+            curve,
+        }
+    }
+}
+
+/// Translations or scales.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Vectors {
+    linear: Vec<Packed>,
+    keys: Vec<Vec3A>,
+    curved: Vec<Curved<KeyedCurve<Vec3A>>>,
+}
+
+/// Rotations at constant speed from key to key.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Slerps {
+    tracks: Vec<Packed>,
+    keys: Vec<Quat>,
+    /// From each key to the next; meaningless after a track's last.
+    arcs: Vec<Arc>,
+}
+
+impl Packed {
+    /// Where the track's key is, and how far on to the next.
+    #[inline(always)]
+    fn at(&self, places: &[Place]) -> (usize, f32) {
+        let place = places[self.timeline.index()];
+        ((self.first + place.key) as usize, place.u)
+    }
+}
+
+impl Vectors {
+    pub(super) fn add(&mut self, bone: usize, timeline: TimelineId, curve: KeyedCurve<Vec3A>) {
+        if !curve.is_linear() {
+            self.curved.push(Curved::new(bone, timeline, curve));
+            return;
+        }
+        self.linear.push(Packed {
+            bone: bone as u32,
+            timeline,
+            first: self.keys.len() as u32,
+        });
+        self.keys.extend_from_slice(curve.values());
+    }
+
+    fn sample(&self, places: &[Place], out: &mut [Vec3A]) {
+        for track in &self.linear {
+            let (key, u) = track.at(places);
+            if let [from, to] = self.keys[key..key + 2] {
+                out[track.bone as usize] = lerp(from, to, u);
+            }
+        }
+        for track in &self.curved {
+            let place = places[track.timeline.index()];
+            out[track.target] = track.curve.within(place.key as usize, place.u);
+        }
+    }
+}
+
+impl Slerps {
+    pub(super) fn add(&mut self, bone: usize, timeline: TimelineId, keys: &[Quat]) {
+        self.tracks.push(Packed {
+            bone: bone as u32,
+            timeline,
+            first: self.keys.len() as u32,
+        });
+        self.keys.extend_from_slice(keys);
+        let arcs = keys.iter().zip(keys.iter().skip(1).chain(keys.last()));
+        self.arcs
+            .extend(arcs.map(|(&from, &to)| Arc::between(from, to)));
+    }
+
+    fn sample(&self, places: &[Place], out: &mut [Quat]) {
+        let mut groups = self.tracks.chunks_exact(WIDTH);
+        for group in groups.by_ref() {
+            if let Ok(group) = <&[Packed; WIDTH]>::try_from(group) {
+                self.sample_group(group, places, out);
+            }
+        }
+        for track in groups.remainder() {
+            self.sample_group(&[*track], places, out);
+        }
+    }
+
+    #[inline(always)]
+    fn sample_group<const N: usize>(
+        &self,
+        group: &[Packed; N],
+        places: &[Place],
+        out: &mut [Quat],
+    ) {
+        let at = group.each_ref().map(|track| track.at(places));
+        let arcs = at.map(|(key, _)| self.arcs[key]);
+        let to = weights(&at.map(|(_, u)| u), &arcs);
+        let from = weights(&at.map(|(_, u)| 1.0 - u), &arcs);
+        for lane in 0..N {
+            let key = at[lane].0;
+            if let [start, end] = self.keys[key..key + 2] {
+                let sum = Vec4::from(start) * from[lane] + Vec4::from(end) * to[lane];
+                out[group[lane].bone as usize] = Quat::from_vec4(sum);
+            }
+        }
+    }
+}
+
+impl Tracks {
+    /// Writes every moving property into a pose of the clip's armature.
+    pub(super) fn sample(&self, places: &[Place], pose: &mut Pose) {
+        self.translations.sample(places, &mut pose.translations);
+        self.scales.sample(places, &mut pose.scales);
+        self.slerps.sample(places, &mut pose.rotations);
+        for track in &self.rotations {
+            let place = places[track.timeline.index()];
+            pose.rotations[track.target] = track.curve.within(place.key as usize, place.u);
+        }
+        for track in &self.eulers {
+            let place = places[track.timeline.index()];
+            let angles = track.curve.angles.within(place.key as usize, place.u);
+            pose.rotations[track.target] = track.curve.rotation(angles);
+        }
+        for track in &self.morphs {
+            let place = places[track.timeline.index()];
+            pose.morph_weights[track.target] = track.curve.within(place.key as usize, place.u);
+        }
+    }
+}
