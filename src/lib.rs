@@ -52,6 +52,7 @@ pub mod animation;
 #[cfg(feature = "argmin")]
 pub mod argmin_bridge;
 pub mod arm;
+pub mod geometric;
 pub mod ik;
 pub mod io;
 pub mod kinematics;

@@ -12,6 +12,5 @@ pub use error::SolveError;
 pub use restarts::Restarts;
 pub use solution::{ActiveLimit, RowsReport, Side, Solution, TaskReport};
 pub use solver::Solver;
-#[cfg(feature = "argmin")]
 pub(crate) use solver::check_start;
 pub use workspace::Workspace;

@@ -50,10 +50,10 @@ impl Trial {
 /// How often to try again, and from where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Restarts {
-    pub(super) attempts: usize,
+    pub(crate) attempts: usize,
     pub(super) seed: u64,
-    pub(super) agreeing: usize,
-    pub(super) steps: usize,
+    pub(crate) agreeing: usize,
+    pub(crate) steps: usize,
 }
 
 impl Default for Restarts {
@@ -134,7 +134,7 @@ impl Restarts {
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
     /// place, even ones go there. The first attempts after the start leave what is not free to
     /// `wander` where it is, and all leave alone what no task feels.
-    pub(super) fn start_of(
+    pub(crate) fn start_of(
         &self,
         index: usize,
         start: &[f64],

@@ -6,12 +6,14 @@
 
 mod forward;
 mod geometric_jacobian;
+mod joint_axis;
 mod reverse;
 mod state;
 mod tree;
 
 pub use forward::{ForwardKinematics, KinematicsError};
 pub(crate) use geometric_jacobian::Partials;
+pub(crate) use joint_axis::JointAxis;
 pub(crate) use reverse::{Wrench, Wrenches};
 pub(crate) use state::TreeState;
 pub(crate) use tree::{FrameSlot, Tree};

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use crate::kinematics::Tree;
 use crate::model::{Limits, Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
-use compiled_task::CompiledTask;
+pub(crate) use compiled_task::CompiledTask;
 
 /// A task of one problem, with the type of its residual.
 #[derive(Debug)]
@@ -195,6 +195,16 @@ impl Problem {
     pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
         self.lower.copy_from_slice(lower);
         self.upper.copy_from_slice(upper);
+    }
+
+    /// The compiled kinematics that the tasks' slots refer to.
+    pub(crate) fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// The tasks in order.
+    pub(crate) fn compiled_tasks(&self) -> &[CompiledTask] {
+        &self.tasks
     }
 
     pub(crate) fn names(&self) -> &Arc<Names> {

@@ -236,6 +236,14 @@ impl Memory {
         (&self.gradient, self.column_norm)
     }
 
+    /// Makes room for the slope of a problem that no search has started on.
+    pub(crate) fn take_shape(&mut self, rows: usize, variables: usize) {
+        self.gradient.resize(variables, 0.0);
+        if self.jacobian.shape() != (rows, variables) {
+            self.jacobian = DMatrix::zeros(rows, variables);
+        }
+    }
+
     fn list_free(&mut self, problem: &dyn LeastSquares) {
         list_free(
             &self.x,

@@ -20,12 +20,10 @@ mod snapshot;
 mod stopping;
 
 pub use active_set::project;
-#[cfg(feature = "argmin")]
 pub(crate) use active_set::projected_gradient_norm;
 pub use gauss_newton::GaussNewton;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt};
-#[cfg(feature = "argmin")]
 pub(crate) use memory::half_squared;
 pub use memory::{Counts, Memory};
 pub use method::{Method, Step};

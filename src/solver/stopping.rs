@@ -66,6 +66,18 @@ impl Stopping {
         self
     }
 
+    /// The most steps of one search.
+    #[must_use]
+    pub fn max_iterations(&self) -> usize {
+        self.max_iterations
+    }
+
+    /// After how many steps that do not halve the cost a search gives up, if it does.
+    #[must_use]
+    pub fn patience(&self) -> Option<usize> {
+        self.patience
+    }
+
     /// The share of the gradient's scale that counts as stationary.
     #[must_use]
     pub fn gradient_tolerance(&self) -> f64 {

@@ -23,6 +23,12 @@ impl Orientation {
         }
     }
 
+    /// The axes that the frame should have, in columns (world_from_frame).
+    #[must_use]
+    pub fn target(&self) -> Matrix3<f64> {
+        self.target
+    }
+
     /// Changes the target.
     pub fn set_target(&mut self, target: impl Into<Matrix3<f64>>) {
         self.target = target.into();

@@ -33,6 +33,12 @@ impl Point {
         self
     }
 
+    /// The point, in frame coordinates.
+    #[must_use]
+    pub fn offset(&self) -> Vector3<f64> {
+        self.offset
+    }
+
     /// Where the point should be, in world coordinates.
     #[must_use]
     pub fn target(&self) -> Vector3<f64> {

@@ -25,6 +25,12 @@ impl Pose {
         }
     }
 
+    /// Where the frame should stand (world_from_frame).
+    #[must_use]
+    pub fn target(&self) -> Placement<f64> {
+        self.target
+    }
+
     /// Moves the target.
     pub fn set_target(&mut self, target: impl Into<Placement<f64>>) {
         self.target = target.into();

@@ -1,0 +1,278 @@
+//! Cyclic coordinate descent: every joint in turn does the best it can.
+
+use super::goal::{Goal, goals};
+use super::search::{self, Limits, Sweep};
+use super::turn::{Knob, Slide, Turn, turned};
+use super::{Geometric, GeometricError};
+use crate::ik::{Restarts, Solution};
+use crate::kinematics::{JointAxis, TreeState};
+use crate::model::Limits as Range;
+use crate::problem::Problem;
+use crate::solver::{Observer, Stopping};
+use crate::spatial::{Placement, Vector3};
+
+/// Cyclic coordinate descent (Wang & Chen 1991): from the tips to the root each joint turns about
+/// its own axis, by the signed angle that brings what it carries nearest to its goals, clamped into
+/// its limits before the next joint moves. Sliding joints slide by what is left along their axis.
+///
+/// Any number of point, pose and orientation tasks, on revolute, continuous and prismatic joints.
+/// What each joint lowers is the sum of the tasks' weighted squared errors, with the chord
+/// ½ Σ ‖cᵢ − tᵢ‖² of the three axes in place of an orientation's squared angle (the same where the
+/// angle is small). Locked joints do not move; a variable that moves several joints takes damped
+/// Gauss-Newton steps of its own before each sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ccd {
+    limits: Limits,
+}
+
+impl Default for Ccd {
+    /// The optimisers' tolerances; an iteration is a sweep over all joints. Up to 500 of them an
+    /// attempt, which ends when 60 do not halve the cost, and restarts until 2 000 are spent.
+    fn default() -> Self {
+        Self {
+            limits: Limits::usual(),
+        }
+    }
+}
+
+impl Ccd {
+    /// Sets the limits of each attempt; the time limit is for all of them together.
+    #[must_use]
+    pub fn with_stopping(mut self, stopping: Stopping) -> Self {
+        self.limits.stopping = stopping;
+        self
+    }
+
+    /// Sets how often to try again. A chain that is stretched towards its target does not start to
+    /// bend by itself: [`Restarts::none`] is the bare method.
+    #[must_use]
+    pub fn with_restarts(mut self, restarts: Restarts) -> Self {
+        self.limits.restarts = restarts;
+        self
+    }
+}
+
+impl Geometric for Ccd {
+    fn name(&self) -> &'static str {
+        "ccd"
+    }
+
+    fn solve_observed(
+        &self,
+        problem: &Problem,
+        start: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Solution, GeometricError> {
+        let mut descent = Descent::new(problem, goals(problem, "CCD")?);
+        search::solve(problem, start, self.limits, &mut descent, observer)
+    }
+}
+
+struct Descent<'a> {
+    problem: &'a Problem,
+    state: TreeState<f64>,
+    goals: Vec<Goal>,
+    /// Where each goal's frame stands now.
+    placed: Vec<Placement<f64>>,
+    /// By joint: the goals that it moves.
+    moves: Vec<Vec<usize>>,
+    /// By variable: the joints that it moves.
+    drives: Vec<Vec<usize>>,
+}
+
+impl<'a> Descent<'a> {
+    fn new(problem: &'a Problem, goals: Vec<Goal>) -> Self {
+        let tree = problem.tree();
+        let mut moves = vec![Vec::new(); tree.joints()];
+        for (index, goal) in goals.iter().enumerate() {
+            let first = tree.joint_carrying(goal.frame);
+            for joint in std::iter::successors(first, |&joint| tree.joint_above(joint)) {
+                moves[joint].push(index);
+            }
+        }
+        let mut drives = vec![Vec::new(); problem.variables()];
+        for joint in (0..tree.joints()).filter(|&joint| !moves[joint].is_empty()) {
+            drives[tree.variable_of(joint).0].push(joint);
+        }
+        Self {
+            problem,
+            state: TreeState::new(tree),
+            placed: vec![Placement::identity(); goals.len()],
+            goals,
+            moves,
+            drives,
+        }
+    }
+
+    fn forward(&mut self, x: &[f64]) {
+        self.problem.tree().forward(x, &mut self.state);
+        let frames = self.state.frames();
+        for (placed, goal) in self.placed.iter_mut().zip(&self.goals) {
+            *placed = frames[goal.frame];
+        }
+    }
+
+    fn knob(&self, joint: usize) -> (usize, Knob) {
+        let (variable, ratio) = self.problem.tree().variable_of(joint);
+        let bounds = Range::new(
+            self.problem.lower()[variable],
+            self.problem.upper()[variable],
+        );
+        (variable, Knob { bounds, ratio })
+    }
+
+    /// What the goals want of a turning joint.
+    fn turn(&self, joint: usize, axis: &JointAxis) -> Turn {
+        let mut turn = Turn::default();
+        for &index in &self.moves[joint] {
+            let (goal, frame) = (&self.goals[index], &self.placed[index]);
+            if let Some(place) = goal.place {
+                let (at, to) = (frame.apply(goal.offset), place.target);
+                let weight = place.weight;
+                turn.pull(axis.direction, at - axis.origin, to - axis.origin, weight);
+            }
+            if let Some(axes) = goal.axes {
+                let (now, target) = (frame.rotation, axes.target);
+                for (u, v) in [(now.x, target.x), (now.y, target.y), (now.z, target.z)] {
+                    turn.pull(axis.direction, u, v, 0.5 * axes.weight);
+                }
+            }
+        }
+        turn
+    }
+
+    /// What the goals want of a sliding joint.
+    fn slide(&self, joint: usize, axis: &JointAxis) -> Slide {
+        let mut slide = Slide::default();
+        for &index in &self.moves[joint] {
+            let (goal, frame) = (&self.goals[index], &self.placed[index]);
+            if let Some(place) = goal.place {
+                slide.pull(axis, place.target - frame.apply(goal.offset), place.weight);
+            }
+        }
+        slide
+    }
+
+    /// Does the best with one joint, and carries the goals' frames along. Joints towards the tips
+    /// are not looked at again in this sweep, so nothing else need be placed anew.
+    fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
+        let axis = self.problem.tree().axis(&self.state, joint);
+        let (variable, knob) = self.knob(joint);
+        let room = knob.room(x[variable]);
+        let by = match axis.turns {
+            true => self.turn(joint, &axis).best(room),
+            false => self.slide(joint, &axis).best(room),
+        };
+        x[variable] = knob.moved(x[variable], by);
+        let carried = match axis.turns {
+            true => {
+                let turn = turned(axis.direction, by);
+                Placement::new(turn, axis.origin - turn * axis.origin)
+            }
+            false => Placement::translation(axis.direction * by),
+        };
+        for &index in &self.moves[joint] {
+            self.placed[index] = carried * self.placed[index];
+        }
+    }
+
+    /// The cost that the turns lower.
+    fn chord_cost(&self) -> f64 {
+        let of = |(goal, frame): (&Goal, &Placement<f64>)| {
+            let place = goal.place.map_or(0.0, |place| {
+                place.weight * (frame.apply(goal.offset) - place.target).norm_squared()
+            });
+            let axes = goal.axes.map_or(0.0, |axes| {
+                let (now, target) = (frame.rotation, axes.target);
+                let chords = [now.x - target.x, now.y - target.y, now.z - target.z];
+                let squared: f64 = chords.iter().map(|chord| chord.norm_squared()).sum();
+                0.5 * axes.weight * squared
+            });
+            0.5 * (place + axes)
+        };
+        self.goals.iter().zip(&self.placed).map(of).sum()
+    }
+
+    /// Minus the slope of the cost along a variable, and its curvature by Gauss and Newton. The goals'
+    /// velocities per unit of the variable add up over the joints that it moves.
+    fn slope(&self, variable: usize) -> (f64, f64) {
+        let tree = self.problem.tree();
+        let (mut slope, mut curvature) = (0.0, 0.0);
+        for (index, goal) in self.goals.iter().enumerate() {
+            let frame = &self.placed[index];
+            let at = frame.apply(goal.offset);
+            let (mut velocity, mut spin) = (Vector3::zero(), Vector3::zero());
+            let moving = self.drives[variable].iter();
+            for &joint in moving.filter(|&&joint| self.moves[joint].contains(&index)) {
+                let axis = tree.axis(&self.state, joint);
+                let share = axis.direction * tree.variable_of(joint).1;
+                if axis.turns {
+                    velocity += share.cross(at - axis.origin);
+                    spin += share;
+                } else {
+                    velocity += share;
+                }
+            }
+            if let Some(place) = goal.place {
+                slope += place.weight * velocity.dot(place.target - at);
+                curvature += place.weight * velocity.norm_squared();
+            }
+            if let Some(axes) = goal.axes {
+                let (now, target) = (frame.rotation, axes.target);
+                for (u, v) in [(now.x, target.x), (now.y, target.y), (now.z, target.z)] {
+                    let velocity = spin.cross(u);
+                    slope += 0.5 * axes.weight * velocity.dot(v - u);
+                    curvature += 0.5 * axes.weight * velocity.norm_squared();
+                }
+            }
+        }
+        (slope, curvature)
+    }
+
+    /// A Gauss-Newton step along one variable, halved until it lowers the cost.
+    fn move_shared(&mut self, variable: usize, x: &mut [f64]) {
+        const HALVINGS: usize = 10;
+        self.forward(x);
+        let before = self.chord_cost();
+        let (slope, curvature) = self.slope(variable);
+        let (lower, upper) = (
+            self.problem.lower()[variable],
+            self.problem.upper()[variable],
+        );
+        let from = x[variable];
+        let mut step = if curvature > 0.0 {
+            slope / curvature
+        } else {
+            0.0
+        };
+        for _ in 0..HALVINGS {
+            x[variable] = Range::new(lower, upper).clamp(from + step);
+            self.forward(x);
+            if self.chord_cost() < before {
+                return;
+            }
+            step *= 0.5;
+        }
+        x[variable] = from;
+    }
+}
+
+impl Sweep for Descent<'_> {
+    fn begin(&mut self, _x: &[f64]) {}
+
+    fn sweep(&mut self, x: &mut [f64]) {
+        for variable in 0..self.drives.len() {
+            if self.drives[variable].len() > 1 {
+                self.move_shared(variable, x);
+            }
+        }
+        self.forward(x);
+        // Joints are numbered parents first, so this is from the tips to the root.
+        for joint in (0..self.moves.len()).rev() {
+            let (variable, _) = self.problem.tree().variable_of(joint);
+            if !self.moves[joint].is_empty() && self.drives[variable].len() == 1 {
+                self.move_joint(joint, x);
+            }
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! From points to joints: from the base out, each group of joints brings its points where they
+//! should be, within limits.
+
+use super::joint_points::{Group, JointPoints};
+use super::turn::{Knob, Turn, turned, two_turns};
+use crate::kinematics::{JointAxis, TreeState};
+use crate::model::Limits;
+use crate::problem::Problem;
+use crate::spatial::Vector3;
+
+/// How often the joints of one group are gone through where the closed form does not do.
+const CYCLES: usize = 4;
+
+/// A miss of this share of the model's reach is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// A problem's joints following points.
+pub(super) struct Fit<'a> {
+    problem: &'a Problem,
+    joint_points: JointPoints,
+    /// By point: the point that its bone turns about.
+    centres: Vec<Option<usize>>,
+    /// By joint: whether no joint nearer to the base has the same variable.
+    leads: Vec<bool>,
+    /// A miss that further turns cannot mend.
+    rounding: f64,
+    state: TreeState<f64>,
+}
+
+impl<'a> Fit<'a> {
+    pub(super) fn new(problem: &'a Problem, joint_points: JointPoints) -> Self {
+        let tree = problem.tree();
+        let linkage = joint_points.linkage();
+        let points = 0..joint_points.points.len();
+        let mut taken = vec![false; problem.variables()];
+        let mut lead = |joint| {
+            let (variable, _) = tree.variable_of(joint);
+            !std::mem::replace(&mut taken[variable], true)
+        };
+        Self {
+            problem,
+            centres: points.map(|point| linkage.parent(point)).collect(),
+            leads: (0..tree.joints()).map(&mut lead).collect(),
+            rounding: ROUNDING * problem.reach(),
+            state: TreeState::new(tree),
+            joint_points,
+        }
+    }
+
+    /// Where the points are for the variables `x`.
+    pub(super) fn points_at(&mut self, x: &[f64], points: &mut [Vector3<f64>]) {
+        self.problem.tree().forward(x, &mut self.state);
+        for (k, point) in points.iter_mut().enumerate() {
+            *point = self.point(k);
+        }
+    }
+
+    /// Moves the variables so that the points come near `wanted`.
+    pub(super) fn follow(&mut self, wanted: &[Vector3<f64>], x: &mut [f64]) {
+        for index in 0..self.joint_points.groups.len() {
+            let group = std::mem::take(&mut self.joint_points.groups[index]);
+            self.serve(&group, wanted, x);
+            self.joint_points.groups[index] = group;
+        }
+    }
+
+    /// The joints that bring one point where it should be, from the base out.
+    pub(super) fn joints_for(&self, point: usize) -> &[usize] {
+        let mut groups = self.joint_points.groups.iter();
+        let group = groups.find(|group| group.serves == [point]);
+        group.map_or(&[], |group| &group.joints)
+    }
+
+    /// The axis of a joint after the last forward pass.
+    pub(super) fn axis(&self, joint: usize) -> JointAxis {
+        self.problem.tree().axis(&self.state, joint)
+    }
+
+    /// Turns one joint until `point` is at `distance` from the point `root`, which it does not move:
+    /// counter-clockwise of where the point is farthest, or clockwise. As near to that as it gets.
+    pub(super) fn bend(
+        &mut self,
+        joint: usize,
+        [root, point]: [usize; 2],
+        (distance, counter_clockwise): (f64, bool),
+        x: &mut [f64],
+    ) {
+        self.problem.tree().forward(x, &mut self.state);
+        let JointAxis {
+            direction, origin, ..
+        } = self.axis(joint);
+        let (u, w) = (origin - self.point(root), self.point(point) - origin);
+        // ‖u + R(φ) w‖² = ‖u‖² + ‖w‖² + 2 (u∥ w∥ + cosine cos φ + sine sin φ)
+        let along = direction.dot(u) * direction.dot(w);
+        let (cosine, sine) = (u.dot(w) - along, direction.dot(w.cross(u)));
+        let squares = distance * distance - u.norm_squared() - w.norm_squared();
+        let size = cosine.hypot(sine);
+        if !self.leads[joint] || size <= self.rounding * self.rounding {
+            return;
+        }
+        let apart = ((0.5 * squares - along) / size).clamp(-1.0, 1.0).acos();
+        let farthest = sine.atan2(cosine);
+        let angle = match counter_clockwise {
+            true => farthest + apart,
+            false => farthest - apart,
+        };
+        let (variable, knob) = self.knob(joint);
+        let by = Turn::towards(angle).best(knob.room(x[variable]));
+        x[variable] = knob.moved(x[variable], by);
+    }
+
+    /// Brings the points of one group near `wanted`.
+    pub(super) fn serve(&mut self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) {
+        self.problem.tree().forward(x, &mut self.state);
+        let mut missed = self.missed(group, wanted);
+        if missed > self.rounding && self.point_with_two(group, wanted, x) {
+            self.problem.tree().forward(x, &mut self.state);
+            missed = self.missed(group, wanted);
+        }
+        for _ in 0..CYCLES {
+            if missed <= self.rounding {
+                break;
+            }
+            self.turn_each(group, wanted, x);
+            self.problem.tree().forward(x, &mut self.state);
+            let left = self.missed(group, wanted);
+            if left > 0.99 * missed {
+                break;
+            }
+            missed = left;
+        }
+    }
+
+    fn point(&self, index: usize) -> Vector3<f64> {
+        let point = &self.joint_points.points[index];
+        match point.joint {
+            Some(joint) => self.problem.tree().carried(&self.state, joint, point.local),
+            None => point.local,
+        }
+    }
+
+    /// How far the group's points are from where its joints could at best bring each of them: its
+    /// place, if that is at the right distance.
+    fn missed(&self, group: &Group, wanted: &[Vector3<f64>]) -> f64 {
+        let miss = |&k: &usize| (self.aim(group, k, wanted) - self.point(k)).norm_squared();
+        let squared = group.serves.iter().map(miss);
+        squared.sum::<f64>().sqrt()
+    }
+
+    /// Where a point should be, seen from where its bone's centre really is: in the direction of its
+    /// place, at the bone's length.
+    fn aim(&self, group: &Group, point: usize, wanted: &[Vector3<f64>]) -> Vector3<f64> {
+        let Some(centre) = self.centre(group, point) else {
+            return wanted[point];
+        };
+        let way = wanted[point] - centre;
+        let (length, distance) = ((self.point(point) - centre).norm(), way.norm());
+        match distance > 0.0 {
+            true => way.mul_add(length / distance, centre),
+            false => self.point(point),
+        }
+    }
+
+    /// Where the point that a group turns `point` about is.
+    fn centre(&self, group: &Group, point: usize) -> Option<Vector3<f64>> {
+        let centre = group.about.or(self.centres[point]);
+        centre.map(|centre| self.point(centre))
+    }
+
+    fn knob(&self, joint: usize) -> (usize, Knob) {
+        let (variable, ratio) = self.problem.tree().variable_of(joint);
+        let bounds = Limits::new(
+            self.problem.lower()[variable],
+            self.problem.upper()[variable],
+        );
+        (variable, Knob { bounds, ratio })
+    }
+
+    /// Points a bone in closed form with the last two joints of its group, where their axes meet in
+    /// the bone's centre. Says whether it moved them.
+    fn point_with_two(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) -> bool {
+        let ([point], [.., outer, inner]) = (&*group.serves, &*group.joints) else {
+            return false;
+        };
+        let Some(centre) = self.centre(group, *point) else {
+            return false;
+        };
+        let tree = self.problem.tree();
+        let [outer_axis, inner_axis] = [outer, inner].map(|&j| tree.axis(&self.state, j));
+        let meets = |axis: &JointAxis| {
+            axis.direction.cross(centre - axis.origin).norm() <= self.joint_points.same
+        };
+        let leads = self.leads[*outer] && self.leads[*inner];
+        if !(leads && meets(&outer_axis) && meets(&inner_axis)) {
+            return false;
+        }
+        let u = self.point(*point) - centre;
+        let v = self.aim(group, *point, wanted) - centre;
+        let Some(ways) = two_turns(outer_axis.direction, inner_axis.direction, u, v) else {
+            return false;
+        };
+        let [(first, outer_knob), (second, inner_knob)] = [outer, inner].map(|&j| self.knob(j));
+        let mut best = ((u - v).norm(), None);
+        for (by_outer, by_inner) in ways {
+            let outer_turn = Turn::towards(by_outer).best(outer_knob.room(x[first]));
+            let inner_turn = Turn::towards(by_inner).best(inner_knob.room(x[second]));
+            let turn =
+                turned(outer_axis.direction, outer_turn) * turned(inner_axis.direction, inner_turn);
+            let left = (turn * u - v).norm();
+            let effort = outer_turn.abs() + inner_turn.abs();
+            let same = (left - best.0).abs() <= self.rounding;
+            let less = best.1.is_some_and(|(_, _, most)| effort < most);
+            if (same && less) || (!same && left < best.0) {
+                best = (left, Some((outer_turn, inner_turn, effort)));
+            }
+        }
+        let Some((outer_turn, inner_turn, _)) = best.1 else {
+            return false;
+        };
+        x[first] = outer_knob.moved(x[first], outer_turn);
+        x[second] = inner_knob.moved(x[second], inner_turn);
+        true
+    }
+
+    /// One sweep of coordinate descent within a group, from its last joint to its first, so that no
+    /// axis moves before its turn.
+    fn turn_each(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) {
+        let tree = self.problem.tree();
+        let points = group.serves.iter();
+        let mut points: Vec<(Vector3<f64>, Vector3<f64>)> = points
+            .map(|&k| (self.point(k), self.aim(group, k, wanted)))
+            .collect();
+        for &joint in group
+            .joints
+            .iter()
+            .rev()
+            .filter(|&&joint| self.leads[joint])
+        {
+            let axis = tree.axis(&self.state, joint);
+            let mut turn = Turn::default();
+            for &(at, to) in &points {
+                turn.pull(axis.direction, at - axis.origin, to - axis.origin, 1.0);
+            }
+            let (variable, knob) = self.knob(joint);
+            let by = turn.best(knob.room(x[variable]));
+            x[variable] = knob.moved(x[variable], by);
+            let turn = turned(axis.direction, by);
+            for (at, _) in &mut points {
+                *at = turn * (*at - axis.origin) + axis.origin;
+            }
+        }
+    }
+}

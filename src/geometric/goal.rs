@@ -1,0 +1,79 @@
+//! What the tasks of a problem ask, as geometry: points with places, axes with directions.
+
+use super::GeometricError;
+use crate::kinematics::FrameSlot;
+use crate::problem::Problem;
+use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::task::{Orientation, Point, Pose, Quantity};
+
+/// Where something should be, and how much it counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Aim<T> {
+    pub(super) target: T,
+    /// The squared weight of the residual.
+    pub(super) weight: f64,
+}
+
+/// What one frame should do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Goal {
+    /// The position in the problem's list.
+    pub(super) task: usize,
+    pub(super) frame: FrameSlot,
+    /// The point of the frame that the place is for, in frame coordinates.
+    pub(super) offset: Vector3<f64>,
+    pub(super) place: Option<Aim<Vector3<f64>>>,
+    pub(super) axes: Option<Aim<Matrix3<f64>>>,
+}
+
+/// The kinds of tasks that [`goals`] reads.
+const VALID: &str = "`point`, `pose` or `orientation`";
+
+/// Reads the problem's tasks, in order. Rows of weight zero ask nothing.
+pub(super) fn goals(problem: &Problem, solver: &'static str) -> Result<Vec<Goal>, GeometricError> {
+    let mut goals = Vec::with_capacity(problem.tasks());
+    for (index, task) in problem.compiled_tasks().iter().enumerate() {
+        let weight = |quantity: Quantity| {
+            let mut blocks = task.blocks().filter(|block| block.quantity == quantity);
+            blocks.next().map_or(0.0, |block| block.weight)
+        };
+        let place = |target| aim(target, weight(Quantity::Metres));
+        let axes = |target| aim(target, weight(Quantity::Radians));
+        let residual = task.residual.as_any();
+        let (offset, place, axes) = if let Some(point) = residual.downcast_ref::<Point>() {
+            (point.offset(), place(point.target()), None)
+        } else if let Some(pose) = residual.downcast_ref::<Pose>() {
+            let Placement {
+                rotation,
+                translation,
+            } = pose.target();
+            (Vector3::zero(), place(translation), axes(rotation))
+        } else if let Some(orientation) = residual.downcast_ref::<Orientation>() {
+            (Vector3::zero(), None, axes(orientation.target()))
+        } else {
+            return Err(GeometricError::UnsupportedTask {
+                solver,
+                task: task.name().to_owned(),
+                valid: VALID,
+            });
+        };
+        if place.is_some() || axes.is_some() {
+            // All three kinds read exactly one frame.
+            goals.extend(task.frames.first().map(|&frame| Goal {
+                task: index,
+                frame,
+                offset,
+                place,
+                axes,
+            }));
+        }
+    }
+    Ok(goals)
+}
+
+fn aim<T>(target: T, weight: f64) -> Option<Aim<T>> {
+    (weight > 0.0).then_some(Aim {
+        target,
+        weight: weight * weight,
+    })
+}

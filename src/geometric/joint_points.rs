@@ -1,0 +1,301 @@
+//! The points where a problem's joints turn, and which joints bring which points where.
+//!
+//! A joint stands at a point. Where its axis runs through the next points as well (a bone's twist
+//! about itself, the turning base of a robot), it moves only what is beyond: it then serves
+//! together with the joints there. So the last twist of an upper arm and the bend of a forearm, or
+//! the joints 3 and 4 of a seven-joint arm, point the forearm together.
+
+use super::GeometricError;
+use super::goal::Goal;
+use super::linkage::{Linkage, Pin};
+use crate::kinematics::TreeState;
+use crate::problem::Problem;
+use crate::spatial::{Placement, Vector3};
+
+/// Points nearer than this share of the model's reach are one.
+const SAME: f64 = 1e-9;
+
+/// A point that a joint carries, or that is fixed in the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried {
+    /// The joint whose motion it follows; `None` for the world.
+    pub(super) joint: Option<usize>,
+    /// In that joint's coordinates, or the world's.
+    pub(super) local: Vector3<f64>,
+}
+
+/// Joints, from the base out, that bring the same points where they should be.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Group {
+    pub(super) joints: Vec<usize>,
+    pub(super) serves: Vec<usize>,
+    /// The point that the joints turn about, where that is not the parent of what they serve.
+    pub(super) about: Option<usize>,
+}
+
+/// A problem's joints as points.
+#[derive(Clone, Debug)]
+pub(super) struct JointPoints {
+    pub(super) points: Vec<Carried>,
+    pub(super) groups: Vec<Group>,
+    /// Points nearer than this are one.
+    pub(super) same: f64,
+    parents: Vec<Option<usize>>,
+    rest: Vec<Vector3<f64>>,
+    pins: Vec<Pin>,
+}
+
+impl JointPoints {
+    /// Lays the points out.
+    ///
+    /// # Errors
+    /// A sliding joint, or a goal without a place, each by name.
+    pub(super) fn new(
+        problem: &Problem,
+        goals: &[Goal],
+        solver: &'static str,
+    ) -> Result<Self, GeometricError> {
+        let tree = problem.tree();
+        if let Some(joint) = (0..tree.joints()).find(|&joint| !tree.turns(joint)) {
+            let (variable, _) = tree.variable_of(joint);
+            return Err(GeometricError::SlidingJoint {
+                solver,
+                joint: problem.names().variables[variable].clone(),
+            });
+        }
+        let mut layout = Layout::new(problem);
+        let mut pins = Vec::new();
+        for goal in goals {
+            let Some(place) = goal.place else {
+                return Err(GeometricError::UnsupportedTask {
+                    solver,
+                    task: problem.task_name(goal.task).unwrap_or_default().to_owned(),
+                    valid: "`point` or `pose`",
+                });
+            };
+            let offsets = std::iter::once((goal.offset, place.target));
+            // A frame's axes are held by two more of its points, as far out as a radian weighs.
+            let axes = goal.axes.into_iter().flat_map(|axes| {
+                let arm = (axes.weight / place.weight).sqrt();
+                let target = Placement::new(axes.target, place.target);
+                [[arm, 0.0, 0.0], [0.0, arm, 0.0]]
+                    .map(|local| (goal.offset + local.into(), target.apply(local.into())))
+            });
+            for (offset, target) in offsets.chain(axes) {
+                // A frame that nothing moves has no say.
+                pins.extend(layout.pin(goal, offset).map(|point| Pin { point, target }));
+            }
+        }
+        Ok(layout.finish(&pins))
+    }
+
+    /// The points with their distances.
+    pub(super) fn linkage(&self) -> Linkage {
+        Linkage::new(self.parents.clone(), &self.rest)
+    }
+
+    /// Which points should be where.
+    pub(super) fn pins(&self) -> &[Pin] {
+        &self.pins
+    }
+
+    /// Where the points are with all variables next to zero.
+    pub(super) fn rest(&self) -> &[Vector3<f64>] {
+        &self.rest
+    }
+}
+
+/// The layout in the making.
+struct Layout<'a> {
+    problem: &'a Problem,
+    state: TreeState<f64>,
+    same: f64,
+    /// By joint: the point it stands at.
+    at: Vec<usize>,
+    parents: Vec<Option<usize>>,
+    places: Vec<Vector3<f64>>,
+    points: Vec<Carried>,
+}
+
+impl<'a> Layout<'a> {
+    fn new(problem: &'a Problem) -> Self {
+        let tree = problem.tree();
+        let bounds = problem.lower().iter().zip(problem.upper());
+        let near_zero: Vec<f64> = bounds.map(|(l, u)| 0.0_f64.max(*l).min(*u)).collect();
+        let mut state = TreeState::new(tree);
+        tree.forward(&near_zero, &mut state);
+        let mut layout = Self {
+            problem,
+            state,
+            same: SAME * problem.reach(),
+            at: Vec::with_capacity(tree.joints()),
+            parents: Vec::new(),
+            places: Vec::new(),
+            points: Vec::new(),
+        };
+        for joint in 0..tree.joints() {
+            let origin = tree.axis(&layout.state, joint).origin;
+            let point = layout.point(tree.joint_above(joint), origin);
+            layout.at.push(point);
+        }
+        layout
+    }
+
+    /// The point at a place that a joint carries: that joint's own, one that is there already, or a
+    /// new one.
+    fn point(&mut self, carrier: Option<usize>, place: Vector3<f64>) -> usize {
+        let parent = carrier.map(|joint| self.at[joint]);
+        let is_here = |other: usize| (self.places[other] - place).norm() <= self.same;
+        if let Some(own) = parent.filter(|&own| is_here(own)) {
+            return own;
+        }
+        let siblings = (0..self.points.len()).filter(|&k| self.points[k].joint == carrier);
+        if let Some(known) = siblings.into_iter().find(|&k| is_here(k)) {
+            return known;
+        }
+        let local = match carrier {
+            Some(joint) => self.problem.tree().local_to(&self.state, joint, place),
+            None => place,
+        };
+        self.parents.push(parent);
+        self.places.push(place);
+        self.points.push(Carried {
+            joint: carrier,
+            local,
+        });
+        self.points.len() - 1
+    }
+
+    /// The point of a goal's frame at `offset`; `None` for a frame that no joint moves.
+    fn pin(&mut self, goal: &Goal, offset: Vector3<f64>) -> Option<usize> {
+        let carrier = self.problem.tree().joint_carrying(goal.frame)?;
+        let place = self.state.frames()[goal.frame].apply(offset);
+        Some(self.point(Some(carrier), place))
+    }
+
+    fn is_on_axis(&self, joint: usize, point: usize) -> bool {
+        let axis = self.problem.tree().axis(&self.state, joint);
+        let arm = self.places[point] - axis.origin;
+        axis.direction.cross(arm).norm() <= self.same
+    }
+
+    /// Finds out what each joint serves, from the tips to the root, and leaves out the points that
+    /// no joint turns about.
+    fn finish(mut self, pins: &[Pin]) -> JointPoints {
+        let tree = self.problem.tree();
+        let joints = tree.joints();
+        let is_pinned = |point: usize| pins.iter().any(|pin| pin.point == point);
+        // By joint: the first points beyond it, whether it moves none of them, what it serves.
+        let mut beyond: Vec<Vec<usize>> = vec![Vec::new(); joints];
+        let mut defers = vec![false; joints];
+        let mut serves: Vec<Vec<usize>> = vec![Vec::new(); joints];
+        let mut turns_here = vec![false; self.points.len()];
+        for joint in (0..joints).rev() {
+            let mut next = Vec::new();
+            let mut further = Vec::new();
+            let mut rigid = true;
+            for point in (0..self.points.len()).filter(|&p| self.points[p].joint == Some(joint)) {
+                let stands = turns_here[point] || is_pinned(point);
+                if stands {
+                    next.push(point);
+                }
+                for other in (joint + 1..joints).filter(|&k| self.at[k] == point) {
+                    let enters = tree.joint_above(other) == Some(joint);
+                    match (enters, turns_here[point]) {
+                        // Nothing turns about the point: what is beyond it is carried, too.
+                        (true, false) => {
+                            next.extend(&beyond[other]);
+                            further.extend(&serves[other]);
+                        }
+                        (true, true) if defers[other] => further.extend(&serves[other]),
+                        (true, true) => further.extend(&beyond[other]),
+                        (false, _) => {}
+                    }
+                }
+            }
+            for other in (joint + 1..joints).filter(|&k| tree.joint_above(k) == Some(joint)) {
+                if self.at[other] == self.at[joint] {
+                    rigid &= defers[other];
+                    next.extend(&beyond[other]);
+                    if defers[other] {
+                        further.extend(&serves[other]);
+                    }
+                }
+            }
+            for list in [&mut next, &mut further] {
+                list.sort_unstable();
+                list.dedup();
+            }
+            defers[joint] = rigid && next.iter().all(|&point| self.is_on_axis(joint, point));
+            turns_here[self.at[joint]] |= !defers[joint];
+            serves[joint] = if defers[joint] { further } else { next.clone() };
+            beyond[joint] = next;
+        }
+
+        let keep: Vec<bool> = (0..self.points.len())
+            .map(|point| turns_here[point] || is_pinned(point))
+            .collect();
+        let groups = group(&serves, |joint| tree.joint_above(joint));
+        self.compact(&keep, &turns_here, groups, pins)
+    }
+
+    /// Numbers the points that are kept. Points that hang on one that nothing turns about hang on
+    /// its parent; where there is none they are roots.
+    fn compact(
+        &mut self,
+        keep: &[bool],
+        turns_here: &[bool],
+        mut groups: Vec<Group>,
+        pins: &[Pin],
+    ) -> JointPoints {
+        let mut number = vec![0; keep.len()];
+        let mut kept = 0;
+        for point in 0..keep.len() {
+            number[point] = kept;
+            kept += usize::from(keep[point]);
+        }
+        let parent_of = |point: usize| {
+            let above = std::iter::successors(self.parents[point], |&p| self.parents[p]);
+            let mut above = above.filter(|&p| turns_here[p]);
+            above.next().map(|p| number[p])
+        };
+        let kept = (0..keep.len()).filter(|&point| keep[point]);
+        let kept: Vec<usize> = kept.collect();
+        for point in groups.iter_mut().flat_map(|group| &mut group.serves) {
+            *point = number[*point];
+        }
+        let pins = pins.iter().map(|pin| Pin {
+            point: number[pin.point],
+            ..*pin
+        });
+        JointPoints {
+            points: kept.iter().map(|&point| self.points[point]).collect(),
+            groups,
+            same: self.same,
+            parents: kept.iter().map(|&point| parent_of(point)).collect(),
+            rest: kept.iter().map(|&point| self.places[point]).collect(),
+            pins: pins.collect(),
+        }
+    }
+}
+
+/// Puts joints together that follow one another and serve the same points. A joint that serves none
+/// moves nothing that anyone asked about.
+fn group(serves: &[Vec<usize>], above: impl Fn(usize) -> Option<usize>) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (joint, points) in serves.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
+        let continued = groups.iter_mut().find(|group| {
+            let last = group.joints.last().copied();
+            group.serves == *points && above(joint) == last
+        });
+        match continued {
+            Some(group) => group.joints.push(joint),
+            None => groups.push(Group {
+                joints: vec![joint],
+                serves: points.clone(),
+                about: None,
+            }),
+        }
+    }
+    groups
+}

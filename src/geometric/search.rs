@@ -1,0 +1,281 @@
+//! The loop that the geometric methods share: sweep, look, stop; try again from elsewhere; report.
+
+use std::time::Instant;
+
+use super::GeometricError;
+use crate::ik::{Restarts, Solution, check_start};
+use crate::problem::{Evaluation, Problem, Scratch};
+use crate::solver::{
+    Counts, Iteration, LeastSquares, Memory, Observer, Stopping, Termination, half_squared,
+    negligible_slope, project, projected_gradient_norm,
+};
+
+/// Costs within this share of each other count as the same miss.
+const SAME_COST: f64 = 1e-6;
+/// A sweep that lowers the cost by no more than this share has hardly changed it, …
+const FLAT: f64 = 1e-13;
+/// … and after so many in a row no further one makes sense.
+const FLAT_SWEEPS: usize = 5;
+
+/// One geometric method at work on one problem.
+pub(super) trait Sweep {
+    /// Stands at a new start, within the bounds.
+    fn begin(&mut self, x: &[f64]);
+
+    /// Whether the start itself may be the answer. A method that promises more than its goals (an
+    /// elbow's side) says no.
+    fn start_counts(&self) -> bool {
+        true
+    }
+
+    /// Moves the variables once, from bounds to within bounds.
+    fn sweep(&mut self, x: &mut [f64]);
+}
+
+/// How long to go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limits {
+    pub(super) stopping: Stopping,
+    pub(super) restarts: Restarts,
+}
+
+impl Limits {
+    /// Sweeps are cheap and gain little each: more of them than of an optimiser's steps, and an end
+    /// where they crawl.
+    pub(super) fn usual() -> Self {
+        let stopping = Stopping::default().with_max_iterations(500);
+        Self {
+            stopping: stopping.with_patience(Some(60)),
+            restarts: Restarts::default().with_steps(2000),
+        }
+    }
+}
+
+/// The best place that the attempts have found.
+#[derive(Default)]
+struct Best {
+    x: Vec<f64>,
+    residual: Vec<f64>,
+    cost: f64,
+    reached: bool,
+}
+
+struct Search<'a> {
+    problem: &'a Problem,
+    scratch: Scratch,
+    limits: Limits,
+    deadline: Option<Instant>,
+    counts: Counts,
+    iterations: usize,
+}
+
+/// Searches from the configuration `start` (projected into the limits).
+pub(super) fn solve(
+    problem: &Problem,
+    start: &[f64],
+    limits: Limits,
+    method: &mut dyn Sweep,
+    observer: &mut dyn Observer,
+) -> Result<Solution, GeometricError> {
+    check_start(problem, start)?;
+    let mut from = vec![0.0; problem.variables()];
+    problem.parameters().reduce(start, &mut from);
+    project(&mut from, problem.lower(), problem.upper());
+    let mut search = Search {
+        problem,
+        scratch: problem.scratch(),
+        limits,
+        deadline: limits.stopping.deadline(),
+        counts: Counts::default(),
+        iterations: 0,
+    };
+    let (best, termination, attempts) = search.attempts(&from, method, observer);
+    Ok(search.report(&best, termination, attempts))
+}
+
+impl Search<'_> {
+    /// Runs the attempts until one reaches the goals, several agree on the same miss, or they run
+    /// out. Among equals the earliest, which is the nearest to the caller's start, stays.
+    fn attempts(
+        &mut self,
+        from: &[f64],
+        method: &mut dyn Sweep,
+        observer: &mut dyn Observer,
+    ) -> (Best, Termination, usize) {
+        let (problem, restarts) = (self.problem, self.limits.restarts);
+        let mut residual = vec![0.0; problem.rows()];
+        self.residual(from, &mut residual);
+        let mut wander = vec![true; problem.variables()];
+        problem.mark_free_to_wander(&residual, &mut wander);
+
+        let mut best = Best::default();
+        let mut ended = Termination::NonFinite;
+        let (mut agreeing, mut attempt) = (0, 0);
+        let mut x = from.to_vec();
+        loop {
+            restarts.start_of(attempt, from, &wander, problem, &mut x);
+            project(&mut x, problem.lower(), problem.upper());
+            let (found, termination) = self.attempt(&x, method, observer);
+            attempt += 1;
+            let better =
+                attempt == 1 || found.reached || found.cost < best.cost * (1.0 - SAME_COST);
+            if matches!(termination, Termination::SmallStep | Termination::Stalled) {
+                agreeing = match better {
+                    true => 1,
+                    false => agreeing + usize::from(found.cost <= best.cost * (1.0 + SAME_COST)),
+                };
+            }
+            if better {
+                (best, ended) = (found, termination);
+            }
+            let late = self
+                .deadline
+                .is_some_and(|deadline| Instant::now() >= deadline);
+            let over = matches!(termination, Termination::Cancelled | Termination::NonFinite);
+            if best.reached
+                || over
+                || late
+                || attempt >= restarts.attempts
+                || agreeing >= restarts.agreeing
+                || self.iterations >= restarts.steps
+            {
+                return (best, ended, attempt);
+            }
+        }
+    }
+
+    /// Sweeps from one start. What is returned is the best place on the way: not every sweep of
+    /// every method lowers the cost.
+    fn attempt(
+        &mut self,
+        start: &[f64],
+        method: &mut dyn Sweep,
+        observer: &mut dyn Observer,
+    ) -> (Best, Termination) {
+        let stopping = self.limits.stopping;
+        let mut x = start.to_vec();
+        let mut previous = x.clone();
+        let mut residual = vec![0.0; self.problem.rows()];
+        let mut best = Best {
+            x: x.clone(),
+            residual: residual.clone(),
+            cost: f64::INFINITY,
+            reached: false,
+        };
+        let (mut step, mut flat, mut milestone) = (0.0, 0, (0, f64::INFINITY));
+        method.begin(&x);
+        for index in 0.. {
+            self.residual(&x, &mut residual);
+            let cost = half_squared(&residual);
+            if !cost.is_finite() {
+                if index == 0 {
+                    best.residual.copy_from_slice(&residual);
+                    best.cost = cost;
+                }
+                return (best, Termination::NonFinite);
+            }
+            let reached = self.problem.is_reached(&residual);
+            flat = match best.cost - cost > FLAT * cost {
+                true => 0,
+                false => flat + 1,
+            };
+            let counts = index > 0 || method.start_counts();
+            if counts && (cost < best.cost || (reached && !best.reached)) {
+                best.x.copy_from_slice(&x);
+                best.residual.copy_from_slice(&residual);
+                (best.cost, best.reached) = (cost, reached);
+            }
+            let seen = observer.observe(&Iteration {
+                index,
+                cost,
+                projected_gradient: None,
+                step,
+                damping: 0.0,
+                x: &x,
+            });
+            if cost < 0.5 * milestone.1 {
+                milestone = (index, cost);
+            }
+            let waited = index - milestone.0;
+            let still = |tolerance: f64| {
+                let moves = x.iter().zip(&previous);
+                let mut moves = moves.map(|(a, b)| (a - b).abs() - tolerance * a.abs().max(1.0));
+                index > 0 && moves.all(|beyond| beyond <= 0.0)
+            };
+            let end = if best.reached {
+                Some(Termination::Reached)
+            } else if seen.is_break() {
+                Some(Termination::Cancelled)
+            } else if still(stopping.step_tolerance()) || flat >= FLAT_SWEEPS {
+                Some(Termination::SmallStep)
+            } else if stopping
+                .patience()
+                .is_some_and(|patience| waited >= patience)
+            {
+                Some(Termination::Stalled)
+            } else if index >= stopping.max_iterations() {
+                Some(Termination::IterationLimit)
+            } else if self
+                .deadline
+                .is_some_and(|deadline| Instant::now() >= deadline)
+            {
+                Some(Termination::TimeLimit)
+            } else {
+                None
+            };
+            if let Some(end) = end {
+                return (best, end);
+            }
+            previous.copy_from_slice(&x);
+            method.sweep(&mut x);
+            self.iterations += 1;
+            step = largest_move(&x, &previous);
+        }
+        (best, Termination::IterationLimit)
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        Evaluation::new(self.problem, &mut self.scratch).residual(x, residual);
+        self.counts.residuals += 1;
+    }
+
+    /// The truth about the best place: its errors, the slope of the cost there, the limits that
+    /// block it. A search that stopped where nothing is left to gain ends as stationary.
+    fn report(&mut self, best: &Best, termination: Termination, attempts: usize) -> Solution {
+        let problem = self.problem;
+        let mut solution = Solution::default();
+        solution.termination = termination;
+        solution.cost = best.cost;
+        solution.iterations = self.iterations;
+        solution.attempts = attempts;
+        solution.counts = self.counts;
+        let mut memory = Memory::default();
+        let (mut gradient, mut negligible): (&[f64], f64) = (&[], 0.0);
+        if !best.reached && best.cost.is_finite() {
+            let mut evaluation = Evaluation::new(problem, &mut self.scratch);
+            memory.take_shape(problem.rows(), problem.variables());
+            let (slope, column_norm) = memory.slope_at(&mut evaluation, &best.x, &best.residual);
+            let (lower, upper) = (problem.lower(), problem.upper());
+            let left = |curvature| projected_gradient_norm(&best.x, slope, curvature, lower, upper);
+            solution.projected_gradient = Some(left(1.0));
+            // The solvers' own test: the cosine between r and what a free variable can do about it.
+            let scale = column_norm;
+            let length = (2.0 * best.cost).sqrt();
+            let cosine = left(scale * scale) * scale / length;
+            let flat = cosine <= self.limits.stopping.gradient_tolerance() || column_norm == 0.0;
+            if flat && termination == Termination::SmallStep {
+                solution.termination = Termination::Stationary;
+            }
+            negligible = negligible_slope(column_norm, best.cost, &self.limits.stopping);
+            gradient = slope;
+        }
+        solution.measure(problem, &best.x, &best.residual, gradient, negligible);
+        solution
+    }
+}
+
+/// ‖x − previous‖∞.
+fn largest_move(x: &[f64], previous: &[f64]) -> f64 {
+    let moves = x.iter().zip(previous).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}

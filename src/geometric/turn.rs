@@ -1,0 +1,169 @@
+//! The best turn of one joint, in closed form.
+//!
+//! Turning a vector u by δ about the unit axis a brings it to the place v as near as it gets where
+//!
+//! ```text
+//! ½‖R(δ) u − v‖² = constant − (c cos δ + s sin δ),   c = u⊥ · v⊥,   s = a · (u × v)
+//! ```
+//!
+//! is least: at the signed angle atan2(s, c) from u⊥ to v⊥, both seen along the axis. Sums of such
+//! terms are of the same form, so one joint serves several points and directions at once (Wang &
+//! Chen 1991, "A combined optimization method for solving the inverse kinematics problem of
+//! mechanical manipulators", eq. 17 to 21).
+
+use std::f64::consts::TAU;
+
+use crate::kinematics::JointAxis;
+use crate::model::Limits;
+use crate::spatial::{Matrix3, Vector3};
+
+/// The terms of several vectors added up, for one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Turn {
+    cosine: f64,
+    sine: f64,
+}
+
+impl Turn {
+    /// The turn that is best at `angle`.
+    pub(super) fn towards(angle: f64) -> Self {
+        let (sine, cosine) = angle.sin_cos();
+        Self { cosine, sine }
+    }
+
+    /// Adds a vector that the joint turns (seen from a point of the axis) and where it should be.
+    pub(super) fn pull(
+        &mut self,
+        axis: Vector3<f64>,
+        u: Vector3<f64>,
+        v: Vector3<f64>,
+        weight: f64,
+    ) {
+        self.cosine += weight * (u.dot(v) - axis.dot(u) * axis.dot(v));
+        self.sine += weight * axis.dot(u.cross(v));
+    }
+
+    /// The best δ within `range`, which holds 0. Half a turn away or more it may be taken the other
+    /// way round; outside the range the better end is.
+    pub(super) fn best(&self, range: Limits) -> f64 {
+        let direct = self.sine.atan2(self.cosine);
+        if range.contains(direct) {
+            return direct;
+        }
+        let other_way = direct - TAU.copysign(direct);
+        if range.contains(other_way) {
+            return other_way;
+        }
+        // Both ends are finite, or one of the two ways were within them.
+        let gain = |delta: f64| self.cosine * delta.cos() + self.sine * delta.sin();
+        match gain(range.lower) > gain(range.upper) {
+            true => range.lower,
+            false => range.upper,
+        }
+    }
+}
+
+/// The matrix of a turn about an axis.
+pub(super) fn turned(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    Matrix3::rotation(axis, angle.sin_cos())
+}
+
+/// The signed angle from u to v as seen along the axis; 0 where either stands on it.
+fn signed_angle(axis: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>) -> f64 {
+    let mut turn = Turn::default();
+    turn.pull(axis, u, v, 1.0);
+    turn.sine.atan2(turn.cosine)
+}
+
+/// The two ways to bring u onto v by turning about an inner axis and then an outer one, both through
+/// one point: (outer, inner) turns in radians. Where v is out of reach they come near it.
+/// `None` for axes that are parallel (Paden-Kahan subproblem 2; Murray, Li & Sastry 1994, "A
+/// Mathematical Introduction to Robotic Manipulation", section 3.2).
+pub(super) fn two_turns(
+    outer: Vector3<f64>,
+    inner: Vector3<f64>,
+    u: Vector3<f64>,
+    v: Vector3<f64>,
+) -> Option<[(f64, f64); 2]> {
+    const PARALLEL: f64 = 1e-12;
+    let c = outer.dot(inner);
+    let across = outer.cross(inner);
+    let across_squared = across.norm_squared();
+    if across_squared < PARALLEL {
+        return None;
+    }
+    // Between the turns u stands at z = α outer + β inner ± γ outer × inner.
+    let alpha = (outer.dot(v) - c * inner.dot(u)) / across_squared;
+    let beta = (inner.dot(u) - c * outer.dot(v)) / across_squared;
+    let in_plane = alpha * alpha + beta * beta + 2.0 * alpha * beta * c;
+    let gamma = ((u.norm_squared() - in_plane) / across_squared)
+        .max(0.0)
+        .sqrt();
+    let middle = outer * alpha + inner * beta;
+    Some([gamma, -gamma].map(|gamma| {
+        let z = middle + across * gamma;
+        (signed_angle(outer, z, v), signed_angle(inner, u, z))
+    }))
+}
+
+/// A variable within its bounds, moved by what its joint should do.
+pub(super) struct Knob {
+    pub(super) bounds: Limits,
+    /// Joint units per variable unit.
+    pub(super) ratio: f64,
+}
+
+impl Knob {
+    /// How far the joint may move from where it is.
+    pub(super) fn room(&self, x: f64) -> Limits {
+        let (a, b) = (
+            self.ratio * (self.bounds.lower - x),
+            self.ratio * (self.bounds.upper - x),
+        );
+        // 0 · ∞ of a joint that its variable does not move.
+        match self.ratio == 0.0 {
+            true => Limits::new(0.0, 0.0),
+            false => Limits::new(a.min(b), a.max(b)),
+        }
+    }
+
+    /// The variable after its joint moved by `by`. Next to a bound it is on the bound, to the bit.
+    pub(super) fn moved(&self, x: f64, by: f64) -> f64 {
+        const ROUNDING: f64 = 4.0 * f64::EPSILON;
+        if by == 0.0 || self.ratio == 0.0 {
+            return x;
+        }
+        let value = self.bounds.clamp(x + by / self.ratio);
+        let Limits { lower, upper } = self.bounds;
+        let at =
+            |end: f64| end.is_finite() && (value - end).abs() <= ROUNDING * x.abs().max(end.abs());
+        match (at(lower), at(upper)) {
+            (true, _) => lower,
+            (_, true) => upper,
+            _ => value,
+        }
+    }
+}
+
+/// The best slide of a joint along its axis for some points: the mean of what is left along it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slide {
+    wanted: f64,
+    weight: f64,
+}
+
+impl Slide {
+    /// Adds a point that should be `miss` further.
+    pub(super) fn pull(&mut self, axis: &JointAxis, miss: Vector3<f64>, weight: f64) {
+        self.wanted += weight * axis.direction.dot(miss);
+        self.weight += weight;
+    }
+
+    /// The best slide within `range`, in metres.
+    pub(super) fn best(&self, range: Limits) -> f64 {
+        match self.weight > 0.0 {
+            true => range.clamp(self.wanted / self.weight),
+            false => 0.0,
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The analytic solution for a limb of two bones.
+
+use super::fit::Fit;
+use super::goal::goals;
+use super::joint_points::{Group, JointPoints};
+use super::search::{self, Limits, Sweep};
+use super::triangle::triangle;
+use super::{Geometric, GeometricError};
+use crate::ik::{Restarts, Solution};
+use crate::problem::Problem;
+use crate::solver::{Observer, Stopping};
+use crate::spatial::Vector3;
+
+const NAME: &str = "the two-bone solution";
+
+/// Sweeps for limbs whose limits or joints keep the points from where they should be.
+const SWEEPS: usize = 20;
+
+/// On which side of the way to the target the bones meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Elbow {
+    /// The second bone turns counter-clockwise from the first about the elbow's last axis (its
+    /// bend): an angle ≥ 0 of a hinge that is 0 where the bones are aligned. Only that joint and
+    /// the root's joints move.
+    Positive,
+    /// The second bone turns clockwise.
+    Negative,
+    /// As far out towards this point (the pole, in world coordinates) as it gets. For limbs whose
+    /// root is a ball joint: the plane of the bones is free.
+    Towards(Vector3<f64>),
+}
+
+/// Two bones, the law of cosines and one point to reach, in one step.
+///
+/// The problem has one point task, and the free joints that move it stand at two points: a shoulder
+/// and an elbow, say. On rigs and redundant robots lock the other joints with
+/// [`ParameterMap::builder`](crate::model::ParameterMap::builder) and `only`. The joints are then set
+/// from the base out, in closed form where two axes meet in a point and by coordinate descent where
+/// they do not, within their limits. Exact where the root's joints can point anywhere and the limits
+/// allow it; everything else ends with the miss that is left. A target out of reach stretches or
+/// folds the bones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoBone {
+    elbow: Elbow,
+}
+
+impl TwoBone {
+    /// The solution with the elbow on this side.
+    #[must_use]
+    pub fn new(elbow: Elbow) -> Self {
+        Self { elbow }
+    }
+}
+
+impl Geometric for TwoBone {
+    fn name(&self) -> &'static str {
+        "two_bone"
+    }
+
+    fn solve_observed(
+        &self,
+        problem: &Problem,
+        start: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Solution, GeometricError> {
+        let goals = goals(problem, NAME)?;
+        let points = JointPoints::new(problem, &goals, NAME)?;
+        let linkage = points.linkage();
+        let (Some(&[upper, lower]), &[pin]) = (linkage.as_chain(), points.pins()) else {
+            return Err(GeometricError::NotTwoBones {
+                model: problem.names().model.clone(),
+                bones: points.rest().len().saturating_sub(1),
+                tips: points.pins().len(),
+            });
+        };
+        let wanted = points.rest().to_vec();
+        let fit = Fit::new(problem, points);
+        let mut limb = Limb {
+            elbow: self.elbow,
+            lengths: [upper, lower],
+            target: pin.target,
+            wanted,
+            bend: fit.joints_for(TIP).last().copied(),
+            shoulder: Group {
+                joints: fit.joints_for(MID).to_vec(),
+                serves: vec![TIP],
+                about: Some(ROOT),
+            },
+            fit,
+        };
+        let limits = Limits {
+            stopping: Stopping::default().with_max_iterations(SWEEPS),
+            restarts: Restarts::none(),
+        };
+        search::solve(problem, start, limits, &mut limb, observer)
+    }
+}
+
+/// The three points of a limb.
+const ROOT: usize = 0;
+const MID: usize = 1;
+const TIP: usize = 2;
+
+struct Limb<'a> {
+    elbow: Elbow,
+    lengths: [f64; 2],
+    target: Vector3<f64>,
+    /// Where root, mid point and tip should be.
+    wanted: Vec<Vector3<f64>>,
+    /// The elbow's last joint.
+    bend: Option<usize>,
+    /// The joints at the root, with the bent limb as one body.
+    shoulder: Group,
+    fit: Fit<'a>,
+}
+
+impl Sweep for Limb<'_> {
+    fn begin(&mut self, x: &[f64]) {
+        self.fit.points_at(x, &mut self.wanted);
+        let towards = match self.elbow {
+            Elbow::Towards(pole) => pole - self.wanted[ROOT],
+            Elbow::Positive | Elbow::Negative => self.wanted[MID] - self.wanted[ROOT],
+        };
+        let solved = triangle(self.wanted[ROOT], self.lengths, self.target, towards);
+        self.wanted[MID] = solved.mid;
+        self.wanted[TIP] = solved.tip;
+    }
+
+    fn start_counts(&self) -> bool {
+        false
+    }
+
+    fn sweep(&mut self, x: &mut [f64]) {
+        let positive = match self.elbow {
+            Elbow::Towards(_) => return self.fit.follow(&self.wanted, x),
+            Elbow::Positive => true,
+            Elbow::Negative => false,
+        };
+        // The bend alone says how far the tip is from the root; the root's joints then point the
+        // limb as one body.
+        let distance = (self.wanted[TIP] - self.wanted[ROOT]).norm();
+        if let Some(bend) = self.bend {
+            self.fit.bend(bend, [ROOT, TIP], (distance, positive), x);
+        }
+        self.fit.serve(&self.shoulder, &self.wanted, x);
+    }
+}
