@@ -7,6 +7,7 @@ pub mod curve;
 mod easing;
 mod euler_clip;
 mod euler_sampling;
+mod ik_layer;
 mod playback;
 mod pose;
 pub mod rotation;
@@ -21,6 +22,7 @@ pub use clip::{
 pub use easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
 pub use euler_sampling::SampleError;
+pub use ik_layer::{Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
 pub use playback::Playback;
 pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
 pub use state_machine::{
