@@ -60,6 +60,7 @@ pub mod lanes;
 pub mod mesh;
 pub mod model;
 pub mod problem;
+mod processor;
 mod random;
 pub mod robot;
 pub mod scalar;

@@ -6,7 +6,9 @@ use glam::{Affine3A, Vec3};
 use kinopt::mesh::TriangleMesh;
 use kinopt::model::Limits;
 use kinopt::skeleton::{Bone, Skeleton};
-use kinopt::skinning::{LinearBlend, SkinWeights, SkinningError, single_precision_transform};
+use kinopt::skinning::{
+    Deformation, LinearBlend, SkinWeights, SkinningError, single_precision_transform,
+};
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra::{Matrix4, Rotation3, Translation3, Vector3 as N3, Vector4};
 

@@ -1,7 +1,8 @@
-//! Promise: skin weights are kept as given, in order, and invalid ones are refused by name.
+//! Promise: skin weights are kept as given, in order; invalid ones are refused by name, or repaired
+//! and pruned with a report of what was changed.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::skinning::{Influence, SkinWeights, WeightsError};
+use kinopt::skinning::{Influence, Pruning, SkinWeights, WeightRepair, WeightsError};
 use nalgebra::dmatrix;
 
 #[test]
@@ -106,4 +107,74 @@ fn an_absurd_vertex_count_is_refused_without_allocating_for_it() {
             sum: 0.0
         })
     );
+}
+
+#[test]
+fn a_negative_weight_is_refused_or_repaired() {
+    let mut builder = SkinWeights::builder(3, 2);
+    builder.add(0, 0, 1.25).unwrap();
+    builder.add(0, 1, -0.25).unwrap();
+    builder.add(1, 0, 0.5).unwrap();
+    builder.add(1, 1, 0.75).unwrap();
+    builder.add(2, 1, 1.0).unwrap();
+    assert_eq!(
+        builder.clone().build(),
+        Err(WeightsError::Negative {
+            vertex: 0,
+            bone: 1,
+            weight: -0.25
+        })
+    );
+    let (weights, repair) = builder.clone().build_repaired().unwrap();
+    // Of the sums 1.25 and 1.25 the first is the worst.
+    let expected = WeightRepair {
+        negative: 1,
+        rescaled: 2,
+        worst: Some((0, 1.25)),
+    };
+    assert_eq!(repair, expected);
+    assert!(!repair.is_empty());
+    assert_eq!(weights.to_table(), dmatrix![1.0, 0.0; 0.4, 0.6; 0.0, 1.0]);
+
+    let right = SkinWeights::from_table(&weights.to_table()).unwrap();
+    assert_eq!(right, weights);
+    let mut nothing = SkinWeights::builder(1, 2);
+    nothing.add(0, 1, -1.0).unwrap();
+    assert_eq!(
+        nothing.build_repaired().unwrap_err(),
+        WeightsError::Sum {
+            vertex: 0,
+            sum: 0.0
+        }
+    );
+    let mut right = SkinWeights::builder(1, 2);
+    right.add(0, 1, 1.0).unwrap();
+    assert!(right.build_repaired().unwrap().1.is_empty());
+}
+
+#[test]
+fn pruning_keeps_the_largest_and_says_what_is_lost() {
+    let table = dmatrix![
+        0.1, 0.4, 0.2, 0.3;
+        0.0, 0.5, 0.5, 0.0;
+        0.25, 0.25, 0.25, 0.25
+    ];
+    let weights = SkinWeights::from_table(&table).unwrap();
+    let (two, pruning) = weights.pruned(2);
+    let bones =
+        |vertex: usize| -> Vec<u32> { two.influences(vertex).iter().map(|i| i.bone).collect() };
+    assert_eq!([bones(0), bones(1), bones(2)], [[1, 3], [1, 2], [0, 1]]);
+    let kept: Vec<f64> = two.influences(0).iter().map(|i| i.weight).collect();
+    assert!((kept[0] - 4.0 / 7.0).abs() < 1e-15 && (kept[1] - 3.0 / 7.0).abs() < 1e-15);
+    let Pruning {
+        vertices,
+        largest_lost,
+        mean_lost,
+    } = pruning;
+    assert_eq!(vertices, 2);
+    assert!((largest_lost - 0.5).abs() < 1e-15);
+    assert!((mean_lost - 0.8 / 3.0).abs() < 1e-15);
+
+    let (all, pruning) = weights.pruned(4);
+    assert_eq!((all, pruning), (weights, Pruning::default()));
 }

@@ -18,6 +18,7 @@ mod number_format;
 mod number_list;
 mod output;
 mod progress;
+mod skinning_choice;
 mod solve;
 mod table;
 mod target;

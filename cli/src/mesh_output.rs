@@ -6,7 +6,7 @@ use kinopt::io::ply::PlyEncoding;
 use kinopt::io::{obj, ply};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
-use kinopt::skinning::{LinearBlend, SkinWeights, single_precision_transform};
+use kinopt::skinning::{SkinWeights, SkinningMethod, single_precision_transform};
 
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
@@ -77,10 +77,10 @@ impl LoadedModel {
 
 impl Skin<'_> {
     /// The mesh for the stacked angles `q`, in radians.
-    pub(crate) fn posed(&self, q: &[f64]) -> Outcome<TriangleMesh> {
+    pub(crate) fn posed(&self, q: &[f64], method: SkinningMethod) -> Outcome<TriangleMesh> {
         let pose = self.skeleton.pose(q);
         let transforms = pose.skinning_transforms(self.skeleton);
         let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
-        Ok(LinearBlend::new(self.weights, &transforms)?.mesh(self.mesh)?)
+        Ok(method.mesh(self.mesh, self.weights, &transforms)?)
     }
 }

@@ -76,3 +76,26 @@ fn as_obj() {
         .collect();
     assert_eq!(triangles, rig().mesh.unwrap().triangles());
 }
+
+#[test]
+fn dual_quaternions_move_rigid_parts_alike_and_need_an_output() {
+    let folder = Folder::new("dqs");
+    let (rig, out) = (folder.rig(), folder.file("posed.ply"));
+    let target = "--target=bone/4=2,-1,0";
+    let common = [
+        "solve",
+        &rig,
+        target,
+        START,
+        "--degrees",
+        "--skinning",
+        "dqs",
+        "--json",
+    ];
+    let mut arguments = common.to_vec();
+    arguments.extend(["--out", &out]);
+    assert_eq!(json(&arguments)["reached"], true);
+    // Every vertex of this rig follows one bone.
+    close(ply::read(&out).unwrap().positions());
+    assert_eq!(forked_rig::kinopt(&common).status.code(), Some(2));
+}

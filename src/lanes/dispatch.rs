@@ -39,9 +39,7 @@ macro_rules! by_chain {
 /// Whether the fused functions below may run.
 #[cfg(target_arch = "x86_64")]
 fn has_fused(prepared: &Prepared) -> bool {
-    !prepared.options.portable
-        && std::is_x86_feature_detected!("avx2")
-        && std::is_x86_feature_detected!("fma")
+    !prepared.options.portable && crate::processor::has_avx2_and_fma()
 }
 
 pub(crate) fn race(prepared: &Prepared, query: &Query<'_>, lone: bool, q: &mut [f64]) -> Outcome {

@@ -1,7 +1,51 @@
-//! Skinning: moving a mesh with the bones it is bound to.
+//! Skinning: moving a mesh with the handles it is bound to.
+//!
+//! - Bones: [`SkinWeights`] (given, or by [`AutomaticWeights`]) and a transform per bone, by
+//!   [`LinearBlend`] or [`DualQuaternionBlend`]; both are [`Deformation`]s.
+//! - The fast path for four influences: [`PackedWeights`], [`PackedLinearBlend`],
+//!   [`PackedDualQuaternionBlend`].
+//! - Points: [`PointHandle`]s, whose transforms move skin as those of bones do.
+//! - Cages: [`CageBinding`], by mean-value coordinates.
+//! - [`MorphTargets`] shape the mesh at rest, before any of these.
 
+mod automatic_weights;
+mod bone_motions;
+mod bone_transform;
+mod bounds;
+mod cage;
+mod deformation;
+mod directions;
+mod dual_quaternion;
+mod dual_quaternion_blend;
+mod error;
 mod linear_blend;
+mod mean_value;
+mod method;
+mod morph;
+mod packed;
+mod point_handles;
+mod pruning;
+mod twisted_tube;
+mod vertices;
 mod weights;
 
-pub use linear_blend::{LinearBlend, SkinningError, single_precision_transform};
-pub use weights::{Influence, ROW_SUM_TOLERANCE, SkinWeights, SkinWeightsBuilder, WeightsError};
+pub use automatic_weights::{AutomaticWeights, AutomaticWeightsError};
+pub use bone_transform::single_precision_transform;
+pub use bounds::BoneBoxes;
+pub use cage::{CageBinding, CageError};
+pub use deformation::Deformation;
+pub use dual_quaternion::DualQuaternion;
+pub use dual_quaternion_blend::DualQuaternionBlend;
+pub use error::SkinningError;
+pub use linear_blend::LinearBlend;
+pub use method::{SkinningMethod, UnknownSkinning};
+pub use morph::{MorphError, MorphTarget, MorphTargets};
+pub use packed::{PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights};
+pub use point_handles::PointHandle;
+pub use pruning::Pruning;
+pub use twisted_tube::TwistedTube;
+pub use vertices::{PosedVertices, RestVertices};
+pub use weights::{
+    Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights, SkinWeightsBuilder,
+    WeightRepair, WeightsError,
+};

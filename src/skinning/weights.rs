@@ -6,6 +6,10 @@ use nalgebra::DMatrix;
 /// influences are within it; weights that someone forgot to normalise are not.
 pub const ROW_SUM_TOLERANCE: f64 = 1e-5;
 
+/// How far below zero a weight may lie. Smooth weights computed by an optimiser undershoot by less;
+/// beyond it skin visibly moves against its bone.
+pub const NEGATIVE_TOLERANCE: f64 = 1e-2;
+
 /// One bone's share in the motion of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Influence {
@@ -21,9 +25,9 @@ pub struct Influence {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkinWeights {
     /// Where each vertex's influences start, and one past the last: compressed sparse rows.
-    starts: Vec<usize>,
-    influences: Vec<Influence>,
-    bone_count: usize,
+    pub(super) starts: Vec<usize>,
+    pub(super) influences: Vec<Influence>,
+    pub(super) bone_count: usize,
 }
 
 /// What is wrong with a set of skin weights.
@@ -58,6 +62,16 @@ pub enum WeightsError {
         /// How many vertices there are.
         vertices: usize,
     },
+    /// A weight is below zero by more than [`NEGATIVE_TOLERANCE`].
+    #[error("vertex {vertex}, bone {bone}: the weight {weight} is negative")]
+    Negative {
+        /// Which vertex, from 0.
+        vertex: usize,
+        /// Which bone, from 0.
+        bone: usize,
+        /// The weight.
+        weight: f64,
+    },
     /// Two weights for the same vertex and bone.
     #[error("vertex {vertex}, bone {bone}: two weights are given")]
     Duplicate {
@@ -74,6 +88,43 @@ pub enum WeightsError {
         /// What they sum to.
         sum: f64,
     },
+    /// A vertex has more influences than there is room for; [`SkinWeights::pruned`] drops the
+    /// smallest and says what is lost.
+    #[error(
+        "vertex {vertex}: {influences} influences, where there is room for 4; prune them first"
+    )]
+    TooManyInfluences {
+        /// Which vertex, from 0.
+        vertex: usize,
+        /// How many it has.
+        influences: usize,
+    },
+    /// Packed weights number bones with 16 bits.
+    #[error("{bones} bones, where packed weights have numbers for 65536")]
+    TooManyBones {
+        /// How many there are.
+        bones: usize,
+    },
+}
+
+/// What [`SkinWeightsBuilder::build_repaired`] changed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WeightRepair {
+    /// How many weights below zero became zero.
+    pub negative: usize,
+    /// How many vertices' weights were divided by their sum, because it was not 1 within
+    /// [`ROW_SUM_TOLERANCE`].
+    pub rescaled: usize,
+    /// The sum that was furthest from 1, and whose vertex; `None` when none was rescaled.
+    pub worst: Option<(usize, f64)>,
+}
+
+impl WeightRepair {
+    /// Whether the weights were right as they were given.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl SkinWeights {
@@ -197,8 +248,61 @@ impl SkinWeightsBuilder {
     /// The weights, sorted and checked.
     ///
     /// # Errors
-    /// A [`WeightsError`] when a vertex and bone occur twice or a vertex's weights do not sum to 1.
-    pub fn build(mut self) -> Result<SkinWeights, WeightsError> {
+    /// A [`WeightsError`] when a vertex and bone occur twice, a weight is below zero by more than
+    /// [`NEGATIVE_TOLERANCE`], or a vertex's weights do not sum to 1.
+    pub fn build(self) -> Result<SkinWeights, WeightsError> {
+        self.rows(|vertex, influences| {
+            let sum = sum(influences);
+            if !sums_to_one(sum) {
+                return Err(WeightsError::Sum { vertex, sum });
+            }
+            let negative = influences.iter().find(|i| i.weight < -NEGATIVE_TOLERANCE);
+            negative.map_or(Ok(()), |low| {
+                Err(WeightsError::Negative {
+                    vertex,
+                    bone: low.bone as usize,
+                    weight: low.weight,
+                })
+            })
+        })
+    }
+
+    /// The weights, repaired where that has one meaning: weights below zero become zero, and weights
+    /// that do not sum to 1 are divided by their sum. What was done comes with them.
+    ///
+    /// # Errors
+    /// A vertex and bone occur twice, or a vertex's weights sum to zero or overflow.
+    pub fn build_repaired(self) -> Result<(SkinWeights, WeightRepair), WeightsError> {
+        let mut repair = WeightRepair::default();
+        let weights = self.rows(|vertex, influences| {
+            let before = influences.len();
+            influences.retain(|influence| influence.weight > 0.0);
+            repair.negative += before - influences.len();
+            let sum = sum(influences);
+            if sums_to_one(sum) {
+                return Ok(());
+            }
+            if !(sum.is_finite() && sum > 0.0) {
+                return Err(WeightsError::Sum { vertex, sum });
+            }
+            for influence in influences {
+                influence.weight /= sum;
+            }
+            repair.rescaled += 1;
+            let further = |(_, worst): (usize, f64)| (sum - 1.0).abs() > (worst - 1.0).abs();
+            if repair.worst.is_none_or(further) {
+                repair.worst = Some((vertex, sum));
+            }
+            Ok(())
+        })?;
+        Ok((weights, repair))
+    }
+
+    /// Compressed rows of the triples, each vertex's influences judged or mended on the way.
+    fn rows(
+        mut self,
+        mut judge: impl FnMut(usize, &mut Vec<Influence>) -> Result<(), WeightsError>,
+    ) -> Result<SkinWeights, WeightsError> {
         self.triples
             .sort_by_key(|&(vertex, influence)| (vertex, influence.bone));
         let mut starts = vec![0];
@@ -206,25 +310,23 @@ impl SkinWeightsBuilder {
         // Each vertex must take at least one triple, so this ends after as many as were added even
         // when an absurd vertex count was announced.
         let mut triples = self.triples.iter().peekable();
+        let mut row = Vec::new();
         for vertex in 0..self.vertex_count {
-            let mut sum = 0.0;
-            let mut last_bone = None;
+            row.clear();
             while let Some((_, influence)) = triples.next_if(|(owner, _)| *owner == vertex) {
-                if last_bone == Some(influence.bone) {
+                if row
+                    .last()
+                    .is_some_and(|last: &Influence| last.bone == influence.bone)
+                {
                     return Err(WeightsError::Duplicate {
                         vertex,
                         bone: influence.bone as usize,
                     });
                 }
-                last_bone = Some(influence.bone);
-                sum += influence.weight;
-                influences.push(*influence);
+                row.push(*influence);
             }
-            // Asked this way round, so that a sum that overflowed to NaN is an error too.
-            let close = (sum - 1.0_f64).abs() <= ROW_SUM_TOLERANCE;
-            if !close {
-                return Err(WeightsError::Sum { vertex, sum });
-            }
+            judge(vertex, &mut row)?;
+            influences.extend_from_slice(&row);
             starts.push(influences.len());
         }
         Ok(SkinWeights {
@@ -233,4 +335,13 @@ impl SkinWeightsBuilder {
             bone_count: self.bone_count,
         })
     }
+}
+
+fn sum(influences: &[Influence]) -> f64 {
+    influences.iter().map(|influence| influence.weight).sum()
+}
+
+/// Asked this way round, so that a sum that overflowed to NaN is none.
+fn sums_to_one(sum: f64) -> bool {
+    (sum - 1.0).abs() <= ROW_SUM_TOLERANCE
 }

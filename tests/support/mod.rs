@@ -13,6 +13,7 @@ pub mod classics;
 pub mod maps;
 pub mod methods;
 pub mod random;
+pub mod skins;
 pub mod tasks;
 pub mod trees;
 

@@ -8,6 +8,7 @@ use kinopt::Solver;
 use kinopt::ik::Restarts;
 use kinopt::problem::Derivatives;
 use kinopt::robot::Robot;
+use kinopt::skinning::SkinningMethod;
 use kinopt::solver::Stopping;
 
 use super::arm_arguments::ArmArguments;
@@ -17,6 +18,7 @@ use crate::loaded_model::LoadedModel;
 use crate::mesh_output::MeshFile;
 use crate::method_choice::{self, JacobianRoute};
 use crate::number_list;
+use crate::skinning_choice;
 use crate::target::{RayTarget, Start, Target};
 
 const EXAMPLES: &str = "\
@@ -188,6 +190,11 @@ pub(crate) struct Arguments {
     /// It needs a rig with a mesh and skin weights.
     #[arg(long, value_name = "FILE", value_parser = MeshFile::parse)]
     pub(super) out: Option<MeshFile>,
+
+    /// With --out: how the bones move the skin.
+    #[arg(long, value_name = "METHOD", requires = "out", default_value_t,
+          value_parser = skinning_choice::parser())]
+    pub(super) skinning: SkinningMethod,
 }
 
 /// A time limit that a clock can hold: above zero, at most 30 years.

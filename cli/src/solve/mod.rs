@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         None => by_general_solver(&loaded, arguments)?,
     };
     if let (Some(skin), Some(out)) = (skin, &arguments.out) {
-        out.write(&skin.posed(&answered.answer.q)?)?;
+        out.write(&skin.posed(&answered.answer.q, arguments.skinning)?)?;
     }
     let report = Report {
         loaded: &loaded,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use kinopt::io::rig::Rig;
-use kinopt::skinning::{LinearBlend, single_precision_transform};
+use kinopt::skinning::{SkinningMethod, single_precision_transform};
 
 use crate::Failure;
 use crate::render::Scene;
@@ -21,7 +21,7 @@ pub(crate) fn add_posed(
     let placements = rig.skeleton.pose(q);
     let transforms = placements.skinning_transforms(&rig.skeleton);
     let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
-    let skin = LinearBlend::new(weights, &transforms)?.mesh(mesh)?;
+    let skin = SkinningMethod::LinearBlend.mesh(mesh, weights, &transforms)?;
     let positions: Vec<DVec3> = skin
         .positions()
         .iter()

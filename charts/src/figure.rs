@@ -1,0 +1,133 @@
+//! Charts beside each other under one legend.
+
+use std::path::Path;
+
+use plotters::prelude::{IntoDrawingArea, SVGBackend, WHITE};
+
+use crate::legend::{Entry, Legend};
+use crate::panel::{self, draw_error};
+use crate::{Chart, ChartError, Series, Style};
+
+/// The width that a page on a code-hosting site shows without shrinking it, in pixels.
+const PAGE: u32 = 900;
+/// Height of one chart, in pixels: alone, and as one of several.
+const HEIGHT: [u32; 2] = [400, 290];
+const TITLE_HEIGHT: u32 = 34;
+
+/// Several charts in a grid, with one legend: a series of the same name looks the same in all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    title: Option<String>,
+    columns: usize,
+    charts: Vec<Chart>,
+}
+
+impl Figure {
+    /// An empty figure of two columns.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: Some(title.into()),
+            columns: 2,
+            charts: Vec::new(),
+        }
+    }
+
+    pub(crate) fn alone(chart: Chart) -> Self {
+        Self {
+            title: None,
+            columns: 1,
+            charts: vec![chart],
+        }
+    }
+
+    /// How many charts stand side by side, at least one.
+    #[must_use]
+    pub fn columns(mut self, columns: usize) -> Self {
+        self.columns = columns.max(1);
+        self
+    }
+
+    /// Adds a chart, row by row.
+    #[must_use]
+    pub fn chart(mut self, chart: Chart) -> Self {
+        self.charts.push(chart);
+        self
+    }
+
+    /// The figure as an SVG document.
+    ///
+    /// # Errors
+    /// As [`Chart::to_svg`], of any chart; no chart at all.
+    pub fn to_svg(&self) -> Result<String, ChartError> {
+        let entries = self.entries();
+        let legend = Legend::new(&entries);
+        let columns = self.columns.min(self.charts.len()).max(1);
+        let rows = self.charts.len().div_ceil(columns);
+        let [alone, one_of_several] = HEIGHT;
+        let chart_height = if columns == 1 { alone } else { one_of_several };
+        let top = if self.title.is_some() {
+            TITLE_HEIGHT
+        } else {
+            0
+        };
+        let charts_height = chart_height * u32::try_from(rows).unwrap_or(1);
+        let height = top + charts_height.max(legend.height());
+        if self.charts.is_empty() {
+            return Err(ChartError::Empty {
+                chart: self.title.clone().unwrap_or_default(),
+            });
+        }
+
+        let mut svg = String::new();
+        {
+            let root = SVGBackend::with_string(&mut svg, (PAGE, height)).into_drawing_area();
+            root.fill(&WHITE).map_err(draw_error)?;
+            let below = match &self.title {
+                Some(title) => {
+                    let (head, below) = root.split_vertically(TITLE_HEIGHT);
+                    panel::write_title(&head, title)?;
+                    below
+                }
+                None => root.clone(),
+            };
+            let (grid, beside) = below.split_horizontally(PAGE - legend.width());
+            for (chart, area) in self.charts.iter().zip(grid.split_evenly((rows, columns))) {
+                panel::draw(chart, &entries, &area)?;
+            }
+            legend.draw(&beside)?;
+            root.present().map_err(draw_error)?;
+        }
+        Ok(svg)
+    }
+
+    /// Writes the figure to a file.
+    ///
+    /// # Errors
+    /// As [`to_svg`](Self::to_svg), and a file that cannot be written.
+    pub fn write_svg(&self, path: impl AsRef<Path>) -> Result<(), ChartError> {
+        let path = path.as_ref();
+        std::fs::write(path, self.to_svg()?).map_err(|source| ChartError::Write {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
+    /// Every name once, in the order of their first appearance, with its look.
+    fn entries(&self) -> Vec<Entry> {
+        let mut entries: Vec<Entry> = Vec::new();
+        for series in self.charts.iter().flat_map(|chart| &chart.series) {
+            if entries.iter().all(|entry| entry.name != series.name) {
+                entries.push(entry(series, entries.len()));
+            }
+        }
+        entries
+    }
+}
+
+fn entry(series: &Series, position: usize) -> Entry {
+    Entry {
+        name: series.name.clone(),
+        style: series.style.unwrap_or_else(|| Style::nth(position)),
+    }
+}

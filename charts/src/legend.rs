@@ -1,0 +1,62 @@
+//! The legend, beside the data.
+
+use plotters::coord::Shift;
+use plotters::prelude::{DrawingArea, DrawingBackend, IntoFont, Text};
+
+use crate::panel::{self, FONT, FONT_SIZE, draw_error, ink};
+use crate::{ChartError, Style};
+
+/// A name and its look.
+pub(crate) struct Entry {
+    pub(crate) name: String,
+    pub(crate) style: Style,
+}
+
+const LINE_HEIGHT: u32 = 21;
+const SAMPLE: i32 = 34;
+const TOP: i32 = 44;
+const NARROWEST: u32 = 90;
+const WIDEST: u32 = 330;
+/// Width of a letter of a sans-serif font as a share of its size, generously.
+const LETTER: f64 = 0.56;
+
+/// The names of a figure beside samples of their lines.
+pub(crate) struct Legend<'e> {
+    entries: &'e [Entry],
+}
+
+impl<'e> Legend<'e> {
+    pub(crate) fn new(entries: &'e [Entry]) -> Self {
+        Self { entries }
+    }
+
+    /// In pixels.
+    pub(crate) fn width(&self) -> u32 {
+        let letters = self.entries.iter().map(|entry| entry.name.chars().count());
+        let text = letters.max().unwrap_or(0) as f64 * LETTER * f64::from(FONT_SIZE);
+        (text as u32 + SAMPLE.unsigned_abs() + 20).clamp(NARROWEST, WIDEST)
+    }
+
+    /// In pixels.
+    pub(crate) fn height(&self) -> u32 {
+        let lines = u32::try_from(self.entries.len()).unwrap_or(u32::MAX / LINE_HEIGHT / 2);
+        TOP.unsigned_abs() + lines * LINE_HEIGHT
+    }
+
+    pub(crate) fn draw<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+    ) -> Result<(), ChartError> {
+        let font = (FONT, FONT_SIZE).into_font().color(&ink());
+        let mut y = TOP;
+        for entry in self.entries {
+            let sample = [(4, y), (4 + SAMPLE, y)];
+            panel::draw_line(area, &sample, entry.style)?;
+            panel::draw_marker(area, (4 + SAMPLE / 2, y), entry.style)?;
+            let text = Text::new(entry.name.clone(), (SAMPLE + 11, y - 6), font.clone());
+            area.draw(&text).map_err(draw_error)?;
+            y += LINE_HEIGHT as i32;
+        }
+        Ok(())
+    }
+}

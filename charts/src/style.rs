@@ -1,0 +1,91 @@
+//! How series look apart: by colour, dash and marker.
+
+use plotters::style::{RGBColor, ShapeStyle};
+
+/// The colours of Okabe & Ito 2008, "Color universal design", without yellow, which is too pale for
+/// thin lines on white; the ones farthest apart first.
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
+
+/// Pixels drawn and left out in turn; the first is a whole line.
+const DASHES: [Option<(u32, u32)>; 4] = [None, Some((9, 4)), Some((2, 3)), Some((16, 6))];
+
+/// The look of a series: one of 7 colours, 4 dashes and 5 markers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Style {
+    colour: usize,
+    dash: usize,
+    marker: usize,
+}
+
+impl Style {
+    /// The k-th look: first the colours change, then the dashes with them.
+    #[must_use]
+    pub fn nth(k: usize) -> Self {
+        let round = k / COLOURS.len();
+        Self {
+            colour: k % COLOURS.len(),
+            dash: round % DASHES.len(),
+            marker: (k + round) % Marker::ALL.len(),
+        }
+    }
+
+    /// A member of a family that shares a colour: its dash and its marker are the `member`-th.
+    #[must_use]
+    pub fn family(colour: usize, member: usize) -> Self {
+        Self {
+            colour: colour % COLOURS.len(),
+            dash: member % DASHES.len(),
+            marker: (colour + member) % Marker::ALL.len(),
+        }
+    }
+
+    pub(crate) fn line(self) -> ShapeStyle {
+        ShapeStyle {
+            color: self.colour().into(),
+            filled: false,
+            stroke_width: 2,
+        }
+    }
+
+    pub(crate) fn dash(self) -> Option<(u32, u32)> {
+        DASHES.get(self.dash).copied().flatten()
+    }
+
+    pub(crate) fn marker(self) -> Marker {
+        let [circle, ..] = Marker::ALL;
+        Marker::ALL.get(self.marker).copied().unwrap_or(circle)
+    }
+
+    fn colour(self) -> RGBColor {
+        let [first, ..] = COLOURS;
+        COLOURS.get(self.colour).copied().unwrap_or(first)
+    }
+}
+
+/// What stands on some of a series' points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Marker {
+    Circle,
+    Triangle,
+    Square,
+    Cross,
+    Ring,
+}
+
+impl Marker {
+    const ALL: [Self; 5] = [
+        Self::Circle,
+        Self::Triangle,
+        Self::Square,
+        Self::Cross,
+        Self::Ring,
+    ];
+}

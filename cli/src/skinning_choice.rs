@@ -1,0 +1,15 @@
+//! `--skinning`: ways to move skin by name.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use kinopt::skinning::SkinningMethod;
+
+/// Accepts the names that the ways to skin give themselves.
+pub(crate) fn parser() -> impl TypedValueParser<Value = SkinningMethod> {
+    let named = SkinningMethod::ALL.map(|method| {
+        PossibleValue::new(method.name()).help(match method {
+            SkinningMethod::LinearBlend => "Linear blend, fastest",
+            SkinningMethod::DualQuaternion => "Dual quaternions, which keep twisted skin's volume",
+        })
+    });
+    PossibleValuesParser::new(named).try_map(|name| name.parse::<SkinningMethod>())
+}

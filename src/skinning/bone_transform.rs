@@ -1,0 +1,52 @@
+//! A bone's transform in the precision of meshes, and what can be said of it.
+
+use glam::{Affine3A, Mat3A, Vec3A};
+
+use super::SkinningError;
+use crate::mesh::single_precision;
+use crate::spatial::Placement;
+
+/// How far MᵀM of a rotation may stand from the identity, entry by entry. Single precision and a
+/// chain of products of bones stay far below it.
+const ROTATION_WITHIN: f32 = 1e-4;
+
+/// A bone's transform T = W T̂⁻¹ (rest model → posed model) in the precision of meshes.
+#[must_use]
+pub fn single_precision_transform(posed_from_rest: &Placement<f64>) -> Affine3A {
+    let Placement {
+        rotation,
+        translation,
+    } = *posed_from_rest;
+    let column = |v| Vec3A::from(single_precision(v));
+    Affine3A {
+        matrix3: Mat3A::from_cols(column(rotation.x), column(rotation.y), column(rotation.z)),
+        translation: column(translation),
+    }
+}
+
+/// One finite transform per bone, or which is wrong.
+pub(super) fn check(transforms: &[Affine3A], bones: usize) -> Result<(), SkinningError> {
+    if transforms.len() != bones {
+        return Err(SkinningError::TransformCount {
+            given: transforms.len(),
+            bones,
+        });
+    }
+    match transforms.iter().position(|t| !t.is_finite()) {
+        Some(bone) => Err(SkinningError::NonFiniteTransform { bone }),
+        None => Ok(()),
+    }
+}
+
+/// Whether M is a rotation: MᵀM is the identity and M does not mirror.
+pub(super) fn is_rotation(matrix: &Mat3A) -> bool {
+    let (x, y, z) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
+    let near = |value: f32, wanted: f32| (value - wanted).abs() <= ROTATION_WITHIN;
+    near(x.length_squared(), 1.0)
+        && near(y.length_squared(), 1.0)
+        && near(z.length_squared(), 1.0)
+        && near(x.dot(y), 0.0)
+        && near(y.dot(z), 0.0)
+        && near(z.dot(x), 0.0)
+        && x.dot(y.cross(z)) > 0.0
+}

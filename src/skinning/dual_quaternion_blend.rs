@@ -1,0 +1,131 @@
+//! Dual-quaternion skinning: vertices keep their distance from a joint that twists.
+
+use glam::{Affine3A, Vec3, Vec4};
+
+use super::bone_motions::BoneMotions;
+use super::directions::{turned_normal, turned_tangent};
+use super::{
+    Deformation, DualQuaternion, Influence, PosedVertices, RestVertices, SkinWeights, SkinningError,
+};
+
+/// One pose by dual quaternions: q̂ = Σ_j ±w_j q̂_j, divided by the norm of its real part.
+///
+/// Kavan, Collins, Žára & O'Sullivan, "Skinning with dual quaternions" (2007) and "Geometric
+/// skinning with approximate dual quaternion blending" (2008). The sign puts each q̂_j on the
+/// hemisphere of the bone with the largest weight (the first of them), so that blending takes the
+/// short way. Works in single precision with any number of influences.
+/// [`PackedDualQuaternionBlend`](super::PackedDualQuaternionBlend) does the same faster for four.
+#[derive(Clone, Debug)]
+pub struct DualQuaternionBlend<'a> {
+    weights: &'a SkinWeights,
+    motions: BoneMotions,
+}
+
+impl<'a> DualQuaternionBlend<'a> {
+    /// Skinning with these weights and one rigid transform per bone (rest model → posed model).
+    ///
+    /// # Errors
+    /// There is not one transform per bone of the weights, one is not finite, or one scales, shears
+    /// or mirrors by more than 1e-4.
+    pub fn new(weights: &'a SkinWeights, transforms: &[Affine3A]) -> Result<Self, SkinningError> {
+        let motions = BoneMotions::rigid(transforms, weights.bone_count())?;
+        Ok(Self { weights, motions })
+    }
+
+    /// Skinning with transforms that may stretch, in two phases: stretches are blended linearly at
+    /// rest, each about its bone's pivot (the bone's tail at rest, in the model's unit), and the rigid
+    /// motions that remain are blended as dual quaternions.
+    ///
+    /// # Errors
+    /// There is not one transform and one pivot per bone, one is not finite, or one mirrors or
+    /// flattens space.
+    pub fn stretched(
+        weights: &'a SkinWeights,
+        transforms: &[Affine3A],
+        pivots: &[Vec3],
+    ) -> Result<Self, SkinningError> {
+        let motions = BoneMotions::stretched(transforms, pivots, weights.bone_count())?;
+        Ok(Self { weights, motions })
+    }
+
+    /// Σ_j ±w_j q̂_j.
+    fn blended(&self, influences: &[Influence]) -> DualQuaternion {
+        let mut sum = DualQuaternion::ZERO;
+        let motion = |influence: &Influence| self.motions.rigid.get(influence.bone as usize);
+        let Some(pivot) = heaviest(influences).and_then(motion) else {
+            return sum;
+        };
+        for influence in influences {
+            if let Some(motion) = motion(influence) {
+                sum = sum + motion.towards(*pivot) * influence.weight as f32;
+            }
+        }
+        sum
+    }
+
+    /// Σ_j w_j (stretch of bone j).
+    fn stretch(&self, influences: &[Influence]) -> Affine3A {
+        let mut sum = Affine3A::ZERO;
+        for influence in influences {
+            if let Some(stretch) = self.motions.stretches.get(influence.bone as usize) {
+                let weight = influence.weight as f32;
+                sum.matrix3 += stretch.matrix3 * weight;
+                sum.translation += stretch.translation * weight;
+            }
+        }
+        sum
+    }
+}
+
+/// The influence with the largest weight; the first of those that are equal.
+fn heaviest(influences: &[Influence]) -> Option<&Influence> {
+    influences.iter().reduce(|best, influence| {
+        if influence.weight > best.weight {
+            influence
+        } else {
+            best
+        }
+    })
+}
+
+impl Deformation for DualQuaternionBlend<'_> {
+    fn vertex_count(&self) -> usize {
+        self.weights.vertex_count()
+    }
+
+    fn deform_range(&self, first: usize, rest: RestVertices<'_>, posed: PosedVertices<'_>) {
+        let stretches = !self.motions.stretches.is_empty();
+        move_by_dual_quaternions(rest, posed, |index| {
+            let influences = self.weights.influences(first + index);
+            let stretch = stretches.then(|| self.stretch(influences));
+            (stretch, self.blended(influences))
+        });
+    }
+}
+
+/// Moves vertices by what `blended` gives for a place in the buffers: a stretch, then a rigid motion.
+pub(super) fn move_by_dual_quaternions(
+    rest: RestVertices<'_>,
+    posed: PosedVertices<'_>,
+    blended: impl Fn(usize) -> (Option<Affine3A>, DualQuaternion),
+) {
+    for vertex in 0..rest.len() {
+        let (stretch, motion) = blended(vertex);
+        if let (Some(&p), Some(out)) = (rest.positions.get(vertex), posed.positions.get_mut(vertex))
+        {
+            let p = stretch.map_or(p, |stretch| stretch.transform_point3(p));
+            *out = motion.transform_point(p);
+        }
+        if let (Some(&n), Some(out)) = (rest.normals.get(vertex), posed.normals.get_mut(vertex)) {
+            let matrix = stretch.map_or(glam::Mat3A::IDENTITY, |stretch| stretch.matrix3);
+            let n = turned_normal(&matrix, n);
+            *out = motion.transform_vector(n);
+        }
+        if let (Some(&t), Some(out)) = (rest.tangents.get(vertex), posed.tangents.get_mut(vertex)) {
+            let matrix = stretch.map_or(glam::Mat3A::IDENTITY, |stretch| stretch.matrix3);
+            let t = turned_tangent(&matrix, t);
+            let turned = motion.transform_vector(t.truncate());
+            *out = Vec4::from((turned, t.w));
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! What can be wrong with a request to move skin.
+
+use crate::mesh::MeshError;
+
+/// Why a mesh cannot be skinned.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SkinningError {
+    /// The transforms are for another number of bones than the weights.
+    #[error("{given} bone transforms for weights of {bones} bones")]
+    TransformCount {
+        /// How many were given.
+        given: usize,
+        /// How many bones the weights know.
+        bones: usize,
+    },
+    /// A buffer of vertices is of another length than the weights.
+    #[error("{given} {what} for weights of {vertices} vertices")]
+    VertexCount {
+        /// "rest positions", "posed normals", …
+        what: &'static str,
+        /// How many there are.
+        given: usize,
+        /// How many vertices the weights know.
+        vertices: usize,
+    },
+    /// A bone's transform holds NaN or an infinity.
+    #[error("bone {bone}: the transform holds a number that is not finite")]
+    NonFiniteTransform {
+        /// Which bone, from 0.
+        bone: usize,
+    },
+    /// Dual quaternions hold rotations and translations only.
+    #[error(
+        "bone {bone}: the transform scales, shears or mirrors, which a dual quaternion cannot say; \
+         give the pivots for stretching apart (`DualQuaternionBlend::stretched`) or use linear blend"
+    )]
+    NotRigid {
+        /// Which bone, from 0.
+        bone: usize,
+    },
+    /// A transform mirrors or flattens space, so it is no rotation after a stretch.
+    #[error("bone {bone}: the transform mirrors or flattens space, so no rotation is in it")]
+    Mirrored {
+        /// Which bone, from 0.
+        bone: usize,
+    },
+    /// A quaternion of length zero (or NaN) is no rotation.
+    #[error("the quaternion {w}, {x}, {y}, {z} has no direction, so it is no rotation")]
+    ZeroQuaternion {
+        /// Its real part.
+        w: f32,
+        /// Its first imaginary part.
+        x: f32,
+        /// Its second imaginary part.
+        y: f32,
+        /// Its third imaginary part.
+        z: f32,
+    },
+    /// The posed mesh holds a number that is not finite in single precision.
+    #[error("the posed mesh: {0}")]
+    Mesh(#[from] MeshError),
+}

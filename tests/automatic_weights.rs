@@ -1,0 +1,122 @@
+//! Promise: a mesh without weights gets some that follow the nearest bones, sum to 1, are smooth
+//! over its edges, and are the same every time.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::DVec3;
+use kinopt::io::rig::Rig;
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{AutomaticWeights, AutomaticWeightsError, SkinWeights, TwistedTube};
+
+fn tube() -> (TriangleMesh, [[DVec3; 2]; 2]) {
+    let x = |x: f64| DVec3::new(x, 0.0, 0.0);
+    let bones = [[x(0.0), x(4.0)], [x(4.0), x(8.0)]];
+    (TwistedTube::default().mesh().unwrap(), bones)
+}
+
+/// The largest difference of a bone's weight along an edge.
+fn steepest(mesh: &TriangleMesh, weights: &SkinWeights) -> f64 {
+    let table = weights.to_table();
+    let edges = mesh
+        .triangles()
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let steps = edges.map(|(a, b)| (table.row(a as usize) - table.row(b as usize)).amax());
+    steps.fold(0.0, f64::max)
+}
+
+#[test]
+fn they_are_the_documented_formula_before_smoothing() {
+    let (mesh, bones) = tube();
+    let plain = AutomaticWeights {
+        smoothing_steps: 0,
+        ..AutomaticWeights::default()
+    };
+    let weights = plain.for_segments(&mesh, &bones).unwrap();
+    let core = mesh.size() / 1000.0;
+    for (vertex, p) in mesh.positions().iter().enumerate().step_by(37) {
+        let [x, r] = [f64::from(p.x), f64::from(p.y).hypot(f64::from(p.z))];
+        let pull = |beyond: f64| (r * r + beyond * beyond + core * core).powi(-2);
+        let (left, right) = (pull((x - 4.0).max(0.0)), pull((4.0 - x).max(0.0)));
+        let got = weights.to_table()[(vertex, 1)];
+        assert!(
+            (got - right / (left + right)).abs() < 1e-9,
+            "vertex {vertex}: {got}"
+        );
+    }
+}
+
+#[test]
+fn smoothing_evens_them_out_and_keeps_the_sums() {
+    let (mesh, bones) = tube();
+    let with = |smoothing_steps| {
+        let own = AutomaticWeights {
+            smoothing_steps,
+            falloff: 30.0,
+            ..AutomaticWeights::default()
+        };
+        own.for_segments(&mesh, &bones).unwrap()
+    };
+    let steps = [0, 10, 100].map(|smoothing| steepest(&mesh, &with(smoothing)));
+    assert!(steps[0] > steps[1] && steps[1] > steps[2], "{steps:?}");
+    for influences in with(100).iter() {
+        let sum: f64 = influences.iter().map(|i| i.weight).sum();
+        assert!((sum - 1.0).abs() < 1e-12 && influences.iter().all(|i| i.weight > 0.0));
+    }
+    assert_eq!(with(10), with(10));
+}
+
+#[test]
+fn a_figure_s_limbs_follow_their_own_bones() {
+    let rig = Rig::read(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/models/humanoid/humanoid.json"
+    ));
+    let rig = rig.unwrap();
+    let (mesh, given) = (rig.mesh.unwrap(), rig.weights.unwrap());
+    let made = AutomaticWeights::default()
+        .for_skeleton(&mesh, &rig.skeleton)
+        .unwrap();
+    assert_eq!(made.vertex_count(), given.vertex_count());
+    assert!(made.max_influences() <= 4);
+    let strongest = |weights: &SkinWeights, vertex: usize| {
+        let influences = weights.influences(vertex).iter();
+        influences
+            .max_by(|a, b| a.weight.total_cmp(&b.weight))
+            .unwrap()
+            .bone as usize
+    };
+    // Weights made by people and by distance agree on the bone, or on the next one of the chain.
+    let parent = |bone: usize| rig.skeleton.bones()[bone].parent.map(|p| p.index());
+    let agree = (0..given.vertex_count()).filter(|&vertex| {
+        let (a, b) = (strongest(&given, vertex), strongest(&made, vertex));
+        a == b || parent(a) == Some(b) || parent(b) == Some(a)
+    });
+    let share = agree.count() as f64 / given.vertex_count() as f64;
+    assert!(share > 0.95, "{share}");
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let (mesh, bones) = tube();
+    let own = AutomaticWeights::default();
+    assert_eq!(
+        own.for_segments(&mesh, &[]).unwrap_err(),
+        AutomaticWeightsError::NoBones
+    );
+    let mut broken = bones;
+    broken[1][0].y = f64::NAN;
+    assert_eq!(
+        own.for_segments(&mesh, &broken).unwrap_err(),
+        AutomaticWeightsError::NonFiniteBone { bone: 1 }
+    );
+    for falloff in [0.0, -1.0, f64::INFINITY] {
+        let own = AutomaticWeights { falloff, ..own };
+        let refused = own.for_segments(&mesh, &bones).unwrap_err();
+        assert_eq!(refused, AutomaticWeightsError::Falloff(falloff));
+    }
+    // Points, and a mesh that is one point on a bone, are no special case.
+    let points = [[DVec3::ZERO; 2], [DVec3::X; 2]];
+    let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
+    let weights = own.for_segments(&dot, &points).unwrap();
+    assert_eq!(weights.influences(0)[0].bone, 0);
+}

@@ -1,0 +1,206 @@
+//! Promise: dual-quaternion skinning moves rigid parts rigidly, blends along the short way, and
+//! refuses what no dual quaternion can say.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f32::consts::PI;
+
+use glam::{Affine3A, Mat3A, Quat, Vec3};
+use kinopt::skinning::{
+    Deformation, DualQuaternion, DualQuaternionBlend, LinearBlend, SkinWeights, SkinningError,
+    SkinningMethod,
+};
+
+/// One vertex per row of weights.
+fn weights(rows: &[&[f64]]) -> SkinWeights {
+    let mut builder = SkinWeights::builder(rows.len(), rows[0].len());
+    for (vertex, row) in rows.iter().enumerate() {
+        for (bone, &weight) in row.iter().enumerate() {
+            builder.add(vertex, bone, weight).unwrap();
+        }
+    }
+    builder.build().unwrap()
+}
+
+fn about(pivot: Vec3, rotation: Quat) -> Affine3A {
+    Affine3A::from_translation(pivot)
+        * Affine3A::from_quat(rotation)
+        * Affine3A::from_translation(-pivot)
+}
+
+fn posed(weights: &SkinWeights, transforms: &[Affine3A], rest: &[Vec3]) -> Vec<Vec3> {
+    let mut out = vec![Vec3::ZERO; rest.len()];
+    let blend = DualQuaternionBlend::new(weights, transforms).unwrap();
+    blend.positions(rest, &mut out).unwrap();
+    out
+}
+
+#[test]
+fn one_bone_moves_as_its_transform() {
+    let weights = weights(&[&[1.0, 0.0], &[0.0, 1.0]]);
+    let turn = Quat::from_axis_angle(Vec3::new(1.0, -2.0, 0.5).normalize(), 2.7);
+    let transforms = [
+        Affine3A::from_rotation_translation(turn, Vec3::new(3.0, -1.0, 0.25)),
+        about(Vec3::new(0.0, 2.0, 0.0), Quat::from_rotation_x(PI)),
+    ];
+    let rest = [Vec3::new(0.3, 0.7, -1.1), Vec3::new(-0.4, 0.2, 0.9)];
+    for ((posed, transform), rest) in posed(&weights, &transforms, &rest)
+        .iter()
+        .zip(&transforms)
+        .zip(rest)
+    {
+        assert!((*posed - transform.transform_point3(rest)).length() < 2e-6);
+    }
+}
+
+/// Between two turns about one axis the blend turns about it too, by arctan of the mean of the
+/// half-angle's sines over that of the cosines, and keeps the distance from it.
+#[test]
+fn blended_turns_about_an_axis_keep_the_distance_from_it() {
+    let pivot = Vec3::new(0.5, 1.0, 0.0);
+    for share in [0.1, 0.25, 0.5, 0.8] {
+        let weights = weights(&[&[1.0 - share, share]]);
+        let angle = 2.9_f64;
+        let far = about(pivot, Quat::from_rotation_z(angle as f32));
+        let rest = pivot + Vec3::new(2.0, 0.0, 0.7);
+        let got = posed(&weights, &[Affine3A::IDENTITY, far], &[rest])[0] - pivot;
+        let half = (share * (angle / 2.0).sin()).atan2(1.0 - share + share * (angle / 2.0).cos());
+        let (sin, cos) = (2.0 * half).sin_cos();
+        let expected = Vec3::new(2.0 * cos as f32, 2.0 * sin as f32, 0.7);
+        assert!(
+            (got - expected).length() < 3e-6,
+            "{share}: {got} {expected}"
+        );
+    }
+}
+
+#[test]
+fn signs_of_quaternions_do_not_matter() {
+    // 200° one way is 160° the other: both bones' quaternions lie on opposite hemispheres.
+    let weights = weights(&[&[0.6, 0.4], &[0.4, 0.6]]);
+    let turn = |degrees: f32| Affine3A::from_quat(Quat::from_rotation_y(degrees.to_radians()));
+    let rest = [Vec3::X, Vec3::X];
+    let one = posed(&weights, &[turn(170.0), turn(-170.0)], &rest);
+    let same = posed(&weights, &[turn(170.0), turn(190.0)], &rest);
+    for (a, b) in one.iter().zip(same) {
+        assert!((*a - b).length() < 1e-6);
+        // The short way between them passes 180°, not 0°.
+        assert!(a.x < -0.99);
+    }
+}
+
+#[test]
+fn normals_and_tangents_turn_with_the_blend() {
+    let weights = weights(&[&[0.5, 0.5]]);
+    let transforms = [
+        Affine3A::IDENTITY,
+        Affine3A::from_quat(Quat::from_rotation_z(PI / 2.0)),
+    ];
+    let blend = DualQuaternionBlend::new(&weights, &transforms).unwrap();
+    let (mut normal, mut tangent) = ([Vec3::ZERO], [glam::Vec4::ZERO]);
+    blend
+        .normals(&[Vec3::new(5.0, 0.0, 0.0)], &mut normal)
+        .unwrap();
+    blend
+        .tangents(&[glam::Vec4::new(0.0, 2.0, 0.0, -1.0)], &mut tangent)
+        .unwrap();
+    let s = 0.5_f32.sqrt();
+    assert!((normal[0] - Vec3::new(s, s, 0.0)).length() < 1e-6);
+    assert!((tangent[0] - glam::Vec4::new(-s, s, 0.0, -1.0)).length() < 1e-6);
+}
+
+/// With one bone the two phases are its transform, whatever the pivot.
+#[test]
+fn a_stretch_is_done_at_rest() {
+    let weights = weights(&[&[1.0]]);
+    let matrix = Mat3A::from_quat(Quat::from_rotation_x(1.2))
+        * Mat3A::from_diagonal(Vec3::new(2.0, 0.5, 1.5));
+    let transform = Affine3A {
+        matrix3: matrix,
+        translation: Vec3::new(1.0, 2.0, 3.0).into(),
+    };
+    let rest = [Vec3::new(0.2, -0.4, 0.9)];
+    for pivot in [Vec3::ZERO, Vec3::new(0.3, 5.0, -1.0)] {
+        let blend = DualQuaternionBlend::stretched(&weights, &[transform], &[pivot]).unwrap();
+        let (mut out, mut normal) = ([Vec3::ZERO], [Vec3::ZERO]);
+        blend.positions(&rest, &mut out).unwrap();
+        assert!((out[0] - transform.transform_point3(rest[0])).length() < 3e-6);
+        blend
+            .normals(&[Vec3::new(0.6, 0.0, 0.8)], &mut normal)
+            .unwrap();
+        let expected = matrix.inverse().transpose() * glam::Vec3A::new(0.6, 0.0, 0.8);
+        assert!((normal[0] - Vec3::from(expected.normalize())).length() < 1e-6);
+    }
+    // Where nothing turns, two phases are linear blend.
+    let both = self::weights(&[&[0.3, 0.7]]);
+    let scale = |by: f32, at: Vec3| {
+        Affine3A::from_translation(at)
+            * Affine3A::from_scale(Vec3::splat(by))
+            * Affine3A::from_translation(-at)
+    };
+    let pivots = [Vec3::X, Vec3::new(0.0, 3.0, 0.0)];
+    let transforms = [scale(2.0, pivots[0]), scale(0.5, pivots[1])];
+    let (mut dual, mut linear) = ([Vec3::ZERO], [Vec3::ZERO]);
+    let blend = DualQuaternionBlend::stretched(&both, &transforms, &pivots).unwrap();
+    blend.positions(&rest, &mut dual).unwrap();
+    let blend = LinearBlend::new(&both, &transforms).unwrap();
+    blend.positions(&rest, &mut linear).unwrap();
+    assert!((dual[0] - linear[0]).length() < 1e-6);
+}
+
+#[test]
+fn what_is_not_rigid_is_refused_by_name() {
+    let weights = weights(&[&[0.5, 0.5]]);
+    let with = |second: Affine3A| [Affine3A::IDENTITY, second];
+    let scaled = with(Affine3A::from_scale(Vec3::new(1.0, 1.0, 1.01)));
+    let refused = DualQuaternionBlend::new(&weights, &scaled).unwrap_err();
+    assert_eq!(refused, SkinningError::NotRigid { bone: 1 });
+    assert!(refused.to_string().contains("bone 1"));
+    let mirror = with(Affine3A::from_scale(Vec3::new(1.0, 1.0, -1.0)));
+    assert_eq!(
+        DualQuaternionBlend::new(&weights, &mirror).unwrap_err(),
+        SkinningError::NotRigid { bone: 1 }
+    );
+    let pivots = [Vec3::ZERO; 2];
+    assert_eq!(
+        DualQuaternionBlend::stretched(&weights, &mirror, &pivots).unwrap_err(),
+        SkinningError::Mirrored { bone: 1 }
+    );
+    let flat = with(Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)));
+    assert_eq!(
+        DualQuaternionBlend::stretched(&weights, &flat, &pivots).unwrap_err(),
+        SkinningError::Mirrored { bone: 1 }
+    );
+    let unknown = with(Affine3A::from_translation(Vec3::new(f32::NAN, 0.0, 0.0)));
+    for method in SkinningMethod::ALL {
+        let mesh = kinopt::mesh::TriangleMesh::new(vec![Vec3::ONE], vec![], vec![]).unwrap();
+        assert_eq!(
+            method.mesh(&mesh, &weights, &unknown).unwrap_err(),
+            SkinningError::NonFiniteTransform { bone: 1 }
+        );
+    }
+    for zero in [
+        Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+        Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0),
+    ] {
+        let refused = DualQuaternion::from_rotation_translation(zero, Vec3::ONE).unwrap_err();
+        assert!(matches!(refused, SkinningError::ZeroQuaternion { .. }));
+    }
+}
+
+#[test]
+fn a_long_quaternion_is_the_rotation_of_its_direction() {
+    let turn = Quat::from_rotation_z(1.0);
+    let long = Quat::from_vec4(glam::Vec4::from(turn) * 7.0);
+    let motion = DualQuaternion::from_rotation_translation(long, Vec3::Y).unwrap();
+    let moved = motion.transform_point(Vec3::X);
+    assert!((moved - (turn * Vec3::X + Vec3::Y)).length() < 1e-6);
+}
+
+#[test]
+fn methods_have_names() {
+    for method in SkinningMethod::ALL {
+        assert_eq!(method.name().parse(), Ok(method));
+    }
+    let unknown = "dq".parse::<SkinningMethod>().unwrap_err();
+    assert!(unknown.to_string().contains("lbs") && unknown.to_string().contains("dqs"));
+}

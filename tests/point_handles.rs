@@ -1,0 +1,72 @@
+//! Promise: point handles move a mesh as bones do, each about its own place.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{Mat3A, Quat, Vec3};
+use kinopt::skinning::{Deformation, LinearBlend, PointHandle, SkinWeights};
+
+/// A rod of eleven points between two handles with weights that change linearly along it.
+fn rod() -> (Vec<Vec3>, SkinWeights) {
+    let mut builder = SkinWeights::builder(11, 2);
+    for k in 0..11 {
+        let share = k as f64 / 10.0;
+        builder.add(k, 0, 1.0 - share).unwrap();
+        builder.add(k, 1, share).unwrap();
+    }
+    let points = (0..11)
+        .map(|k| Vec3::new(0.1 * k as f32, 0.0, 0.0))
+        .collect();
+    (points, builder.build().unwrap())
+}
+
+fn posed(handles: &[PointHandle]) -> Vec<Vec3> {
+    let (points, weights) = rod();
+    let transforms = PointHandle::transforms(handles);
+    let mut out = points.clone();
+    let blend = LinearBlend::new(&weights, &transforms).unwrap();
+    blend.positions(&points, &mut out).unwrap();
+    out
+}
+
+#[test]
+fn dragging_moves_each_vertex_by_its_weight() {
+    let drag = Vec3::new(0.0, 2.0, -1.0);
+    let handles = [
+        PointHandle::at(Vec3::ZERO),
+        PointHandle::at(Vec3::X).moved_to(Vec3::X + drag),
+    ];
+    for (k, p) in posed(&handles).into_iter().enumerate() {
+        let share = 0.1 * k as f32;
+        assert!((p - (Vec3::new(share, 0.0, 0.0) + share * drag)).length() < 1e-6);
+    }
+}
+
+#[test]
+fn turning_and_stretching_leave_the_handle_where_it_is() {
+    let linear = Mat3A::from_quat(Quat::from_rotation_z(1.1)) * 3.0;
+    let handles = [
+        PointHandle::at(Vec3::ZERO),
+        PointHandle::at(Vec3::X).turned_by(linear),
+    ];
+    let posed = posed(&handles);
+    assert!((posed[10] - Vec3::X).length() < 1e-6);
+    // Halfway: the mean of where it was and where the turned handle takes it.
+    let taken = Vec3::X + Vec3::from(linear * glam::Vec3A::new(-0.5, 0.0, 0.0));
+    assert!((posed[5] - 0.5 * (Vec3::new(0.5, 0.0, 0.0) + taken)).length() < 1e-6);
+}
+
+#[test]
+fn a_motion_common_to_all_handles_is_exact() {
+    let linear = Mat3A::from_quat(Quat::from_rotation_x(0.4))
+        * Mat3A::from_diagonal(Vec3::new(1.0, 2.0, 0.5));
+    let shift = Vec3::new(1.0, 2.0, 3.0);
+    let moved = |rest: Vec3| Vec3::from(linear * glam::Vec3A::from(rest)) + shift;
+    let handles = [Vec3::ZERO, Vec3::X].map(|rest| {
+        PointHandle::at(rest)
+            .moved_to(moved(rest))
+            .turned_by(linear)
+    });
+    let (points, _) = rod();
+    for (posed, rest) in posed(&handles).into_iter().zip(points) {
+        assert!((posed - moved(rest)).length() < 1e-6);
+    }
+}

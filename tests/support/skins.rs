@@ -1,0 +1,85 @@
+//! Random skins with numbers that never change.
+
+use glam::{Affine3A, Mat3A, Quat, Vec3, Vec4};
+use kinopt::skinning::{Deformation, PosedVertices, RestVertices, SkinWeights};
+
+use super::random::Random;
+
+/// Positions, normals and tangents.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vertices {
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
+    pub tangents: Vec<Vec4>,
+}
+
+pub fn vector(random: &mut Random) -> Vec3 {
+    Vec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0) as f32))
+}
+
+impl Vertices {
+    pub fn random(random: &mut Random, count: usize) -> Self {
+        let mut some = |_| vector(random);
+        Self {
+            positions: (0..count).map(&mut some).collect(),
+            normals: (0..count).map(&mut some).collect(),
+            tangents: (0..count)
+                .map(|k| some(k).extend(if k % 3 == 0 { -1.0 } else { 1.0 }))
+                .collect(),
+        }
+    }
+
+    pub fn rest(&self) -> RestVertices<'_> {
+        RestVertices {
+            positions: &self.positions,
+            normals: &self.normals,
+            tangents: &self.tangents,
+        }
+    }
+
+    pub fn posed(&mut self) -> PosedVertices<'_> {
+        PosedVertices {
+            positions: &mut self.positions,
+            normals: &mut self.normals,
+            tangents: &mut self.tangents,
+        }
+    }
+
+    pub fn deformed(&self, deformation: &impl Deformation) -> Self {
+        let mut out = self.clone();
+        deformation.deform(self.rest(), out.posed()).unwrap();
+        out
+    }
+}
+
+/// Weights of 1 to `most` influences that sum to 1.
+pub fn weights(random: &mut Random, vertices: usize, bones: usize, most: usize) -> SkinWeights {
+    let mut builder = SkinWeights::builder(vertices, bones);
+    for vertex in 0..vertices {
+        let count = 1 + vertex % most.min(bones);
+        for k in 0..count {
+            let bone = (vertex * 5 + k) % bones;
+            builder.add(vertex, bone, random.within(0.05, 1.0)).unwrap();
+        }
+    }
+    builder.build_repaired().unwrap().0
+}
+
+pub fn rigid(random: &mut Random) -> Affine3A {
+    let axis = vector(random).normalize_or(Vec3::X);
+    let turn = Quat::from_axis_angle(axis, random.within(-3.0, 3.0) as f32);
+    Affine3A::from_rotation_translation(turn, vector(random))
+}
+
+/// A rotation after a stretch along the axes; one in four mirrors.
+pub fn stretching(random: &mut Random) -> Affine3A {
+    let mut scale = vector(random).abs() + 0.3;
+    if random.within(0.0, 1.0) < 0.25 {
+        scale.y = -scale.y;
+    }
+    let rigid = rigid(random);
+    Affine3A {
+        matrix3: rigid.matrix3 * Mat3A::from_diagonal(scale),
+        translation: rigid.translation,
+    }
+}

@@ -1,0 +1,97 @@
+//! Promise: a twisted tube collapses under linear blend by the amount that theory says, down to
+//! nothing in the middle of a half turn, and keeps its shape under dual quaternions.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::PI;
+
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{SkinningMethod, TwistedTube};
+
+fn twisted(tube: &TwistedTube, method: SkinningMethod, twist: f64) -> TriangleMesh {
+    let transforms = TwistedTube::transforms(twist);
+    method
+        .mesh(&tube.mesh().unwrap(), &tube.weights().unwrap(), &transforms)
+        .unwrap()
+}
+
+/// Distances from the axis of the ring in the middle.
+fn waist(tube: &TwistedTube, posed: &TriangleMesh) -> Vec<f64> {
+    let first = (tube.rings / 2 * tube.sides) as usize;
+    let ring = &posed.positions()[first..first + tube.sides as usize];
+    ring.iter()
+        .map(|p| f64::from(p.y).hypot(f64::from(p.z)))
+        .collect()
+}
+
+#[test]
+fn the_tube_is_closed_and_has_the_volume_of_a_prism() {
+    for tube in [
+        TwistedTube::default(),
+        TwistedTube {
+            radius: 0.25,
+            length: 3.0,
+            sides: 5,
+            rings: 2,
+            ..TwistedTube::default()
+        },
+    ] {
+        let mesh = tube.mesh().unwrap();
+        assert!(mesh.is_closed());
+        let sides = f64::from(tube.sides);
+        let area = 0.5 * sides * (2.0 * PI / sides).sin() * tube.radius * tube.radius;
+        assert!((mesh.signed_volume() / (area * tube.length) - 1.0).abs() < 1e-6);
+        assert_eq!(
+            tube.weights().unwrap().vertex_count(),
+            mesh.positions().len()
+        );
+    }
+}
+
+#[test]
+fn linear_blend_is_a_candy_wrapper() {
+    let tube = TwistedTube::default();
+    let whole = tube.mesh().unwrap().signed_volume();
+    for degrees in [0.0_f64, 45.0, 90.0, 135.0, 180.0] {
+        let twist = degrees.to_radians();
+        let posed = twisted(&tube, SkinningMethod::LinearBlend, twist);
+        // The middle ring is a mean of two rings: |½ + ½ e^{iφ}| = cos(φ/2).
+        for distance in waist(&tube, &posed) {
+            assert!(
+                (distance - (twist / 2.0).cos()).abs() < 1e-6,
+                "{degrees}: {distance}"
+            );
+        }
+        let kept = posed.signed_volume() / whole;
+        let expected = 1.0 - tube.blended_share * (1.0 - twist.cos()) / 3.0;
+        assert!(
+            (kept - expected).abs() < 2e-3,
+            "{degrees}°: {kept}, not {expected}"
+        );
+    }
+    let half_turn = twisted(&tube, SkinningMethod::LinearBlend, PI);
+    assert!(
+        waist(&tube, &half_turn)
+            .iter()
+            .all(|distance| *distance < 1e-6)
+    );
+}
+
+#[test]
+fn dual_quaternions_keep_every_ring() {
+    let tube = TwistedTube::default();
+    let whole = tube.mesh().unwrap().signed_volume();
+    for degrees in [0.0_f64, 45.0, 90.0, 135.0, 180.0] {
+        let posed = twisted(&tube, SkinningMethod::DualQuaternion, degrees.to_radians());
+        let rings = &posed.positions()[..(tube.rings * tube.sides) as usize];
+        for p in rings {
+            let distance = f64::from(p.y).hypot(f64::from(p.z));
+            assert!(
+                (distance - tube.radius).abs() < 1e-6,
+                "{degrees}°: {distance}"
+            );
+        }
+        // What is left is the flat triangles' share between rings that turn against each other.
+        let kept = posed.signed_volume() / whole;
+        assert!((0.995..1.0001).contains(&kept), "{degrees}°: {kept}");
+    }
+}
