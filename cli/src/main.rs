@@ -3,7 +3,9 @@
 //! Exit codes: 0 done (a target that is out of reach is an answer, not a failure), 1 failed with a
 //! one-line reason on standard error, 2 wrong usage.
 
+mod animate;
 mod configuration;
+mod countdown;
 mod failure;
 mod fk;
 mod frame_name;
@@ -39,7 +41,8 @@ Examples:
   kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0
   kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
-  kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj";
+  kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
+  kinopt animate arm.json --fps 24 --out frames";
 
 /// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
 /// bring their frames where you want them, within the joints' limits.
@@ -59,6 +62,7 @@ struct Command {
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     Info(info::Arguments),
+    Animate(animate::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
 }
@@ -76,6 +80,7 @@ fn main() -> ExitCode {
     let json = command.json;
     let done = match &command.subcommand {
         Subcommands::Info(arguments) => info::run(arguments, json),
+        Subcommands::Animate(arguments) => animate::run(arguments, json),
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
     };

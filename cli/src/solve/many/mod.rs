@@ -1,7 +1,6 @@
 //! `--targets`: many independent targets of one frame, or a path.
 
 mod file;
-mod progress;
 mod summary;
 
 use std::path::Path;
@@ -10,13 +9,13 @@ use kinopt::robot::Robot;
 use rayon::prelude::*;
 
 use self::file::TargetsFile;
-use self::progress::Countdown;
 use self::summary::Outcomes;
 use super::answer::{Answer, Question};
 use super::arguments::Arguments;
 use super::arm_door::ArmDoor;
 use super::core_door::CoreDoor;
 use super::door::Door;
+use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
@@ -170,7 +169,7 @@ fn one_at_a_time(
     questions: &[Question],
     pool: Option<&rayon::ThreadPool>,
 ) -> Outcome<Vec<Answer>> {
-    let countdown = Countdown::new(questions.len());
+    let countdown = Countdown::new(questions.len(), "targets");
     let ask = |desk: &mut Option<_>, question: &Question| {
         let desk = match desk {
             Some(desk) => desk,
@@ -196,7 +195,7 @@ fn one_at_a_time(
 }
 
 fn track(door: &impl Door, questions: Vec<Question>) -> Outcome<Vec<Answer>> {
-    let countdown = Countdown::new(questions.len());
+    let countdown = Countdown::new(questions.len(), "targets");
     let mut desk = door.desk()?;
     let mut answers: Vec<Answer> = Vec::with_capacity(questions.len());
     for mut question in questions {

@@ -1,4 +1,4 @@
-//! A bar on standard error while many targets are solved, on a terminal only.
+//! A bar on standard error while many of something are done, on a terminal only.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -10,8 +10,8 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// How many drawings a second.
 const DRAWINGS: u8 = 10;
 
-/// Counts answers. It is told between questions, so no time that is taken holds its drawing.
-pub(super) struct Countdown {
+/// Counts what is done. It is told in between, so no time that is taken holds its drawing.
+pub(crate) struct Countdown {
     started: Instant,
     done: AtomicU64,
     /// None where nobody would see it.
@@ -19,13 +19,14 @@ pub(super) struct Countdown {
 }
 
 impl Countdown {
-    pub(super) fn new(questions: usize) -> Self {
+    /// A bar over so many `things`.
+    pub(crate) fn new(count: usize, things: &str) -> Self {
         let target = ProgressDrawTarget::stderr_with_hz(DRAWINGS);
         let bar = (!target.is_hidden()).then(|| {
-            let length = u64::try_from(questions).unwrap_or(u64::MAX);
+            let length = u64::try_from(count).unwrap_or(u64::MAX);
             let bar = ProgressBar::with_draw_target(Some(length), target);
-            let shape = "{bar:40} {pos} of {len} targets, {eta} left";
-            match ProgressStyle::with_template(shape) {
+            let shape = format!("{{bar:40}} {{pos}} of {{len}} {things}, {{eta}} left");
+            match ProgressStyle::with_template(&shape) {
                 Ok(style) => bar.with_style(style),
                 Err(_) => bar,
             }
@@ -37,7 +38,7 @@ impl Countdown {
         }
     }
 
-    pub(super) fn one_more(&self) {
+    pub(crate) fn one_more(&self) {
         if let Some(bar) = &self.bar {
             let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
             if self.started.elapsed() > PATIENCE {
@@ -47,7 +48,7 @@ impl Countdown {
     }
 
     /// Takes the bar away.
-    pub(super) fn finish(&self) {
+    pub(crate) fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
