@@ -72,7 +72,7 @@ impl Chart {
     /// No points; a value that is not finite, or not positive on a logarithmic axis without a range;
     /// an axis' range that is empty.
     pub fn to_svg(&self) -> Result<String, ChartError> {
-        Figure::alone(self.clone()).to_svg()
+        Figure::from(self.clone()).to_svg()
     }
 
     /// Writes the chart to a file.
@@ -80,6 +80,6 @@ impl Chart {
     /// # Errors
     /// As [`to_svg`](Self::to_svg), and a file that cannot be written.
     pub fn write_svg(&self, path: impl AsRef<Path>) -> Result<(), ChartError> {
-        Figure::alone(self.clone()).write_svg(path)
+        Figure::from(self.clone()).write_svg(path)
     }
 }

@@ -6,7 +6,7 @@ use plotters::prelude::{IntoDrawingArea, SVGBackend, WHITE};
 
 use crate::legend::{Entry, Legend};
 use crate::panel::{self, draw_error};
-use crate::{Chart, ChartError, Series, Style};
+use crate::{Chart, ChartError, Style};
 
 /// The width that a page on a code-hosting site shows without shrinking it, in pixels.
 const PAGE: u32 = 900;
@@ -14,7 +14,8 @@ const PAGE: u32 = 900;
 const HEIGHT: [u32; 2] = [400, 290];
 const TITLE_HEIGHT: u32 = 34;
 
-/// Several charts in a grid, with one legend: a series of the same name looks the same in all.
+/// Several charts in a grid: a series of the same name looks the same in all. In one column each
+/// chart has its own legend beside it; where several stand side by side they share one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     title: Option<String>,
@@ -30,14 +31,6 @@ impl Figure {
             title: Some(title.into()),
             columns: 2,
             charts: Vec::new(),
-        }
-    }
-
-    pub(crate) fn alone(chart: Chart) -> Self {
-        Self {
-            title: None,
-            columns: 1,
-            charts: vec![chart],
         }
     }
 
@@ -60,19 +53,33 @@ impl Figure {
     /// # Errors
     /// As [`Chart::to_svg`], of any chart; no chart at all.
     pub fn to_svg(&self) -> Result<String, ChartError> {
-        let entries = self.entries();
+        let entries = entries(&self.charts);
         let legend = Legend::new(&entries);
         let columns = self.columns.min(self.charts.len()).max(1);
         let rows = self.charts.len().div_ceil(columns);
         let [alone, one_of_several] = HEIGHT;
-        let chart_height = if columns == 1 { alone } else { one_of_several };
+        let chart_height = if rows == 1 && columns == 1 {
+            alone
+        } else {
+            one_of_several
+        };
+        // In one column every row must have room for its own legend.
+        let own = self
+            .charts
+            .iter()
+            .map(|chart| Legend::new(&entries_of(chart, &entries)).height());
+        let chart_height = match columns {
+            1 => chart_height.max(own.max().unwrap_or(0)),
+            _ => chart_height,
+        };
         let top = if self.title.is_some() {
             TITLE_HEIGHT
         } else {
             0
         };
         let charts_height = chart_height * u32::try_from(rows).unwrap_or(1);
-        let height = top + charts_height.max(legend.height());
+        let shared_height = if columns == 1 { 0 } else { legend.height() };
+        let height = top + charts_height.max(shared_height);
         if self.charts.is_empty() {
             return Err(ChartError::Empty {
                 chart: self.title.clone().unwrap_or_default(),
@@ -95,7 +102,13 @@ impl Figure {
             for (chart, area) in self.charts.iter().zip(grid.split_evenly((rows, columns))) {
                 panel::draw(chart, &entries, &area)?;
             }
-            legend.draw(&beside)?;
+            if columns == 1 {
+                for (chart, area) in self.charts.iter().zip(beside.split_evenly((rows, 1))) {
+                    Legend::new(&entries_of(chart, &entries)).draw(&area)?;
+                }
+            } else {
+                legend.draw(&beside)?;
+            }
             root.present().map_err(draw_error)?;
         }
         Ok(svg)
@@ -112,22 +125,37 @@ impl Figure {
             source,
         })
     }
+}
 
-    /// Every name once, in the order of their first appearance, with its look.
-    fn entries(&self) -> Vec<Entry> {
-        let mut entries: Vec<Entry> = Vec::new();
-        for series in self.charts.iter().flat_map(|chart| &chart.series) {
-            if entries.iter().all(|entry| entry.name != series.name) {
-                entries.push(entry(series, entries.len()));
-            }
+impl From<Chart> for Figure {
+    fn from(chart: Chart) -> Self {
+        Self {
+            title: None,
+            columns: 1,
+            charts: vec![chart],
         }
-        entries
     }
 }
 
-fn entry(series: &Series, position: usize) -> Entry {
-    Entry {
-        name: series.name.clone(),
-        style: series.style.unwrap_or_else(|| Style::nth(position)),
+/// Every name of some charts once, in the order of their first appearance, with its look.
+fn entries(charts: &[Chart]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for series in charts.iter().flat_map(|chart| &chart.series) {
+        if entries.iter().all(|entry| entry.name != series.name) {
+            let style = series.style.unwrap_or_else(|| Style::nth(entries.len()));
+            let name = series.name.clone();
+            entries.push(Entry { name, style });
+        }
     }
+    entries
+}
+
+/// The names of one chart, with the looks that they have in all.
+fn entries_of(chart: &Chart, all: &[Entry]) -> Vec<Entry> {
+    let mut own = entries(std::slice::from_ref(chart));
+    for entry in &mut own {
+        let known = all.iter().find(|known| known.name == entry.name);
+        entry.style = known.map_or(entry.style, |known| known.style);
+    }
+    own
 }

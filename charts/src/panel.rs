@@ -212,7 +212,10 @@ pub(crate) fn draw_marker<B: DrawingBackend>(
         color: plotters::style::WHITE.into(),
         ..filled
     };
-    match style.marker() {
+    let Some(marker) = style.marker() else {
+        return Ok(());
+    };
+    match marker {
         Marker::Circle => area.draw(&Circle::new((x, y), s, filled)),
         Marker::Square => area.draw(&Rectangle::new([(x - s, y - s), (x + s, y + s)], filled)),
         Marker::Triangle => {

@@ -14,6 +14,10 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
+const GREY: RGBColor = RGBColor(110, 110, 110);
+/// The colour and the marker of guides: none of the lists.
+const GUIDE: usize = usize::MAX;
+
 /// Pixels drawn and left out in turn; the first is a whole line.
 const DASHES: [Option<(u32, u32)>; 4] = [None, Some((9, 4)), Some((2, 3)), Some((16, 6))];
 
@@ -47,11 +51,21 @@ impl Style {
         }
     }
 
+    /// A line to compare with, thin and grey without markers; its dash is the `member`-th.
+    #[must_use]
+    pub fn guide(member: usize) -> Self {
+        Self {
+            colour: GUIDE,
+            dash: member % DASHES.len(),
+            marker: GUIDE,
+        }
+    }
+
     pub(crate) fn line(self) -> ShapeStyle {
         ShapeStyle {
             color: self.colour().into(),
             filled: false,
-            stroke_width: 2,
+            stroke_width: if self.colour == GUIDE { 1 } else { 2 },
         }
     }
 
@@ -59,14 +73,12 @@ impl Style {
         DASHES.get(self.dash).copied().flatten()
     }
 
-    pub(crate) fn marker(self) -> Marker {
-        let [circle, ..] = Marker::ALL;
-        Marker::ALL.get(self.marker).copied().unwrap_or(circle)
+    pub(crate) fn marker(self) -> Option<Marker> {
+        Marker::ALL.get(self.marker).copied()
     }
 
     fn colour(self) -> RGBColor {
-        let [first, ..] = COLOURS;
-        COLOURS.get(self.colour).copied().unwrap_or(first)
+        COLOURS.get(self.colour).copied().unwrap_or(GREY)
     }
 }
 

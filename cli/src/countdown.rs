@@ -1,4 +1,4 @@
-//! A bar on standard error while many of something are done, on a terminal only.
+//! A bar on standard error while many things are done, on a terminal only.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -10,7 +10,7 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// How many drawings a second.
 const DRAWINGS: u8 = 10;
 
-/// Counts what is done. It is told in between, so no time that is taken holds its drawing.
+/// Counts answers. It is told between questions, so no time that is taken holds its drawing.
 pub(crate) struct Countdown {
     started: Instant,
     done: AtomicU64,
@@ -19,13 +19,13 @@ pub(crate) struct Countdown {
 }
 
 impl Countdown {
-    /// A bar over so many `things`.
-    pub(crate) fn new(count: usize, things: &str) -> Self {
+    /// Counts up to `total`; `noun` is what is counted.
+    pub(crate) fn new(total: usize, noun: &str) -> Self {
         let target = ProgressDrawTarget::stderr_with_hz(DRAWINGS);
         let bar = (!target.is_hidden()).then(|| {
-            let length = u64::try_from(count).unwrap_or(u64::MAX);
+            let length = u64::try_from(total).unwrap_or(u64::MAX);
             let bar = ProgressBar::with_draw_target(Some(length), target);
-            let shape = format!("{{bar:40}} {{pos}} of {{len}} {things}, {{eta}} left");
+            let shape = format!("{{bar:40}} {{pos}} of {{len}} {noun}, {{eta}} left");
             match ProgressStyle::with_template(&shape) {
                 Ok(style) => bar.with_style(style),
                 Err(_) => bar,

@@ -4,6 +4,7 @@
 //! one-line reason on standard error, 2 wrong usage.
 
 mod animate;
+mod bench;
 mod configuration;
 mod countdown;
 mod failure;
@@ -24,6 +25,7 @@ mod skinning_choice;
 mod solve;
 mod table;
 mod target;
+mod targets_file;
 
 use std::process::ExitCode;
 
@@ -42,7 +44,8 @@ Examples:
   kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
-  kinopt animate arm.json --fps 24 --out frames";
+  kinopt animate arm.json --fps 24 --out frames
+  kinopt bench robot.urdf --problems random:100 --out results";
 
 /// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
 /// bring their frames where you want them, within the joints' limits.
@@ -65,6 +68,7 @@ enum Subcommands {
     Animate(animate::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
+    Bench(bench::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -83,6 +87,7 @@ fn main() -> ExitCode {
         Subcommands::Animate(arguments) => animate::run(arguments, json),
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
+        Subcommands::Bench(arguments) => bench::run(arguments, json),
     };
     match done {
         Ok(()) | Err(Failure::ReaderGone) => ExitCode::SUCCESS,

@@ -13,7 +13,7 @@ pub(super) enum Course {
         search: Search,
         memory: Box<Memory>,
     },
-    Suspended(Suspended),
+    Suspended(Box<Suspended>),
 }
 
 /// A search as a checkpoint keeps it.
@@ -59,7 +59,7 @@ impl Serialize for Course {
                 projected_gradient: search.projected_gradient,
                 snapshot: memory.snapshot(),
             }),
-            Self::Suspended(suspended) => Some(suspended.clone()),
+            Self::Suspended(suspended) => Some(suspended.as_ref().clone()),
         };
         suspended.serialize(serializer)
     }
@@ -68,6 +68,8 @@ impl Serialize for Course {
 impl<'de> Deserialize<'de> for Course {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let suspended = Option::<Suspended>::deserialize(deserializer)?;
-        Ok(suspended.map_or(Self::Waiting, Self::Suspended))
+        Ok(suspended.map_or(Self::Waiting, |suspended| {
+            Self::Suspended(Box::new(suspended))
+        }))
     }
 }

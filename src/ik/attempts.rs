@@ -67,7 +67,11 @@ impl Attempts<'_> {
         let mut agreeing = 0;
         // With preferences the minimum is the goal, and a stall is on the way to it.
         let patient = self.problem.has_preferences();
+        let mut tired = false;
         for trial in self.restarts.trials(patient) {
+            if tired && trial != Trial::FinishAtLast {
+                continue;
+            }
             match trial {
                 Trial::Quick(index) | Trial::Full(index) => {
                     if index == 1 {
@@ -80,11 +84,17 @@ impl Attempts<'_> {
                     found.attempts += 1;
                 }
                 Trial::FinishBest if found.outcome.termination != Termination::Stalled => continue,
+                Trial::FinishAtLast if settled(found.outcome.termination) => continue,
+                Trial::FinishAtLast if found.attempts == self.restarts.attempts => continue,
+                Trial::FinishAtLast => {
+                    found.attempts += 1;
+                    attempt.copy_from_slice(best_x);
+                }
                 Trial::FinishBest => attempt.copy_from_slice(best_x),
             }
             let stopping = match trial {
                 Trial::Quick(index) => self.stopping.impatient(Restarts::patience(index)),
-                Trial::FinishBest | Trial::Full(_) => self.stopping,
+                Trial::Full(_) | Trial::FinishBest | Trial::FinishAtLast => self.stopping,
             };
             let outcome = minimise_until(
                 &mut Evaluation::new(self.problem, scratch),
@@ -107,18 +117,18 @@ impl Attempts<'_> {
                     agreeing + usize::from(cost <= found.cost * (1.0 + SAME_COST))
                 };
             }
-            let first = found.attempts == 1 && trial != Trial::FinishBest;
+            let first = found.attempts == 1 && !trial.goes_on();
             // Among equals the earliest, which is the nearest to the caller's start, stays.
             let better = cost < found.cost * (1.0 - SAME_COST) || found.cost.is_nan();
-            if reached || first || better || trial == Trial::FinishBest {
+            if reached || first || better || trial.goes_on() {
                 (found.outcome, found.cost) = (outcome, cost);
                 best_x.copy_from_slice(memory.x());
                 best_residual.copy_from_slice(memory.residual());
             }
             let cancelled = outcome.termination == Termination::Cancelled;
             let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            let tired = found.iterations >= self.restarts.steps;
-            if reached || cancelled || late || tired || agreeing >= self.restarts.agreeing {
+            tired = found.iterations >= self.restarts.steps;
+            if reached || cancelled || late || agreeing >= self.restarts.agreeing {
                 break;
             }
         }

@@ -30,10 +30,12 @@ const LOCAL_ATTEMPTS: usize = 2;
 pub(super) enum Trial {
     /// An attempt that gives up when it stalls.
     Quick(usize),
-    /// The best attempt so far goes on to its end.
+    /// The best attempt so far goes on to its end, if it gave up when it stalled.
     FinishBest,
     /// An attempt that runs to its end.
     Full(usize),
+    /// When the steps are used up, the best of all goes on, unless it came to its end.
+    FinishAtLast,
 }
 
 impl Trial {
@@ -42,8 +44,13 @@ impl Trial {
     pub(super) fn counts_for_agreement(self) -> bool {
         match self {
             Self::Quick(index) | Self::Full(index) => index % 2 == 0,
-            Self::FinishBest => true,
+            Self::FinishBest | Self::FinishAtLast => true,
         }
+    }
+
+    /// Whether the trial goes on from where the best one stands.
+    pub(super) fn goes_on(self) -> bool {
+        matches!(self, Self::FinishBest | Self::FinishAtLast)
     }
 }
 
@@ -101,7 +108,8 @@ impl Restarts {
         self
     }
 
-    /// Starts no further attempt after so many steps of all attempts together.
+    /// After so many steps of all attempts together only one further attempt is made: from where the
+    /// best one stands, if that was cut off.
     #[must_use]
     pub fn with_steps(mut self, steps: usize) -> Self {
         self.steps = steps;
@@ -116,10 +124,12 @@ impl Restarts {
             attempts => attempts.min(QUICK_ATTEMPTS),
         };
         let finish = (quick > 0).then_some(Trial::FinishBest);
+        let last = [Trial::FinishAtLast];
         (0..quick)
             .map(Trial::Quick)
             .chain(finish)
             .chain((quick..self.attempts).map(Trial::Full))
+            .chain(last)
     }
 
     /// How long a quick attempt waits for progress, in steps.

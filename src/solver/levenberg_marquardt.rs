@@ -1,6 +1,13 @@
-//! Levenberg-Marquardt: (JᵀJ + λI) Δ = −Jᵀr over the free variables.
+//! Levenberg-Marquardt: (JᵀJ + λI) Δ = −Jᵀr over the free variables, and JᵀJ + S + λI where a large
+//! residual makes the search creep and the learnt [curvature](super::curvature) S foretells better.
 
+use super::linear::CurvedModel;
 use super::{LeastSquares, Memory, Method, Step};
+
+/// The first λ, as a share of max diag(JᵀJ), that is tried to make an indefinite model convex, and
+/// how often it is quadrupled: to far above any curvature.
+const LEAST_CONVEX_DAMPING: f64 = 1e-6;
+const MOST_CONVEX_TRIALS: usize = 20;
 
 /// How λ follows the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,9 +79,13 @@ impl Method for LevenbergMarquardt {
     }
 
     fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
-        memory.solve_damped();
+        memory.curvature.learn(&memory.gradient);
+        if !memory.solve_curved(problem) {
+            memory.solve_damped();
+        }
         memory.project_step(problem);
-        let promised = memory.cost - memory.model_cost();
+        let linear = memory.model_cost();
+        let promised = memory.cost - linear - memory.curvature.bend_in_use(&memory.step);
         let trial_cost = memory.evaluate_projected_trial(problem);
         let won = memory.cost - trial_cost;
         let accepted = won > 0.0;
@@ -82,7 +93,8 @@ impl Method for LevenbergMarquardt {
         match self.damping {
             Damping::GainRatio if accepted => {
                 let ratio = if promised > 0.0 { won / promised } else { 1.0 };
-                memory.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+                let kept = (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+                memory.damping *= kept.min(trial_cost / memory.cost);
                 memory.damping_growth = 2.0;
             }
             Damping::GainRatio => {
@@ -99,6 +111,13 @@ impl Method for LevenbergMarquardt {
             }
         }
         if accepted {
+            memory.curvature.note(
+                &memory.jacobian,
+                &memory.gradient,
+                &memory.step,
+                &memory.trial_residual,
+                (linear, memory.cost, trial_cost),
+            );
             memory.accept_trial(trial_cost);
             Step::Taken
         } else {
@@ -108,6 +127,32 @@ impl Method for LevenbergMarquardt {
 }
 
 impl Memory {
+    /// Puts the damped step of the curved model into `step`, if S is in use and the model has a
+    /// minimum once λ is large enough.
+    fn solve_curved(&mut self, problem: &dyn LeastSquares) -> bool {
+        let Some(curvature) = self.curvature.in_use() else {
+            return false;
+        };
+        let model = CurvedModel {
+            jacobian: &self.jacobian,
+            curvature,
+            gradient: &self.gradient,
+            free: &self.free,
+            x: &self.x,
+            bounds: (problem.lower(), problem.upper()),
+        };
+        let least = LEAST_CONVEX_DAMPING * self.column_norm * self.column_norm;
+        let mut damping = self.damping;
+        for _ in 0..MOST_CONVEX_TRIALS {
+            if self.curved.minimise(&model, damping, &mut self.step) {
+                self.damping = damping;
+                return true;
+            }
+            damping = (4.0 * damping).max(least);
+        }
+        false
+    }
+
     /// Puts the damped step over the free variables into `step`.
     pub(super) fn solve_damped(&mut self) {
         let Self {

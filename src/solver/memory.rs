@@ -6,7 +6,8 @@ use nalgebra::DMatrix;
 
 use super::LeastSquares;
 use super::active_set::{list_free, project, projected_gradient_norm};
-use super::linear::{CompleteOrthogonal, DampedNormal, add_scaled, dot};
+use super::curvature::Curvature;
+use super::linear::{CompleteOrthogonal, CurvedNormal, DampedNormal, add_scaled, dot};
 
 /// How many past costs a search may remember.
 pub(super) const MOST_RECENT_COSTS: usize = 10;
@@ -63,6 +64,8 @@ pub struct Memory {
     pub(super) best_x: Vec<f64>,
     pub(super) best_cost: f64,
     pub(super) normal: DampedNormal,
+    pub(super) curvature: Curvature,
+    pub(super) curved: CurvedNormal,
     pub(super) orthogonal: CompleteOrthogonal,
     pub(super) counts: Counts,
 }
@@ -91,6 +94,8 @@ impl Default for Memory {
             best_x: Vec::new(),
             best_cost: f64::INFINITY,
             normal: DampedNormal::default(),
+            curvature: Curvature::default(),
+            curved: CurvedNormal::default(),
             orthogonal: CompleteOrthogonal::default(),
             counts: Counts::default(),
         }
@@ -163,6 +168,8 @@ impl Memory {
         self.recent_costs.clear();
         self.recent_costs.reserve(MOST_RECENT_COSTS);
         self.normal.reserve(m, n);
+        self.curvature.reset(n);
+        self.curved.reserve(m, n);
         self.orthogonal.reserve(m, n);
         self.counts = Counts::default();
         self.damping = 0.0;

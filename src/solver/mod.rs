@@ -4,6 +4,7 @@
 //! it ([`minimise`]) counts, observes and stops for all of them.
 
 mod active_set;
+mod curvature;
 mod gauss_newton;
 mod least_squares;
 mod levenberg_marquardt;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::curvature::Curvature;
 use super::{Counts, LeastSquares, Memory, Method};
 
 /// A search between two iterations. What x alone decides (residual, derivatives) is not kept:
@@ -19,6 +20,7 @@ pub(crate) struct Snapshot {
     recent_costs: Vec<f64>,
     best_x: Vec<f64>,
     best_cost: f64,
+    curvature: Curvature,
     /// Residuals, Jacobians, gradients.
     counts: [usize; 3],
 }
@@ -38,6 +40,7 @@ impl Memory {
             recent_costs: self.recent_costs.clone(),
             best_x: self.best_x.clone(),
             best_cost: self.best_cost,
+            curvature: self.curvature.clone(),
             counts: [
                 self.counts.residuals,
                 self.counts.jacobians,
@@ -65,7 +68,7 @@ impl Memory {
         let fits = [x, previous_x, previous_gradient, best_x]
             .iter()
             .all(|vector| vector.len() == n);
-        if !fits {
+        if !fits || !snapshot.curvature.fits(n) {
             return false;
         }
         self.start_at(problem, x);
@@ -87,6 +90,7 @@ impl Memory {
         self.recent_costs.extend_from_slice(&snapshot.recent_costs);
         self.best_x.copy_from_slice(best_x);
         self.best_cost = snapshot.best_cost;
+        self.curvature.clone_from(&snapshot.curvature);
         let [residuals, jacobians, gradients] = snapshot.counts;
         self.counts += Counts {
             residuals,

@@ -13,7 +13,7 @@ use crate::loaded_model::LoadedModel;
 
 /// Where targets are measured from.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Base {
+pub(crate) enum Base {
     /// A frame that nothing moves (the world's own is the identity): world_from_base.
     Still(Placement<f64>),
     /// A frame that free joints move.
@@ -30,7 +30,7 @@ pub(super) enum TargetTask {
 
 impl Base {
     /// The frame of that name; without one the world.
-    pub(super) fn named(loaded: &LoadedModel, name: Option<&str>) -> Outcome<Self> {
+    pub(crate) fn named(loaded: &LoadedModel, name: Option<&str>) -> Outcome<Self> {
         let Some(name) = name else {
             return Ok(Self::Still(Placement::identity()));
         };

@@ -4,7 +4,7 @@ mod answer;
 mod arguments;
 mod arm_arguments;
 mod arm_door;
-mod base;
+pub(crate) mod base;
 mod bystanders;
 mod core_door;
 mod door;

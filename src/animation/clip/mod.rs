@@ -128,7 +128,7 @@ impl Clip {
             .places
             .resize(self.timelines.count(), Place::default());
         self.timelines.locate(time, &mut cursor.places);
-        pose.copy_from(&self.constant);
+        self.tracks.fill_constant(&self.constant, pose);
         self.tracks.sample(&cursor.places, pose);
         Ok(())
     }

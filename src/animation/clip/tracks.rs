@@ -72,6 +72,10 @@ impl Packed {
 }
 
 impl Vectors {
+    fn count(&self) -> usize {
+        self.linear.len() + self.curved.len()
+    }
+
     pub(super) fn add(&mut self, bone: usize, timeline: TimelineId, curve: KeyedCurve<Vec3A>) {
         if !curve.is_linear() {
             self.curved.push(Curved::new(bone, timeline, curve));
@@ -113,14 +117,13 @@ impl Slerps {
     }
 
     fn sample(&self, places: &[Place], out: &mut [Quat]) {
-        let mut groups = self.tracks.chunks_exact(WIDTH);
-        for group in groups.by_ref() {
-            if let Ok(group) = <&[Packed; WIDTH]>::try_from(group) {
-                self.sample_group(group, places, out);
+        for group in self.tracks.chunks(WIDTH) {
+            // A last group that is not full does its last track again: cheaper than one by one.
+            let lane = |lane: usize| group.get(lane).or(group.last()).copied();
+            if let Some(last) = lane(WIDTH) {
+                let full = std::array::from_fn(|k| lane(k).unwrap_or(last));
+                self.sample_group::<WIDTH>(&full, places, out);
             }
-        }
-        for track in groups.remainder() {
-            self.sample_group(&[*track], places, out);
         }
     }
 
@@ -146,6 +149,23 @@ impl Slerps {
 }
 
 impl Tracks {
+    /// Copies what the tracks do not write: nothing of a property that every bone has a track for.
+    pub(super) fn fill_constant(&self, constant: &Pose, pose: &mut Pose) {
+        let bones = constant.bones();
+        if self.translations.count() < bones {
+            pose.translations.copy_from_slice(&constant.translations);
+        }
+        if self.scales.count() < bones {
+            pose.scales.copy_from_slice(&constant.scales);
+        }
+        if self.slerps.tracks.len() + self.rotations.len() + self.eulers.len() < bones {
+            pose.rotations.copy_from_slice(&constant.rotations);
+        }
+        if self.morphs.len() < constant.morph_weights.len() {
+            pose.morph_weights.copy_from_slice(&constant.morph_weights);
+        }
+    }
+
     /// Writes every moving property into a pose of the clip's armature.
     pub(super) fn sample(&self, places: &[Place], pose: &mut Pose) {
         self.translations.sample(places, &mut pose.translations);

@@ -2,10 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::cholesky;
 use super::dense::{add_scaled, dot};
-
-/// Pivots below this share of the largest diagonal entry count as zero.
-const NEGLIGIBLE: f64 = 1e-14;
 
 /// Solves (J_FᵀJ_F + λI) Δ = −J_Fᵀ r over the free columns F; with fewer rows than free columns
 /// through (J_F J_Fᵀ + λI) y = −r, Δ = J_Fᵀ y, which is the same Δ.
@@ -56,7 +54,7 @@ impl DampedNormal {
             if rows < free.len() {
                 self.add_outer_products(jacobian, free, order);
             } else {
-                self.fill_inner_products(jacobian, free, order);
+                fill_inner_products(jacobian, free, &mut self.gram);
             }
             self.gram_is_fresh = true;
         }
@@ -65,7 +63,7 @@ impl DampedNormal {
         for k in 0..order {
             self.factor[k * order + k] += damping;
         }
-        factorise(&mut self.factor, order, &mut self.pivot_column);
+        cholesky::factorise(&mut self.factor, order, &mut self.pivot_column);
     }
 
     /// Writes the Δ of `residual` at the free variables of `step`, after
@@ -83,14 +81,14 @@ impl DampedNormal {
         self.unknown.clear();
         if rows < free.len() {
             self.unknown.extend(residual.iter().map(|r| -r));
-            substitute(&self.factor, rows, &mut self.unknown);
+            cholesky::substitute(&self.factor, rows, &mut self.unknown);
             for &j in free {
                 step[j] = dot(column(j), &self.unknown);
             }
         } else {
             let slopes = free.iter().map(|&j| -dot(column(j), residual));
             self.unknown.extend(slopes);
-            substitute(&self.factor, free.len(), &mut self.unknown);
+            cholesky::substitute(&self.factor, free.len(), &mut self.unknown);
             for (&j, &value) in free.iter().zip(&self.unknown) {
                 step[j] = value;
             }
@@ -113,51 +111,16 @@ impl DampedNormal {
             }
         }
     }
-
-    /// J_FᵀJ_F, entry by entry.
-    fn fill_inner_products(&mut self, jacobian: &DMatrix<f64>, free: &[usize], order: usize) {
-        let rows = jacobian.nrows();
-        let entries = jacobian.as_slice();
-        let column = |j: usize| &entries[j * rows..(j + 1) * rows];
-        for (a, &ja) in free.iter().enumerate() {
-            for (b, &jb) in free.iter().enumerate().take(a + 1) {
-                self.gram[a * order + b] = dot(column(ja), column(jb));
-            }
-        }
-    }
 }
 
-/// Cholesky L Lᵀ of a positive semidefinite matrix, in place in its lower triangle; the diagonal
-/// then holds the inverses of L's. A pivot that rounding has eaten makes its unknown zero.
-fn factorise(a: &mut [f64], order: usize, pivot_column: &mut Vec<f64>) {
-    let largest = (0..order).map(|k| a[k * order + k]).fold(0.0, f64::max);
-    for k in 0..order {
-        let pivot = a[k * order + k];
-        let inverse = if pivot > NEGLIGIBLE * largest {
-            1.0 / pivot.sqrt()
-        } else {
-            0.0
-        };
-        a[k * order + k] = inverse;
-        // Right-looking: every later row loses its share of this column at once.
-        pivot_column.clear();
-        for row in a[(k + 1) * order..].chunks_exact_mut(order) {
-            row[k] *= inverse;
-            pivot_column.push(row[k]);
-            let behind = &mut row[k + 1..k + 1 + pivot_column.len()];
-            add_scaled(behind, -pivot_column[pivot_column.len() - 1], pivot_column);
+/// J_FᵀJ_F, the lower triangle, row by row, entry by entry.
+pub(super) fn fill_inner_products(jacobian: &DMatrix<f64>, free: &[usize], gram: &mut [f64]) {
+    let (rows, order) = (jacobian.nrows(), free.len());
+    let entries = jacobian.as_slice();
+    let column = |j: usize| &entries[j * rows..(j + 1) * rows];
+    for (a, &ja) in free.iter().enumerate() {
+        for (b, &jb) in free.iter().enumerate().take(a + 1) {
+            gram[a * order + b] = dot(column(ja), column(jb));
         }
-    }
-}
-
-/// Solves L Lᵀ x = b in place.
-fn substitute(factor: &[f64], order: usize, b: &mut [f64]) {
-    for (k, row) in factor.chunks_exact(order.max(1)).enumerate() {
-        b[k] = (b[k] - dot(&row[..k], &b[..k])) * row[k];
-    }
-    for (k, row) in factor.chunks_exact(order.max(1)).enumerate().rev() {
-        let (earlier, own) = b.split_at_mut(k);
-        own[0] *= row[k];
-        add_scaled(earlier, -own[0], row);
     }
 }

@@ -1,11 +1,14 @@
 //! Small dense linear algebra in memory that is reused: nalgebra's factorisations take ownership
 //! and allocate on every call.
 
+mod cholesky;
 mod complete_orthogonal;
+mod curved_normal;
 mod damped_normal;
 mod dense;
 mod householder;
 
 pub(super) use complete_orthogonal::CompleteOrthogonal;
+pub(super) use curved_normal::{CurvedModel, CurvedNormal, multiply_symmetric, quadratic};
 pub(super) use damped_normal::DampedNormal;
 pub(super) use dense::{add_scaled, dot};

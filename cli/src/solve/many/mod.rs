@@ -1,6 +1,5 @@
 //! `--targets`: many independent targets of one frame, or a path.
 
-mod file;
 mod summary;
 
 use std::path::Path;
@@ -8,7 +7,6 @@ use std::path::Path;
 use kinopt::robot::Robot;
 use rayon::prelude::*;
 
-use self::file::TargetsFile;
 use self::summary::Outcomes;
 use super::answer::{Answer, Question};
 use super::arguments::Arguments;
@@ -20,6 +18,7 @@ use crate::failure::{Failure, Outcome};
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::output;
+use crate::targets_file::TargetsFile;
 
 /// Solves every target of a file and prints what came out.
 pub(super) fn run(

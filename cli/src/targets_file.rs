@@ -11,20 +11,20 @@ use crate::target::{normalised, placement};
 
 /// What a file of targets says.
 #[derive(Debug)]
-pub(super) struct TargetsFile {
+pub(crate) struct TargetsFile {
     /// base_from_tip; unturned where only positions are given.
-    pub(super) targets: Vec<Placement<f64>>,
+    pub(crate) targets: Vec<Placement<f64>>,
     /// Whether the targets have orientations.
-    pub(super) turns: bool,
+    pub(crate) turns: bool,
     /// One row a target, all of one length.
-    pub(super) starts: Option<Vec<Vec<f64>>>,
-    pub(super) joint_names: Option<Vec<String>>,
-    pub(super) tip_link: Option<String>,
-    pub(super) base_link: Option<String>,
+    pub(crate) starts: Option<Vec<Vec<f64>>>,
+    pub(crate) joint_names: Option<Vec<String>>,
+    pub(crate) tip_link: Option<String>,
+    pub(crate) base_link: Option<String>,
 }
 
 impl TargetsFile {
-    pub(super) fn read(path: &Path) -> Outcome<Self> {
+    pub(crate) fn read(path: &Path) -> Outcome<Self> {
         let value = json_file::read(path)?;
         let file = Self::of_value(&value);
         file.map_err(|problem| Failure::new(format!("{}: {problem}", path.display())))

@@ -1,0 +1,40 @@
+//! Ctrl-C: once to stop and keep what is done, twice to stop at once.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::failure::{Failure, Outcome};
+
+/// What a shell says of a program that an interrupt ended.
+const INTERRUPTED: i32 = 130;
+
+/// Whether somebody has interrupted.
+pub(super) struct Interrupt(Arc<AtomicBool>);
+
+impl Interrupt {
+    /// Listens from now on.
+    pub(super) fn listen() -> Outcome<Self> {
+        let came = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&came);
+        let handler = move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(INTERRUPTED);
+            }
+        };
+        ctrlc::set_handler(handler)
+            .map_err(|error| Failure::new(format!("interrupts cannot be caught: {error}")))?;
+        Ok(Self(came))
+    }
+
+    pub(super) fn came(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn flow(&self) -> ControlFlow<()> {
+        match self.came() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}

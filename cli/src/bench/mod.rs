@@ -1,0 +1,132 @@
+//! `kinopt bench`: solvers compared.
+
+mod arguments;
+mod interrupt;
+mod problems;
+mod provenance;
+
+pub(crate) use arguments::Arguments;
+use interrupt::Interrupt;
+use kinopt_harness::{Bench, Results, contenders, jacobian_cost, profile, report};
+use serde_json::json;
+
+use crate::countdown::Countdown;
+use crate::failure::{Failure, Outcome};
+use crate::loaded_model::LoadedModel;
+use crate::output;
+use crate::table::{Align, Table};
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let interrupt = Interrupt::listen()?;
+    let loaded = LoadedModel::read(&arguments.model)?;
+    let set = problems::problems(&loaded, arguments)?;
+    if arguments.problem >= set.cases().len() {
+        return Err(Failure::usage(format!(
+            "--problem {}: there are {} problems, counted from 0",
+            arguments.problem,
+            set.cases().len()
+        )));
+    }
+    // Before the work, not after it.
+    std::fs::create_dir_all(&arguments.out).map_err(|error| {
+        Failure::new(format!(
+            "{}: cannot be made: {error}",
+            arguments.out.display()
+        ))
+    })?;
+    let mut bench = Bench::new(&set, arguments.budget()).with_chosen(arguments.problem);
+    let wanted = contenders::all().into_iter();
+    bench.extend(wanted.filter(|solver| arguments.wants(solver.name())));
+    let mut results = compare(&mut bench, &interrupt)?;
+    if results.problems == 0 {
+        return Err(Failure::new(
+            "interrupted before the first problem was done",
+        ));
+    }
+    if !interrupt.came() {
+        let mut go_on = || interrupt.flow();
+        results.jacobian_cost = jacobian_cost::measure(arguments.bones, &mut go_on)?;
+    }
+    results.provenance = provenance::provenance();
+    report::write(&results, &arguments.out)?;
+    if interrupt.came() {
+        let (done, all) = (results.problems, results.setting.problems);
+        output::message(&format!(
+            "interrupted: {done} of {all} problems are done and written"
+        ));
+    }
+    if json {
+        output::json(&document(&results, arguments))
+    } else {
+        output::result(&text(&results, arguments))
+    }
+}
+
+fn compare(bench: &mut Bench<'_>, interrupt: &Interrupt) -> Outcome<Results> {
+    let mut countdown: Option<Countdown> = None;
+    let results = bench.run(&mut |progress| {
+        match &countdown {
+            Some(countdown) => countdown.one_more(),
+            None => countdown = Some(Countdown::new(progress.total, "answers")),
+        }
+        interrupt.flow()
+    });
+    if let Some(countdown) = &countdown {
+        countdown.finish();
+    }
+    Ok(results?)
+}
+
+fn document(results: &Results, arguments: &Arguments) -> serde_json::Value {
+    let runs = results.runs.iter().map(|run| {
+        let times = run
+            .records
+            .iter()
+            .filter_map(|record| record.solved_micros());
+        json!({
+            "solver": run.solver,
+            "jacobian": run.route,
+            "sat_out": run.sat_out,
+            "solved": run.solved(),
+            "micros_median": profile::median(times),
+        })
+    });
+    json!({
+        "out": arguments.out.display().to_string(),
+        "problems": results.problems,
+        "interrupted": results.problems < results.setting.problems,
+        "runs": runs.collect::<Vec<_>>(),
+    })
+}
+
+fn text(results: &Results, arguments: &Arguments) -> String {
+    let mut table = Table::new([
+        ("solver", Align::Left),
+        ("derivatives", Align::Left),
+        ("solved", Align::Right),
+        ("median µs", Align::Right),
+    ]);
+    let mut notes = String::new();
+    for run in &results.runs {
+        if let Some(why) = &run.sat_out {
+            notes.push_str(&format!("  {} sat out: {why}\n", run.solver));
+            continue;
+        }
+        let times = run
+            .records
+            .iter()
+            .filter_map(|record| record.solved_micros());
+        let median = profile::median(times);
+        table.row([
+            run.solver.clone(),
+            run.route.clone().unwrap_or_default(),
+            format!("{} of {}", run.solved(), results.problems),
+            median.map_or("–".to_owned(), |micros| format!("{micros:.1}")),
+        ]);
+    }
+    format!(
+        "{}{notes}written: {}\n",
+        table.text(),
+        arguments.out.join("results.md").display()
+    )
+}

@@ -1,0 +1,180 @@
+//! The problems that a bench is about.
+
+use std::path::Path;
+
+use kinopt::model::{FrameId, JointKind, Model};
+use kinopt::robot::Robot;
+use kinopt_harness::{Case, ProblemSet, ProblemSetBuilder};
+
+use super::arguments::{Arguments, StartAt};
+use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
+use crate::loaded_model::LoadedModel;
+use crate::solve::base::Base;
+use crate::targets_file::TargetsFile;
+
+/// How many problems without a file.
+const RANDOM: usize = 100;
+
+/// The problems that the arguments ask for.
+pub(super) fn problems(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<ProblemSet> {
+    match &arguments.targets {
+        Some(path) => of_file(loaded, arguments, path),
+        None => at_random(loaded, arguments),
+    }
+}
+
+fn at_random(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<ProblemSet> {
+    let frames = match &arguments.tip {
+        Some(name) => vec![loaded.frame(name, BareName::Tip)?],
+        None => default_tips(loaded)?,
+    };
+    let turns = loaded.robot.is_some() && !arguments.position_only;
+    let set = builder(loaded, arguments, &frames, turns).build()?;
+    let rest = loaded.rest();
+    let start = match starts(loaded, arguments) {
+        StartAt::Rest => Some(rest.as_slice()),
+        StartAt::Random => None,
+    };
+    let count = arguments.problems.unwrap_or(RANDOM);
+    Ok(set.with_random_cases(count, arguments.rng_seed, start)?)
+}
+
+fn of_file(loaded: &LoadedModel, arguments: &Arguments, path: &Path) -> Outcome<ProblemSet> {
+    let fail = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
+    let file = TargetsFile::read(path)?;
+    let frame = match arguments.tip.as_ref().or(file.tip_link.as_ref()) {
+        Some(name) => loaded.frame(name, BareName::Tip)?,
+        None => match default_tips(loaded)?.as_slice() {
+            [only] => *only,
+            tips => {
+                let problem = format!(
+                    "has no key `tip_link`, so --tip must say which of {} tips the targets are for",
+                    tips.len()
+                );
+                return Err(fail(problem));
+            }
+        },
+    };
+    let world_from_base = match Base::named(loaded, file.base_link.as_deref())? {
+        Base::Still(placement) => placement,
+        Base::Moving(_) => {
+            return Err(fail(
+                "base_link: free joints move it, which bench does not take".to_owned(),
+            ));
+        }
+    };
+    let turns = file.turns && !arguments.position_only;
+    let set = builder(loaded, arguments, &[frame], turns)
+        .build()?
+        .with_seed(arguments.rng_seed);
+    let starts = file_starts(loaded, arguments, &file, &set).map_err(fail)?;
+    let targets = file.targets.iter().zip(starts);
+    let cases = targets.map(|(&target, start)| Case {
+        targets: vec![world_from_base * target],
+        start,
+    });
+    Ok(set.with_cases(cases.collect())?)
+}
+
+fn builder(
+    loaded: &LoadedModel,
+    arguments: &Arguments,
+    frames: &[FrameId],
+    turns: bool,
+) -> ProblemSetBuilder {
+    let builder = match &loaded.robot {
+        Some(robot) => ProblemSet::builder(&**robot),
+        None => ProblemSet::builder(&loaded.model),
+    };
+    let builder = builder.size(loaded.size()).tolerance(arguments.tolerance);
+    frames.iter().fold(builder, |builder, &frame| {
+        if turns {
+            builder.pose(frame)
+        } else {
+            builder.point(frame)
+        }
+    })
+}
+
+fn starts(loaded: &LoadedModel, arguments: &Arguments) -> StartAt {
+    arguments.start.unwrap_or(match loaded.robot {
+        Some(_) => StartAt::Random,
+        None => StartAt::Rest,
+    })
+}
+
+/// One start a target: the file's, unless the arguments say otherwise.
+fn file_starts(
+    loaded: &LoadedModel,
+    arguments: &Arguments,
+    file: &TargetsFile,
+    set: &ProblemSet,
+) -> Result<Vec<Vec<f64>>, String> {
+    if let (Some(rows), None) = (&file.starts, arguments.start) {
+        let columns = match &file.joint_names {
+            Some(names) => loaded.joint_columns(names),
+            None => Ok(loaded.columns_of((0..loaded.model.degrees_of_freedom()).collect())),
+        };
+        let columns = columns.map_err(|problem| format!("joint_names: {problem}"))?;
+        let width = rows.first().map_or(0, Vec::len);
+        if width != columns.width() {
+            return Err(format!(
+                "starts[0]: has {width} numbers; without joint_names there are {} for all moving \
+                 joints",
+                columns.width()
+            ));
+        }
+        return Ok(rows.iter().map(|row| columns.configuration(row)).collect());
+    }
+    let seed = |index: usize| arguments.rng_seed.wrapping_add(index as u64);
+    let start = |index| match starts(loaded, arguments) {
+        StartAt::Rest => loaded.rest(),
+        StartAt::Random => set.random_configuration(seed(index)),
+    };
+    Ok((0..file.targets.len()).map(start).collect())
+}
+
+/// A rig's pinned tips; the end of a robot's longest chain.
+fn default_tips(loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
+    if let Some(rig) = &loaded.rig {
+        let tips = rig.constrained.iter();
+        return Ok(tips.map(|&bone| rig.skeleton.tip(bone)).collect());
+    }
+    let robot = loaded.robot.as_deref();
+    let tip = robot.and_then(end_of_longest_chain);
+    let tip = tip.ok_or_else(|| Failure::new(format!("{}: has no moving link", loaded.file)))?;
+    Ok(vec![tip])
+}
+
+/// The tip with the most turning joints above it; among equals the one with
+/// the longest way from the root, then the first.
+fn end_of_longest_chain(robot: &Robot) -> Option<FrameId> {
+    let model = robot.model();
+    let rated = robot
+        .tips()
+        .into_iter()
+        .map(|tip| (rating(model, tip), tip));
+    let better = |best: Option<((usize, f64), FrameId)>, next: ((usize, f64), FrameId)| match best {
+        Some(best) if best.0 >= next.0 => Some(best),
+        _ => Some(next),
+    };
+    rated.fold(None, better).map(|(_, tip)| tip)
+}
+
+/// Turning joints above a frame, and the length of the way, in metres. Fingers slide: they do not
+/// make a chain longer than its tool.
+fn rating(model: &Model, tip: FrameId) -> (usize, f64) {
+    let Some(frame) = model.frames().get(tip.index()) else {
+        return (0, 0.0);
+    };
+    let mut rating = (0, frame.joint_from_frame.translation.norm());
+    let mut at = frame.joint;
+    while let Some(joint) = at.and_then(|id| model.joints().get(id.index())) {
+        let turns = matches!(joint.kind, JointKind::Revolute | JointKind::Continuous);
+        rating.0 += usize::from(turns && !joint.limits.is_locked());
+        rating.1 += joint.parent_from_joint.translation.norm();
+        at = joint.parent;
+    }
+    rating
+}

@@ -1,0 +1,76 @@
+//! Your own solver beside those of this project, in a few lines.
+//!
+//! `cargo run --release -p kinopt-harness --example own_solver`
+#![allow(clippy::print_stdout)]
+
+use std::ops::ControlFlow;
+
+use kinopt::problem::Evaluation;
+use kinopt::robot::Robot;
+use kinopt::solver::LeastSquares;
+use kinopt_harness::{
+    Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace, contenders, report,
+};
+
+/// Turns one joint after the other a little either way, and keeps what helps.
+struct CoordinateSearch;
+
+impl Adapter for CoordinateSearch {
+    fn name(&self) -> &str {
+        "coordinate search"
+    }
+
+    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+        let mut scratch = question.problem.scratch();
+        let mut evaluation = Evaluation::new(question.problem, &mut scratch);
+        let mut residual = vec![0.0; question.problem.rows()];
+        let mut cost = |x: &[f64]| {
+            evaluation.residual(x, &mut residual);
+            residual.iter().map(|r| r * r).sum::<f64>()
+        };
+        let mut x = vec![0.0; question.problem.variables()];
+        question.problem.parameters().reduce(question.start, &mut x);
+        let (mut lowest, mut step) = (cost(&x), 0.5);
+        while step > 1e-9 {
+            let before = lowest;
+            for joint in 0..x.len() {
+                for turn in [step, -step] {
+                    let mut trial = x.clone();
+                    let bounds = (question.problem.lower(), question.problem.upper());
+                    trial[joint] = (x[joint] + turn).clamp(bounds.0[joint], bounds.1[joint]);
+                    let found = cost(&trial);
+                    if found < lowest {
+                        (x, lowest) = (trial, found);
+                    }
+                }
+            }
+            trace.mark(&question.set.configuration(&x));
+            if lowest > 0.9 * before {
+                step *= 0.5;
+            }
+        }
+        Answer::at(question.set.configuration(&x))
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/universal_ur5e.urdf");
+    let robot = Robot::read(path)?;
+    let flange = robot.model().frame("flange")?;
+    let set = ProblemSet::builder(&robot).point(flange).build()?;
+    let set = set.with_random_cases(20, 1, None)?;
+
+    let mut bench = Bench::new(&set, Budget::default());
+    bench.add(CoordinateSearch);
+    bench.extend(contenders::all());
+    let results = bench.run(&mut |_| ControlFlow::Continue(()))?;
+
+    println!("{}", report::markdown(&results));
+    let own = results
+        .runs
+        .iter()
+        .find(|run| run.solver == "coordinate search");
+    let own = own.ok_or("it took no part")?;
+    assert!(own.traced && own.solved() > 0, "{} solved", own.solved());
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! Asking one solver one question, and judging what comes back.
+
+use std::time::{Duration, Instant};
+
+use crate::trace::Mark;
+use crate::{Adapter, Answer, Judge, Question, Record, Trace};
+
+/// Answers that take less are asked again, and the shortest time counts.
+const QUICK: Duration = Duration::from_millis(2);
+const REPEATS: usize = 2;
+
+/// What came of asking one adapter one question, plainly and traced.
+pub(super) struct Asked {
+    answer: Answer,
+    plain: Duration,
+    marks: Vec<Mark>,
+    traced: Duration,
+}
+
+/// A record, and the way there.
+pub(super) struct Judged {
+    pub(super) record: Record,
+    /// Steps, and the lowest cost so far: at the start, where it fell, and at the end.
+    pub(super) course: Vec<(usize, f64)>,
+}
+
+impl Asked {
+    pub(super) fn of(adapter: &mut dyn Adapter, question: &Question<'_>) -> Self {
+        let mut ask = || {
+            let begun = Instant::now();
+            let answer = adapter.solve(question, &Trace::off());
+            (answer, begun.elapsed())
+        };
+        let (answer, mut plain) = ask();
+        for _ in 0..REPEATS {
+            if plain < QUICK {
+                plain = plain.min(ask().1);
+            }
+        }
+        let trace = Trace::on();
+        // What it answers while it is watched is not asked for.
+        let _ = adapter.solve(question, &trace);
+        let (marks, traced) = trace.finish();
+        Self {
+            answer,
+            plain,
+            marks,
+            traced,
+        }
+    }
+
+    pub(super) fn judged(
+        self,
+        problem: usize,
+        question: &Question<'_>,
+        judge: &mut Judge<'_>,
+        accuracies: &[f64],
+    ) -> Judged {
+        let plain = self.plain.as_secs_f64() * 1e6;
+        let traced = self.traced.as_secs_f64() * 1e6;
+        let stretch = if traced > 0.0 { plain / traced } else { 1.0 };
+        let mut first_at: Vec<Option<f64>> = vec![None; accuracies.len()];
+        let mut note = |error: f64, micros: f64| {
+            for (first, &accuracy) in first_at.iter_mut().zip(accuracies) {
+                if first.is_none() && error <= accuracy {
+                    *first = Some(micros);
+                }
+            }
+        };
+        let mut course: Vec<(usize, f64)> = Vec::new();
+        for (step, mark) in self.marks.iter().enumerate() {
+            let verdict = judge.verdict(question.problem, question.targets, &mark.place);
+            if !verdict.within_limits {
+                continue;
+            }
+            note(verdict.error, mark.at.as_secs_f64() * 1e6 * stretch);
+            let lowest = course.last().map_or(f64::INFINITY, |(_, cost)| *cost);
+            if verdict.cost < lowest {
+                course.push((step, verdict.cost));
+            } else if let (true, true) = (step + 1 == self.marks.len(), lowest.is_finite()) {
+                course.push((step, lowest));
+            }
+        }
+        let answer = self.answer;
+        let verdict = judge.verdict(question.problem, question.targets, &answer.q);
+        if verdict.within_limits {
+            note(verdict.error, plain);
+        }
+        let finite = |value: f64| value.is_finite().then_some(value);
+        let record = Record {
+            problem,
+            solved: verdict.solved,
+            claimed: answer.reached,
+            within_limits: verdict.within_limits,
+            error: finite(verdict.error),
+            cost: finite(verdict.cost),
+            tasks: verdict.tasks,
+            active_limits: judge.active_limits(&answer.q),
+            iterations: answer.iterations,
+            attempts: answer.attempts,
+            residuals: answer.counts.residuals,
+            jacobians: answer.counts.jacobians,
+            gradients: answer.counts.gradients,
+            micros: plain,
+            late: question.budget.is_late(self.plain),
+            micros_to: first_at,
+        };
+        Judged { record, course }
+    }
+}

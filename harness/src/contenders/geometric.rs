@@ -1,0 +1,94 @@
+//! The classical methods: CCD and FABRIK, bare, under the harness' restarts.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use kinopt::geometric::{Ccd, Fabrik, Geometric};
+use kinopt::ik::Restarts;
+use kinopt::solver::{Iteration, Stopping};
+
+use crate::{Adapter, Answer, Budget, ProblemSet, Question, Trace, attempts};
+
+/// Sweeps of one attempt: those of the methods' own defaults.
+const SWEEPS: usize = 500;
+
+/// A [`Geometric`] method, made anew with the time that is left.
+pub struct GeometricAdapter {
+    name: &'static str,
+    method: fn(Stopping) -> Box<dyn Geometric>,
+}
+
+impl GeometricAdapter {
+    /// Cyclic coordinate descent.
+    #[must_use]
+    pub fn ccd() -> Self {
+        Self {
+            name: "CCD",
+            method: |stopping| {
+                let ccd = Ccd::default().with_restarts(Restarts::none());
+                Box::new(ccd.with_stopping(stopping))
+            },
+        }
+    }
+
+    /// Forward and backward reaching.
+    #[must_use]
+    pub fn fabrik() -> Self {
+        Self {
+            name: "FABRIK",
+            method: |stopping| {
+                let fabrik = Fabrik::default().with_restarts(Restarts::none());
+                Box::new(fabrik.with_stopping(stopping))
+            },
+        }
+    }
+
+    fn limited(&self, left: Duration) -> Box<dyn Geometric> {
+        let stopping = Stopping::default().with_max_iterations(SWEEPS);
+        (self.method)(stopping.with_patience(Some(60)).with_time_limit(left))
+    }
+}
+
+impl Adapter for GeometricAdapter {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn family(&self) -> &str {
+        "geometric"
+    }
+
+    fn setting(&self) -> String {
+        format!("at most {SWEEPS} sweeps an attempt, 60 that do not halve the cost end it")
+    }
+
+    fn prepare(&mut self, set: &ProblemSet, _budget: Budget) -> Result<(), String> {
+        // Without a step: only what it has no answer for comes out.
+        let problem = set.problem().map_err(|error| error.to_string())?;
+        let stopping = Stopping::default().with_max_iterations(0);
+        let tried = (self.method)(stopping).solve(&problem, &set.model().neutral());
+        tried.map(|_| ()).map_err(|error| error.to_string())
+    }
+
+    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+        attempts(question, |start, _, left| {
+            let method = self.limited(left);
+            let solved = if trace.is_on() {
+                let mut mark = |iteration: &Iteration<'_>| {
+                    trace.mark(iteration.x);
+                    ControlFlow::Continue(())
+                };
+                let solved = method.solve_observed(question.problem, start, &mut mark);
+                trace.translate(|x| question.set.configuration(x));
+                solved
+            } else {
+                method.solve(question.problem, start)
+            };
+            match solved {
+                Ok(solution) => Answer::from(&solution),
+                // What it has no answer for sat out.
+                Err(_) => Answer::at(start.to_vec()),
+            }
+        })
+    }
+}

@@ -1,0 +1,59 @@
+//! argmin's executor with the budget's clock and the harness' marks.
+
+use std::time::Duration;
+
+use argmin::core::observers::{Observe, ObserverMode};
+use argmin::core::{Error, Executor, KV, OptimizationResult, Solver, State};
+use kinopt::argmin_bridge::Place;
+
+use crate::Trace;
+
+/// Marks the best place after every iteration.
+struct Watch(Trace);
+
+impl<I: State> Observe<I> for Watch
+where
+    I::Param: Place,
+{
+    fn observe_init(&mut self, _solver: &str, state: &I, _seen: &KV) -> Result<(), Error> {
+        self.mark(state);
+        Ok(())
+    }
+
+    fn observe_iter(&mut self, state: &I, _seen: &KV) -> Result<(), Error> {
+        self.mark(state);
+        Ok(())
+    }
+}
+
+impl Watch {
+    fn mark<I: State>(&self, state: &I)
+    where
+        I::Param: Place,
+    {
+        if let Some(place) = state.get_best_param().or_else(|| state.get_param()) {
+            self.0.mark(place.coordinates().as_slice());
+        }
+    }
+}
+
+/// Runs an executor for at most `left`.
+pub(super) fn run<P, S, I>(
+    executor: Executor<P, S, I>,
+    left: Duration,
+    trace: &Trace,
+) -> Result<OptimizationResult<P, S, I>, Error>
+where
+    S: Solver<P, I>,
+    I: State,
+    I::Param: Place,
+{
+    let executor = executor.timeout(left);
+    if trace.is_on() {
+        executor
+            .add_observer(Watch(trace.clone()), ObserverMode::Always)
+            .run()
+    } else {
+        executor.run()
+    }
+}

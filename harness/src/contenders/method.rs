@@ -1,0 +1,84 @@
+//! One of kinopt's methods, bare: no restarts but the harness' own.
+
+use std::ops::ControlFlow;
+
+use kinopt::ik::Restarts;
+use kinopt::problem::Derivatives;
+use kinopt::solver::{Iteration, Method, Stopping};
+use kinopt::{Solver, Workspace};
+
+use crate::{Adapter, Answer, Question, Trace, attempts};
+
+/// A [`Method`] under the restarts that all local solvers share.
+#[derive(Debug)]
+pub struct MethodAdapter {
+    solver: Solver,
+    steps: usize,
+    workspace: Workspace,
+}
+
+impl MethodAdapter {
+    /// A method that takes at most `steps` in one attempt.
+    #[must_use]
+    pub fn new(method: impl Method + 'static, steps: usize) -> Self {
+        Self {
+            solver: Solver::new(method).with_restarts(Restarts::none()),
+            steps,
+            workspace: Workspace::new(),
+        }
+    }
+}
+
+impl Adapter for MethodAdapter {
+    fn name(&self) -> &str {
+        self.solver.method()
+    }
+
+    fn family(&self) -> &str {
+        "kinopt"
+    }
+
+    fn setting(&self) -> String {
+        format!("at most {} steps an attempt", self.steps)
+    }
+
+    fn routes(&self) -> &[Derivatives] {
+        &Derivatives::ALL
+    }
+
+    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+        attempts(question, |start, _, left| {
+            let stopping = Stopping::default()
+                .with_max_iterations(self.steps)
+                .with_time_limit(left);
+            let solver = self.solver.clone().with_stopping(stopping);
+            solve_marked(&solver, question, start, &mut self.workspace, trace)
+        })
+    }
+}
+
+/// Runs a solver of kinopt and marks every iteration.
+pub(super) fn solve_marked(
+    solver: &Solver,
+    question: &Question<'_>,
+    start: &[f64],
+    workspace: &mut Workspace,
+    trace: &Trace,
+) -> Answer {
+    let solved = if trace.is_on() {
+        let mut mark = |iteration: &Iteration<'_>| {
+            trace.mark(iteration.x);
+            ControlFlow::Continue(())
+        };
+        let solved = solver.solve_observed(question.problem, start, workspace, &mut mark);
+        trace.translate(|x| question.set.configuration(x));
+        solved
+    } else {
+        solver.solve(question.problem, start, workspace)
+    };
+    match solved {
+        Ok(solution) => Answer::from(solution),
+        // Only a start that is not finite or of the wrong length: not within a problem set.
+        Err(_) => Answer::at(start.to_vec()),
+    }
+}

@@ -1,0 +1,52 @@
+//! The solvers of this project, and argmin's, as adapters.
+//!
+//! Solvers without restarts of their own try again from random starts, the same for all
+//! ([`attempts`](crate::attempts)); their settings say how far one attempt goes.
+
+mod argmin_derivative_free;
+mod argmin_gradient;
+mod geometric;
+mod lane_engine;
+mod marked_run;
+mod method;
+mod pose_solver;
+
+pub use argmin_derivative_free::{NelderMeadAdapter, ParticleSwarmAdapter};
+pub use argmin_gradient::{LbfgsAdapter, TrustRegionAdapter};
+pub use geometric::GeometricAdapter;
+pub use lane_engine::LaneEngineAdapter;
+pub use method::MethodAdapter;
+pub use pose_solver::SolverAdapter;
+
+use kinopt::solver::{Damping, FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient};
+
+use crate::Adapter;
+
+/// Steps of one attempt of the gradient methods, which are many and small.
+const GRADIENT_STEPS: usize = 2000;
+/// Steps of one attempt of the other methods.
+const STEPS: usize = 200;
+
+/// Every solver there is, with its default settings.
+#[must_use]
+pub fn all() -> Vec<Box<dyn Adapter>> {
+    let halving = ProjectedGradient::default();
+    let barzilai_borwein = ProjectedGradient::new(FirstStep::BarzilaiBorwein);
+    let gain = LevenbergMarquardt::new(Damping::GainRatio);
+    let error = LevenbergMarquardt::new(Damping::ErrorProportional);
+    vec![
+        Box::new(SolverAdapter::default()),
+        Box::new(MethodAdapter::new(gain, STEPS)),
+        Box::new(MethodAdapter::new(error, STEPS)),
+        Box::new(MethodAdapter::new(GaussNewton::default(), STEPS)),
+        Box::new(MethodAdapter::new(halving, GRADIENT_STEPS)),
+        Box::new(MethodAdapter::new(barzilai_borwein, GRADIENT_STEPS)),
+        Box::new(LaneEngineAdapter::default()),
+        Box::new(LbfgsAdapter),
+        Box::new(TrustRegionAdapter),
+        Box::new(NelderMeadAdapter),
+        Box::new(ParticleSwarmAdapter),
+        Box::new(GeometricAdapter::ccd()),
+        Box::new(GeometricAdapter::fabrik()),
+    ]
+}

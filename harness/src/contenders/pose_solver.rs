@@ -1,0 +1,65 @@
+//! kinopt's own solver as a user gets it, with its own restarts.
+
+use kinopt::problem::Derivatives;
+use kinopt::solver::Stopping;
+use kinopt::{Solver, Workspace};
+
+use super::method::solve_marked;
+use crate::{Adapter, Answer, Question, Trace};
+
+/// A [`Solver`] with its own restarts.
+#[derive(Debug)]
+pub struct SolverAdapter {
+    name: String,
+    solver: Solver,
+    workspace: Workspace,
+}
+
+impl SolverAdapter {
+    /// A solver under a name, with the stopping rules of the default and the budget's time limit.
+    #[must_use]
+    pub fn new(name: impl Into<String>, solver: Solver) -> Self {
+        Self {
+            name: name.into(),
+            solver,
+            workspace: Workspace::new(),
+        }
+    }
+}
+
+impl Default for SolverAdapter {
+    /// `kinopt::Solver::default()`.
+    fn default() -> Self {
+        Self::new("kinopt default", Solver::default())
+    }
+}
+
+impl Adapter for SolverAdapter {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn family(&self) -> &str {
+        "kinopt"
+    }
+
+    fn setting(&self) -> String {
+        format!("{} with its own restarts", self.solver.method())
+    }
+
+    fn routes(&self) -> &[Derivatives] {
+        &Derivatives::ALL
+    }
+
+    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+        let stopping = Stopping::default().with_time_limit(question.budget.time_limit);
+        let solver = self.solver.clone().with_stopping(stopping);
+        solve_marked(
+            &solver,
+            question,
+            question.start,
+            &mut self.workspace,
+            trace,
+        )
+    }
+}

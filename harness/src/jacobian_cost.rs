@@ -1,0 +1,120 @@
+//! What one Jacobian costs on chains of more and more bones.
+//!
+//! The source documents promise O(m) for m bones where finite differences take O(m²).
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use kinopt::model::Limits;
+use kinopt::problem::{Derivatives, Evaluation};
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Problem, skeleton::SkeletonError};
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use crate::results::route_name;
+
+/// Chains of 1, 2, 4 … bones; every bone has three free angles.
+pub const BONES: [usize; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
+
+/// A batch of evaluations takes at least so long; the fastest of the batches counts.
+const BATCH: Duration = Duration::from_micros(500);
+const BATCHES: usize = 5;
+
+/// The cost of one Jacobian by one route.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JacobianCost {
+    /// The route.
+    pub route: String,
+    /// Bones and microseconds.
+    pub points: Vec<(usize, f64)>,
+}
+
+impl JacobianCost {
+    /// p in cost ∝ mᵖ, by the last two points with four times the bones between them; `None` where
+    /// there are too few.
+    #[must_use]
+    pub fn exponent(&self) -> Option<f64> {
+        let (&(bones, micros), before) = self.points.split_last()?;
+        let quarter = before.iter().find(|(fewer, _)| 4 * fewer == bones)?;
+        Some((micros / quarter.1).ln() / 4_f64.ln())
+    }
+}
+
+/// Measures all routes on chains of up to `most` bones, with a target for the last tip. `progress` is
+/// asked between two measurements; what is measured is kept.
+///
+/// # Errors
+/// None with these chains.
+pub fn measure(
+    most: usize,
+    progress: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<Vec<JacobianCost>, SkeletonError> {
+    let empty = |route: Derivatives| JacobianCost {
+        route: route_name(route).to_owned(),
+        points: Vec::new(),
+    };
+    let mut costs: Vec<JacobianCost> = Derivatives::ALL.map(empty).into();
+    for bones in BONES.into_iter().filter(|&bones| bones <= most) {
+        let skeleton = chain(bones)?;
+        let Some(tip) = skeleton.bone_ids().last() else {
+            continue;
+        };
+        let mut builder = Problem::builder(skeleton.model());
+        builder.add(Point::new(skeleton.tip(tip), [0.1, 0.2, 0.3]));
+        let Ok(mut problem) = builder.build() else {
+            continue;
+        };
+        for (route, cost) in Derivatives::ALL.into_iter().zip(&mut costs) {
+            if progress().is_break() {
+                return Ok(costs);
+            }
+            problem.set_derivatives(route);
+            cost.points.push((bones, micros_of_one(&problem)));
+        }
+    }
+    Ok(costs)
+}
+
+/// Bones one behind the other along x, each 1 / `bones` long, every angle free.
+fn chain(bones: usize) -> Result<Skeleton, SkeletonError> {
+    let length = 1.0 / bones as f64;
+    let mut builder = Skeleton::builder("chain");
+    let mut parent = None;
+    for index in 0..bones {
+        let tail = Vector3::new(length * index as f64, 0.0, 0.0);
+        parent = Some(builder.add(Bone {
+            name: format!("bone/{index}"),
+            parent,
+            length,
+            model_from_rest: Placement::translation(tail),
+            limits: [Limits::UNBOUNDED; 3],
+        }));
+    }
+    builder.build()
+}
+
+fn micros_of_one(problem: &Problem) -> f64 {
+    let mut scratch = problem.scratch();
+    let mut evaluation = Evaluation::new(problem, &mut scratch);
+    let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());
+    // Two places in turn, so that no forward pass is used twice.
+    let here: Vec<f64> = (0..problem.variables())
+        .map(|k| 0.3 * (k as f64).sin())
+        .collect();
+    let there: Vec<f64> = here.iter().map(|x| x + 1e-3).collect();
+    let mut batch = || {
+        let begun = Instant::now();
+        let mut pairs = 0_u32;
+        while pairs == 0 || begun.elapsed() < BATCH {
+            evaluation.jacobian(&here, &mut jacobian);
+            evaluation.jacobian(&there, &mut jacobian);
+            pairs += 1;
+        }
+        begun.elapsed().as_secs_f64() * 1e6 / (2.0 * f64::from(pairs))
+    };
+    (0..BATCHES).map(|_| batch()).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,132 @@
+//! The verdict on an answer: by forward kinematics and the limits at q, never by the solver's word.
+
+use kinopt::Problem;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::problem::{Evaluation, Scratch};
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, rotation_log};
+use serde::{Deserialize, Serialize};
+
+use crate::{HarnessError, ProblemSet};
+
+/// A follower may be off by rounding, in radians or metres.
+const FOLLOWS: f64 = 1e-9;
+/// A joint within this share of its range from a limit stands on it: changes of variables come
+/// close to a limit without landing.
+const ON_LIMIT: f64 = 1e-6;
+
+/// How far a frame is from its target.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TaskError {
+    /// In metres (rigs: their own unit).
+    pub position: f64,
+    /// In radians, 0 … π; `None` where orientations do not count.
+    pub orientation: Option<f64>,
+}
+
+/// What is true of a configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// Within the limits to the bit, and every target within the tolerances.
+    pub solved: bool,
+    /// Within the limits to the bit; joints that follow others do.
+    pub within_limits: bool,
+    /// The largest error of any target: a share of the model's size, or radians.
+    pub error: f64,
+    /// ½ Σ‖W r‖², in squared metres (rigs: their own unit).
+    pub cost: f64,
+    /// One a frame.
+    pub tasks: Vec<TaskError>,
+}
+
+/// Judges configurations of one problem set.
+#[derive(Debug)]
+pub struct Judge<'s> {
+    set: &'s ProblemSet,
+    kinematics: ForwardKinematics,
+    scratch: Option<Scratch>,
+    residual: Vec<f64>,
+}
+
+impl<'s> Judge<'s> {
+    /// A judge of one set.
+    ///
+    /// # Errors
+    /// A frame of another model.
+    pub fn new(set: &'s ProblemSet) -> Result<Self, HarnessError> {
+        Ok(Self {
+            set,
+            kinematics: ForwardKinematics::of_frames(set.model(), set.frames())?,
+            scratch: None,
+            residual: Vec::new(),
+        })
+    }
+
+    /// The truth about `q`. A configuration of the wrong length or with a number that is not finite
+    /// is off by infinity.
+    pub fn verdict(&mut self, problem: &Problem, targets: &[Placement<f64>], q: &[f64]) -> Verdict {
+        let usable = q.iter().all(|value| value.is_finite());
+        let Some(placed) = self.kinematics.place(q).ok().filter(|_| usable) else {
+            return Verdict {
+                solved: false,
+                within_limits: false,
+                error: f64::INFINITY,
+                cost: f64::INFINITY,
+                tasks: Vec::new(),
+            };
+        };
+        let turns = self.set.turns();
+        let errors = placed.iter().zip(targets).map(|(frame, target)| TaskError {
+            position: (frame.translation - target.translation).norm(),
+            orientation: turns
+                .then(|| rotation_log(&(frame.rotation * target.rotation.transpose())).norm()),
+        });
+        let tasks: Vec<TaskError> = errors.collect();
+        let size = self.set.size();
+        let shares = tasks.iter().flat_map(|task| {
+            let position = task.position / size;
+            [position, task.orientation.unwrap_or(0.0)]
+        });
+        let error = shares.fold(0.0, f64::max);
+        let within_limits = self.is_within_limits(q);
+        let complete = tasks.len() == targets.len();
+        Verdict {
+            solved: complete && within_limits && error <= self.set.tolerance(),
+            within_limits,
+            error,
+            cost: self.cost(problem, q),
+            tasks,
+        }
+    }
+
+    /// The joints that stand on a limit at `q`, by name; locked ones are not told.
+    #[must_use]
+    pub fn active_limits(&self, q: &[f64]) -> Vec<String> {
+        let model = self.set.model();
+        let joints = model.moving_joints().iter().zip(model.limits()).zip(q);
+        let standing = joints.filter(|((_, limits), q)| {
+            let close = ON_LIMIT * (limits.upper - limits.lower);
+            let close = if close.is_finite() { close } else { ON_LIMIT };
+            !limits.is_locked() && (**q <= limits.lower + close || **q >= limits.upper - close)
+        });
+        let names = standing.filter_map(|((id, _), _)| model.joints().get(id.index()));
+        names.map(|joint| joint.name.clone()).collect()
+    }
+
+    fn is_within_limits(&self, q: &[f64]) -> bool {
+        let mut limits = self.set.model().limits().zip(q);
+        let contained = limits.all(|(limits, &q)| limits.lower <= q && q <= limits.upper);
+        let followed = self.set.within_limits(q);
+        let mut follows = followed.iter().zip(q);
+        contained && follows.all(|(a, b)| (a - b).abs() <= FOLLOWS)
+    }
+
+    fn cost(&mut self, problem: &Problem, q: &[f64]) -> f64 {
+        let mut x = vec![0.0; problem.variables()];
+        problem.parameters().reduce(q, &mut x);
+        self.residual.resize(problem.rows(), 0.0);
+        let scratch = self.scratch.get_or_insert_with(|| problem.scratch());
+        Evaluation::new(problem, scratch).residual(&x, &mut self.residual);
+        0.5 * self.residual.iter().map(|r| r * r).sum::<f64>()
+    }
+}

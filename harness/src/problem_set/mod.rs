@@ -1,0 +1,227 @@
+//! The problems that all solvers get.
+
+mod builder;
+mod stated;
+
+pub use builder::ProblemSetBuilder;
+pub(crate) use stated::Stated;
+
+use kinopt::arm::Joints;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, ParameterMap};
+use kinopt::robot::Mimic;
+use kinopt::spatial::Placement;
+use kinopt::{Model, Problem};
+
+use crate::HarnessError;
+
+/// Separates the seeds of cases; attempts count below it.
+const SEEDS_A_CASE: u64 = 1 << 16;
+
+/// One problem: where the frames should be, and where to start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// world_from_target of each frame of the set, in metres (rigs: their own unit). Where only
+    /// points are asked for, the rotation does not matter.
+    pub targets: Vec<Placement<f64>>,
+    /// A configuration (shape: degrees of freedom); it is moved into the limits.
+    pub start: Vec<f64>,
+}
+
+/// A model, the frames that have targets, tolerances, and cases.
+#[derive(Clone, Debug)]
+pub struct ProblemSet {
+    model: Model,
+    mimics: Vec<Mimic>,
+    map: ParameterMap,
+    frames: Vec<FrameId>,
+    turns: bool,
+    size: f64,
+    tolerance: f64,
+    cases: Vec<Case>,
+    seed: u64,
+}
+
+impl ProblemSet {
+    /// Starts a set on a model, whose joints are all free, or on a robot, whose mimic joints follow.
+    #[must_use]
+    pub fn builder(joints: &impl Joints) -> ProblemSetBuilder {
+        ProblemSetBuilder::new(joints)
+    }
+
+    /// Adds `count` cases that have an answer: the frames' places at random configurations within
+    /// the limits. Each starts at `start`, or, where that is `None`, at another random
+    /// configuration. The same seed makes the same cases.
+    ///
+    /// # Errors
+    /// A start of the wrong length.
+    pub fn with_random_cases(
+        mut self,
+        count: usize,
+        seed: u64,
+        start: Option<&[f64]>,
+    ) -> Result<Self, HarnessError> {
+        self.seed = seed;
+        let mut kinematics = ForwardKinematics::of_frames(&self.model, &self.frames)?;
+        let mut cases = Vec::with_capacity(count);
+        for index in 0..count {
+            let seed = self.seed_of_case(index);
+            let posed = self.random_configuration(seed.wrapping_sub(1));
+            let targets = kinematics.place(&posed)?.to_vec();
+            let start = match start {
+                Some(start) => start.to_vec(),
+                None => self.random_configuration(seed),
+            };
+            cases.push(Case { targets, start });
+        }
+        self.with_cases(cases)
+    }
+
+    /// Adds cases.
+    ///
+    /// # Errors
+    /// A case with too many or too few targets, or a start of the wrong length.
+    pub fn with_cases(mut self, cases: Vec<Case>) -> Result<Self, HarnessError> {
+        for mut case in cases {
+            let index = self.cases.len();
+            let shape = |what, given, expected| match given == expected {
+                true => Ok(()),
+                false => Err(HarnessError::CaseShape {
+                    case: index,
+                    what,
+                    given,
+                    expected,
+                    model: self.model.name().to_owned(),
+                }),
+            };
+            shape("targets", case.targets.len(), self.frames.len())?;
+            let degrees = self.model.degrees_of_freedom();
+            shape("numbers in its start", case.start.len(), degrees)?;
+            case.start = self.within_limits(&case.start);
+            self.cases.push(case);
+        }
+        Ok(self)
+    }
+
+    /// With the seed that everything random comes from: starts of further attempts, and solvers' own.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// The problem that all cases are stated as, with targets that say nothing yet.
+    ///
+    /// # Errors
+    /// No frames; no free joint; frames of another model.
+    pub fn problem(&self) -> Result<Problem, HarnessError> {
+        Ok(Stated::new(self)?.problem)
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The joints that follow others.
+    #[must_use]
+    pub fn mimics(&self) -> &[Mimic] {
+        &self.mimics
+    }
+
+    /// From variables to configurations.
+    #[must_use]
+    pub fn map(&self) -> &ParameterMap {
+        &self.map
+    }
+
+    /// The frames that have targets.
+    #[must_use]
+    pub fn frames(&self) -> &[FrameId] {
+        &self.frames
+    }
+
+    /// Their names.
+    pub fn frame_names(&self) -> impl Iterator<Item = &str> {
+        let frames = self.frames.iter();
+        let frames = frames.filter_map(|id| self.model.frames().get(id.index()));
+        frames.map(|frame| frame.name.as_str())
+    }
+
+    /// Whether orientations count, or positions alone.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        self.turns
+    }
+
+    /// The model's own length, in metres (rigs: their own unit): what tolerances and accuracies are
+    /// shares of.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// What counts as solved: this share of the size, and as many radians.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// What counts as solved, in metres (rigs: their own unit).
+    #[must_use]
+    pub fn length_tolerance(&self) -> f64 {
+        self.tolerance * self.size
+    }
+
+    /// The angular tolerance as the cost weighs it: infinite where orientations do not count.
+    pub(crate) fn weighted_angle_tolerance(&self) -> f64 {
+        if self.turns {
+            self.tolerance * 0.25 * self.model.reach()
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// The cases.
+    #[must_use]
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    /// The seed that everything random comes from.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// A seed for each case, far enough from the next for its attempts.
+    pub(crate) fn seed_of_case(&self, case: usize) -> u64 {
+        let case = u64::try_from(case).unwrap_or(u64::MAX).wrapping_add(1);
+        self.seed
+            .rotate_left(40)
+            .wrapping_add(case.wrapping_mul(SEEDS_A_CASE))
+    }
+
+    /// A configuration drawn within the limits; followers follow, locked joints stay.
+    #[must_use]
+    pub fn random_configuration(&self, seed: u64) -> Vec<f64> {
+        self.within_limits(&self.model.random_configuration(seed))
+    }
+
+    /// The configuration moved into the limits; followers follow, locked joints stay.
+    #[must_use]
+    pub fn within_limits(&self, q: &[f64]) -> Vec<f64> {
+        let mut x = vec![0.0; self.map.variables()];
+        self.map.reduce(q, &mut x);
+        self.configuration(&x)
+    }
+
+    /// The configuration of variables, moved into the limits.
+    #[must_use]
+    pub fn configuration(&self, x: &[f64]) -> Vec<f64> {
+        let mut q = vec![0.0; self.model.degrees_of_freedom()];
+        self.map.expand_within_limits(x, &mut q);
+        q
+    }
+}

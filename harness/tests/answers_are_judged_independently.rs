@@ -1,0 +1,131 @@
+//! Promise: an answer counts as solved by forward kinematics and the limits at its configuration,
+//! whatever the solver says.
+#![allow(clippy::unwrap_used)]
+
+mod two_links;
+
+use kinopt_harness::{Adapter, Answer, Case, Question, Trace};
+use two_links::{points, run, two_links};
+
+/// Answers what it is told to, and says that it has reached.
+struct Claims(fn(&Question<'_>) -> Vec<f64>);
+
+impl Adapter for Claims {
+    fn name(&self) -> &str {
+        "claims"
+    }
+
+    fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+        Answer {
+            reached: true,
+            cost: 0.0,
+            ..Answer::at((self.0)(question))
+        }
+    }
+}
+
+/// Elbow and shoulder in closed form, by the law of cosines: independent of every solver here.
+fn closed_form(question: &Question<'_>) -> Vec<f64> {
+    let [x, y, _] = question.targets[0].translation.to_array();
+    let elbow = ((x * x + y * y) / 2.0 - 1.0).clamp(-1.0, 1.0).acos();
+    let shoulder = |elbow: f64| y.atan2(x) - elbow.sin().atan2(1.0 + elbow.cos());
+    let wrapped = |angle: f64| angle.sin().atan2(angle.cos());
+    let both = [elbow, -elbow].map(|elbow| vec![wrapped(shoulder(elbow)), elbow]);
+    let within = |q: &&Vec<f64>| q.iter().all(|angle| angle.abs() <= 2.0);
+    both.iter().find(within).unwrap().clone()
+}
+
+#[test]
+fn a_liar_has_not_solved() {
+    let results = run(&points(20), Claims(|question| question.start.to_vec()));
+    let records = &results.runs[0].records;
+    assert_eq!(records.len(), 20);
+    assert!(
+        records
+            .iter()
+            .all(|record| record.claimed && !record.solved)
+    );
+    assert!(records.iter().all(|record| record.error.unwrap() > 1e-6));
+    assert_eq!(results.runs[0].solved(), 0);
+}
+
+#[test]
+fn the_modest_have_solved() {
+    struct Modest;
+    impl Adapter for Modest {
+        fn name(&self) -> &str {
+            "modest"
+        }
+
+        fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+            Answer::at(closed_form(question))
+        }
+    }
+    let results = run(&points(20), Modest);
+    let records = &results.runs[0].records;
+    assert!(
+        records
+            .iter()
+            .all(|record| record.solved && !record.claimed)
+    );
+    assert!(records.iter().all(|record| record.cost.unwrap() < 1e-24));
+}
+
+#[test]
+fn beyond_a_limit_nothing_is_solved() {
+    // A whole turn further the tip stands on the same place.
+    let beyond = |question: &Question<'_>| {
+        let mut q = closed_form(question);
+        q[0] += std::f64::consts::TAU;
+        q
+    };
+    let results = run(&points(20), Claims(beyond));
+    for record in &results.runs[0].records {
+        assert!(record.error.unwrap() < 1e-12 && !record.within_limits && !record.solved);
+        assert!(record.micros_to.iter().all(Option::is_none));
+    }
+}
+
+#[test]
+fn the_limit_holds_to_the_last_bit() {
+    let (model, tip) = two_links();
+    let set = kinopt_harness::ProblemSet::builder(&model)
+        .point(tip)
+        .build()
+        .unwrap();
+    let target = kinopt::kinematics::ForwardKinematics::of_frames(&model, &[tip])
+        .unwrap()
+        .place(&[2.0, 0.5])
+        .unwrap()[0];
+    let case = Case {
+        targets: vec![target],
+        start: vec![0.0, 0.0],
+    };
+    let set = set.with_cases(vec![case]).unwrap();
+    let solved = |q: fn(&Question<'_>) -> Vec<f64>| run(&set, Claims(q)).runs[0].records[0].clone();
+    let on = solved(|_| vec![2.0, 0.5]);
+    assert!(on.solved);
+    assert_eq!(on.active_limits, ["shoulder"]);
+    let above = solved(|_| vec![2.0_f64.next_up(), 0.5]);
+    assert!(above.error.unwrap() < 1e-12 && !above.solved);
+}
+
+#[test]
+fn nonsense_is_not_solved() {
+    for nonsense in [
+        Claims(|_| Vec::new()),
+        Claims(|_| vec![0.0; 3]),
+        Claims(|_| vec![f64::NAN; 2]),
+        Claims(|_| vec![f64::INFINITY, 0.0]),
+    ] {
+        let results = run(&points(1), nonsense);
+        let record = &results.runs[0].records[0];
+        assert!(!record.solved && record.error.is_none() && record.cost.is_none());
+        // JSON has no infinities.
+        let text = serde_json::to_string(&results).unwrap();
+        assert_eq!(
+            serde_json::from_str::<kinopt_harness::Results>(&text).unwrap(),
+            results
+        );
+    }
+}

@@ -1,0 +1,136 @@
+//! The damped normal equations with a second-order part, solved within bounds.
+
+use nalgebra::DMatrix;
+
+use super::cholesky;
+use super::damped_normal::fill_inner_products;
+use super::dense::{add_scaled, dot};
+
+/// The quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
+pub(in crate::solver) struct CurvedModel<'a> {
+    pub(in crate::solver) jacobian: &'a DMatrix<f64>,
+    /// S, n × n, row by row.
+    pub(in crate::solver) curvature: &'a [f64],
+    pub(in crate::solver) gradient: &'a [f64],
+    pub(in crate::solver) free: &'a [usize],
+    pub(in crate::solver) x: &'a [f64],
+    pub(in crate::solver) bounds: (&'a [f64], &'a [f64]),
+}
+
+/// Room for minimising a [`CurvedModel`].
+#[derive(Clone, Debug, Default)]
+pub(in crate::solver) struct CurvedNormal {
+    factor: Vec<f64>,
+    pivot_column: Vec<f64>,
+    unknown: Vec<f64>,
+    /// The free variables that no bound has stopped yet.
+    moving: Vec<usize>,
+    /// J Δ of those that a bound has stopped.
+    stopped_effect: Vec<f64>,
+}
+
+impl CurvedNormal {
+    /// Makes room for every problem of this shape.
+    pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
+        self.factor.clear();
+        self.factor.reserve(columns * columns);
+        for (vector, room) in [
+            (&mut self.pivot_column, columns),
+            (&mut self.unknown, columns),
+            (&mut self.stopped_effect, rows),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+        self.moving.clear();
+        self.moving.reserve(columns);
+    }
+
+    /// Writes the step Δ; false where a matrix on the way is not positive definite. A variable that
+    /// meets a bound stops there and the rest is solved again: where the cost is curved, a step that
+    /// is clamped afterwards most often climbs.
+    pub(in crate::solver) fn minimise(
+        &mut self,
+        model: &CurvedModel<'_>,
+        damping: f64,
+        step: &mut [f64],
+    ) -> bool {
+        let (lower, upper) = model.bounds;
+        step.fill(0.0);
+        self.moving.clear();
+        self.moving.extend_from_slice(model.free);
+        loop {
+            let before = self.moving.len();
+            if !self.solve(model, damping, step) {
+                return false;
+            }
+            let unknown = &self.unknown;
+            let mut solved = unknown.iter();
+            self.moving.retain(|&j| {
+                let to = model.x[j] + solved.next().unwrap_or(&0.0);
+                let within = lower[j] <= to && to <= upper[j];
+                if !within {
+                    step[j] = to.clamp(lower[j], upper[j]) - model.x[j];
+                }
+                within
+            });
+            if self.moving.len() == before {
+                for (&j, &value) in self.moving.iter().zip(unknown) {
+                    step[j] = value;
+                }
+                return true;
+            }
+        }
+    }
+
+    /// Solves for the moving variables, given what the stopped ones do.
+    fn solve(&mut self, model: &CurvedModel<'_>, damping: f64, stopped: &[f64]) -> bool {
+        let (order, n) = (self.moving.len(), stopped.len());
+        let rows = model.jacobian.nrows();
+        let entries = model.jacobian.as_slice();
+        let column = |j: usize| &entries[j * rows..(j + 1) * rows];
+        let bend = |j: usize| &model.curvature[j * n..(j + 1) * n];
+
+        self.factor.clear();
+        self.factor.resize(order * order, 0.0);
+        fill_inner_products(model.jacobian, &self.moving, &mut self.factor);
+        for (a, &i) in self.moving.iter().enumerate() {
+            for (b, &j) in self.moving.iter().enumerate().take(a + 1) {
+                self.factor[a * order + b] += bend(i)[j];
+            }
+            self.factor[a * order + a] += damping;
+        }
+        if !cholesky::factorise(&mut self.factor, order, &mut self.pivot_column) {
+            return false;
+        }
+
+        self.stopped_effect.clear();
+        self.stopped_effect.resize(rows, 0.0);
+        for (j, &moved) in stopped.iter().enumerate() {
+            if moved != 0.0 {
+                add_scaled(&mut self.stopped_effect, moved, column(j));
+            }
+        }
+        let (effect, gradient) = (&self.stopped_effect, model.gradient);
+        self.unknown.clear();
+        let slopes = self.moving.iter();
+        self.unknown
+            .extend(slopes.map(|&j| -gradient[j] - dot(column(j), effect) - dot(bend(j), stopped)));
+        cholesky::substitute(&self.factor, order, &mut self.unknown);
+        true
+    }
+}
+
+/// xᵀ S x of a symmetric matrix given row by row.
+pub(in crate::solver) fn quadratic(matrix: &[f64], x: &[f64]) -> f64 {
+    let rows = matrix.chunks_exact(x.len().max(1));
+    rows.zip(x).map(|(row, &x_i)| x_i * dot(row, x)).sum()
+}
+
+/// S x of a symmetric matrix given row by row.
+pub(in crate::solver) fn multiply_symmetric(matrix: &[f64], x: &[f64], product: &mut [f64]) {
+    let rows = matrix.chunks_exact(x.len().max(1));
+    for (entry, row) in product.iter_mut().zip(rows) {
+        *entry = dot(row, x);
+    }
+}

@@ -1,0 +1,68 @@
+//! Promise: when the tips of a body cannot all be where they should, the search ends at a stationary
+//! point, though the residual there is large, and does not creep until it is cut off.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::Solver;
+use kinopt::io::rig::Rig;
+use kinopt::problem::Problem;
+use kinopt::solver::Termination;
+use kinopt::task::Point;
+
+#[test]
+fn a_hand_drawn_too_far_while_the_other_tips_hold() {
+    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let model = rig.skeleton.model();
+    let rest = model.neutral();
+    let pose = rig.skeleton.pose(&rest);
+    let limits: Vec<_> = model.limits().collect();
+    for target in [
+        [5.0, 5.0, 5.0],
+        [0.2, 0.9, 1.9],
+        [-0.8, -0.4, 1.0],
+        [0.0, 0.0, 3.0],
+        [0.1, 0.1, -1.0],
+    ] {
+        let mut builder = Problem::builder(model);
+        let hand = rig.skeleton.bone("left_hand").unwrap();
+        let mut tips = vec![(hand, target)];
+        for name in ["head", "right_hand", "left_foot", "right_foot"] {
+            let bone = rig.skeleton.bone(name).unwrap();
+            let at = pose.tip(&rig.skeleton, bone);
+            tips.push((bone, [at.x, at.y, at.z]));
+        }
+        for &(bone, at) in &tips {
+            builder.add(Point::new(rig.skeleton.tip(bone), at));
+        }
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &rest).unwrap();
+        assert!(!solution.reached);
+        assert!(
+            matches!(
+                solution.termination,
+                Termination::Stationary | Termination::SmallStep
+            ),
+            "{target:?}: {:?} after {} steps",
+            solution.termination,
+            solution.iterations
+        );
+
+        // By the tips' places alone: no small move of any angle within its limits helps.
+        let cost = |q: &[f64]| -> f64 {
+            let posed = rig.skeleton.pose(q);
+            let misses = tips.iter().map(|&(bone, at)| {
+                let p = posed.tip(&rig.skeleton, bone);
+                (p.x - at[0]).powi(2) + (p.y - at[1]).powi(2) + (p.z - at[2]).powi(2)
+            });
+            0.5 * misses.sum::<f64>()
+        };
+        let best = cost(&solution.q);
+        for (j, limits) in limits.iter().enumerate() {
+            for h in [-1e-4, 1e-4] {
+                let mut q = solution.q.clone();
+                q[j] = (q[j] + h).clamp(limits.lower, limits.upper);
+                // A slope of 1e-5 a radian would show as 1e-9, ten times what rounding blurs.
+                assert!(cost(&q) >= best - 1e-10 * best.max(1.0), "{target:?}: {j}");
+            }
+        }
+    }
+}
