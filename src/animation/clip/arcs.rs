@@ -35,7 +35,7 @@ impl Arc {
 
 /// sin(tΩ)/sin Ω for each t and its arc.
 #[inline(always)]
-pub(super) fn weights<const N: usize>(t: &[f32; N], arcs: &[Arc; N]) -> [f32; N] {
+pub(super) fn weights(t: &[f32; WIDTH], arcs: &[Arc; WIDTH]) -> [f32; WIDTH] {
     const SERIES: [f32; 5] = [
         1.0 / 362_880.0,
         -1.0 / 5_040.0,
@@ -43,17 +43,17 @@ pub(super) fn weights<const N: usize>(t: &[f32; N], arcs: &[Arc; N]) -> [f32; N]
         -1.0 / 6.0,
         1.0,
     ];
-    let mut squared = [0.0; N];
-    for lane in 0..N {
+    let mut squared = [0.0; WIDTH];
+    for lane in 0..WIDTH {
         squared[lane] = t[lane] * t[lane] * arcs[lane].squared;
     }
-    let mut sum = [-1.0 / 39_916_800.0; N];
+    let mut sum = [-1.0 / 39_916_800.0; WIDTH];
     for term in SERIES {
-        for lane in 0..N {
+        for lane in 0..WIDTH {
             sum[lane] = sum[lane] * squared[lane] + term;
         }
     }
-    for lane in 0..N {
+    for lane in 0..WIDTH {
         sum[lane] *= t[lane] * arcs[lane].ratio;
     }
     sum

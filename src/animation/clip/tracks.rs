@@ -56,7 +56,9 @@ pub(super) struct Vectors {
 /// Rotations at constant speed from key to key.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Slerps {
-    tracks: Vec<Packed>,
+    /// A last group that is not full repeats its last track: cheaper than one by one.
+    groups: Vec<[Packed; WIDTH]>,
+    count: usize,
     keys: Vec<Quat>,
     /// From each key to the next; meaningless after a track's last.
     arcs: Vec<Arc>,
@@ -105,11 +107,16 @@ impl Vectors {
 
 impl Slerps {
     pub(super) fn add(&mut self, bone: usize, timeline: TimelineId, keys: &[Quat]) {
-        self.tracks.push(Packed {
+        let track = Packed {
             bone: bone as u32,
             timeline,
             first: self.keys.len() as u32,
-        });
+        };
+        match (self.count % WIDTH, self.groups.last_mut()) {
+            (filled @ 1.., Some(group)) => group.iter_mut().skip(filled).for_each(|t| *t = track),
+            _ => self.groups.push([track; WIDTH]),
+        }
+        self.count += 1;
         self.keys.extend_from_slice(keys);
         let arcs = keys.iter().zip(keys.iter().skip(1).chain(keys.last()));
         self.arcs
@@ -117,28 +124,18 @@ impl Slerps {
     }
 
     fn sample(&self, places: &[Place], out: &mut [Quat]) {
-        for group in self.tracks.chunks(WIDTH) {
-            // A last group that is not full does its last track again: cheaper than one by one.
-            let lane = |lane: usize| group.get(lane).or(group.last()).copied();
-            if let Some(last) = lane(WIDTH) {
-                let full = std::array::from_fn(|k| lane(k).unwrap_or(last));
-                self.sample_group::<WIDTH>(&full, places, out);
-            }
+        for group in &self.groups {
+            self.sample_group(group, places, out);
         }
     }
 
     #[inline(always)]
-    fn sample_group<const N: usize>(
-        &self,
-        group: &[Packed; N],
-        places: &[Place],
-        out: &mut [Quat],
-    ) {
+    fn sample_group(&self, group: &[Packed; WIDTH], places: &[Place], out: &mut [Quat]) {
         let at = group.each_ref().map(|track| track.at(places));
         let arcs = at.map(|(key, _)| self.arcs[key]);
         let to = weights(&at.map(|(_, u)| u), &arcs);
         let from = weights(&at.map(|(_, u)| 1.0 - u), &arcs);
-        for lane in 0..N {
+        for lane in 0..WIDTH {
             let key = at[lane].0;
             if let [start, end] = self.keys[key..key + 2] {
                 let sum = Vec4::from(start) * from[lane] + Vec4::from(end) * to[lane];
@@ -158,7 +155,7 @@ impl Tracks {
         if self.scales.count() < bones {
             pose.scales.copy_from_slice(&constant.scales);
         }
-        if self.slerps.tracks.len() + self.rotations.len() + self.eulers.len() < bones {
+        if self.slerps.count + self.rotations.len() + self.eulers.len() < bones {
             pose.rotations.copy_from_slice(&constant.rotations);
         }
         if self.morphs.len() < constant.morph_weights.len() {
