@@ -1,7 +1,7 @@
 //! Nearest is nearest, distinct ones differ. `KINOPT_CASES` asks for another number of cases a robot
 //! (best with `--release`).
 #![cfg(feature = "urdf")]
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod arm_support;
 mod urdf_matrices;
@@ -61,7 +61,7 @@ fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
             }
             kept += usize::from(distance(&ours.q, &start) <= best + SAME);
         }
-        eprintln!("{name}: {kept} of {cases}");
+        println!("{name}: {kept} of {cases}");
         assert!(kept * 100 >= cases * 95, "{name}: {kept} of {cases}");
     }
 }

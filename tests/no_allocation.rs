@@ -127,3 +127,49 @@ fn after_a_first_solve_that_had_nothing_to_do() {
     }
     assert!(failures.is_empty(), "allocations: {failures:?}");
 }
+
+#[test]
+fn a_frame_of_animation_allocates_nothing() {
+    use kinopt::animation::{Armature, Clip, Cursor, EulerClip, Limb, LimbGoal, Playback};
+    use kinopt::animation::{EulerKey, EulerTrack};
+
+    let rig = RandomRig::new(8);
+    let armature = Armature::of_skeleton(&rig.skeleton);
+    let mut random = Random::new(8);
+    let tracks = rig.skeleton.bone_ids().map(|bone| EulerTrack {
+        bone,
+        keys: (0..5)
+            .map(|key| EulerKey {
+                time: f64::from(key),
+                angles: [(); 3].map(|()| random.within(-1.0, 1.0)),
+            })
+            .collect(),
+    });
+    let keys = EulerClip::new(tracks.collect()).unwrap();
+    let mut builder = Clip::builder("clip", &armature);
+    builder.euler_clip(&keys).unwrap();
+    let clip = builder.build();
+    let lower = rig.tips[0];
+    let upper = armature.parent(lower).unwrap();
+    let limb = Limb::new(&armature, upper, lower, glam::Vec3A::X * 0.2).unwrap();
+    let (mut pose, mut other) = (armature.rest().clone(), armature.rest().clone());
+    let mut model = vec![glam::Affine3A::IDENTITY; armature.bones()];
+    let mut cursor = Cursor::new();
+    let mut frame = |elapsed: f64| {
+        clip.sample(elapsed, Playback::Loop, &mut cursor, &mut pose)
+            .unwrap();
+        clip.sample(elapsed + 1.3, Playback::PingPong, &mut cursor, &mut other)
+            .unwrap();
+        pose.cross_fade(&other, 0.4).unwrap();
+        let goal = LimbGoal {
+            target: glam::Vec3A::new(0.1, 0.3, 0.2),
+            pole: None,
+            weight: 0.7,
+        };
+        limb.reach(&armature, &mut pose, &goal).unwrap();
+        armature.local_to_model(&pose, &mut model).unwrap();
+    };
+    frame(0.0);
+    let counted = allocations(|| (0..200).for_each(|k| frame(f64::from(k) / 60.0)));
+    assert_eq!(counted, 0);
+}

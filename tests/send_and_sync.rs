@@ -2,6 +2,7 @@
 //! owns can be sent to another.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use kinopt::animation::{Armature, Clip, Cursor, Pose, ReachLayer, StateMachine, StateMachineRun};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{ModelError, ParameterMap};
 use kinopt::problem::{ProblemError, Scratch};
@@ -29,6 +30,13 @@ const _: () = {
     shared::<Memory>();
     shared::<Solution>();
     shared::<Posing>();
+    shared::<Armature>();
+    shared::<Clip>();
+    shared::<Cursor>();
+    shared::<Pose>();
+    shared::<ReachLayer>();
+    shared::<StateMachine>();
+    shared::<StateMachineRun>();
     shared::<ForwardKinematics>();
     shared::<ForwardKinematics<Dual<6>>>();
     shared::<SkinWeights>();

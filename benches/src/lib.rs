@@ -1,6 +1,7 @@
 //! What the benches of kinopt share: models built in code and numbers that never change.
 #![allow(clippy::expect_used)]
 
+mod animated;
 mod arm_poses;
 mod baseline;
 mod drag;
@@ -8,6 +9,7 @@ mod figure;
 mod sequence;
 mod stages;
 
+pub use animated::{Keying, armature, clip};
 pub use arm_poses::{ArmPoses, chain, random_configuration, random_poses, smooth_path};
 pub use baseline::Baseline;
 pub use drag::{at_ease, drag_targets};

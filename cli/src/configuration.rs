@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kinopt::animation::Playback;
+use kinopt::animation::{EulerClip, Playback};
 use kinopt::model::Limits;
 use serde::Deserialize;
 
@@ -78,18 +78,22 @@ impl LoadedModel {
         Ok(numbers)
     }
 
-    /// The rig's keyframes at a time in seconds.
-    pub(crate) fn keyframes_at(&self, time: f64, playback: Playback) -> Outcome<Vec<f64>> {
+    /// The rig's keyframes; `option` is what needs them.
+    pub(crate) fn keyframes(&self, option: &str) -> Outcome<&EulerClip> {
         let clip = self.rig.as_ref().map(|rig| &rig.clip);
-        let Some(clip) = clip.filter(|clip| !clip.is_empty()) else {
-            return Err(Failure::new(format!(
-                "{}: --time needs keyframes, and the {} has none",
+        clip.filter(|clip| !clip.is_empty()).ok_or_else(|| {
+            Failure::new(format!(
+                "{}: {option} needs keyframes, and the {} has none",
                 self.file,
                 self.kind()
-            )));
-        };
+            ))
+        })
+    }
+
+    /// The rig's keyframes at a time in seconds.
+    pub(crate) fn keyframes_at(&self, time: f64, playback: Playback) -> Outcome<Vec<f64>> {
         let mut q = vec![0.0; self.model.degrees_of_freedom()];
-        clip.sample(time, playback, &mut q)?;
+        self.keyframes("--time")?.sample(time, playback, &mut q)?;
         Ok(q)
     }
 

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done (a target that is out of reach is an answer, not a failure), 1 failed with a
 //! one-line reason on standard error, 2 wrong usage.
 
+mod animate;
 mod bench;
 mod configuration;
 mod countdown;
@@ -44,6 +45,7 @@ Examples:
   kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
+  kinopt animate arm.json --fps 24 --out frames
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results";
 
@@ -65,6 +67,7 @@ struct Command {
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     Info(info::Arguments),
+    Animate(animate::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
     SkinReport(skin_report::Arguments),
@@ -84,6 +87,7 @@ fn main() -> ExitCode {
     let json = command.json;
     let done = match &command.subcommand {
         Subcommands::Info(arguments) => info::run(arguments, json),
+        Subcommands::Animate(arguments) => animate::run(arguments, json),
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
         Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),

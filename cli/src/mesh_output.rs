@@ -18,22 +18,43 @@ pub(crate) struct MeshFile {
     format: MeshFormat,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum MeshFormat {
+/// What meshes are written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum MeshFormat {
+    /// Wavefront, as text.
     Obj,
+    /// Stanford, little-endian binary.
     Ply,
+}
+
+impl MeshFormat {
+    /// The format that a path's extension stands for.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        [Self::Obj, Self::Ply]
+            .into_iter()
+            .find(|format| format.extension() == extension)
+    }
+
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+        }
+    }
 }
 
 impl MeshFile {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        let format = match extension.to_ascii_lowercase().as_str() {
-            "obj" => MeshFormat::Obj,
-            "ply" => MeshFormat::Ply,
-            _ => return Err("meshes are written as .obj or .ply".to_owned()),
-        };
+        let format = MeshFormat::of(&path).ok_or("meshes are written as .obj or .ply")?;
         Ok(Self { path, format })
+    }
+
+    /// A file in a folder, its extension that of the format.
+    pub(crate) fn within(folder: &Path, stem: &str, format: MeshFormat) -> Self {
+        let path = folder.join(format!("{stem}.{}", format.extension()));
+        Self { path, format }
     }
 
     pub(crate) fn path(&self) -> &Path {

@@ -175,7 +175,7 @@ fn what_cannot_be_done_is_one() {
 
 #[test]
 fn help_says_units_defaults_and_examples() {
-    for subcommand in ["info", "fk", "solve"] {
+    for subcommand in ["info", "fk", "solve", "animate"] {
         let output = kinopt(&[subcommand, "--help"]);
         assert_eq!(output.status.code(), Some(0));
         for word in ["Examples:", "metres", "Usage: kinopt", "Default"] {

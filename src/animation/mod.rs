@@ -1,7 +1,32 @@
-//! Motion over time: keyframes and what is between them.
+//! Motion over time: keyframes, what is between them, and poses.
 
-mod catmull_rom;
+mod affine;
+mod blend;
+mod clip;
+pub mod curve;
+mod easing;
 mod euler_clip;
+mod euler_sampling;
+mod ik_layer;
+mod playback;
+mod pose;
+pub mod rotation;
+mod state_machine;
 
-pub use catmull_rom::{Playback, SampleError};
+pub use affine::{Decomposition, NotFinite, interpolate_affine};
+pub use blend::{BlendError, BoneMask, Layer, LayerMode, blend_poses};
+pub use clip::{
+    Channel, ChannelError, Clip, ClipBuilder, Cursor, EulerCurve, Event, Fired, Passage, Playhead,
+    Property,
+};
+pub use easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
+pub use euler_sampling::SampleError;
+pub use ik_layer::{Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
+pub use playback::Playback;
+pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
+pub use state_machine::{
+    ConditionDefinition, Interruption, ParameterDefault, ParameterError, StateDefinition,
+    StateMachine, StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
+    TransitionDefinition, TriggerWord,
+};

@@ -1,4 +1,4 @@
-//! Files: meshes (PLY, OBJ), matrices (DMAT) and rigs (JSON).
+//! Files: meshes (PLY, OBJ), matrices (DMAT), rigs and animation state machines (JSON).
 //!
 //! Every reader has a core that takes bytes and a name for messages, and a `read` that takes a
 //! path. A count that a file announces is checked against the file's length before anything is
@@ -6,9 +6,11 @@
 
 pub mod dmat;
 mod error;
+mod json;
 pub mod obj;
 pub mod ply;
 pub mod rig;
+pub mod state_machine;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError};
 pub(crate) use error::{read_bytes, write_bytes};

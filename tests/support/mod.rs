@@ -7,6 +7,7 @@
 )]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+pub mod armatures;
 pub mod bones;
 pub mod classics;
 pub mod maps;

@@ -6,13 +6,12 @@
 //! of a ball joint's range; shoulders and hips are cut so that their ends are the book's.
 
 use glam::DVec3;
-use kinopt::animation::EulerClip;
 use kinopt::io::rig::Rig;
 
 use crate::Failure;
 use crate::figure::{BoneSpec, Figure};
-use crate::humanoid_body;
 use crate::landmarks::Landmarks;
+use crate::{humanoid_body, humanoid_wave};
 
 /// Tips that are held: the bones' names.
 const PINNED: [&str; 5] = ["head", "left_hand", "right_hand", "left_foot", "right_foot"];
@@ -22,7 +21,7 @@ const LEFT: DVec3 = DVec3::Y;
 const UP: DVec3 = DVec3::Z;
 const FIXED: [f64; 2] = [0.0, 0.0];
 
-/// The humanoid with its skin.
+/// The humanoid with its skin and its keyframes.
 pub(crate) fn rig() -> Result<Rig, Failure> {
     let mut figure = Figure {
         bones: bones(),
@@ -30,7 +29,8 @@ pub(crate) fn rig() -> Result<Rig, Failure> {
     };
     figure.surface = humanoid_body::surface(&figure, &Landmarks::new())?;
     let skeleton = figure.skeleton("humanoid")?;
-    figure.rig(skeleton, EulerClip::default(), &PINNED, 0.006)
+    let clip = humanoid_wave::clip(&skeleton)?;
+    figure.rig(skeleton, clip, &PINNED, 0.006)
 }
 
 fn bones() -> Vec<BoneSpec> {

@@ -8,6 +8,7 @@ mod contact_sheet;
 mod figure;
 mod humanoid;
 mod humanoid_body;
+mod humanoid_wave;
 mod landmarks;
 mod picture;
 mod polygonise;

@@ -3,8 +3,6 @@
 use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use crate::io::{Place, ReadError};
-
 #[derive(Debug, Deserialize)]
 pub(super) struct RigFile {
     #[serde(default, deserialize_with = "present")]
@@ -60,21 +58,6 @@ pub(super) struct KeyEntry {
 pub(super) enum Constraints {
     One(i64),
     Many(Vec<i64>),
-}
-
-pub(super) fn parse(json: &[u8], name: &str) -> Result<RigFile, ReadError> {
-    let mut parser = serde_json::Deserializer::from_slice(json);
-    let file = serde_path_to_error::deserialize(&mut parser).map_err(|error| {
-        let place = match error.path().to_string() {
-            root if root == "." => Place::File,
-            path => Place::Json(path),
-        };
-        ReadError::malformed(name, place, error.inner().to_string())
-    })?;
-    parser
-        .end()
-        .map_err(|error| ReadError::malformed(name, Place::File, error.to_string()))?;
-    Ok(file)
 }
 
 /// An optional key that may be absent but not `null`.

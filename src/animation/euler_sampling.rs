@@ -1,18 +1,7 @@
 //! Catmull-Rom interpolation of keyframes at times that need not be evenly spaced.
 
-use super::{EulerClip, EulerKey};
+use super::{EulerClip, EulerKey, Playback};
 use crate::skeleton::ANGLES_PER_BONE;
-
-/// What happens before the first and after the last key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Playback {
-    /// The first pose before the clip, the last one after it.
-    #[default]
-    Hold,
-    /// The clip again, with the period of its [`time_span`](EulerClip::time_span). Within the span,
-    /// both ends included, it plays as it is.
-    Loop,
-}
 
 /// Why a clip cannot be sampled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -51,9 +40,9 @@ impl EulerClip {
         if !time.is_finite() {
             return Err(SampleError::NonFiniteTime { time });
         }
-        let time = match (playback, self.time_span()) {
-            (Playback::Loop, Some(span)) => wrapped(time, span),
-            _ => time,
+        let time = match self.time_span() {
+            Some(span) => playback.within(time, span),
+            None => time,
         };
         q.fill(0.0);
         let angles = q.len();
@@ -67,14 +56,6 @@ impl EulerClip {
         }
         Ok(())
     }
-}
-
-/// The time within the span that looks the same when the clip repeats.
-fn wrapped(time: f64, [start, end]: [f64; 2]) -> f64 {
-    if (start..=end).contains(&time) || start >= end {
-        return time;
-    }
-    start + (time - start).rem_euclid(end - start)
 }
 
 /// One track's angles; zero without keys.

@@ -1,0 +1,48 @@
+//! Times of frames and their numbers.
+
+use crate::failure::{Failure, Outcome};
+
+/// More frames than this are a slip of the keyboard.
+const MOST: f64 = 1e6;
+/// A last frame that rounding puts this share of a frame too late still counts.
+const SLACK: f64 = 1e-6;
+
+/// Frames at an even rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frames {
+    per_second: f64,
+    start: f64,
+    count: usize,
+}
+
+impl Frames {
+    /// The frames at `start`, `start` + 1/`per_second`, … up to `end`; times in seconds.
+    pub(super) fn new(per_second: f64, start: f64, end: f64) -> Outcome<Self> {
+        if end < start {
+            return Err(Failure::usage(format!(
+                "no frame lies between --from {start} s and --to {end} s"
+            )));
+        }
+        let steps = ((end - start) * per_second + SLACK).floor();
+        if steps.is_nan() || steps >= MOST {
+            return Err(Failure::usage(format!(
+                "{per_second} frames a second from {start} s to {end} s are more than {MOST} files"
+            )));
+        }
+        Ok(Self {
+            per_second,
+            start,
+            count: steps as usize + 1,
+        })
+    }
+
+    /// The file's name without its extension, and the time in seconds.
+    pub(super) fn iter(self) -> impl Iterator<Item = (String, f64)> {
+        let digits = (self.count - 1).to_string().len().max(4);
+        (0..self.count).map(move |frame| {
+            // Divided each time, so that frames do not drift.
+            let time = self.start + frame as f64 / self.per_second;
+            (format!("frame-{frame:0digits$}"), time)
+        })
+    }
+}

@@ -1,0 +1,168 @@
+//! `kinopt animate`: from keyframes to posed meshes.
+
+mod frames;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use kinopt::animation::Playback;
+use kinopt::skinning::SkinningMethod;
+use serde::Serialize;
+
+use self::frames::Frames;
+use crate::countdown::Countdown;
+use crate::failure::{Failure, Outcome};
+use crate::loaded_model::LoadedModel;
+use crate::mesh_output::{MeshFile, MeshFormat};
+use crate::{number_list, output, skinning_choice};
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt animate arm.json --time 1.5 --out posed.obj    the mesh after 1.5 s
+  kinopt animate arm.json --fps 24 --out frames         a file for each frame of all keyframes
+  kinopt animate arm.json --fps 60 --from 1 --to 2 --format ply --skinning dqs --out frames
+                                                        one second of them";
+
+/// Pose a rig's mesh by its keyframes, at one time or frame by frame.
+///
+/// Keys are interpolated by Catmull-Rom splines over their own times; lengths are in the rig's own
+/// unit. One time makes one file; frames are numbered from 0 in a folder, which is made where there
+/// is none: frame-0000.obj, frame-0001.obj, …
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The rig's .json file, with keyframes, a mesh and skin weights.
+    #[arg(value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Where to write: with --time a .obj or .ply file, with --fps a folder.
+    #[arg(long, value_name = "FILE|DIR")]
+    out: PathBuf,
+
+    /// Pose the mesh at this time, in seconds. Default: none.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true,
+          value_parser = number_list::number, required_unless_present = "fps")]
+    time: Option<f64>,
+
+    /// Pose it this many times a second. Default: none.
+    #[arg(long, value_name = "N", value_parser = number_list::positive, conflicts_with = "time")]
+    fps: Option<f64>,
+
+    /// With --fps: the time of the first frame, in seconds. Default: the first key's.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, requires = "fps",
+          value_parser = number_list::number)]
+    from: Option<f64>,
+
+    /// With --fps: no frame after this time, in seconds. Default: the last key's.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, requires = "fps",
+          value_parser = number_list::number)]
+    to: Option<f64>,
+
+    /// Repeat the keyframes outside their span instead of holding the ends. Default: off.
+    #[arg(long = "loop")]
+    looped: bool,
+
+    /// With --fps: what to write. Default: obj.
+    #[arg(long, value_enum, requires = "fps", hide_default_value = true)]
+    format: Option<MeshFormat>,
+
+    /// How the bones move the skin.
+    #[arg(long, value_name = "METHOD", default_value_t, value_parser = skinning_choice::parser())]
+    skinning: SkinningMethod,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    frames: Vec<FrameDocument<'a>>,
+    vertices: usize,
+    skinning: &'static str,
+}
+
+#[derive(Serialize)]
+struct FrameDocument<'a> {
+    time: f64,
+    file: std::borrow::Cow<'a, str>,
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let loaded = LoadedModel::read(&arguments.rig)?;
+    let clip = loaded.keyframes("animate")?;
+    let skin = loaded.skin()?;
+    let files = files(arguments, clip.time_span().unwrap_or([0.0; 2]))?;
+    let playback = match arguments.looped {
+        true => Playback::Loop,
+        false => Playback::Hold,
+    };
+    let countdown = Countdown::new(files.len(), "frames");
+    let mut q = vec![0.0; loaded.model.degrees_of_freedom()];
+    let mut vertices = 0;
+    for (time, file) in &files {
+        clip.sample(*time, playback, &mut q)?;
+        let mesh = skin.posed(&q, arguments.skinning)?;
+        file.write(&mesh)?;
+        vertices = mesh.positions().len();
+        countdown.one_more();
+    }
+    countdown.finish();
+    if json {
+        let frames = files.iter().map(|(time, file)| FrameDocument {
+            time: *time,
+            file: file.path().to_string_lossy(),
+        });
+        return output::json(&Document {
+            frames: frames.collect(),
+            vertices,
+            skinning: arguments.skinning.name(),
+        });
+    }
+    output::result(&text(&files, vertices))
+}
+
+/// The times in seconds and where their meshes go. Makes the folder of frames.
+fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>> {
+    let out = &arguments.out;
+    let Some(fps) = arguments.fps else {
+        let file = MeshFile::parse(&out.to_string_lossy()).map_err(|problem| {
+            Failure::usage(format!("--out {}: with --time, {problem}", out.display()))
+        })?;
+        return Ok(vec![(arguments.time.unwrap_or(span[0]), file)]);
+    };
+    if MeshFormat::of(out).is_some() && !out.is_dir() {
+        return Err(Failure::usage(format!(
+            "--out {}: with --fps it is a folder; choose obj or ply by --format",
+            out.display()
+        )));
+    }
+    let [start, end] = span;
+    let frames = Frames::new(
+        fps,
+        arguments.from.unwrap_or(start),
+        arguments.to.unwrap_or(end),
+    )?;
+    let format = arguments.format.unwrap_or(MeshFormat::Obj);
+    make_folder(out)?;
+    let named = frames.iter().map(|(stem, time)| {
+        let file = MeshFile::within(out, &stem, format);
+        (time, file)
+    });
+    Ok(named.collect())
+}
+
+fn make_folder(path: &Path) -> Outcome<()> {
+    std::fs::create_dir_all(path)
+        .map_err(|error| Failure::new(format!("{}: cannot be made: {error}", path.display())))
+}
+
+fn text(files: &[(f64, MeshFile)], vertices: usize) -> String {
+    let shown = |file: &MeshFile| file.path().display().to_string();
+    match files {
+        [(time, file)] => format!("{time} s: {vertices} vertices in {}\n", shown(file)),
+        [(start, first), .., (end, last)] => format!(
+            "{} frames from {start} s to {end} s: {vertices} vertices each in {} to {}\n",
+            files.len(),
+            shown(first),
+            shown(last)
+        ),
+        [] => String::new(),
+    }
+}

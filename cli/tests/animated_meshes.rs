@@ -1,0 +1,203 @@
+//! Promise: `animate` writes the mesh that the keyframes pose, at one time or frame by frame.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod forked_rig;
+
+use forked_rig::{Folder, json, kinopt, rig, stderr, stdout};
+use glam::Vec3;
+use kinopt::animation::Playback;
+use kinopt::io::ply;
+use kinopt::skinning::SkinningMethod;
+
+/// The mesh at a time: each vertex moved by its bone, in double precision.
+fn expected(time: f64, playback: Playback) -> Vec<Vec3> {
+    let rig = rig();
+    let mut q = vec![0.0; rig.skeleton.angles()];
+    rig.clip.sample(time, playback, &mut q).unwrap();
+    let pose = rig.skeleton.pose(&q);
+    let transforms: Vec<_> = pose.skinning_transforms(&rig.skeleton).collect();
+    // Every vertex of this rig follows one bone: 1 and 2 on the left, 3 and 4 on the right.
+    let bone = |p: &Vec3| match (p.x < 0.0, p.x.abs() < 2.0) {
+        (true, true) => 1,
+        (true, false) => 2,
+        (false, true) => 3,
+        (false, false) => 4,
+    };
+    let mesh = rig.mesh.unwrap();
+    let posed = mesh.positions().iter().map(|p| {
+        let [x, y, z] = p.to_array().map(f64::from);
+        let moved = transforms[bone(p)].apply([x, y, z].into());
+        Vec3::from_array(moved.to_array().map(|x| x as f32))
+    });
+    posed.collect()
+}
+
+fn close(got: &[Vec3], expected: &[Vec3]) {
+    assert_eq!(got.len(), expected.len());
+    for (got, expected) in got.iter().zip(expected) {
+        assert!(
+            (*got - *expected).length() < 1e-5,
+            "{got} is not {expected}"
+        );
+    }
+}
+
+#[test]
+fn one_time_is_one_file() {
+    let folder = Folder::new("animate-time");
+    let (rig, out) = (folder.rig(), folder.file("posed.ply"));
+    for (skinning, looped) in [("lbs", false), ("dqs", true)] {
+        let mut arguments = vec![
+            "animate",
+            &rig,
+            "--time=2.3",
+            "--out",
+            &out,
+            "--skinning",
+            skinning,
+        ];
+        let playback = match looped {
+            true => Playback::Loop,
+            false => Playback::Hold,
+        };
+        if looped {
+            arguments.push("--loop");
+        }
+        let output = kinopt(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stdout(&output).contains("20 vertices") && stdout(&output).contains("2.3 s"));
+        close(
+            ply::read(&out).unwrap().positions(),
+            &expected(2.3, playback),
+        );
+    }
+}
+
+#[test]
+fn frames_are_numbered_files_at_even_times() {
+    let folder = Folder::new("animate-frames");
+    let (rig, out) = (folder.rig(), folder.file("deep/frames"));
+    let document = json(&[
+        "animate",
+        &rig,
+        "--fps=10",
+        "--from=0.7",
+        "--to=1.4",
+        "--format=ply",
+        "--out",
+        &out,
+        "--json",
+    ]);
+    let frames = document["frames"].as_array().unwrap();
+    assert_eq!((frames.len(), document["vertices"].as_u64()), (8, Some(20)));
+    for (number, frame) in frames.iter().enumerate() {
+        let time = frame["time"].as_f64().unwrap();
+        assert!((time - (0.7 + 0.1 * number as f64)).abs() < 1e-12);
+        let file = frame["file"].as_str().unwrap();
+        assert!(file.ends_with(&format!("frame-{number:04}.ply")), "{file}");
+        close(
+            ply::read(file).unwrap().positions(),
+            &expected(time, Playback::Hold),
+        );
+    }
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 8);
+
+    // By itself it is all keyframes, 0.5 s to 2 s.
+    let all = folder.file("all");
+    let document = json(&["animate", &rig, "--fps=4", "--out", &all, "--json"]);
+    assert_eq!(document["frames"].as_array().unwrap().len(), 7);
+    assert_eq!(document["skinning"], SkinningMethod::default().name());
+    let text = std::fs::read_to_string(format!("{all}/frame-0006.obj")).unwrap();
+    assert_eq!(
+        text.lines().filter(|line| line.starts_with("v ")).count(),
+        20
+    );
+}
+
+/// Runs the command, which must end with `code`, say all of `words` and write nothing.
+fn refused(arguments: &[&str], code: i32, words: &[&str]) {
+    let output = kinopt(arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert_eq!(stdout(&output), "", "{arguments:?}");
+    for word in words {
+        assert!(
+            message.contains(word),
+            "{arguments:?}: no {word} in {message}"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_animated_is_said() {
+    let folder = Folder::new("animate-refused");
+    let (rig_file, out) = (folder.rig(), folder.file("frames"));
+    let file = folder.file("posed.obj");
+    refused(&["animate", &rig_file, "--out", &out], 2, &["--time"]);
+    refused(
+        &["animate", &rig_file, "--time=1", "--fps=2", "--out", &out],
+        2,
+        &["--fps"],
+    );
+    refused(
+        &["animate", &rig_file, "--time=1", "--out", &out],
+        2,
+        &["frames", ".obj", ".ply"],
+    );
+    refused(
+        &["animate", &rig_file, "--fps=2", "--out", &file],
+        2,
+        &["posed.obj", "folder"],
+    );
+    refused(
+        &["animate", &rig_file, "--fps=0", "--out", &out],
+        2,
+        &["above 0"],
+    );
+    refused(
+        &["animate", &rig_file, "--fps=1e9", "--out", &out],
+        2,
+        &["1000000"],
+    );
+    let turned = [
+        "animate", &rig_file, "--fps=2", "--from=2", "--to=1", "--out", &out,
+    ];
+    refused(&turned, 2, &["--from 2", "--to 1"]);
+    refused(
+        &[
+            "animate",
+            &rig_file,
+            "--time=1",
+            "--out",
+            &file,
+            "--skinning",
+            "best",
+        ],
+        2,
+        &["lbs", "dqs"],
+    );
+    assert!(!std::path::Path::new(&out).exists() && !std::path::Path::new(&file).exists());
+
+    let mut still = rig();
+    still.clip = Default::default();
+    let still = folder.write("still.json", &still);
+    refused(
+        &["animate", &still, "--time=1", "--out", &file],
+        1,
+        &["still.json", "keyframes"],
+    );
+    let mut bare = rig();
+    bare.weights = None;
+    let bare = folder.write("bare.json", &bare);
+    refused(
+        &["animate", &bare, "--time=1", "--out", &file],
+        1,
+        &["skin weights"],
+    );
+    let blocked = folder.file("rig.json/frames");
+    refused(
+        &["animate", &rig_file, "--fps=2", "--out", &blocked],
+        1,
+        &["cannot be made"],
+    );
+}

@@ -1,0 +1,97 @@
+//! Affine maps taken apart, so that what lies between two of them makes sense: halfway between two
+//! rotations is a rotation.
+//!
+//! Shoemake & Duff 1992, "Matrix animation and polar decomposition".
+
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use nalgebra as na;
+
+/// An affine map as translation · rotation · stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decomposition {
+    /// Where the origin goes.
+    pub translation: DVec3,
+    /// The rotation nearest to the linear part (to its negative, where that mirrors).
+    pub rotation: DQuat,
+    /// Symmetric: scales along three orthogonal axes. Positive for maps that do not mirror, negative
+    /// for those that do. Diagonal where the map scales along the coordinate axes before it turns.
+    pub stretch: DMat3,
+}
+
+/// An entry of the map is NaN or infinite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the affine map has an entry that is not finite")]
+pub struct NotFinite;
+
+impl Decomposition {
+    /// The polar decomposition M = Q S of the linear part, by its singular values: with M = U Σ Vᵀ,
+    /// Q = U Vᵀ and S = V Σ Vᵀ. Singular maps have one as well.
+    ///
+    /// # Errors
+    /// [`NotFinite`].
+    pub fn new(map: &DAffine3) -> Result<Self, NotFinite> {
+        if !map.is_finite() {
+            return Err(NotFinite);
+        }
+        let linear = na::Matrix3::from_column_slice(&map.matrix3.to_cols_array());
+        // Scaled, so that no square overflows.
+        let scale = linear.amax();
+        let unit = if scale > 0.0 { linear / scale } else { linear };
+        let svd = unit.svd(true, true);
+        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
+            return Err(NotFinite);
+        };
+        let mut rotation = u * v_t;
+        let mut stretch = v_t.transpose() * na::Matrix3::from_diagonal(&svd.singular_values) * v_t;
+        if rotation.determinant() < 0.0 {
+            // As the paper has it: −1 commutes with everything, so the sign goes to the stretch.
+            // A singular map has the choice, and takes the rotation with a stretch that is not negative.
+            if unit.determinant() < 0.0 {
+                rotation = -rotation;
+                stretch = -stretch;
+            } else {
+                let flat = svd.singular_values.imin();
+                let mut u = u;
+                u.column_mut(flat).neg_mut();
+                rotation = u * v_t;
+            }
+        }
+        let columns = |m: na::Matrix3<f64>| DMat3::from_cols_slice(m.as_slice());
+        Ok(Self {
+            translation: map.translation,
+            rotation: DQuat::from_mat3(&columns(rotation)).normalize(),
+            stretch: columns(stretch * scale),
+        })
+    }
+
+    /// The affine map again.
+    #[must_use]
+    pub fn compose(&self) -> DAffine3 {
+        DAffine3 {
+            matrix3: DMat3::from_quat(self.rotation) * self.stretch,
+            translation: self.translation,
+        }
+    }
+
+    /// The share `t` of the way to another one: translation and stretch straight, the rotation along
+    /// the shorter arc.
+    #[must_use]
+    pub fn interpolate(&self, other: &Self, t: f64) -> Self {
+        let to = other.rotation;
+        let to = if self.rotation.dot(to) < 0.0 { -to } else { to };
+        Self {
+            translation: self.translation * (1.0 - t) + other.translation * t,
+            rotation: self.rotation.slerp(to, t),
+            stretch: self.stretch * (1.0 - t) + other.stretch * t,
+        }
+    }
+}
+
+/// The share `t` of the way from one affine map to another, by [`Decomposition`].
+///
+/// # Errors
+/// A map with an entry that is not finite.
+pub fn interpolate_affine(from: &DAffine3, to: &DAffine3, t: f64) -> Result<DAffine3, NotFinite> {
+    let (from, to) = (Decomposition::new(from)?, Decomposition::new(to)?);
+    Ok(from.interpolate(&to, t).compose())
+}

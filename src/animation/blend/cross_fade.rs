@@ -1,0 +1,103 @@
+//! From one pose to another.
+
+use glam::{Quat, Vec3A, Vec4};
+
+use super::BoneMask;
+use super::mask::within;
+use super::slerp_weights::slerp_weights;
+use crate::animation::{Pose, SizeMismatch};
+
+/// How many rotations are blended at a time, so that the compiler makes vectors of them.
+const WIDTH: usize = 8;
+
+impl Pose {
+    /// Goes the share (taken into [0, 1]) of the way to another pose: rotations by slerp the shorter
+    /// way round, everything else straight.
+    ///
+    /// # Errors
+    /// The poses are of different armatures.
+    pub fn cross_fade(&mut self, to: &Self, share: f32) -> Result<(), SizeMismatch> {
+        self.check_same_size(to)?;
+        let share = within(share);
+        let shares = std::iter::repeat(share);
+        mix(&mut self.translations, &to.translations, shares.clone());
+        mix(&mut self.scales, &to.scales, shares.clone());
+        for (own, &to) in self.morph_weights.iter_mut().zip(&to.morph_weights) {
+            *own += (to - *own) * share;
+        }
+        turn(&mut self.rotations, &to.rotations, |_| share);
+        Ok(())
+    }
+
+    /// As [`cross_fade`](Self::cross_fade), each bone and morph target by its share of the mask as
+    /// well: what the mask leaves out stays.
+    ///
+    /// # Errors
+    /// The poses or the mask are of different armatures.
+    pub fn cross_fade_masked(
+        &mut self,
+        to: &Self,
+        share: f32,
+        mask: &BoneMask,
+    ) -> Result<(), SizeMismatch> {
+        self.check_same_size(to)?;
+        mask.check(self)?;
+        let share = within(share);
+        let shares = mask.bones().iter().map(|own| own * share);
+        mix(&mut self.translations, &to.translations, shares.clone());
+        mix(&mut self.scales, &to.scales, shares);
+        let targets = self.morph_weights.iter_mut().zip(&to.morph_weights);
+        for ((own, &to), masked) in targets.zip(mask.morph_targets()) {
+            *own += (to - *own) * (share * masked);
+        }
+        turn(&mut self.rotations, &to.rotations, |bone| {
+            mask.bones()[bone] * share
+        });
+        Ok(())
+    }
+}
+
+fn mix(from: &mut [Vec3A], to: &[Vec3A], shares: impl Iterator<Item = f32>) {
+    for ((own, &to), share) in from.iter_mut().zip(to).zip(shares) {
+        *own += (to - *own) * share;
+    }
+}
+
+fn turn(from: &mut [Quat], to: &[Quat], share: impl Fn(usize) -> f32) {
+    let mut groups = from.chunks_exact_mut(WIDTH);
+    let mut others = to.chunks_exact(WIDTH);
+    let mut first = 0;
+    for (own, to) in groups.by_ref().zip(others.by_ref()) {
+        if let (Ok(own), Ok(to)) = (own.try_into(), to.try_into()) {
+            turn_group::<WIDTH>(own, to, std::array::from_fn(|lane| share(first + lane)));
+        }
+        first += WIDTH;
+    }
+    let rest = groups.into_remainder().iter_mut().zip(others.remainder());
+    for (bone, (own, to)) in (first..).zip(rest) {
+        turn_group(
+            std::array::from_mut(own),
+            std::array::from_ref(to),
+            [share(bone)],
+        );
+    }
+}
+
+#[inline(always)]
+fn turn_group<const N: usize>(from: &mut [Quat; N], to: &[Quat; N], t: [f32; N]) {
+    let mut cosines = [0.0; N];
+    for lane in 0..N {
+        cosines[lane] = from[lane].dot(to[lane]);
+    }
+    let signs = cosines.map(|cosine| if cosine < 0.0 { -1.0 } else { 1.0 });
+    let cosines = cosines.map(f32::abs);
+    let arrive = slerp_weights(&t, &cosines);
+    let stay = slerp_weights(&t.map(|t| 1.0 - t), &cosines);
+    for lane in 0..N {
+        let to = Vec4::from(to[lane]) * (arrive[lane] * signs[lane]);
+        let sum = Vec4::from(from[lane]) * stay[lane] + to;
+        // Within 2e-5 of unit length; one step of Newton's method makes it 1e-9.
+        let length = 1.5 - 0.5 * sum.length_squared();
+        from[lane] = Quat::from_vec4(sum * length);
+    }
+}

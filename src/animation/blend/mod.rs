@@ -1,0 +1,11 @@
+//! Poses combined: cross-fades, weighted means, masks and layers.
+
+mod cross_fade;
+mod layer;
+mod mask;
+mod slerp_weights;
+mod weighted;
+
+pub use layer::{Layer, LayerMode};
+pub use mask::BoneMask;
+pub use weighted::{BlendError, blend_poses};

@@ -1,0 +1,80 @@
+//! The weighted mean of any number of poses.
+
+use glam::{Quat, Vec3A, Vec4};
+
+use crate::animation::{Pose, SizeMismatch};
+
+/// Why poses cannot be blended.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BlendError {
+    /// A weight that is negative or not finite.
+    #[error("pose {pose}: the weight {weight} is not a finite number of at least 0")]
+    BadWeight {
+        /// Which pose.
+        pose: usize,
+        /// Its weight.
+        weight: f32,
+    },
+    /// There is no pose with a weight above 0.
+    #[error("no pose has a weight above 0")]
+    NoWeight,
+    /// The poses are of different armatures.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+}
+
+/// Writes the weighted mean of poses into `out`; weights need not sum to one. Rotations are summed
+/// as quaternions on the side of the heaviest pose's and made of unit length, so the order of the
+/// poses does not matter.
+///
+/// # Errors
+/// A weight that is negative or not finite, none above 0, or poses of different armatures.
+pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendError> {
+    for (pose, &(_, weight)) in poses.iter().enumerate() {
+        if !(weight.is_finite() && weight >= 0.0) {
+            return Err(BlendError::BadWeight { pose, weight });
+        }
+    }
+    let total: f64 = poses.iter().map(|(_, weight)| f64::from(*weight)).sum();
+    let heaviest = poses
+        .iter()
+        .reduce(|best, own| if own.1 > best.1 { own } else { best });
+    let Some((heaviest, _)) = heaviest.filter(|_| total > 0.0) else {
+        return Err(BlendError::NoWeight);
+    };
+    for (pose, _) in poses {
+        out.check_same_size(pose)?;
+    }
+    out.translations.fill(Vec3A::ZERO);
+    out.scales.fill(Vec3A::ZERO);
+    out.morph_weights.fill(0.0);
+    out.rotations.fill(Quat::from_vec4(Vec4::ZERO));
+    for (pose, weight) in poses.iter().filter(|(_, weight)| *weight > 0.0) {
+        let share = (f64::from(*weight) / total) as f32;
+        let add = |sums: &mut [Vec3A], values: &[Vec3A]| {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += *value * share;
+            }
+        };
+        add(&mut out.translations, &pose.translations);
+        add(&mut out.scales, &pose.scales);
+        for (sum, weight) in out.morph_weights.iter_mut().zip(&pose.morph_weights) {
+            *sum += weight * share;
+        }
+        let rotations = pose.rotations.iter().zip(&heaviest.rotations);
+        for (sum, (own, reference)) in out.rotations.iter_mut().zip(rotations) {
+            let side = if own.dot(*reference) < 0.0 {
+                -share
+            } else {
+                share
+            };
+            *sum += *own * side;
+        }
+    }
+    for (sum, reference) in out.rotations.iter_mut().zip(&heaviest.rotations) {
+        let unit = Vec4::from(*sum).try_normalize();
+        *sum = unit.map_or(*reference, Quat::from_vec4);
+    }
+    Ok(())
+}

@@ -1,0 +1,253 @@
+//! Collects the channels of a clip and compiles them.
+
+use std::collections::BTreeSet;
+
+use glam::{Quat, Vec3A};
+
+use super::events::Event;
+use super::timeline::{TimelineId, TimelineSet};
+use super::tracks::{Curved, Tracks};
+use super::{Channel, ChannelError, Clip, Property};
+use crate::animation::curve::KeyedCurve;
+use crate::animation::rotation::EulerOrder;
+use crate::animation::{Armature, EulerClip, EulerCurve};
+use crate::skeleton::BoneId;
+
+/// Collects the channels and events of a clip for one armature.
+#[derive(Debug)]
+pub struct ClipBuilder<'a> {
+    armature: &'a Armature,
+    name: String,
+    channels: Vec<(BoneId, Channel)>,
+    taken: BTreeSet<(BoneId, Property)>,
+    morphs: Vec<(usize, KeyedCurve<f32>)>,
+    events: Vec<Event>,
+    span: Option<[f32; 2]>,
+}
+
+impl<'a> ClipBuilder<'a> {
+    pub(super) fn new(name: String, armature: &'a Armature) -> Self {
+        Self {
+            armature,
+            name,
+            channels: Vec::new(),
+            taken: BTreeSet::new(),
+            morphs: Vec::new(),
+            events: Vec::new(),
+            span: None,
+        }
+    }
+
+    /// Adds a channel of a bone.
+    ///
+    /// # Errors
+    /// A bone of another armature, a second channel for one property, or a rotation before Euler
+    /// angles that is not one.
+    pub fn channel(&mut self, bone: BoneId, channel: Channel) -> Result<&mut Self, ChannelError> {
+        let bones = self.armature.bones();
+        let Some(name) = self.armature.names().get(bone.index()) else {
+            let bone = bone.index();
+            return Err(ChannelError::UnknownBone { bone, bones });
+        };
+        let property = channel.property();
+        let name = || name.clone();
+        if let Channel::Euler(curve) = &channel {
+            if !(curve.before.is_finite() && curve.before.is_normalized()) {
+                return Err(ChannelError::BadRotation { bone: name() });
+            }
+        }
+        if !self.taken.insert((bone, property)) {
+            let bone = name();
+            return Err(ChannelError::Duplicate { bone, property });
+        }
+        self.channels.push((bone, channel));
+        Ok(self)
+    }
+
+    /// Adds the weight of one morph target.
+    ///
+    /// # Errors
+    /// A target that does not exist or has a channel already.
+    pub fn morph_weight(
+        &mut self,
+        target: usize,
+        weights: KeyedCurve<f32>,
+    ) -> Result<&mut Self, ChannelError> {
+        let names = self.armature.morph_targets();
+        let targets = names.len();
+        let Some(name) = names.get(target) else {
+            return Err(ChannelError::UnknownTarget { target, targets });
+        };
+        if self.morphs.iter().any(|(other, _)| *other == target) {
+            let target = name.clone();
+            return Err(ChannelError::DuplicateTarget { target });
+        }
+        self.morphs.push((target, weights));
+        Ok(self)
+    }
+
+    /// Adds the weights of all morph targets, keyed together and interpolated linearly: for each
+    /// key the weight of every target, as glTF has it.
+    ///
+    /// # Errors
+    /// Another count than keys × targets, bad keys, or a target that has a channel already.
+    pub fn morph_weights(
+        &mut self,
+        times: &[f32],
+        weights: &[f32],
+    ) -> Result<&mut Self, ChannelError> {
+        let targets = self.armature.morph_targets().len();
+        let (given, keys) = (weights.len(), times.len());
+        if given != keys * targets {
+            return Err(ChannelError::WeightCount {
+                given,
+                keys,
+                targets,
+            });
+        }
+        for target in 0..targets {
+            let own = weights.iter().skip(target).step_by(targets);
+            let curve = KeyedCurve::linear(times.to_vec(), own.copied().collect())?;
+            self.morph_weight(target, curve)?;
+        }
+        Ok(self)
+    }
+
+    /// Adds the tracks of a rig's keyframes as Euler channels with Catmull-Rom curves, for an
+    /// armature made [of its skeleton](Armature::of_skeleton).
+    ///
+    /// # Errors
+    /// A bone of another armature or one that has a rotation channel already; times that collide in
+    /// single precision.
+    pub fn euler_clip(&mut self, clip: &EulerClip) -> Result<&mut Self, ChannelError> {
+        for track in clip.tracks() {
+            let times = track.keys.iter().map(|key| key.time as f32).collect();
+            let values = track.keys.iter().map(|key| {
+                let [first, bend, second] = key.angles;
+                Vec3A::from([second, bend, first].map(|angle| angle as f32))
+            });
+            let angles = KeyedCurve::catmull_rom(times, values.collect())?;
+            let curve = EulerCurve {
+                order: EulerOrder::Xzx,
+                before: self.armature.rest().local(track.bone).rotation,
+                angles,
+            };
+            self.channel(track.bone, Channel::Euler(curve))?;
+        }
+        Ok(self)
+    }
+
+    /// Adds an event; one outside the clip's span never fires.
+    ///
+    /// # Errors
+    /// A time that is not finite.
+    pub fn event(&mut self, time: f32, name: impl Into<String>) -> Result<&mut Self, ChannelError> {
+        let name = name.into();
+        if !time.is_finite() {
+            let event = name;
+            return Err(ChannelError::EventTime { event, time });
+        }
+        self.events.push(Event { time, name });
+        Ok(self)
+    }
+
+    /// Sets the clip's span in seconds. Without it, it is from the first to the last key.
+    ///
+    /// # Errors
+    /// Times that are not finite or out of order.
+    pub fn span(&mut self, start: f32, end: f32) -> Result<&mut Self, ChannelError> {
+        if !(start.is_finite() && end.is_finite() && start <= end) {
+            return Err(ChannelError::BadSpan { start, end });
+        }
+        self.span = Some([start, end]);
+        Ok(self)
+    }
+
+    /// The clip. One without channels is the rest pose, with a span of nothing unless it is set.
+    #[must_use]
+    pub fn build(self) -> Clip {
+        let mut times = TimelineSet::default();
+        let mut tracks = Tracks::default();
+        let mut constant = self.armature.rest().clone();
+        let curves = self.channels.iter().map(|(_, channel)| channel.times());
+        let curves = curves.chain(self.morphs.iter().map(|(_, curve)| curve.times()));
+        let ends = curves.filter_map(|times| Some([*times.first()?, *times.last()?]));
+        let keyed = ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)]);
+        for (bone, channel) in self.channels {
+            add(
+                bone.index(),
+                channel,
+                &mut times,
+                &mut tracks,
+                &mut constant,
+            );
+        }
+        for (target, curve) in self.morphs {
+            match moving(curve.times(), &mut times) {
+                Some(timeline) => tracks.morphs.push(Curved::new(target, timeline, curve)),
+                None => set(&mut constant.morph_weights, target, curve.values()),
+            }
+        }
+        let mut events = self.events;
+        events.sort_by(|a, b| a.time.total_cmp(&b.time));
+        Clip {
+            name: self.name,
+            span: self.span.or(keyed).unwrap_or([0.0, 0.0]),
+            timelines: times.finish(),
+            tracks,
+            constant,
+            events,
+        }
+    }
+}
+
+/// A timeline, for a curve that has more than one key.
+fn moving(times: &[f32], timelines: &mut TimelineSet) -> Option<TimelineId> {
+    (times.len() > 1).then(|| timelines.add(times))
+}
+
+/// Writes the only value of a curve that does not move.
+fn set<V: Copy>(constant: &mut [V], index: usize, values: &[V]) {
+    if let (Some(room), Some(value)) = (constant.get_mut(index), values.first()) {
+        *room = *value;
+    }
+}
+
+fn add(
+    bone: usize,
+    channel: Channel,
+    times: &mut TimelineSet,
+    tracks: &mut Tracks,
+    constant: &mut crate::animation::Pose,
+) {
+    let timeline = moving(channel.times(), times);
+    match (channel, timeline) {
+        (Channel::Translation(curve), None) => {
+            set(&mut constant.translations, bone, curve.values());
+        }
+        (Channel::Scale(curve), None) => set(&mut constant.scales, bone, curve.values()),
+        (Channel::Rotation(curve), None) => set(&mut constant.rotations, bone, curve.rotations()),
+        (Channel::Euler(curve), None) => {
+            let rotation: Vec<Quat> = curve
+                .angles
+                .values()
+                .iter()
+                .map(|&a| curve.rotation(a))
+                .collect();
+            set(&mut constant.rotations, bone, &rotation);
+        }
+        (Channel::Translation(curve), Some(timeline)) => {
+            tracks.translations.add(bone, timeline, curve);
+        }
+        (Channel::Scale(curve), Some(timeline)) => tracks.scales.add(bone, timeline, curve),
+        (Channel::Rotation(curve), Some(timeline)) if curve.is_slerp() => {
+            tracks.slerps.add(bone, timeline, curve.rotations());
+        }
+        (Channel::Rotation(curve), Some(timeline)) => {
+            tracks.rotations.push(Curved::new(bone, timeline, curve));
+        }
+        (Channel::Euler(curve), Some(timeline)) => {
+            tracks.eulers.push(Curved::new(bone, timeline, curve));
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Clips: keyed channels of many bones, sampled a whole pose at a time.
+
+mod arcs;
+mod builder;
+mod channel;
+mod error;
+mod events;
+mod playhead;
+mod timeline;
+mod tracks;
+
+pub use builder::ClipBuilder;
+pub use channel::{Channel, EulerCurve, Property};
+pub use error::ChannelError;
+pub use events::{Event, Fired};
+pub use playhead::{Passage, Playhead};
+
+use self::timeline::{Place, Timelines};
+use self::tracks::Tracks;
+use super::{Armature, Playback, Pose, SizeMismatch};
+
+/// Motion of an armature's bones and morph targets over a span of time. What has no channel is at
+/// rest.
+///
+/// ```
+/// use glam::{Quat, Vec3A};
+/// use kinopt::animation::curve::KeyedCurve;
+/// use kinopt::animation::rotation::RotationCurve;
+/// use kinopt::animation::{
+///     Armature, ArmatureBone, Channel, Clip, Cursor, LocalTransform, Playback,
+/// };
+///
+/// let bone = |name: &str, parent| ArmatureBone {
+///     name: name.into(),
+///     parent,
+///     rest: LocalTransform { translation: Vec3A::X, ..LocalTransform::IDENTITY },
+/// };
+/// let armature = Armature::new(vec![bone("upper", None), bone("lower", Some(0))], Vec::new())?;
+/// let nod = RotationCurve::slerp(
+///     vec![0.0, 1.0],
+///     vec![Quat::IDENTITY, Quat::from_rotation_z(1.0)],
+/// )?;
+/// let mut builder = Clip::builder("nod", &armature);
+/// builder.channel(armature.bone("lower")?, Channel::Rotation(nod))?;
+/// let clip = builder.build();
+///
+/// let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
+/// clip.sample(0.5, Playback::Loop, &mut cursor, &mut pose)?;
+/// let half = Quat::from_rotation_z(0.5);
+/// assert!(pose.rotations()[1].abs_diff_eq(half, 1e-6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clip {
+    name: String,
+    span: [f32; 2],
+    timelines: Timelines,
+    tracks: Tracks,
+    /// What does not move.
+    constant: Pose,
+    events: Vec<Event>,
+}
+
+/// Where a clip was sampled last, so that the next time nearby finds its keys without a search: one
+/// step per timeline and frame in playback. It may be used with any clip; that only costs a search.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cursor {
+    places: Vec<Place>,
+}
+
+impl Cursor {
+    /// At the start of whatever clip.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+impl Clip {
+    /// Starts a clip for an armature.
+    #[must_use]
+    pub fn builder(name: impl Into<String>, armature: &Armature) -> ClipBuilder<'_> {
+        ClipBuilder::new(name.into(), armature)
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The first and last moment, in seconds.
+    #[must_use]
+    pub fn span(&self) -> [f32; 2] {
+        self.span
+    }
+
+    /// How long it lasts, in seconds.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        // Single precision would round, and a loop's end would be its start.
+        f64::from(self.span[1]) - f64::from(self.span[0])
+    }
+
+    /// How many bones it is for.
+    #[must_use]
+    pub fn bones(&self) -> usize {
+        self.constant.bones()
+    }
+
+    /// Writes the whole pose at `elapsed` seconds after the clip's start, taken into its span by
+    /// `playback`. NaN counts as the start. Rotations run at constant angular speed between linear
+    /// keys (slerp, not nlerp); at key times all values are the keys' to rounding.
+    ///
+    /// # Errors
+    /// The pose is of another armature's size.
+    pub fn sample(
+        &self,
+        elapsed: f64,
+        playback: Playback,
+        cursor: &mut Cursor,
+        pose: &mut Pose,
+    ) -> Result<(), SizeMismatch> {
+        self.constant.check_same_size(pose)?;
+        let [start, end] = self.span.map(f64::from);
+        let time = playback.within(start + elapsed, [start, end]) as f32;
+        cursor
+            .places
+            .resize(self.timelines.count(), Place::default());
+        self.timelines.locate(time, &mut cursor.places);
+        self.tracks.fill_constant(&self.constant, pose);
+        self.tracks.sample(&cursor.places, pose);
+        Ok(())
+    }
+}

@@ -1,0 +1,53 @@
+//! Cubic Bézier curves.
+
+use super::{CurveValue, lerp};
+
+/// A cubic Bézier curve: from the first to the last of its four control points, leaving towards the
+/// second and arriving from the third, within their convex hull.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CubicBezier<V> {
+    /// P₀, P₁, P₂, P₃.
+    pub points: [V; 4],
+}
+
+impl<V: CurveValue> CubicBezier<V> {
+    /// The curve of these control points.
+    #[must_use]
+    pub fn new(points: [V; 4]) -> Self {
+        Self { points }
+    }
+
+    /// B(u) for u in [0, 1], by de Casteljau's algorithm: lerps of lerps.
+    #[must_use]
+    pub fn position(&self, u: V::Real) -> V {
+        let (_, [left, right]) = self.rounds(u);
+        lerp(left, right, u)
+    }
+
+    /// dB/du = 3 (1−u)² (P₁−P₀) + 6 (1−u) u (P₂−P₁) + 3 u² (P₃−P₂): three times the difference of
+    /// the last two points of de Casteljau's algorithm.
+    #[must_use]
+    pub fn tangent(&self, u: V::Real) -> V {
+        let (_, [left, right]) = self.rounds(u);
+        (right - left) * V::Real::from(3.0)
+    }
+
+    /// The two curves before and after u, each over [0, 1]; together they are this one.
+    #[must_use]
+    pub fn split(&self, u: V::Real) -> [Self; 2] {
+        let ([first, _, last], [left, right]) = self.rounds(u);
+        let [start, .., end] = self.points;
+        let middle = lerp(left, right, u);
+        [
+            Self::new([start, first, left, middle]),
+            Self::new([middle, right, last, end]),
+        ]
+    }
+
+    /// The points of de Casteljau's first and second round.
+    fn rounds(&self, u: V::Real) -> ([V; 3], [V; 2]) {
+        let [p0, p1, p2, p3] = self.points;
+        let first @ [a, b, c] = [lerp(p0, p1, u), lerp(p1, p2, u), lerp(p2, p3, u)];
+        (first, [lerp(a, b, u), lerp(b, c, u)])
+    }
+}

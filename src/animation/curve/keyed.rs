@@ -1,0 +1,201 @@
+//! A curve through keys at times that need not be evenly spaced.
+
+use super::keys::{check_count, check_times};
+use super::{CurveValue, Hermite, KeyError, TensionContinuityBias, lerp};
+
+/// A curve through values at key times: step, linear or cubic. Before the first and after the last
+/// key it holds the value there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyedCurve<V: CurveValue> {
+    times: Vec<V::Real>,
+    values: Vec<V>,
+    between: Between<V>,
+}
+
+/// What a curve does between keys.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Between<V> {
+    /// It keeps the value of the key before.
+    Step,
+    /// It runs straight.
+    Linear,
+    /// It is a cubic; (arriving, leaving) rates per unit of time at each key.
+    Cubic(Vec<[V; 2]>),
+}
+
+impl<V: CurveValue> KeyedCurve<V> {
+    fn new(times: Vec<V::Real>, values: Vec<V>, between: Between<V>) -> Result<Self, KeyError> {
+        check_times(&times)?;
+        check_count("values", values.len(), times.len())?;
+        let wrong = |what| move |key| KeyError::NonFiniteValue { key, what };
+        if let Some(key) = values.iter().position(|value| !value.all_finite()) {
+            return Err(wrong("value")(key));
+        }
+        if let Between::Cubic(rates) = &between {
+            check_count("tangents", rates.len(), times.len())?;
+            let odd = |rates: &[V; 2]| rates.iter().any(|rate| !rate.all_finite());
+            if let Some(key) = rates.iter().position(odd) {
+                return Err(wrong("tangent")(key));
+            }
+        }
+        Ok(Self {
+            times,
+            values,
+            between,
+        })
+    }
+
+    /// A curve that keeps each key's value until the next (glTF's `STEP`).
+    ///
+    /// # Errors
+    /// A [`KeyError`]: no keys, counts that differ, a number that is not finite, or times that do
+    /// not strictly increase.
+    pub fn step(times: Vec<V::Real>, values: Vec<V>) -> Result<Self, KeyError> {
+        Self::new(times, values, Between::Step)
+    }
+
+    /// Straight from key to key (glTF's `LINEAR`).
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn linear(times: Vec<V::Real>, values: Vec<V>) -> Result<Self, KeyError> {
+        Self::new(times, values, Between::Linear)
+    }
+
+    /// Cubic Hermite segments with `[arriving, leaving]` tangents at each key, per unit of time
+    /// (glTF's `CUBICSPLINE`, whose in- and out-tangents these are).
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn cubic(
+        times: Vec<V::Real>,
+        values: Vec<V>,
+        tangents: Vec<[V; 2]>,
+    ) -> Result<Self, KeyError> {
+        Self::new(times, values, Between::Cubic(tangents))
+    }
+
+    /// A Catmull-Rom spline over uneven times: tangents
+    /// (P_{i+1} − P_{i−1}) / (t_{i+1} − t_{i−1}), one-sided at the ends.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn catmull_rom(times: Vec<V::Real>, values: Vec<V>) -> Result<Self, KeyError> {
+        let controls = vec![TensionContinuityBias::default(); times.len()];
+        Self::kochanek_bartels(times, values, &controls)
+    }
+
+    /// A Kochanek-Bartels spline, one set of controls for each key. At the ends the missing
+    /// neighbour's change is taken to be as fast as the other one's.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn kochanek_bartels(
+        times: Vec<V::Real>,
+        values: Vec<V>,
+        controls: &[TensionContinuityBias],
+    ) -> Result<Self, KeyError> {
+        let straight = Self::new(times, values, Between::Linear)?;
+        let Self { times, values, .. } = straight;
+        check_count("controls", controls.len(), times.len())?;
+        let change = |from: Option<usize>, to: usize| {
+            let from = from?;
+            let (t0, t1) = (*times.get(from)?, *times.get(to)?);
+            Some((*values.get(to)? - *values.get(from)?, t1 - t0))
+        };
+        let rates = controls.iter().zip(&values).enumerate();
+        let rates = rates.map(|(key, (control, &value))| {
+            let since = change(key.checked_sub(1), key);
+            let to_next = change(Some(key), key + 1);
+            match (since, to_next) {
+                (Some((since, t0)), Some((next, t1))) => control.rates(since, next, t0 + t1),
+                (Some((only, time)), None) | (None, Some((only, time))) => {
+                    control.rates(only, only, time + time)
+                }
+                (None, None) => [value * V::Real::from(0.0); 2],
+            }
+        });
+        let rates = rates.collect();
+        Self::new(times, values, Between::Cubic(rates))
+    }
+
+    /// Key times, strictly increasing; at least one.
+    #[must_use]
+    pub fn times(&self) -> &[V::Real] {
+        &self.times
+    }
+
+    /// The values at the keys.
+    #[must_use]
+    pub fn values(&self) -> &[V] {
+        &self.values
+    }
+
+    /// The value at a time; at a key's time the key's value to the bit. A time that is NaN counts
+    /// as before the first key.
+    #[must_use]
+    pub fn at(&self, time: V::Real) -> V {
+        let (key, u) = self.place(time);
+        self.within(key, u)
+    }
+
+    /// The value at u in [0, 1] of the way from a key to the next; u counts as 0 after the last key.
+    pub(crate) fn within(&self, key: usize, u: V::Real) -> V {
+        let start = self.values[key];
+        match (&self.between, self.values.get(key + 1)) {
+            (Between::Step, Some(&end)) if u >= V::Real::from(1.0) => end,
+            (Between::Linear, Some(&end)) => lerp(start, end, u),
+            (Between::Cubic(rates), Some(&end)) => self.segment(key, rates, end).position(u),
+            _ => start,
+        }
+    }
+
+    /// Whether it runs straight from key to key.
+    pub(crate) fn is_linear(&self) -> bool {
+        matches!(self.between, Between::Linear)
+    }
+
+    /// The rate of change per unit of time; at a key that of the segment after it. Zero outside the
+    /// keys and where the curve steps.
+    #[must_use]
+    pub fn rate(&self, time: V::Real) -> V {
+        let (key, u) = self.place(time);
+        let start = self.values[key];
+        let last = self.times[self.times.len() - 1];
+        let within = time >= self.times[0] && time < last;
+        let next = self.values.get(key + 1).filter(|_| within);
+        let one = V::Real::from(1.0);
+        let per_time = |key: usize| one / (self.times[key + 1] - self.times[key]);
+        match (&self.between, next) {
+            (Between::Linear, Some(&end)) => (end - start) * per_time(key),
+            (Between::Cubic(rates), Some(&end)) => {
+                self.segment(key, rates, end).tangent(u) * per_time(key)
+            }
+            _ => start * V::Real::from(0.0),
+        }
+    }
+
+    fn segment(&self, key: usize, rates: &[[V; 2]], end: V) -> Hermite<V> {
+        let length = self.times[key + 1] - self.times[key];
+        Hermite {
+            start: self.values[key],
+            leaving: rates[key][1] * length,
+            end,
+            arriving: rates[key + 1][0] * length,
+        }
+    }
+
+    /// The key at or before a time and how far the time is towards the next, in [0, 1).
+    fn place(&self, time: V::Real) -> (usize, V::Real) {
+        let zero = V::Real::from(0.0);
+        let after = self.times.partition_point(|&key| key <= time);
+        let key = after.saturating_sub(1);
+        match (self.times.get(after), after) {
+            (Some(&end), 1..) => {
+                let start = self.times[key];
+                (key, (time - start) / (end - start))
+            }
+            _ => (key, zero),
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What curves run through: numbers and vectors in single or double precision.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec3A, Vec4};
+
+/// The numbers that curves compute with: `f32` or `f64`.
+pub trait Real:
+    Copy
+    + PartialOrd
+    + From<f32>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The power of a number that is not negative.
+    #[must_use]
+    fn power(self, exponent: Self) -> Self;
+    /// Whether it is neither NaN nor infinite.
+    #[must_use]
+    fn is_finite(self) -> bool;
+    /// In double precision, for messages.
+    #[must_use]
+    fn as_f64(self) -> f64;
+}
+
+/// A number or a vector that can be added and scaled.
+pub trait CurveValue:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<<Self as CurveValue>::Real, Output = Self>
+{
+    /// What it is scaled by, and what times are measured in.
+    type Real: Real;
+    /// The Euclidean length.
+    #[must_use]
+    fn length(self) -> Self::Real;
+    /// Whether all its numbers are finite.
+    #[must_use]
+    fn all_finite(self) -> bool;
+}
+
+macro_rules! real {
+    ($($real:ty),*) => {$(
+        impl Real for $real {
+            fn power(self, exponent: Self) -> Self {
+                self.powf(exponent)
+            }
+            fn is_finite(self) -> bool {
+                <$real>::is_finite(self)
+            }
+            fn as_f64(self) -> f64 {
+                f64::from(self)
+            }
+        }
+        impl CurveValue for $real {
+            type Real = $real;
+            fn length(self) -> $real {
+                self.abs()
+            }
+            fn all_finite(self) -> bool {
+                <$real>::is_finite(self)
+            }
+        }
+    )*};
+}
+
+macro_rules! vector {
+    ($($vector:ty: $real:ty),*) => {$(
+        impl CurveValue for $vector {
+            type Real = $real;
+            fn length(self) -> $real {
+                <$vector>::length(self)
+            }
+            fn all_finite(self) -> bool {
+                <$vector>::is_finite(self)
+            }
+        }
+    )*};
+}
+
+real!(f32, f64);
+vector!(Vec2: f32, Vec3: f32, Vec3A: f32, Vec4: f32, DVec2: f64, DVec3: f64, DVec4: f64);

@@ -1,0 +1,94 @@
+//! Between a pose's local rotations (single precision) and a skeleton's angles.
+
+use glam::{DQuat, Quat};
+
+use crate::animation::Pose;
+use crate::animation::rotation::EulerOrder;
+use crate::model::Limits;
+use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
+
+/// The rotation of a bone by its angles θ₁, θ₂, θ₃: R_x(θ₃) R_z(θ₂) R_x(θ₁), in radians.
+pub(super) fn bone_rotation([first, bend, second]: [f64; 3]) -> DQuat {
+    EulerOrder::Xzx.to_quaternion([second, bend, first])
+}
+
+/// The angles θ₁, θ₂, θ₃ of a rotation, in radians. Twist-bend-twist angles come in pairs,
+/// (θ₁, θ₂, θ₃) and (θ₁ ± π, −θ₂, θ₃ ± π): those that are outside the limits by less, or else that
+/// twist less. Where the bend is 0 only the sum of the twists counts; then the second twist takes
+/// what its limits allow. The angles themselves are not moved into the limits.
+pub(super) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
+    let euler = EulerOrder::Xzx.from_quaternion(rotation);
+    let [second, bend, first] = euler.angles;
+    if euler.gimbal_lock && bend < 1.0 {
+        let sum = second;
+        let second = sum.max(limits[2].lower).min(limits[2].upper);
+        return [sum - second, bend, second];
+    }
+    let other = |angle: f64| angle - std::f64::consts::PI.copysign(angle);
+    let pair = [[first, bend, second], [other(first), -bend, other(second)]];
+    let outside = |angles: &[f64; 3]| -> f64 {
+        let each = angles.iter().zip(limits);
+        each.map(|(angle, limits)| (limits.lower - angle).max(angle - limits.upper).max(0.0))
+            .sum()
+    };
+    let twist = |angles: &[f64; 3]| angles[0].abs() + angles[2].abs();
+    // Rounding of a pose in single precision must not decide.
+    const ROUNDING: f64 = 1e-5;
+    let [a, b] = pair;
+    let difference = outside(&a) - outside(&b);
+    let second_is_better = match difference.abs() > ROUNDING {
+        true => difference > 0.0,
+        false => twist(&a) > twist(&b),
+    };
+    if second_is_better { b } else { a }
+}
+
+/// A skeleton's rest rotations, to go from angles to local rotations and back.
+#[derive(Clone, Debug)]
+pub struct PoseBridge {
+    rest: Vec<DQuat>,
+    limits: Vec<[Limits; 3]>,
+}
+
+impl PoseBridge {
+    /// The bridge of a skeleton and the armature [of it](crate::animation::Armature::of_skeleton).
+    #[must_use]
+    pub fn new(skeleton: &Skeleton) -> Self {
+        let armature = crate::animation::Armature::of_skeleton(skeleton);
+        let rest = armature.rest().rotations().iter();
+        Self {
+            rest: rest.map(|q| q.as_dquat().normalize()).collect(),
+            limits: skeleton.bones().iter().map(|bone| bone.limits).collect(),
+        }
+    }
+
+    /// Writes the stacked angles (radians, shape 3 × bones) whose local rotations a pose has. Bones
+    /// beyond either are left out.
+    pub fn angles_of(&self, pose: &Pose, q: &mut [f64]) {
+        let bones = self.rest.iter().zip(&self.limits).zip(pose.rotations());
+        for (angles, ((rest, limits), rotation)) in q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones) {
+            let turned = rest.conjugate() * rotation.as_dquat().normalize();
+            angles.copy_from_slice(&bone_angles(turned, limits));
+        }
+    }
+
+    /// Writes the local rotations of stacked angles (radians, shape 3 × bones) into a pose.
+    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) {
+        for index in 0..self.rest.len() {
+            self.pose_bone(BoneId::new(index), q, pose);
+        }
+    }
+
+    /// As [`pose_of`](Self::pose_of), for one bone.
+    fn pose_bone(&self, bone: BoneId, q: &[f64], pose: &mut Pose) {
+        let first = ANGLES_PER_BONE * bone.index();
+        let angles = q.get(first..first + ANGLES_PER_BONE);
+        let angles = angles.and_then(|angles| <[f64; 3]>::try_from(angles).ok());
+        let own = pose.rotations.get_mut(bone.index());
+        let rest = self.rest.get(bone.index());
+        if let (Some(angles), Some(own), Some(rest)) = (angles, own, rest) {
+            let rotation: Quat = (*rest * bone_rotation(angles)).as_quat();
+            *own = rotation.normalize();
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! Inverse kinematics as a layer over animated poses: limbs in closed form, and the optimiser for
+//! everything else.
+
+mod bridge;
+mod limb;
+mod reach;
+
+pub use bridge::PoseBridge;
+pub use limb::{Limb, LimbError, LimbGoal};
+pub use reach::{NoEffector, ReachLayer};

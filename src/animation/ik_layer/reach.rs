@@ -1,0 +1,137 @@
+//! Any number of tips of a skeleton brought to points by the optimiser, after sampling.
+
+use super::bridge::PoseBridge;
+use crate::animation::Pose;
+use crate::ik::{Solution, SolveError, Solver, Workspace};
+use crate::problem::{Problem, ProblemError, TaskId};
+use crate::skeleton::{BoneId, Posing, Skeleton};
+use crate::spatial::Vector3;
+use crate::task::{Point, Quantity};
+
+/// Tips count as there within this share of the skeleton's size: what single precision can hold.
+const TOLERANCE: f64 = 1e-6;
+
+/// Inverse kinematics over an animated pose: tasks for the tips of bones, each with a weight, on top
+/// of the pose that clips gave. Slower than a [`Limb`](super::Limb), but for any bones, with joint
+/// limits, and several tips that share a spine. The search starts at the clip's pose, so what does not
+/// help a tip stays. The pose's rotations count; its translations and scales are those of rest.
+#[derive(Debug)]
+pub struct ReachLayer {
+    bridge: PoseBridge,
+    skeleton: Skeleton,
+    posing: Posing,
+    problem: Problem,
+    effectors: Vec<Effector>,
+    solver: Solver,
+    workspace: Workspace,
+    q: Vec<f64>,
+}
+
+#[derive(Debug)]
+struct Effector {
+    bone: BoneId,
+    task: TaskId<Point>,
+    target: Vector3<f64>,
+    weight: f64,
+}
+
+/// A tip that the layer has no task for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("bone `{bone}` is no effector of the layer; those are: {}", .effectors.join(", "))]
+pub struct NoEffector {
+    /// The bone asked for.
+    pub bone: String,
+    /// The bones whose tips are.
+    pub effectors: Vec<String>,
+}
+
+impl ReachLayer {
+    /// A layer for the tips of these bones, all with weight 0 at first.
+    ///
+    /// # Errors
+    /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build).
+    pub fn new(skeleton: &Skeleton, tips: &[BoneId], solver: Solver) -> Result<Self, ProblemError> {
+        let rest = skeleton.model().neutral();
+        let at_rest = skeleton.pose(&rest);
+        let mut builder = Problem::builder(skeleton.model());
+        let effectors = tips.iter().map(|&bone| {
+            let target = at_rest.tip(skeleton, bone);
+            Effector {
+                bone,
+                task: builder.add(Point::new(skeleton.tip(bone), target)),
+                target,
+                weight: 0.0,
+            }
+        });
+        let effectors = effectors.collect();
+        let size = skeleton.size();
+        if size > 0.0 {
+            builder.tolerance(Quantity::Metres, TOLERANCE * size);
+        }
+        Ok(Self {
+            bridge: PoseBridge::new(skeleton),
+            problem: builder.build()?,
+            skeleton: skeleton.clone(),
+            posing: Posing::new(skeleton),
+            effectors,
+            solver,
+            workspace: Workspace::new(),
+            q: rest,
+        })
+    }
+
+    /// Sets where a bone's tip should be, in model coordinates, and how much of the way it goes: from
+    /// 0, where the clip has it, to 1, the target. The weight is taken into [0, 1]; NaN counts as 0.
+    ///
+    /// # Errors
+    /// A bone that is none of the layer's; the error lists them.
+    pub fn set_goal(
+        &mut self,
+        bone: BoneId,
+        target: Vector3<f64>,
+        weight: f64,
+    ) -> Result<(), NoEffector> {
+        let own = self.effectors.iter_mut().find(|own| own.bone == bone);
+        if let Some(own) = own {
+            own.target = target;
+            own.weight = if weight > 0.0 { weight.min(1.0) } else { 0.0 };
+            return Ok(());
+        }
+        let name = |bone: BoneId| {
+            let bones = self.skeleton.bones();
+            let bone = bones.get(bone.index()).map(|bone| bone.name.clone());
+            bone.unwrap_or_default()
+        };
+        Err(NoEffector {
+            bone: name(bone),
+            effectors: self.effectors.iter().map(|own| name(own.bone)).collect(),
+        })
+    }
+
+    /// Turns the bones of a pose so that the tips go their weights' shares of the way to their
+    /// targets, within the joints' limits. All tips are tasks: one with weight 0 stays where the
+    /// clip has it. With all weights 0 the pose is left as it is, also outside the limits.
+    ///
+    /// # Errors
+    /// A target that is not finite, as [`Solver::solve`] says. Missing a target is no error; the
+    /// solution says by how much.
+    pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, SolveError> {
+        if self.effectors.iter().all(|own| own.weight == 0.0) {
+            return Ok(None);
+        }
+        self.bridge.angles_of(pose, &mut self.q);
+        let posed = self.posing.pose(&self.q);
+        for own in &self.effectors {
+            let tip = posed.tip(&self.skeleton, own.bone);
+            let target = tip * (1.0 - own.weight) + own.target * own.weight;
+            if let Some(task) = self.problem.residual_mut(own.task) {
+                task.set_target(target);
+            }
+        }
+        let solution = self
+            .solver
+            .solve(&self.problem, &self.q, &mut self.workspace)?;
+        self.bridge.pose_of(&solution.q, pose);
+        Ok(Some(solution))
+    }
+}

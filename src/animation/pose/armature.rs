@@ -1,0 +1,283 @@
+//! The bones that poses are about: names, parents and the rest pose.
+
+use std::collections::BTreeMap;
+
+use glam::{Affine3A, Quat, Vec3A};
+
+use super::{LocalTransform, Pose, SizeMismatch};
+use crate::mesh::single_precision;
+use crate::model::UnknownName;
+use crate::skeleton::{BoneId, Skeleton};
+use crate::spatial::{Placement, Quaternion};
+
+/// One bone of an armature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArmatureBone {
+    /// Unique within the armature.
+    pub name: String,
+    /// The position of its parent in the list, which comes before it; `None` for a root.
+    pub parent: Option<usize>,
+    /// Where it stands in its parent at rest.
+    pub rest: LocalTransform,
+}
+
+/// Bones in a tree, parents before children, with their rest pose and the names of morph targets:
+/// what characters are animated by, in single precision. A [`Skeleton`] becomes one by
+/// [`of_skeleton`](Self::of_skeleton), with the same bone ids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Armature {
+    names: Vec<String>,
+    parents: Vec<i32>,
+    morph_targets: Vec<String>,
+    rest: Pose,
+    rest_from_model: Vec<Affine3A>,
+}
+
+/// What is wrong with the bones of an armature.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArmatureError {
+    /// Parents must come before children, which also rules rings out.
+    #[error("bone `{bone}`: its parent does not come before it")]
+    ParentNotBefore {
+        /// The child.
+        bone: String,
+    },
+    /// Two bones or two morph targets share a name.
+    #[error("{kind} name `{name}` is used twice")]
+    DuplicateName {
+        /// "bone" or "morph target".
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A rest transform with numbers that are not finite or a rotation that is none.
+    #[error(
+        "bone `{bone}`: the rest transform is not finite or its rotation is not of unit length"
+    )]
+    BadRest {
+        /// The bone.
+        bone: String,
+    },
+    /// More bones than can be counted.
+    #[error("{given} bones; at most {most} can be animated")]
+    TooMany {
+        /// How many were given.
+        given: usize,
+        /// The most there may be.
+        most: usize,
+    },
+}
+
+impl Armature {
+    /// Checks bones and the names of morph targets.
+    ///
+    /// # Errors
+    /// An [`ArmatureError`] naming the bone.
+    pub fn new(
+        bones: Vec<ArmatureBone>,
+        morph_targets: Vec<String>,
+    ) -> Result<Self, ArmatureError> {
+        let (given, most) = (bones.len(), i32::MAX as usize);
+        if given > most {
+            return Err(ArmatureError::TooMany { given, most });
+        }
+        let mut seen = BTreeMap::new();
+        for (index, bone) in bones.iter().enumerate() {
+            let name = || bone.name.clone();
+            if bone.parent.is_some_and(|parent| parent >= index) {
+                return Err(ArmatureError::ParentNotBefore { bone: name() });
+            }
+            if !bone.rest.is_valid() {
+                return Err(ArmatureError::BadRest { bone: name() });
+            }
+            if seen.insert(bone.name.as_str(), ()).is_some() {
+                let (kind, name) = ("bone", name());
+                return Err(ArmatureError::DuplicateName { kind, name });
+            }
+        }
+        seen.clear();
+        for name in &morph_targets {
+            if seen.insert(name, ()).is_some() {
+                let (kind, name) = ("morph target", name.clone());
+                return Err(ArmatureError::DuplicateName { kind, name });
+            }
+        }
+        let locals: Vec<LocalTransform> = bones.iter().map(|bone| bone.rest).collect();
+        let parents = bones.iter().map(|b| b.parent.map_or(-1, |p| p as i32));
+        let mut own = Self {
+            parents: parents.collect(),
+            rest: Pose::new(&locals, morph_targets.len()),
+            rest_from_model: vec![Affine3A::IDENTITY; bones.len()],
+            names: bones.into_iter().map(|bone| bone.name).collect(),
+            morph_targets,
+        };
+        let mut model_from_rest = own.rest_from_model.clone();
+        own.propagate(&own.rest, &mut model_from_rest);
+        for (inverse, placement) in own.rest_from_model.iter_mut().zip(&model_from_rest) {
+            *inverse = placement.inverse();
+        }
+        Ok(own)
+    }
+
+    /// The bones of a skeleton, with the same ids: at rest each stands where its angles are zero.
+    #[must_use]
+    pub fn of_skeleton(skeleton: &Skeleton) -> Self {
+        let bones = skeleton.bones();
+        let mut locals = Vec::with_capacity(bones.len());
+        let mut parents = Vec::with_capacity(bones.len());
+        for bone in bones {
+            let parent = bone.parent.map(BoneId::index);
+            let placed = match parent.and_then(|index| bones.get(index)) {
+                Some(parent) => parent.model_from_rest.inverse() * bone.model_from_rest,
+                None => bone.model_from_rest,
+            };
+            parents.push(parent.map_or(-1, |parent| parent as i32));
+            locals.push(local(&placed));
+        }
+        let inverses = bones.iter().map(|b| affine(&b.model_from_rest.inverse()));
+        Self {
+            names: bones.iter().map(|bone| bone.name.clone()).collect(),
+            parents,
+            morph_targets: Vec::new(),
+            rest: Pose::new(&locals, 0),
+            rest_from_model: inverses.collect(),
+        }
+    }
+
+    /// How many bones there are.
+    #[must_use]
+    pub fn bones(&self) -> usize {
+        self.names.len()
+    }
+
+    /// The bones' names, by index.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The morph targets' names, by index.
+    #[must_use]
+    pub fn morph_targets(&self) -> &[String] {
+        &self.morph_targets
+    }
+
+    /// Looks a bone up by name.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the valid ones.
+    pub fn bone(&self, name: &str) -> Result<BoneId, UnknownName> {
+        find("bone", &self.names, name).map(BoneId::new)
+    }
+
+    /// Looks a morph target's index up by name.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the valid ones.
+    pub fn morph_target(&self, name: &str) -> Result<usize, UnknownName> {
+        find("morph target", &self.morph_targets, name)
+    }
+
+    /// The bone at a position.
+    #[must_use]
+    pub fn bone_at(&self, index: usize) -> Option<BoneId> {
+        (index < self.bones()).then(|| BoneId::new(index))
+    }
+
+    /// The bone that a bone turns with; `None` for a root.
+    #[must_use]
+    pub fn parent(&self, bone: BoneId) -> Option<BoneId> {
+        let parent = *self.parents.get(bone.index())?;
+        usize::try_from(parent).ok().map(BoneId::new)
+    }
+
+    /// The pose at rest; all morph weights are zero.
+    #[must_use]
+    pub fn rest(&self) -> &Pose {
+        &self.rest
+    }
+
+    /// The inverse of where each bone is at rest: model → the bone at rest (the inverse bind matrix).
+    #[must_use]
+    pub fn rest_from_model(&self) -> &[Affine3A] {
+        &self.rest_from_model
+    }
+
+    /// From local to model transforms, parents first: W_j = W_parent(j) L_j. `model_from_bone` has
+    /// one place for each bone; it needs no particular contents.
+    ///
+    /// # Errors
+    /// The pose or the room is not of this armature's size.
+    pub fn local_to_model(
+        &self,
+        pose: &Pose,
+        model_from_bone: &mut [Affine3A],
+    ) -> Result<(), SizeMismatch> {
+        SizeMismatch::check("bones in the pose", pose.bones(), self.bones())?;
+        SizeMismatch::check("model transforms", model_from_bone.len(), self.bones())?;
+        self.propagate(pose, model_from_bone);
+        Ok(())
+    }
+
+    /// The skinning matrices S_j = W_j B_j⁻¹ of model transforms: from the model at rest to the
+    /// posed model. `posed_from_rest` has one place for each bone.
+    ///
+    /// # Errors
+    /// A slice is not of this armature's size.
+    pub fn skinning_transforms(
+        &self,
+        model_from_bone: &[Affine3A],
+        posed_from_rest: &mut [Affine3A],
+    ) -> Result<(), SizeMismatch> {
+        SizeMismatch::check("model transforms", model_from_bone.len(), self.bones())?;
+        SizeMismatch::check("skinning transforms", posed_from_rest.len(), self.bones())?;
+        let bones = model_from_bone.iter().zip(&self.rest_from_model);
+        for (skinning, (posed, inverse)) in posed_from_rest.iter_mut().zip(bones) {
+            *skinning = *posed * *inverse;
+        }
+        Ok(())
+    }
+
+    /// As [`local_to_model`](Self::local_to_model), for sizes that agree.
+    fn propagate(&self, pose: &Pose, model_from_bone: &mut [Affine3A]) {
+        // Slices of one length, so that the loop's indices need no checks.
+        let bones = self.parents.len().min(model_from_bone.len());
+        let parents = &self.parents[..bones];
+        let translations = &pose.translations[..bones];
+        let rotations = &pose.rotations[..bones];
+        let scales = &pose.scales[..bones];
+        for index in 0..bones {
+            let local = LocalTransform {
+                translation: translations[index],
+                rotation: rotations[index],
+                scale: scales[index],
+            };
+            let parent_from_bone = local.to_affine();
+            model_from_bone[index] = match usize::try_from(parents[index]) {
+                Ok(parent) => model_from_bone[parent] * parent_from_bone,
+                Err(_) => parent_from_bone,
+            };
+        }
+    }
+}
+
+fn find(kind: &'static str, names: &[String], name: &str) -> Result<usize, UnknownName> {
+    let position = names.iter().position(|own| own == name);
+    position.ok_or_else(|| UnknownName::new(kind, name, names.iter().map(String::as_str)))
+}
+
+/// A rigid placement in single precision.
+fn local(placed: &Placement<f64>) -> LocalTransform {
+    let Quaternion { w, v } = Quaternion::from_matrix(&placed.rotation);
+    let rotation = Quat::from_xyzw(v.x as f32, v.y as f32, v.z as f32, w as f32);
+    LocalTransform {
+        translation: Vec3A::from(single_precision(placed.translation)),
+        rotation: rotation.normalize(),
+        scale: Vec3A::ONE,
+    }
+}
+
+fn affine(placed: &Placement<f64>) -> Affine3A {
+    local(placed).to_affine()
+}

@@ -1,0 +1,10 @@
+//! Poses: where bones stand in their parents, and from there to the model.
+
+mod armature;
+mod local_transform;
+#[allow(clippy::module_inception, reason = "it is the pose itself")]
+mod pose;
+
+pub use armature::{Armature, ArmatureBone, ArmatureError};
+pub use local_transform::LocalTransform;
+pub use pose::{Pose, SizeMismatch};

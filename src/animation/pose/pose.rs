@@ -1,0 +1,131 @@
+//! Where all bones of an armature stand in their parents.
+
+use glam::{Quat, Vec3A};
+
+use super::LocalTransform;
+use crate::skeleton::BoneId;
+
+/// A local transform for each bone and a weight for each morph target, by property: most clips and
+/// blends touch rotations only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    pub(crate) translations: Vec<Vec3A>,
+    pub(crate) rotations: Vec<Quat>,
+    pub(crate) scales: Vec<Vec3A>,
+    pub(crate) morph_weights: Vec<f32>,
+}
+
+/// Two things of different armatures came together.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{given} {what} where the armature has {expected}")]
+pub struct SizeMismatch {
+    /// Bones, morph targets, …
+    pub what: &'static str,
+    /// How many were given.
+    pub given: usize,
+    /// How many there must be.
+    pub expected: usize,
+}
+
+impl SizeMismatch {
+    /// Checks one count.
+    pub(crate) fn check(what: &'static str, given: usize, expected: usize) -> Result<(), Self> {
+        if given == expected {
+            return Ok(());
+        }
+        Err(Self {
+            what,
+            given,
+            expected,
+        })
+    }
+}
+
+impl Pose {
+    pub(crate) fn new(locals: &[LocalTransform], morph_targets: usize) -> Self {
+        Self {
+            translations: locals.iter().map(|local| local.translation).collect(),
+            rotations: locals.iter().map(|local| local.rotation).collect(),
+            scales: locals.iter().map(|local| local.scale).collect(),
+            morph_weights: vec![0.0; morph_targets],
+        }
+    }
+
+    /// How many bones there are.
+    #[must_use]
+    pub fn bones(&self) -> usize {
+        self.rotations.len()
+    }
+
+    /// A bone's place in its parent; the identity for a bone that is not in the pose.
+    #[must_use]
+    pub fn local(&self, bone: BoneId) -> LocalTransform {
+        let index = bone.index();
+        let parts = (
+            self.translations.get(index),
+            self.rotations.get(index),
+            self.scales.get(index),
+        );
+        let (Some(&translation), Some(&rotation), Some(&scale)) = parts else {
+            return LocalTransform::IDENTITY;
+        };
+        LocalTransform {
+            translation,
+            rotation,
+            scale,
+        }
+    }
+
+    /// Moves a bone in its parent; a bone that is not in the pose is left out.
+    pub fn set_local(&mut self, bone: BoneId, local: LocalTransform) {
+        let index = bone.index();
+        let room = self.translations.get_mut(index);
+        let room = room.zip(self.rotations.get_mut(index));
+        if let Some(((translation, rotation), scale)) = room.zip(self.scales.get_mut(index)) {
+            (*translation, *rotation, *scale) = (local.translation, local.rotation, local.scale);
+        }
+    }
+
+    /// Where the bones are in their parents, in the model's own unit.
+    #[must_use]
+    pub fn translations(&self) -> &[Vec3A] {
+        &self.translations
+    }
+
+    /// How the bones are turned in their parents: unit quaternions.
+    #[must_use]
+    pub fn rotations(&self) -> &[Quat] {
+        &self.rotations
+    }
+
+    /// How the bones are scaled along their own axes.
+    #[must_use]
+    pub fn scales(&self) -> &[Vec3A] {
+        &self.scales
+    }
+
+    /// The weights of the morph targets.
+    #[must_use]
+    pub fn morph_weights(&self) -> &[f32] {
+        &self.morph_weights
+    }
+
+    /// The same, to change.
+    pub fn morph_weights_mut(&mut self) -> &mut [f32] {
+        &mut self.morph_weights
+    }
+
+    /// Makes this pose the same as another one, without allocating where both have one size.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.translations.clone_from(&other.translations);
+        self.rotations.clone_from(&other.rotations);
+        self.scales.clone_from(&other.scales);
+        self.morph_weights.clone_from(&other.morph_weights);
+    }
+
+    pub(crate) fn check_same_size(&self, other: &Self) -> Result<(), SizeMismatch> {
+        SizeMismatch::check("bones", other.bones(), self.bones())?;
+        let targets = [&other.morph_weights, &self.morph_weights].map(Vec::len);
+        SizeMismatch::check("morph targets", targets[0], targets[1])
+    }
+}

@@ -1,0 +1,53 @@
+//! Rotations as an axis and an angle.
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// A turn about an axis. Angles that differ by whole turns, and the opposite axis with the opposite
+/// angle, are the same rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisAngle {
+    /// Of unit length.
+    pub axis: DVec3,
+    /// In radians.
+    pub angle: f64,
+}
+
+impl AxisAngle {
+    /// The axis and angle of a unit quaternion, the angle within [0, π]. The identity turns by 0
+    /// about x.
+    #[must_use]
+    pub fn from_quaternion(q: DQuat) -> Self {
+        let q = if q.w < 0.0 { -q } else { q };
+        let v = q.xyz();
+        let length = v.length();
+        // The arc tangent is exact near 0 and near π, where an arc cosine loses half the digits.
+        Self {
+            axis: v.try_normalize().unwrap_or(DVec3::X),
+            angle: 2.0 * length.atan2(q.w),
+        }
+    }
+
+    /// The axis and angle of a rotation matrix.
+    #[must_use]
+    pub fn from_matrix(rotation: &DMat3) -> Self {
+        Self::from_quaternion(DQuat::from_mat3(rotation).normalize())
+    }
+
+    /// cos(θ/2) + sin(θ/2) (uₓ i + u_y j + u_z k).
+    #[must_use]
+    pub fn to_quaternion(self) -> DQuat {
+        DQuat::from_axis_angle(self.axis, self.angle)
+    }
+
+    /// The rotation matrix (Rodrigues' formula).
+    #[must_use]
+    pub fn to_matrix(self) -> DMat3 {
+        DMat3::from_axis_angle(self.axis, self.angle)
+    }
+
+    /// Axis × angle.
+    #[must_use]
+    pub fn to_rotation_vector(self) -> DVec3 {
+        self.axis * self.angle
+    }
+}

@@ -1,0 +1,161 @@
+//! Euler angles in any of the twelve orders, exact in gimbal lock and near it.
+//!
+//! From a quaternion by Bernardes & Viollet 2022, "Quaternion to Euler angles conversion: a direct,
+//! general and computationally efficient method": two arc tangents give half the sum and half the
+//! difference of the outer angles, so neither loses digits when the other is undefined.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// The axes about which the three angles turn. A rotation is
+/// R = R_A(angle 0) · R_B(angle 1) · R_C(angle 2) for the order ABC: read from the left, each turn is
+/// about an axis that the ones before have turned (intrinsic); read from the right, about fixed axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs, reason = "the names are the axes")]
+pub enum EulerOrder {
+    /// Twist, bend, twist: the bones of a [`Skeleton`](crate::Skeleton).
+    Xzx,
+    Xyx,
+    Yxy,
+    Yzy,
+    Zxz,
+    Zyz,
+    Xyz,
+    Xzy,
+    Yxz,
+    Yzx,
+    Zxy,
+    Zyx,
+}
+
+/// Three angles of one order, and whether they are the only ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EulerAngles {
+    /// In radians, in the order of the axes. The middle one is within [0, π] for the six proper
+    /// orders and within [−π/2, π/2] for the six Tait-Bryan orders, the others within [−π, π].
+    pub angles: [f64; 3],
+    /// The middle angle is at an end of its range: the outer two turn about one line, only their
+    /// sum or difference counts, and the last is set to zero.
+    pub gimbal_lock: bool,
+}
+
+/// Within so many radians of an end of the middle angle's range counts as locked; the rotation is
+/// then off by no more than that.
+const LOCKED: f64 = 1e-9;
+
+impl EulerOrder {
+    /// All twelve.
+    pub const ALL: [Self; 12] = [
+        Self::Xzx,
+        Self::Xyx,
+        Self::Yxy,
+        Self::Yzy,
+        Self::Zxz,
+        Self::Zyz,
+        Self::Xyz,
+        Self::Xzy,
+        Self::Yxz,
+        Self::Yzx,
+        Self::Zxy,
+        Self::Zyx,
+    ];
+
+    /// The axes as indices: x is 0, y 1, z 2.
+    #[must_use]
+    pub fn axes(self) -> [usize; 3] {
+        match self {
+            Self::Xzx => [0, 2, 0],
+            Self::Xyx => [0, 1, 0],
+            Self::Yxy => [1, 0, 1],
+            Self::Yzy => [1, 2, 1],
+            Self::Zxz => [2, 0, 2],
+            Self::Zyz => [2, 1, 2],
+            Self::Xyz => [0, 1, 2],
+            Self::Xzy => [0, 2, 1],
+            Self::Yxz => [1, 0, 2],
+            Self::Yzx => [1, 2, 0],
+            Self::Zxy => [2, 0, 1],
+            Self::Zyx => [2, 1, 0],
+        }
+    }
+
+    /// Whether the first and the last axis are the same one.
+    #[must_use]
+    pub fn is_proper(self) -> bool {
+        let [first, _, last] = self.axes();
+        first == last
+    }
+
+    /// The rotation by these angles, in radians.
+    #[must_use]
+    pub fn to_quaternion(self, angles: [f64; 3]) -> DQuat {
+        let [a, b, c] = self.axes().map(|axis| DVec3::AXES[axis]);
+        let [alpha, beta, gamma] = angles;
+        DQuat::from_axis_angle(a, alpha)
+            * DQuat::from_axis_angle(b, beta)
+            * DQuat::from_axis_angle(c, gamma)
+    }
+
+    /// The rotation matrix of these angles, in radians.
+    #[must_use]
+    pub fn to_matrix(self, angles: [f64; 3]) -> DMat3 {
+        DMat3::from_quat(self.to_quaternion(angles))
+    }
+
+    /// The angles of a rotation matrix.
+    #[must_use]
+    pub fn from_matrix(self, rotation: &DMat3) -> EulerAngles {
+        self.from_quaternion(DQuat::from_mat3(rotation).normalize())
+    }
+
+    /// The angles of a unit quaternion.
+    #[must_use]
+    pub fn from_quaternion(self, q: DQuat) -> EulerAngles {
+        // The paper counts turns about fixed axes, so the last of ours comes first.
+        let [k, j, i] = self.axes();
+        let proper = self.is_proper();
+        // For proper orders the axis that does not occur plays the third one's part.
+        let k = if proper { 3 - i - j } else { k };
+        let sign = if (j + 3 - i) % 3 == 1 { 1.0 } else { -1.0 };
+        let v = q.xyz().to_array();
+        let [x, y, z] = [v[i], v[j], v[k] * sign];
+        let [a, b, c, d] = if proper {
+            [q.w, x, y, z]
+        } else {
+            // Seen after a quarter turn about the middle axis, the order is a proper one.
+            [q.w - y, x + z, y + q.w, z - x]
+        };
+        let middle = 2.0 * c.hypot(d).atan2(a.hypot(b));
+        let [half_sum, half_difference] = [b.atan2(a), d.atan2(c)];
+        let [near_zero, near_pi] = [middle < LOCKED, PI - middle < LOCKED];
+        let [first, last] = if near_zero {
+            [2.0 * half_sum, 0.0]
+        } else if near_pi {
+            [2.0 * half_difference, 0.0]
+        } else {
+            [half_sum + half_difference, half_sum - half_difference]
+        };
+        let [first, middle] = if proper {
+            [first, middle]
+        } else {
+            [first * sign, middle - FRAC_PI_2]
+        };
+        EulerAngles {
+            angles: [wrapped(first), middle, wrapped(last)],
+            gimbal_lock: near_zero || near_pi,
+        }
+    }
+}
+
+/// The same angle within [−π, π].
+fn wrapped(angle: f64) -> f64 {
+    if angle > PI {
+        angle - 2.0 * PI
+    } else if angle < -PI {
+        angle + 2.0 * PI
+    } else {
+        angle
+    }
+}

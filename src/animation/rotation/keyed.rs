@@ -1,0 +1,208 @@
+//! A curve through rotations at times that need not be evenly spaced.
+
+use glam::{Quat, Vec3, Vec4};
+
+use super::{RotationHermite, mean_rates, nearer, slerp, squad, squad_control};
+use crate::animation::curve::{Hermite, KeyError, check_count, check_times};
+
+/// A curve through unit quaternions at key times. Before the first and after the last key it holds
+/// the rotation there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RotationCurve {
+    times: Vec<f32>,
+    rotations: Vec<Quat>,
+    between: BetweenRotations,
+}
+
+/// What a curve does between keys.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum BetweenRotations {
+    Step,
+    Slerp,
+    /// A control for each key.
+    Squad(Vec<Quat>),
+    /// (arriving, leaving) rates of the components at each key.
+    Cubic(Vec<[Vec4; 2]>),
+    /// Angular velocities at the keys.
+    Hermite(Vec<Vec3>),
+}
+
+impl RotationCurve {
+    /// Checks keys and makes them of unit length, each on the side of the one before.
+    fn checked(
+        times: Vec<f32>,
+        mut rotations: Vec<Quat>,
+        between: BetweenRotations,
+    ) -> Result<Self, KeyError> {
+        check_times(&times)?;
+        check_count("values", rotations.len(), times.len())?;
+        let mut previous = None;
+        for (key, rotation) in rotations.iter_mut().enumerate() {
+            *rotation = unit(key, *rotation)?.0;
+            *rotation = nearer(*rotation, previous.unwrap_or(*rotation));
+            previous = Some(*rotation);
+        }
+        Ok(Self {
+            times,
+            rotations,
+            between,
+        })
+    }
+
+    /// A curve that keeps each key's rotation until the next (glTF's `STEP`). Here and below,
+    /// quaternions need not be of unit length; they are made so.
+    ///
+    /// # Errors
+    /// A [`KeyError`]: no keys, counts that differ, a number that is not finite, a quaternion that
+    /// is zero, or times that do not strictly increase.
+    pub fn step(times: Vec<f32>, rotations: Vec<Quat>) -> Result<Self, KeyError> {
+        Self::checked(times, rotations, BetweenRotations::Step)
+    }
+
+    /// At constant angular speed along the shorter arc from key to key (glTF's `LINEAR`).
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn slerp(times: Vec<f32>, rotations: Vec<Quat>) -> Result<Self, KeyError> {
+        Self::checked(times, rotations, BetweenRotations::Slerp)
+    }
+
+    /// [`squad`]: smooth at keys an even time apart.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn squad(times: Vec<f32>, rotations: Vec<Quat>) -> Result<Self, KeyError> {
+        let mut curve = Self::slerp(times, rotations)?;
+        let keys = &curve.rotations;
+        let neighbour = |key: Option<usize>, own: Quat| {
+            key.and_then(|key| keys.get(key)).copied().unwrap_or(own)
+        };
+        let controls = keys.iter().enumerate().map(|(key, &own)| {
+            let before = neighbour(key.checked_sub(1), own);
+            squad_control(before, own, neighbour(Some(key + 1), own))
+        });
+        curve.between = BetweenRotations::Squad(controls.collect());
+        Ok(curve)
+    }
+
+    /// [`RotationHermite`] segments with [`mean_rates`]: smooth at uneven times.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn smooth(times: Vec<f32>, rotations: Vec<Quat>) -> Result<Self, KeyError> {
+        let mut curve = Self::slerp(times, rotations)?;
+        let rates = mean_rates(&curve.times, &curve.rotations);
+        curve.between = BetweenRotations::Hermite(rates);
+        Ok(curve)
+    }
+
+    /// A cubic through the quaternions' components, made of unit length afterwards, with
+    /// `[arriving, leaving]` tangents per second at each key (glTF's `CUBICSPLINE`). Signs are kept
+    /// as given, because the tangents go with them.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn cubic(
+        times: Vec<f32>,
+        mut rotations: Vec<Quat>,
+        mut tangents: Vec<[Vec4; 2]>,
+    ) -> Result<Self, KeyError> {
+        check_times(&times)?;
+        check_count("values", rotations.len(), times.len())?;
+        check_count("tangents", tangents.len(), times.len())?;
+        for (key, (rotation, rates)) in rotations.iter_mut().zip(&mut tangents).enumerate() {
+            let (own, scale) = unit(key, *rotation)?;
+            *rotation = own;
+            *rates = rates.map(|rate| rate * scale);
+            if !rates.iter().all(|rate| rate.is_finite()) {
+                let what = "tangent";
+                return Err(KeyError::NonFiniteValue { key, what });
+            }
+        }
+        Ok(Self {
+            times,
+            rotations,
+            between: BetweenRotations::Cubic(tangents),
+        })
+    }
+
+    /// Key times in seconds, strictly increasing; at least one.
+    #[must_use]
+    pub fn times(&self) -> &[f32] {
+        &self.times
+    }
+
+    /// The rotations at the keys: unit quaternions.
+    #[must_use]
+    pub fn rotations(&self) -> &[Quat] {
+        &self.rotations
+    }
+
+    /// Whether it runs by slerp from key to key.
+    pub(crate) fn is_slerp(&self) -> bool {
+        self.between == BetweenRotations::Slerp
+    }
+
+    /// The rotation at a time in seconds; NaN counts as before the first key.
+    #[must_use]
+    pub fn at(&self, time: f32) -> Quat {
+        let after = self.times.partition_point(|&key| key <= time);
+        let key = after.saturating_sub(1);
+        let u = match (self.times.get(key), self.times.get(after)) {
+            (Some(&start), Some(&end)) if after > 0 => (time - start) / (end - start),
+            _ => 0.0,
+        };
+        self.within(key, u)
+    }
+
+    /// The rotation at u in [0, 1] of the way from a key to the next.
+    pub(crate) fn within(&self, key: usize, u: f32) -> Quat {
+        let Some(&start) = self.rotations.get(key) else {
+            return Quat::IDENTITY;
+        };
+        let Some(&end) = self.rotations.get(key + 1) else {
+            return start;
+        };
+        if u <= 0.0 || u >= 1.0 {
+            return if u <= 0.0 { start } else { end };
+        }
+        let length = self.times[key + 1] - self.times[key];
+        match &self.between {
+            BetweenRotations::Step => start,
+            BetweenRotations::Slerp => slerp(start, end, u),
+            BetweenRotations::Squad(controls) => {
+                squad(start, [controls[key], controls[key + 1]], end, u)
+            }
+            BetweenRotations::Hermite(rates) => {
+                let [leaving, arriving] = [rates[key], rates[key + 1]].map(|rate| rate * length);
+                RotationHermite::new(start, leaving, end, arriving).at(u)
+            }
+            BetweenRotations::Cubic(rates) => {
+                let segment = Hermite {
+                    start: Vec4::from(start),
+                    leaving: rates[key][1] * length,
+                    end: Vec4::from(end),
+                    arriving: rates[key + 1][0] * length,
+                };
+                // Between opposite keys a cubic may pass zero, where no direction is right.
+                let unit = segment.position(u).try_normalize();
+                unit.map_or(start, Quat::from_vec4)
+            }
+        }
+    }
+}
+
+/// The quaternion at unit length, and what it was scaled by.
+fn unit(key: usize, q: Quat) -> Result<(Quat, f32), KeyError> {
+    if !q.is_finite() {
+        let what = "value";
+        return Err(KeyError::NonFiniteValue { key, what });
+    }
+    let q = q.as_dquat();
+    let length = q.length();
+    // In double precision, where the square of no single-precision number vanishes.
+    if length == 0.0 {
+        return Err(KeyError::ZeroRotation { key });
+    }
+    Ok(((q / length).as_quat(), (1.0 / length) as f32))
+}

@@ -1,0 +1,15 @@
+//! Curves through rotations, and the other ways to write a rotation.
+
+mod axis_angle;
+mod euler;
+mod hermite;
+mod keyed;
+mod slerp;
+mod squad;
+
+pub use axis_angle::AxisAngle;
+pub use euler::{EulerAngles, EulerOrder};
+pub use hermite::{RotationHermite, mean_rates};
+pub use keyed::RotationCurve;
+pub use slerp::{nearer, nlerp, slerp, slerp_vectors};
+pub use squad::{squad, squad_control};

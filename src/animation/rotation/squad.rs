@@ -1,0 +1,28 @@
+//! Squad: a smooth curve through rotations at even times.
+//!
+//! Shoemake 1987, "Quaternion calculus and fast animation". At keys an even time apart the angular
+//! velocity is continuous; for uneven times use [`RotationHermite`](super::RotationHermite).
+
+use glam::{Quat, Vec3};
+
+use super::slerp::{nearer, slerp};
+
+/// The control quaternion of a key from its neighbours:
+/// s = q exp(−(log(q⁻¹ q₊) + log(q⁻¹ q₋)) / 4).
+#[must_use]
+pub fn squad_control(before: Quat, key: Quat, after: Quat) -> Quat {
+    let inverse = key.conjugate();
+    let towards = |other: Quat| (inverse * nearer(other, key)).to_scaled_axis();
+    let mean: Vec3 = (towards(after) + towards(before)) * -0.25;
+    (key * Quat::from_scaled_axis(mean)).normalize()
+}
+
+/// From `start` to `end` at t in [0, 1]:
+/// slerp(slerp(start, end, t), slerp(controls, t), 2t(1−t)), with the two keys' own controls.
+#[must_use]
+pub fn squad(start: Quat, controls: [Quat; 2], end: Quat, t: f32) -> Quat {
+    let [first, second] = controls;
+    let chord = slerp(start, end, t);
+    let bow = slerp(first, second, t);
+    slerp(chord, bow, 2.0 * t * (1.0 - t))
+}

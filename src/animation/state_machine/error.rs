@@ -1,0 +1,67 @@
+//! What can be wrong with a state machine's definition.
+
+use crate::model::UnknownName;
+
+/// A place in the definition, and what is wrong there.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{path}: {problem}")]
+pub struct StateMachineError {
+    /// A path such as `transitions[2].to`.
+    pub path: String,
+    /// What is wrong there.
+    #[source]
+    pub problem: StateMachineProblem,
+}
+
+/// What is wrong at a place in a state machine's definition.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StateMachineProblem {
+    /// A state, parameter or clip that does not exist.
+    #[error("no {} named `{}`; there are: {}", .0.kind, .0.name, .0.valid.join(", "))]
+    Unknown(UnknownName),
+    /// There are no states.
+    #[error("there are no states")]
+    NoStates,
+    /// Two states share a name.
+    #[error("state name `{name}` is used twice")]
+    DuplicateState {
+        /// The name.
+        name: String,
+    },
+    /// A duration that is negative or not finite.
+    #[error("{seconds} s is not a finite duration of at least 0")]
+    BadDuration {
+        /// In seconds.
+        seconds: f64,
+    },
+    /// A speed, bound or default that is not finite.
+    #[error("{value} is not finite")]
+    NotFinite {
+        /// The number.
+        value: f64,
+    },
+    /// A condition that does not suit its parameter.
+    #[error("`{parameter}` is a {kind}; its condition must have {expected}")]
+    WrongCondition {
+        /// The parameter.
+        parameter: String,
+        /// Number, flag or trigger.
+        kind: &'static str,
+        /// What belongs there.
+        expected: &'static str,
+    },
+    /// A transition that would happen always, from every state.
+    #[error("a transition from every state needs a condition under `when`")]
+    Unconditional,
+    /// The clips are not all for one armature.
+    #[error("clip `{clip}` is for {bones} bones, the first one for {expected}")]
+    OtherArmature {
+        /// The clip.
+        clip: String,
+        /// Its bones.
+        bones: usize,
+        /// The first clip's bones.
+        expected: usize,
+    },
+}

@@ -1,0 +1,20 @@
+//! JSON into any type, with the path of what is wrong.
+
+use serde::de::DeserializeOwned;
+
+use super::{Place, ReadError};
+
+pub(super) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
+    let mut parser = serde_json::Deserializer::from_slice(json);
+    let file = serde_path_to_error::deserialize(&mut parser).map_err(|error| {
+        let place = match error.path().to_string() {
+            root if root == "." => Place::File,
+            path => Place::Json(path),
+        };
+        ReadError::malformed(name, place, error.inner().to_string())
+    })?;
+    parser
+        .end()
+        .map_err(|error| ReadError::malformed(name, Place::File, error.to_string()))?;
+    Ok(file)
+}

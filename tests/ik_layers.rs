@@ -1,0 +1,345 @@
+//! Promise: inverse kinematics over an animated pose brings ends where they were asked, by their
+//! weights, and leaves everything else alone.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use glam::{Affine3A, Quat, Vec3, Vec3A};
+use kinopt::Solver;
+use kinopt::animation::{
+    Armature, ArmatureBone, Limb, LimbError, LimbGoal, LocalTransform, Pose, PoseBridge, ReachLayer,
+};
+use kinopt::skeleton::BoneId;
+use support::armatures::{apart, difference, rotation, vector};
+use support::bones::RandomRig;
+use support::random::Random;
+
+/// hips – spine – upper – (twist) – lower – hand, and a bystander on the spine. The limb's bones lie
+/// along x and meet in a hinge about z.
+fn arm() -> Armature {
+    let bone = |name: &str, parent, translation: Vec3A| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation,
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let bones = vec![
+        bone("hips", None, Vec3A::Y),
+        bone("spine", Some(0), Vec3A::Y * 0.5),
+        bone("upper", Some(1), Vec3A::new(0.2, 0.1, 0.0)),
+        bone("twist", Some(2), Vec3A::X * 0.15),
+        bone("lower", Some(3), Vec3A::X * 0.15),
+        bone("hand", Some(4), Vec3A::X * 0.25),
+        bone("bystander", Some(1), Vec3A::X * -0.2),
+    ];
+    Armature::new(bones, Vec::new()).unwrap()
+}
+
+const END: Vec3A = Vec3A::new(0.25, 0.0, 0.0);
+
+fn limb(armature: &Armature) -> Limb {
+    let bone = |name| armature.bone(name).unwrap();
+    Limb::new(armature, bone("upper"), bone("lower"), END).unwrap()
+}
+
+fn turn(armature: &Armature, pose: &mut Pose, name: &str, by: Quat) {
+    let bone = armature.bone(name).unwrap();
+    let mut local = pose.local(bone);
+    local.rotation *= by;
+    pose.set_local(bone, local);
+}
+
+/// A pose with the elbow bent about its hinge.
+fn bent(armature: &Armature, random: &mut Random) -> Pose {
+    let mut pose = armature.rest().clone();
+    for name in ["hips", "spine", "upper"] {
+        turn(armature, &mut pose, name, rotation(random, 1.2));
+    }
+    turn(
+        armature,
+        &mut pose,
+        "lower",
+        Quat::from_rotation_z(random.within(0.2, 2.0) as f32),
+    );
+    pose
+}
+
+struct Places {
+    root: Vec3A,
+    mid: Vec3A,
+    end: Vec3A,
+}
+
+fn places(armature: &Armature, pose: &Pose) -> Places {
+    let mut model = vec![Affine3A::IDENTITY; armature.bones()];
+    armature.local_to_model(pose, &mut model).unwrap();
+    let of = |name| &model[armature.bone(name).unwrap().index()];
+    Places {
+        root: of("upper").translation,
+        mid: of("lower").translation,
+        end: of("lower").transform_point3a(END),
+    }
+}
+
+/// Somewhere that the arm reaches from where it is.
+fn reachable(random: &mut Random, from: &Places) -> Vec3A {
+    let direction = rotation(random, 3.0) * Vec3A::X;
+    from.root + direction * random.within(0.12, 0.5) as f32
+}
+
+#[test]
+fn the_end_goes_its_share_of_the_way_and_a_hinge_stays_one() {
+    let armature = arm();
+    let limb = limb(&armature);
+    let mut random = Random::new(91);
+    for _ in 0..300 {
+        let pose = bent(&armature, &mut random);
+        let before = places(&armature, &pose);
+        let target = reachable(&mut random, &before);
+        for weight in [1.0, 0.5, 0.1] {
+            let mut posed = pose.clone();
+            let goal = LimbGoal {
+                target,
+                pole: None,
+                weight,
+            };
+            limb.reach(&armature, &mut posed, &goal).unwrap();
+            let after = places(&armature, &posed);
+            let mut share = before.end + (target - before.end) * weight;
+            // On the straight way the share may come nearer to the root than the bones fold.
+            let distance = (share - before.root).length();
+            if distance < 0.05 {
+                share = before.root + (share - before.root) * (0.05 / distance);
+            }
+            assert!((after.end - share).length() < 2e-5, "{weight}");
+            // The elbow turned about its hinge only, and every other bone is as it was.
+            for (index, name) in armature.names().iter().enumerate() {
+                let (was, is) = (pose.rotations()[index], posed.rotations()[index]);
+                match name.as_str() {
+                    "upper" => {}
+                    "lower" => assert!(is.xyz().truncate().length() < 2e-3, "{is}"),
+                    _ => assert_eq!(was, is),
+                }
+            }
+            assert_eq!(pose.translations(), posed.translations());
+        }
+    }
+}
+
+#[test]
+fn weight_zero_and_nonsense_change_nothing() {
+    let armature = arm();
+    let mut random = Random::new(92);
+    let pose = bent(&armature, &mut random);
+    let target = Vec3A::new(0.3, 1.4, 0.2);
+    let goals = [
+        (target, 0.0),
+        (target, -1.0),
+        (target, f32::NAN),
+        (Vec3A::NAN, 1.0),
+    ];
+    for (target, weight) in goals {
+        let mut posed = pose.clone();
+        let goal = LimbGoal {
+            target,
+            pole: None,
+            weight,
+        };
+        limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
+        assert_eq!(posed, pose);
+    }
+    // A target where the end is moves nothing but by rounding.
+    let target = places(&armature, &pose).end;
+    let mut posed = pose.clone();
+    let goal = LimbGoal {
+        target,
+        pole: None,
+        weight: 1.0,
+    };
+    limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
+    assert!(difference(&posed, &pose) < 2e-3);
+    // A small weight is a small change, with a pole far from the elbow as well.
+    let pole = Some(Vec3A::new(-3.0, -1.0, 2.0));
+    let goal = LimbGoal {
+        target,
+        pole,
+        weight: 1e-4,
+    };
+    let mut posed = pose.clone();
+    limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
+    assert!(difference(&posed, &pose) < 1e-2);
+}
+
+#[test]
+fn out_of_reach_it_stretches_towards_the_target() {
+    let armature = arm();
+    let mut random = Random::new(93);
+    for _ in 0..50 {
+        let pose = bent(&armature, &mut random);
+        let before = places(&armature, &pose);
+        let direction = rotation(&mut random, 3.0) * Vec3A::X;
+        let mut posed = pose.clone();
+        let goal = LimbGoal {
+            target: before.root + direction * 7.0,
+            pole: None,
+            weight: 1.0,
+        };
+        limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
+        let after = places(&armature, &posed);
+        assert!((after.end - (before.root + direction * 0.55)).length() < 1e-4);
+        assert!(posed.rotations().iter().all(|q| q.is_normalized()));
+    }
+}
+
+#[test]
+fn the_elbow_goes_towards_the_pole_from_a_straight_arm_too() {
+    let armature = arm();
+    let mut random = Random::new(94);
+    for case in 0..200 {
+        let mut pose = bent(&armature, &mut random);
+        if case % 2 == 0 {
+            let lower = armature.bone("lower").unwrap();
+            pose.set_local(lower, armature.rest().local(lower));
+        }
+        let before = places(&armature, &pose);
+        let target = reachable(&mut random, &before);
+        let pole = before.root + vector(&mut random, 1.0);
+        let mut posed = pose.clone();
+        let goal = LimbGoal {
+            target,
+            pole: Some(pole),
+            weight: 1.0,
+        };
+        limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
+        let after = places(&armature, &posed);
+        assert!((after.end - target).length() < 2e-5);
+        let along = (target - after.root).normalize();
+        let across = |p: Vec3A| (p - after.root) - along * (p - after.root).dot(along);
+        let [elbow, pole] = [across(after.mid), across(pole)];
+        if elbow.length() > 0.02 && pole.length() > 0.05 {
+            assert!(elbow.normalize().dot(pole.normalize()) > 1.0 - 1e-3);
+        }
+    }
+}
+
+#[test]
+fn bones_that_are_no_limb_are_named() {
+    let armature = arm();
+    let bone = |name| armature.bone(name).unwrap();
+    let error = Limb::new(&armature, bone("lower"), bone("upper"), END).unwrap_err();
+    assert!(error.to_string().contains("`upper`") && error.to_string().contains("`lower`"));
+    assert!(Limb::new(&armature, bone("upper"), bone("upper"), END).is_err());
+    assert!(Limb::new(&armature, bone("bystander"), bone("lower"), END).is_err());
+    let bad = Limb::new(&armature, bone("upper"), bone("lower"), Vec3A::NAN).unwrap_err();
+    assert_eq!(bad, LimbError::BadEnd);
+    let mut random = Random::new(95);
+    let other = support::armatures::armature(30, &mut random);
+    let stranger = other.bone_at(29).unwrap();
+    let error = Limb::new(&armature, bone("upper"), stranger, END).unwrap_err();
+    assert_eq!(error, LimbError::UnknownBone { bone: 29, bones: 7 });
+}
+
+#[test]
+fn angles_and_local_rotations_are_the_same_pose() {
+    for seed in 0..20 {
+        let skeleton = RandomRig::new(seed).skeleton;
+        let (armature, bridge) = (Armature::of_skeleton(&skeleton), PoseBridge::new(&skeleton));
+        let mut random = Random::new(seed);
+        let limits: Vec<_> = skeleton.model().limits().collect();
+        let q: Vec<f64> = limits
+            .iter()
+            .map(|l| random.within(l.lower, l.upper))
+            .collect();
+        let mut pose = armature.rest().clone();
+        bridge.pose_of(&q, &mut pose);
+        let mut model = vec![Affine3A::IDENTITY; armature.bones()];
+        armature.local_to_model(&pose, &mut model).unwrap();
+        let posed = skeleton.pose(&q);
+        for (bone, model) in skeleton.bone_ids().zip(&model) {
+            let tip = Vec3::from(posed.tip(&skeleton, bone).to_array().map(|x| x as f32));
+            let along = Vec3::X * skeleton.bones()[bone.index()].length as f32;
+            assert!((model.transform_point3(along) - tip).length() < 2e-4);
+        }
+        let mut back = vec![f64::NAN; q.len()];
+        bridge.angles_of(&pose, &mut back);
+        let mut again = armature.rest().clone();
+        bridge.pose_of(&back, &mut again);
+        assert!(difference(&pose, &again) < 1e-5);
+        // Of the ways to write a rotation, one within the limits.
+        for (angle, limits) in back.iter().zip(&limits) {
+            assert!(
+                limits.lower - 2e-3 <= *angle && *angle <= limits.upper + 2e-3,
+                "{angle}"
+            );
+        }
+    }
+}
+
+fn tip(armature: &Armature, rig: &RandomRig, pose: &Pose, bone: BoneId) -> Vec3A {
+    let mut model = vec![Affine3A::IDENTITY; armature.bones()];
+    armature.local_to_model(pose, &mut model).unwrap();
+    let along = Vec3A::X * rig.skeleton.bones()[bone.index()].length as f32;
+    model[bone.index()].transform_point3a(along)
+}
+
+#[test]
+fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
+    let mut reached = 0;
+    for seed in 0..8 {
+        let rig = RandomRig::new(100 + seed);
+        let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseBridge::new(skeleton));
+        let mut random = Random::new(seed);
+        let limits: Vec<_> = skeleton.model().limits().collect();
+        let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
+            let angle = |l: &kinopt::model::Limits| {
+                l.lower + (l.upper - l.lower) * random.within(low, high)
+            };
+            limits.iter().map(angle).collect()
+        };
+        let clip = within(&mut random, 0.4, 0.6);
+        let goal = within(&mut random, 0.35, 0.65);
+        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        bridge.pose_of(&clip, &mut pose);
+        bridge.pose_of(&goal, &mut there);
+        let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
+        let mut untouched = pose.clone();
+        assert!(layer.apply(&mut untouched).unwrap().is_none());
+        assert_eq!(untouched, pose);
+
+        let weights = [1.0, 0.5];
+        let wanted = [0, 1].map(|k| {
+            let [from, to] = [&pose, &there].map(|pose| tip(&armature, &rig, pose, tips[k]));
+            let target = skeleton.pose(&goal).tip(skeleton, tips[k]);
+            layer.set_goal(tips[k], target, weights[k]).unwrap();
+            from + (to - from) * weights[k] as f32
+        });
+        let mut posed = pose.clone();
+        let solution = layer.apply(&mut posed).unwrap().unwrap();
+        if solution.reached {
+            reached += 1;
+            for (k, wanted) in wanted.into_iter().enumerate() {
+                assert!((tip(&armature, &rig, &posed, tips[k]) - wanted).length() < 1e-4);
+            }
+        }
+        // Bones that no tip hangs on stay as the clip has them.
+        let moves = |index: usize| {
+            tips.iter().any(|&tip| {
+                let mut next = Some(tip);
+                while next.is_some_and(|bone| bone.index() != index) {
+                    next = next.and_then(|bone| armature.parent(bone));
+                }
+                next.is_some()
+            })
+        };
+        for index in (0..armature.bones()).filter(|&index| !moves(index)) {
+            assert!(apart(pose.rotations()[index], posed.rotations()[index]) < 1e-5);
+        }
+        let stranger = rig.tips[4];
+        let error = layer.set_goal(stranger, [0.0; 3].into(), 1.0).unwrap_err();
+        assert_eq!(error.effectors.len(), 2);
+    }
+    assert!(reached >= 6, "{reached} of 8");
+}

@@ -1,0 +1,120 @@
+//! Promise: Euler angles of all twelve orders, axis and angle, quaternion and matrix go round
+//! without loss, in gimbal lock and near it too.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DMat3, DQuat, DVec3};
+use kinopt::animation::rotation::{AxisAngle, EulerOrder};
+use kinopt::model::Limits;
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::spatial::Placement;
+use support::random::Random;
+
+fn apart(a: DQuat, b: DQuat) -> f64 {
+    2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()
+}
+
+#[test]
+fn angles_come_back_and_lock_loses_nothing() {
+    let mut random = Random::new(11);
+    for order in EulerOrder::ALL {
+        let ends = if order.is_proper() {
+            [0.0, PI]
+        } else {
+            [-FRAC_PI_2, FRAC_PI_2]
+        };
+        let middle = 0.5 * (ends[0] + ends[1]);
+        for _ in 0..100 {
+            let outer = [random.within(-PI, PI), random.within(-PI, PI)];
+            let from_end = [0.0, 1e-15, 1e-12, 1e-9, 1e-8, 1e-7, 1e-5, 1e-3, 0.2, 1.0];
+            for (distance, end) in from_end.iter().flat_map(|&d| ends.map(|end| (d, end))) {
+                let beta = end + distance * (middle - end).signum();
+                let angles = [outer[0], beta, outer[1]];
+                let q = order.to_quaternion(angles);
+                let got = order.from_quaternion(q);
+                // At the threshold itself rounding decides.
+                if distance != 1e-9 {
+                    assert_eq!(got.gimbal_lock, distance < 1e-9);
+                }
+                let again = order.to_quaternion(got.angles);
+                let allowed = if got.gimbal_lock { 2e-9 } else { 1e-14 };
+                assert!(apart(q, again) < allowed, "{order:?} {angles:?}: {got:?}");
+                assert!(got.angles.iter().all(|angle| angle.abs() <= PI));
+                let (low, high) = (ends[0] - 1e-12, ends[1] + 1e-12);
+                assert!(low <= got.angles[1] && got.angles[1] <= high);
+                if distance >= 0.2 {
+                    for (a, b) in got.angles.iter().zip(angles) {
+                        assert!((a - b).abs() < 1e-13);
+                    }
+                }
+                if got.gimbal_lock {
+                    assert_eq!(got.angles[2], 0.0);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_three_turns_are_about_the_order_s_axes() {
+    for order in EulerOrder::ALL {
+        let angles = [0.3, 0.4, -0.5];
+        let turns = order.axes().into_iter().zip(angles);
+        let product = turns.fold(DMat3::IDENTITY, |product, (axis, angle)| {
+            let (sin, cos) = f64::sin_cos(angle);
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let mut turn = [[0.0; 3]; 3];
+            turn[axis][axis] = 1.0;
+            (turn[next][next], turn[last][last]) = (cos, cos);
+            (turn[next][last], turn[last][next]) = (sin, -sin);
+            product * DMat3::from_cols_array_2d(&turn)
+        });
+        assert!(order.to_matrix(angles).abs_diff_eq(product, 1e-15));
+    }
+}
+
+#[test]
+fn a_bone_s_angles_are_xzx_from_the_last_to_the_first() {
+    let bone = Bone {
+        name: "bone".into(),
+        parent: None,
+        length: 1.0,
+        model_from_rest: Placement::identity(),
+        limits: [Limits::UNBOUNDED; 3],
+    };
+    let skeleton = Skeleton::new("one bone", vec![bone]).unwrap();
+    let [first, bend, second] = [0.7, -1.1, 0.4];
+    let posed = skeleton.pose(&[first, bend, second]).model_from_bone[0].rotation;
+    let ours = EulerOrder::Xzx.to_matrix([second, bend, first]);
+    for (column, ours) in [posed.x, posed.y, posed.z]
+        .iter()
+        .zip(ours.to_cols_array_2d())
+    {
+        for (a, b) in column.to_array().iter().zip(ours) {
+            assert!((a - b).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn axis_and_angle_go_round_near_nothing_and_near_half_a_turn() {
+    let mut random = Random::new(12);
+    for _ in 0..100 {
+        let axis = DVec3::from(<[f64; 3]>::from(random.vector(1.0))).normalize();
+        for angle in [1e-12, 1e-8, 1e-3, 1.0, 3.0, PI - 1e-8, PI - 1e-12] {
+            let turn = AxisAngle { axis, angle };
+            let back = AxisAngle::from_quaternion(turn.to_quaternion());
+            assert!((back.to_rotation_vector() - axis * angle).length() < 2e-15 * (1.0 + angle));
+            // A matrix near the identity holds the sine to rounding only.
+            let back = AxisAngle::from_matrix(&turn.to_matrix());
+            assert!((back.to_rotation_vector() - axis * angle).length() < 1e-14);
+            assert!((back.axis.length() - 1.0).abs() < 1e-15);
+            assert!(apart(turn.to_quaternion(), DQuat::from_mat3(&turn.to_matrix())) < 1e-15);
+        }
+    }
+    assert_eq!(AxisAngle::from_quaternion(DQuat::IDENTITY).angle, 0.0);
+    assert_eq!(AxisAngle::from_quaternion(-DQuat::IDENTITY).angle, 0.0);
+}

@@ -1,0 +1,188 @@
+//! Promise: rotations are interpolated along the shortest arc at constant angular speed, safely
+//! also where the two are nearly equal or opposite; curves through rotations have no kink.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use glam::{Quat, Vec3};
+use kinopt::animation::rotation::{
+    RotationHermite, mean_rates, nlerp, slerp, slerp_vectors, squad, squad_control,
+};
+use support::random::Random;
+
+fn rotation(random: &mut Random) -> Quat {
+    let mut part = || random.within(-1.0, 1.0) as f32;
+    Quat::from_xyzw(part(), part(), part(), part() + 1e-3).normalize()
+}
+
+/// The angle between two rotations, in radians, by the half angle's sine.
+fn apart(a: Quat, b: Quat) -> f32 {
+    let (a, b) = (a.as_dquat().normalize(), b.as_dquat().normalize());
+    (2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()) as f32
+}
+
+#[test]
+fn the_slerp_table_from_nothing_to_120_degrees_about_y() {
+    let end = Quat::from_axis_angle(Vec3::Y, 120_f32.to_radians());
+    let table = [
+        (0.00, 0.0, [1.000, 0.000, 0.000, 0.000]),
+        (0.25, 30.0, [0.966, 0.000, 0.259, 0.000]),
+        (0.50, 60.0, [0.866, 0.000, 0.500, 0.000]),
+        (0.75, 90.0, [0.707, 0.000, 0.707, 0.000]),
+        (1.00, 120.0, [0.500, 0.000, 0.866, 0.000]),
+    ];
+    for (t, degrees, wxyz) in table {
+        let q = slerp(Quat::IDENTITY, end, t);
+        for (got, expected) in [q.w, q.x, q.y, q.z].iter().zip(wxyz) {
+            assert!((got - expected).abs() < 5.1e-4, "{t}: {q}");
+        }
+        let angle = 2.0 * q.w.clamp(-1.0, 1.0).acos().to_degrees();
+        assert!((angle - degrees).abs() < 1e-3, "{t}: {angle}");
+    }
+}
+
+#[test]
+fn slerp_turns_at_constant_speed_and_nlerp_does_not() {
+    let mut random = Random::new(1);
+    for _ in 0..200 {
+        let (from, to) = (rotation(&mut random), rotation(&mut random));
+        let whole = apart(from, to);
+        let at = |step: i32| slerp(from, to, step as f32 / 16.0);
+        for step in 0..16 {
+            let turned = apart(at(step), at(step + 1));
+            assert!((turned - whole / 16.0).abs() < 2e-6, "{turned} of {whole}");
+        }
+    }
+    let wide = Quat::from_axis_angle(Vec3::X, 3.0);
+    let quarter = apart(Quat::IDENTITY, nlerp(Quat::IDENTITY, wide, 0.25));
+    assert!((quarter - 0.75).abs() > 0.05, "{quarter}");
+}
+
+#[test]
+fn the_shorter_way_round() {
+    let mut random = Random::new(2);
+    for _ in 0..200 {
+        let (from, to) = (rotation(&mut random), rotation(&mut random));
+        for between in [slerp, nlerp] {
+            let middle = between(from, to, 0.5);
+            assert!(apart(middle, between(from, -to, 0.5)) < 1e-6);
+            assert!(apart(from, middle) <= std::f32::consts::FRAC_PI_2 + 1e-5);
+            assert!((middle.length() - 1.0).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn nearly_equal_and_opposite_rotations() {
+    let mut random = Random::new(3);
+    for _ in 0..100 {
+        let from = rotation(&mut random);
+        let axis = rotation(&mut random).xyz().normalize();
+        for angle in [
+            0.0, 1e-30, 1e-7, 1e-4, 0.01, 0.06, 0.0632, 0.0634, 0.1, 3.13,
+        ] {
+            let to = from * Quat::from_axis_angle(axis, angle);
+            for (t, sign) in [(0.0, 1.0), (0.3, -1.0), (0.5, 1.0), (1.0, -1.0)] {
+                let got = slerp(from, to * sign, t);
+                assert!(got.is_finite() && (got.length() - 1.0).abs() < 1e-6);
+                assert!((apart(from, got) - t * angle).abs() < 4e-6, "{angle} {t}");
+            }
+        }
+        // A rotation and its own negative are the same one.
+        assert!(apart(slerp(from, -from, 0.5), from) < 1e-6);
+    }
+}
+
+#[test]
+fn directions_turn_in_their_plane_at_constant_speed() {
+    let mut random = Random::new(4);
+    for _ in 0..200 {
+        let from = rotation(&mut random).xyz().normalize();
+        let to = rotation(&mut random).xyz().normalize();
+        let angle = from.angle_between(to);
+        for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
+            let got = slerp_vectors(from, to, t);
+            assert!((got.length() - 1.0).abs() < 1e-5);
+            assert!((from.angle_between(got) - t * angle).abs() < 1e-3);
+            assert!(got.dot(from.cross(to)).abs() < 1e-5);
+        }
+        let opposite = slerp_vectors(from, -from, 0.5);
+        assert!(opposite.dot(from).abs() < 1e-5 && (opposite.length() - 1.0).abs() < 1e-5);
+        assert!((slerp_vectors(from, from, 0.5) - from).length() < 1e-6);
+    }
+}
+
+/// Angular velocity before and after t = 0 of two curves that join there.
+fn kink(before: impl Fn(f32) -> Quat, after: impl Fn(f32) -> Quat) -> f32 {
+    let step = 1e-3;
+    let rate = |a: Quat, b: Quat| {
+        let turn = a.as_dquat().normalize().conjugate() * b.as_dquat().normalize();
+        (turn.xyz() * (2.0 * turn.w.signum() / f64::from(step))).as_vec3()
+    };
+    let arriving = rate(before(1.0 - step), before(1.0));
+    let leaving = rate(after(0.0), after(step));
+    (arriving - leaving).length() / arriving.length().max(1.0)
+}
+
+#[test]
+fn squad_has_no_kink_at_even_times() {
+    let mut random = Random::new(5);
+    for _ in 0..50 {
+        let mut keys = vec![rotation(&mut random)];
+        for _ in 0..4 {
+            let turn = Quat::from_scaled_axis(rotation(&mut random).xyz() * 1.2);
+            keys.push(keys[keys.len() - 1] * turn);
+        }
+        let control = |i: usize| squad_control(keys[i - 1], keys[i], keys[i + 1]);
+        let segment = |i: usize| {
+            let (keys, controls) = ([keys[i], keys[i + 1]], [control(i), control(i + 1)]);
+            move |t| squad(keys[0], controls, keys[1], t)
+        };
+        let (first, second) = (segment(1), segment(2));
+        assert!(apart(first(0.0), keys[1]) < 1e-5 && apart(first(1.0), keys[2]) < 1e-5);
+        let kinked = kink(
+            |t| slerp(keys[1], keys[2], t),
+            |t| slerp(keys[2], keys[3], t),
+        );
+        let smooth = kink(first, second);
+        assert!(smooth < 0.02, "{smooth} against {kinked} of slerp");
+    }
+}
+
+#[test]
+fn rotation_hermites_have_no_kink_at_uneven_times() {
+    let mut random = Random::new(6);
+    for _ in 0..50 {
+        let times = [0.0, 0.3, 1.4, 1.7, 3.0_f32];
+        let mut keys = vec![rotation(&mut random)];
+        for pair in times.windows(2) {
+            let turn = rotation(&mut random).xyz() * (pair[1] - pair[0]).sqrt();
+            keys.push(keys[keys.len() - 1] * Quat::from_scaled_axis(turn));
+        }
+        let rates = mean_rates(&times, &keys);
+        let segment = |i: usize| {
+            let length = times[i + 1] - times[i];
+            let rate = |k: usize| rates[k] * length;
+            (
+                length,
+                RotationHermite::new(keys[i], rate(i), keys[i + 1], rate(i + 1)),
+            )
+        };
+        for key in 1..4 {
+            let ((before, first), (after, second)) = (segment(key - 1), segment(key));
+            assert!(apart(first.at(1.0), keys[key]) < 1e-5);
+            assert!(apart(second.at(0.0), keys[key]) < 1e-5);
+            let per_second = |length: f32, from: Quat, to: Quat, u: f32| {
+                let turn = from.as_dquat().conjugate() * to.as_dquat();
+                (turn.xyz() * 2.0 * turn.w.signum()).as_vec3() / (u * length)
+            };
+            let u = 2e-3;
+            let arriving = per_second(before, first.at(1.0 - u), first.at(1.0), u);
+            let leaving = per_second(after, second.at(0.0), second.at(u), u);
+            for rate in [arriving, leaving] {
+                let off = (rate - rates[key]).length() / rates[key].length().max(1.0);
+                assert!(off < 0.03, "{off}");
+            }
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! Promise: a state machine does what its data says, and data that makes no sense is refused with
+//! the place and the valid names.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::Arc;
+
+use glam::Vec3A;
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{
+    Armature, ArmatureBone, Channel, Clip, LocalTransform, StateMachine, StateMachineRun,
+};
+use kinopt::io::{ReadError, state_machine};
+
+fn armature() -> Armature {
+    let bone = ArmatureBone {
+        name: "hips".into(),
+        parent: None,
+        rest: LocalTransform::IDENTITY,
+    };
+    Armature::new(vec![bone], Vec::new()).unwrap()
+}
+
+/// Clips that move the hips along x at one height each, so that a pose says what is playing.
+fn clips() -> Vec<Arc<Clip>> {
+    let armature = armature();
+    let heights = [
+        ("stand", 0.0, 1.0),
+        ("walk", 10.0, 2.0),
+        ("run", 20.0, 1.0),
+        ("jump", 30.0, 0.5),
+    ];
+    let clip = |(name, height, length): (&str, f32, f32)| {
+        let keys = [0.0, length].map(|x| Vec3A::new(x, height, 0.0)).to_vec();
+        let curve = KeyedCurve::linear(vec![0.0, length], keys).unwrap();
+        let mut builder = Clip::builder(name, &armature);
+        let hips = armature.bone("hips").unwrap();
+        builder.channel(hips, Channel::Translation(curve)).unwrap();
+        builder.event(0.5 * length, format!("{name} half")).unwrap();
+        Arc::new(builder.build())
+    };
+    heights.map(clip).to_vec()
+}
+
+const MACHINE: &str = r#"{
+  "parameters": {"speed": 0.0, "grounded": true, "jump": "trigger"},
+  "initial": "idle",
+  "states": [
+    {"name": "idle", "clip": "stand"},
+    {"name": "walk", "clip": "walk"},
+    {"name": "run", "clip": "run", "speed": 2.0},
+    {"name": "jump", "clip": "jump", "playback": "hold"}
+  ],
+  "transitions": [
+    {"to": "jump", "seconds": 0.25, "when": [{"parameter": "jump"}, {"parameter": "grounded", "is": true}]},
+    {"from": "idle", "to": "walk", "seconds": 0.5, "when": [{"parameter": "speed", "above": 0.5}]},
+    {"from": "walk", "to": "idle", "seconds": 0.5, "when": [{"parameter": "speed", "below": 0.5}]},
+    {"from": "walk", "to": "run", "seconds": 1.0, "when": [{"parameter": "speed", "above": 2.0}],
+     "interruption": "either", "easing": "cubic_in_out"},
+    {"from": "run", "to": "walk", "when": [{"parameter": "speed", "above": 0.5, "below": 2.0}]},
+    {"from": "jump", "to": "idle", "seconds": 0.5, "after": 1.0}
+  ]
+}"#;
+
+fn read(json: &str) -> Result<StateMachine, ReadError> {
+    state_machine::from_bytes(json.as_bytes(), "machine.json", &clips())
+}
+
+fn run() -> StateMachineRun {
+    let machine = Arc::new(read(MACHINE).unwrap());
+    StateMachineRun::new(machine, armature().rest()).unwrap()
+}
+
+/// Where the hips are: along x by time, y by what plays.
+fn hips(run: &StateMachineRun) -> [f32; 2] {
+    let at = run.pose().translations()[0];
+    [at.x, at.y]
+}
+
+fn step(run: &mut StateMachineRun, seconds: f64) -> [f32; 2] {
+    run.update(seconds, |_| {}).unwrap();
+    hips(run)
+}
+
+#[test]
+fn it_walks_runs_and_stands() {
+    let mut run = run();
+    assert_eq!((run.state(), hips(&run)), ("idle", [0.0, 0.0]));
+    assert_eq!(step(&mut run, 0.25), [0.25, 0.0]);
+    run.set_number("speed", 1.0).unwrap();
+    // Halfway through the fade: half of x 0.5 standing and 0.25 walking.
+    assert_eq!(step(&mut run, 0.25), [0.375, 5.0]);
+    assert_eq!((run.state(), run.fading()), ("walk", Some(0.5)));
+    assert_eq!(step(&mut run, 0.25), [0.5, 10.0]);
+    assert_eq!(run.fading(), None);
+    run.set_number("speed", 3.0).unwrap();
+    // The eased share at a quarter is 4/64.
+    let [_, y] = step(&mut run, 0.25);
+    assert!((y - 10.625).abs() < 1e-5);
+    // The running clip goes at twice its speed.
+    step(&mut run, 0.5);
+    let [x, y] = step(&mut run, 0.375);
+    assert_eq!((run.state(), x, y), ("run", 0.25, 20.0));
+    // Without seconds the change is at once.
+    run.set_number("speed", 1.0).unwrap();
+    assert_eq!((step(&mut run, 0.0), run.fading()), ([0.0, 10.0], None));
+}
+
+#[test]
+fn a_trigger_fires_once_and_a_clip_must_be_through() {
+    let mut run = run();
+    run.set_flag("grounded", false).unwrap();
+    run.trigger("jump").unwrap();
+    step(&mut run, 0.1);
+    assert_eq!(run.state(), "idle");
+    run.set_flag("grounded", true).unwrap();
+    step(&mut run, 0.3);
+    assert_eq!(run.state(), "jump");
+    // Its own transition waits until the clip of half a second has played once.
+    step(&mut run, 0.1);
+    assert_eq!(run.state(), "jump");
+    step(&mut run, 0.2);
+    step(&mut run, 0.1);
+    assert_eq!(run.state(), "idle");
+    step(&mut run, 5.0);
+    assert_eq!(run.state(), "idle");
+}
+
+#[test]
+fn a_fade_is_broken_off_only_where_that_is_allowed() {
+    // From standing to walking nothing interrupts: the jump comes when the fade is over.
+    let mut first = run();
+    first.set_number("speed", 1.0).unwrap();
+    step(&mut first, 0.1);
+    first.trigger("jump").unwrap();
+    step(&mut first, 0.1);
+    assert_eq!(first.state(), "walk");
+    step(&mut first, 0.4);
+    step(&mut first, 0.1);
+    assert_eq!(first.state(), "jump");
+
+    // From walking to running anything does, and the next fade starts from the pose as shown.
+    let mut second = run();
+    second.set_number("speed", 1.0).unwrap();
+    step(&mut second, 0.5);
+    second.set_number("speed", 3.0).unwrap();
+    let [_, shown] = step(&mut second, 0.5);
+    assert!((shown - 15.0).abs() < 1e-4);
+    second.trigger("jump").unwrap();
+    let [_, y] = step(&mut second, 0.0);
+    assert_eq!(second.state(), "jump");
+    assert!((y - shown).abs() < 1e-4, "no jump in the pose: {y}");
+    let [_, y] = step(&mut second, 0.125);
+    assert!((y - (shown + 30.0) / 2.0).abs() < 1e-3, "{y}");
+}
+
+#[test]
+fn events_are_those_of_the_state_s_clip() {
+    let mut run = run();
+    let mut heard = Vec::new();
+    for _ in 0..30 {
+        run.update(0.1, |fired| heard.push(fired.event.name.clone()))
+            .unwrap();
+    }
+    assert_eq!(heard, ["stand half"; 3]);
+}
+
+#[test]
+fn parameters_that_are_none_are_named() {
+    let mut run = run();
+    let error = run.set_number("sped", 1.0).unwrap_err().to_string();
+    assert!(
+        error.contains("`sped`") && error.contains("speed"),
+        "{error}"
+    );
+    assert!(!error.contains("grounded"), "only numbers: {error}");
+    assert!(
+        run.set_flag("speed", true)
+            .unwrap_err()
+            .to_string()
+            .contains("grounded")
+    );
+    assert!(
+        run.trigger("grounded")
+            .unwrap_err()
+            .to_string()
+            .contains("jump")
+    );
+    let error = run.set_number("speed", f32::NAN).unwrap_err().to_string();
+    assert!(error.contains("`speed`"), "{error}");
+}
+
+/// Reads the machine with one piece of text replaced; the error must say all of `words`.
+fn refused(from: &str, to: &str, words: &[&str]) {
+    assert!(MACHINE.contains(from), "{from}");
+    let error = read(&MACHINE.replacen(from, to, 1))
+        .unwrap_err()
+        .to_string();
+    for word in words.iter().chain(&["machine.json"]) {
+        assert!(error.contains(word), "no {word} in: {error}");
+    }
+}
+
+#[test]
+fn data_that_makes_no_sense_is_refused_with_its_place() {
+    let states = ["idle", "walk", "run", "jump"];
+    refused(
+        r#""initial": "idle""#,
+        r#""initial": "idel""#,
+        &[&states[..], &["initial", "`idel`"]].concat(),
+    );
+    refused(
+        r#""from": "walk", "to": "idle""#,
+        r#""from": "walk", "to": "sit""#,
+        &["transitions[2].to", "`sit`", "run"],
+    );
+    refused(
+        r#""from": "run""#,
+        r#""from": "rn""#,
+        &["transitions[4].from", "`rn`"],
+    );
+    refused(
+        r#""clip": "run""#,
+        r#""clip": "sprint""#,
+        &["states[2].clip", "`sprint`", "stand", "jump"],
+    );
+    refused(
+        r#"{"name": "run""#,
+        r#"{"name": "walk""#,
+        &["states[2].name", "`walk`", "twice"],
+    );
+    refused(
+        r#""parameter": "speed""#,
+        r#""parameter": "sped""#,
+        &["transitions[1].when[0].parameter", "speed", "grounded"],
+    );
+    refused(
+        r#""seconds": 0.25"#,
+        r#""seconds": -0.25"#,
+        &["transitions[0].seconds", "-0.25"],
+    );
+    refused(
+        r#""after": 1.0"#,
+        r#""after": -1.0"#,
+        &["transitions[5].after"],
+    );
+    refused(
+        r#""after": 1.0"#,
+        r#""later": 1.0"#,
+        &["transitions[5]", "later", "after"],
+    );
+    refused(
+        r#""is": true"#,
+        r#""above": 1.0"#,
+        &["transitions[0].when[1]", "`grounded`", "flag", "`is`"],
+    );
+    refused(
+        r#""above": 2.0"#,
+        r#""is": true"#,
+        &["transitions[3].when[0]", "number"],
+    );
+    refused(
+        r#"{"parameter": "jump"}"#,
+        r#"{"parameter": "jump", "above": 0}"#,
+        &["trigger"],
+    );
+    refused(
+        r#""playback": "hold""#,
+        r#""playback": "bounce""#,
+        &["states[3].playback", "ping_pong"],
+    );
+    refused(
+        r#""interruption": "either""#,
+        r#""interruption": "maybe""#,
+        &["transitions[3]", "never"],
+    );
+    refused(
+        r#""easing": "cubic_in_out""#,
+        r#""easing": "elastic""#,
+        &["quadratic_in"],
+    );
+    refused(
+        r#""jump": "trigger""#,
+        r#""jump": "event""#,
+        &["parameters"],
+    );
+    refused(r#""speed": 2.0"#, r#""speed": 1e999"#, &["machine.json"]);
+    refused(
+        r#""when": [{"parameter": "jump"}, {"parameter": "grounded", "is": true}]"#,
+        r#""when": []"#,
+        &["transitions[0].when"],
+    );
+    let empty = read(r#"{"initial": "idle", "states": []}"#)
+        .unwrap_err()
+        .to_string();
+    assert!(empty.contains("no states"), "{empty}");
+    assert!(read("{").is_err() && read("[]").is_err());
+}

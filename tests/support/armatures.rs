@@ -1,0 +1,93 @@
+//! Armatures for tests of animation.
+
+use glam::{Affine3A, Quat, Vec3, Vec3A};
+use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose};
+
+use super::random::Random;
+
+pub fn vector(random: &mut Random, size: f64) -> Vec3A {
+    Vec3A::from(random.vector(size).map(|x| x as f32).data.0[0])
+}
+
+pub fn rotation(random: &mut Random, size: f64) -> Quat {
+    Quat::from_scaled_axis(Vec3::from(vector(random, size)))
+}
+
+pub fn local(random: &mut Random) -> LocalTransform {
+    LocalTransform {
+        translation: vector(random, 1.0),
+        rotation: rotation(random, 1.5),
+        scale: Vec3A::ONE + vector(random, 0.3),
+    }
+}
+
+/// A tree of bones called `bone 0`, … with the morph targets `smile` and `frown`.
+pub fn armature(bones: usize, random: &mut Random) -> Armature {
+    let list = (0..bones).map(|k| ArmatureBone {
+        name: format!("bone {k}"),
+        parent: (k > 0).then(|| random.below(k)),
+        rest: local(random),
+    });
+    let targets = vec!["smile".to_owned(), "frown".to_owned()];
+    Armature::new(list.collect(), targets).unwrap()
+}
+
+/// Any pose of an armature.
+pub fn pose(armature: &Armature, random: &mut Random) -> Pose {
+    let mut pose = armature.rest().clone();
+    for index in 0..armature.bones() {
+        pose.set_local(armature.bone_at(index).unwrap(), local(random));
+    }
+    for weight in pose.morph_weights_mut() {
+        *weight = random.unit() as f32;
+    }
+    pose
+}
+
+/// The angle between two rotations, in radians.
+pub fn apart(a: Quat, b: Quat) -> f32 {
+    let turn = a.as_dquat().normalize().conjugate() * b.as_dquat().normalize();
+    (2.0 * turn.xyz().length().min(1.0).asin()) as f32
+}
+
+/// The largest difference between two poses: lengths and radians alike.
+pub fn difference(a: &Pose, b: &Pose) -> f32 {
+    let vectors = |a: &[Vec3A], b: &[Vec3A]| {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(a, b)| (*a - *b).length()).fold(0.0, f32::max)
+    };
+    let turns = a.rotations().iter().zip(b.rotations());
+    let turns = turns.map(|(a, b)| apart(*a, *b)).fold(0.0, f32::max);
+    let weights = a.morph_weights().iter().zip(b.morph_weights());
+    let weights = weights.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    vectors(a.translations(), b.translations())
+        .max(vectors(a.scales(), b.scales()))
+        .max(turns)
+        .max(weights)
+}
+
+/// Model transforms by products of matrices along each bone's ancestors, in double precision.
+pub fn model_by_ancestors(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+    let each = (0..armature.bones()).map(|index| {
+        let mut next = armature.bone_at(index);
+        let mut product = glam::DAffine3::IDENTITY;
+        while let Some(bone) = next {
+            let local = pose.local(bone);
+            let own = glam::DAffine3::from_scale_rotation_translation(
+                local.scale.as_dvec3(),
+                local.rotation.as_dquat().normalize(),
+                local.translation.as_dvec3(),
+            );
+            product = own * product;
+            next = armature.parent(bone);
+        }
+        let m = product.matrix3;
+        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| c.as_vec3a());
+        let [x, y, z] = columns;
+        Affine3A {
+            matrix3: glam::Mat3A::from_cols(x, y, z),
+            translation: product.translation.as_vec3a(),
+        }
+    });
+    each.collect()
+}
