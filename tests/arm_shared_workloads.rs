@@ -4,7 +4,7 @@
 //! They carry no licence, so they are not shipped: set `KINOPT_SHARED` to the folder that has them
 //! under `workloads/` and `robots/`. Best run with `--release`; a debug build takes every tenth pose.
 #![cfg(feature = "urdf")]
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod arm_support;
 mod urdf_matrices;
