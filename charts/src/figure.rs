@@ -4,7 +4,8 @@ use std::path::Path;
 
 use plotters::prelude::{IntoDrawingArea, SVGBackend, WHITE};
 
-use crate::legend::{Entry, Legend};
+use crate::entry::Entry;
+use crate::legend::Legend;
 use crate::panel::{self, draw_error};
 use crate::{Chart, ChartError, Style};
 

@@ -3,14 +3,9 @@
 use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, DrawingBackend, IntoFont, Text};
 
+use crate::ChartError;
+use crate::entry::Entry;
 use crate::panel::{self, FONT, FONT_SIZE, draw_error, ink};
-use crate::{ChartError, Style};
-
-/// A name and its look.
-pub(crate) struct Entry {
-    pub(crate) name: String,
-    pub(crate) style: Style,
-}
 
 const LINE_HEIGHT: u32 = 21;
 const SAMPLE: i32 = 34;

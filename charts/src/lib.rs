@@ -18,6 +18,7 @@
 
 mod axis;
 mod chart;
+mod entry;
 mod error;
 mod figure;
 mod legend;

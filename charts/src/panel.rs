@@ -8,7 +8,7 @@ use plotters::prelude::{
 };
 
 use crate::axis::FittedAxis;
-use crate::legend::Entry;
+use crate::entry::Entry;
 use crate::series::Join;
 use crate::style::Marker;
 use crate::{Chart, ChartError, Series, Style};

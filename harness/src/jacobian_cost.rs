@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::clock;
-use crate::results::route_name;
+use crate::route::route_name;
 
 /// Chains of 1, 2, 4 … bones; every bone has three free angles.
 pub const BONES: [usize; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];

@@ -64,6 +64,7 @@ mod problem_set;
 pub mod profile;
 pub mod report;
 mod results;
+mod route;
 mod trace;
 
 pub use adapter::{Adapter, Answer, Question, attempts};

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use kinopt::problem::Derivatives;
 use serde::{Deserialize, Serialize};
 
 use crate::jacobian_cost::JacobianCost;
@@ -181,16 +180,6 @@ pub struct Course {
     pub route: Option<String>,
     /// Steps and ½ Σ‖W r‖²: at the start, where it fell, and at the end.
     pub points: Vec<(usize, f64)>,
-}
-
-/// The name of a derivative route in results and on the command line.
-pub(crate) fn route_name(route: Derivatives) -> &'static str {
-    match route {
-        Derivatives::Analytic => "analytic",
-        Derivatives::Dual => "dual",
-        Derivatives::ForwardDifference => "fd",
-        Derivatives::CentralDifference => "central",
-    }
 }
 
 impl Results {

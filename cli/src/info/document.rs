@@ -122,7 +122,7 @@ fn joint_document<'a>(
     let limited = coordinate.is_some();
     JointDocument {
         name: &joint.name,
-        kind: kind(joint.kind),
+        kind: robot::kind(joint.kind),
         coordinate,
         free,
         lower: finite(joint.limits.lower).filter(|_| limited),
@@ -131,15 +131,6 @@ fn joint_document<'a>(
             .robot
             .as_deref()
             .map(|robot| robot::place(robot, id, joint)),
-    }
-}
-
-pub(super) fn kind(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Fixed => "fixed",
-        JointKind::Revolute => "revolute",
-        JointKind::Continuous => "continuous",
-        JointKind::Prismatic => "prismatic",
     }
 }
 

@@ -135,7 +135,7 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 8] {
     [
         link,
         joint.name.clone(),
-        super::document::kind(joint.kind).to_owned(),
+        kind(joint.kind).to_owned(),
         place.axis.map(axis).unwrap_or_default(),
         limit(joint.limits.lower),
         limit(joint.limits.upper),
@@ -164,5 +164,14 @@ fn axis(axis: [f64; 3]) -> String {
         Some((sign, letter)) if *sign < 0.0 => format!("-{letter}"),
         Some((_, letter)) => (*letter).to_owned(),
         None => axis.map(three_digits).join(" "),
+    }
+}
+
+pub(super) fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "fixed",
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
     }
 }

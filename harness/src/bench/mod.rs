@@ -9,7 +9,7 @@ use kinopt::problem::Derivatives;
 use self::asked::{Asked, Judged};
 use crate::clock;
 use crate::problem_set::Stated;
-use crate::results::route_name;
+use crate::route::route_name;
 use crate::{
     Adapter, Budget, Course, HarnessError, Judge, ModelSummary, ProblemSet, Provenance, Question,
     Results, Run, Setting,
