@@ -8,7 +8,7 @@ use kinopt::task::{Point, Quantity, Task};
 use kinopt::{Problem, Solver, Workspace};
 use rayon::prelude::*;
 
-use super::answer::{Answer, AskedTask, Question};
+use super::answer::{Answer, AskedTask, Path, Question};
 use super::arguments::Arguments;
 use super::arm_door::microseconds;
 use super::base::{Base, TargetTask};
@@ -133,7 +133,7 @@ impl Door for CoreDoor<'_> {
         })
     }
 
-    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Vec<Answer>> {
+    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Path> {
         let mut desk = self.desk()?;
         let mut answers: Vec<Answer> = Vec::with_capacity(questions.len());
         for question in questions {
@@ -144,7 +144,10 @@ impl Door for CoreDoor<'_> {
             answers.push(self.answer(&mut desk, &question)?);
             told();
         }
-        Ok(answers)
+        Ok(Path {
+            answers,
+            jumps: None,
+        })
     }
 
     fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {
