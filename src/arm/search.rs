@@ -120,7 +120,7 @@ impl Arm {
         workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
-        ended: Termination,
+        mut ended: Termination,
         deadline: Option<Instant>,
     ) -> Reply {
         let n = self.joint_count();
@@ -143,7 +143,12 @@ impl Arm {
             let mut best = f64::INFINITY;
             // Taken out and put back, so that nothing is allocated.
             let reference = std::mem::take(&mut workspace.start);
-            for turn in 0..workspace.order.len().min(REFINED) {
+            let refined = workspace.order.len().min(REFINED);
+            for turn in 0..refined {
+                if turn > 0 && deadline.is_some_and(|at| Instant::now() >= at) {
+                    ended = Termination::TimeLimit;
+                    break;
+                }
                 let place = workspace.order[turn].1;
                 workspace
                     .x
@@ -153,9 +158,6 @@ impl Arm {
                 if distance < best {
                     best = distance;
                     workspace.found[..n].copy_from_slice(&workspace.x);
-                }
-                if deadline.is_some_and(|at| Instant::now() >= at) {
-                    break;
                 }
             }
             workspace.start = reference;
