@@ -121,7 +121,7 @@ fn powers_of_two_give_the_same_bits() {
 /// Of turning joints: what a slide weighs among them goes by powers of two.
 #[test]
 fn millimetres_give_the_same_angles() {
-    for chain in [panda(), ur5(), random_chain(12, 6, 0, false)] {
+    for chain in [panda(), ur5()] {
         let (q, outcomes) = answers(&chain, 1.0);
         let (other, others) = answers(&chain, 1000.0);
         let n = chain.joints().len();
