@@ -1,12 +1,12 @@
 //! Nearest is nearest, distinct ones differ. `KINOPT_CASES` asks for another number of cases a robot
-//! (best with `--release`).
+//! (best with `--release`; a debug build takes fewer).
 #![cfg(feature = "urdf")]
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod arm_support;
 mod urdf_matrices;
 
-use arm_support::{Random, distance, robot, within_limits};
+use arm_support::{Random, cases, distance, robot, within_limits};
 use kinopt::arm::{Arm, ArmBuilder, Search};
 use kinopt::spatial::Placement;
 use urdf_matrices::{apart, from_placement};
@@ -22,11 +22,6 @@ const ROBOTS: [(&str, &str, &str); 4] = [
     ("rethink_baxter", "torso", "left_tool"),
     ("universal_ur5e", "base", "flange"),
 ];
-
-fn cases(default: usize) -> usize {
-    let asked = std::env::var("KINOPT_CASES").ok();
-    asked.map_or(default, |count| count.parse().unwrap())
-}
 
 fn assert_solves(arm: &Arm, q: &[f64], wanted: &Placement<f64>) {
     let found = from_placement(&arm.base_from_tool(q).unwrap());
@@ -45,7 +40,7 @@ fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
         };
         let (nearest, restarts) = (build(Search::Nearest), build(Search::Start));
         let mut random = Random(3);
-        let (cases, mut kept) = (cases(20), 0);
+        let (cases, mut kept) = (cases(20, 8), 0);
         for _ in 0..cases {
             let truth = random.configuration(&nearest);
             let wanted = nearest.base_from_tool(&truth).unwrap();
@@ -62,7 +57,9 @@ fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
             kept += usize::from(distance(&ours.q, &start) <= best + SAME);
         }
         println!("{name}: {kept} of {cases}");
-        assert!(kept * 100 >= cases * 95, "{name}: {kept} of {cases}");
+        // Of few cases one may be lost.
+        let lost = cases - kept;
+        assert!(lost <= (cases / 20).max(1), "{name}: {kept} of {cases}");
     }
 }
 
@@ -78,7 +75,7 @@ fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> 
     };
     let mut random = Random(4);
     let mut found = 0;
-    for _ in 0..cases(5) {
+    for _ in 0..cases(5, 3) {
         let wanted = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);
         let all = arm.solve_all(wanted, &start).unwrap();
@@ -101,15 +98,15 @@ fn distinct_solutions_differ_and_come_nearest_first() {
     let robot = robot("universal_ur5e");
     let builder = Arm::builder(&robot, "base", "flange").unwrap();
     // Eight postures, and whole turns besides.
-    assert!(distinct(&builder, 6, 0.8, &[1.0; 6]) >= 6 * cases(5) * 9 / 10);
-    assert!(distinct(&builder, 3, 2.5, &[1.0; 6]) > cases(5));
+    assert!(distinct(&builder, 6, 0.8, &[1.0; 6]) >= 6 * cases(5, 3) * 9 / 10);
+    assert!(distinct(&builder, 3, 2.5, &[1.0; 6]) > cases(5, 3));
 }
 
 #[test]
 fn distinct_solutions_of_a_redundant_arm() {
     let robot = robot("franka_panda");
     let builder = Arm::builder(&robot, "base", "flange").unwrap();
-    assert!(distinct(&builder, 5, 0.1, &[1.0; 7]) * 50 >= 5 * cases(5) * 49);
+    assert!(distinct(&builder, 5, 0.1, &[1.0; 7]) * 50 >= 5 * cases(5, 3) * 49);
     let weights = [2.0, 2.0, 1.0, 1.0, 0.5, 0.5, 0.1];
-    assert!(distinct(&builder, 4, 0.5, &weights) > cases(5));
+    assert!(distinct(&builder, 4, 0.5, &weights) > cases(5, 3));
 }

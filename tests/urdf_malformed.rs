@@ -58,6 +58,16 @@ const DEFECTS: &[(&str, &str, &str)] = &[
         "two.urdf:18: joint `elbow`, <limit>: a prismatic joint needs <limit> with `lower` and `upper`",
     ),
     (
+        r#" upper="2""#,
+        "",
+        "two.urdf:11: joint `shoulder`, <limit>: `upper` is missing, and a revolute joint needs both limits; if zero is meant, write it",
+    ),
+    (
+        r#"lower="0" upper"#,
+        "upper",
+        "two.urdf:18: joint `elbow`, <limit>: `lower` is missing, and a prismatic joint needs both limits; if zero is meant, write it",
+    ),
+    (
         r#"upper="2""#,
         r#"upper="-1.5""#,
         "two.urdf:11: joint `shoulder`, <limit>: lower limit -1 is above upper limit -1.5",
@@ -426,7 +436,7 @@ fn later_versions_of_the_standard_hide_nothing() {
     assert!(matches!(
         error,
         UrdfError::Element {
-            fault: Fault::NoLimits { .. },
+            fault: Fault::OneLimit { .. },
             ..
         }
     ));

@@ -229,6 +229,7 @@ fn a_missed_target_is_an_answer() {
         .find(|limit| limit["joint"] == "bone/4/bend")
         .unwrap();
     assert_eq!(elbow["side"], "lower");
+    assert_eq!(elbow["kind"], "limit");
     assert!((elbow["value"].as_f64().unwrap() + 2.2).abs() < 1e-12);
 }
 

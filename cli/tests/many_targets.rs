@@ -140,6 +140,7 @@ fn a_path_goes_on_from_the_last_answer() {
             "--json",
         ]);
         assert_eq!(document["summary"]["solved"], 201);
+        assert_eq!(document["summary"]["jumps"], json!([]));
         let q = configurations(&document);
         for (q, pose) in q.iter().zip(&targets) {
             seeded.check(q, pose);
@@ -148,6 +149,46 @@ fn a_path_goes_on_from_the_last_answer() {
             assert!(distance(a, b) < 0.2, "a jump from {a:?} to {b:?}");
         }
     }
+}
+
+/// An elbow bent one way, turned round the base until the first joint is on its limit: the arm can
+/// only go on with its elbow bent the other way.
+#[test]
+fn a_flip_is_told() {
+    let folder = Folder::new("flip");
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/adept_cobra_s600.urdf"
+    );
+    let robot = kinopt::robot::Robot::read(file).unwrap();
+    let arm = kinopt::arm::Arm::new(&robot, "base", "flange").unwrap();
+    let first = arm.limits().next().unwrap().upper - 0.3;
+    let start = [first, -0.9, 0.1, 0.0];
+    let pose = arm.base_from_tool(&start).unwrap();
+    let targets: Vec<Vec<f64>> = (0..60)
+        .map(|step| {
+            let (sin, cos) = (0.01 * f64::from(step)).sin_cos();
+            let p = pose.translation;
+            vec![cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z]
+        })
+        .collect();
+    let starts = vec![start; targets.len()];
+    let content = json!({"targets": targets, "starts": starts, "tip_link": "flange"});
+    let path = write(&folder, "path.json", &content);
+    let all = ["solve", file, "--targets", &path, "--track", "--base=base"];
+    let document = json(&[&all[..], &["--json"]].concat());
+    let jumps = document["summary"]["jumps"].as_array().unwrap();
+    assert_eq!(jumps.len(), 1, "{jumps:?}");
+    assert_eq!(jumps[0]["step"], 31);
+    assert_eq!(jumps[0]["continuous"], false);
+    assert!(jumps[0]["distance"].as_f64().unwrap() > 0.2);
+    let joint = jumps[0]["joint"].as_str().unwrap();
+    let output = kinopt(&all);
+    let text = stdout(&output);
+    assert!(text.contains("step 31") && text.contains(joint), "{text}");
+    // Targets that are no path have no jumps.
+    let alone = json(&[&all[..4], &["--json"]].concat());
+    assert!(alone["summary"].get("jumps").is_none());
 }
 
 #[test]

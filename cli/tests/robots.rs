@@ -197,6 +197,8 @@ fn a_move_can_be_bounded() {
     let solution = solve(&near_target, "--max-move=0.01");
     assert_eq!(solution["reached"], false);
     assert_eq!(solution["termination"], "cannot_continue");
+    let blocking = solution["active_limits"].as_array().unwrap();
+    assert!(!blocking.is_empty() && blocking.iter().all(|limit| limit["kind"] == "move"));
     for (value, from) in numbers(&solution["q"]).iter().zip(&start) {
         assert!((value - from).abs() <= 0.01);
     }
@@ -380,6 +382,47 @@ fn wrong_names_and_options() {
                 message.contains(word),
                 "{arguments:?}: no {word} in {message}"
             );
+        }
+    }
+}
+
+/// What no target feels stays at its start, whatever the method and however many attempts it takes.
+#[test]
+fn the_other_arm_stays() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/rethink_baxter.urdf");
+    let robot = kinopt::robot::Robot::read(file).unwrap();
+    let start = robot.model().random_configuration(0);
+    let methods = [
+        "levenberg-marquardt",
+        "levenberg-marquardt-error",
+        "gauss-newton",
+        "projected-gradient",
+        "projected-gradient-bb",
+    ];
+    for target in [
+        "--target=left_tool=0.6,0.4,0.2",
+        "--target=left_tool=6,0.4,0.2",
+    ] {
+        for solver in methods {
+            for jacobian in ["--jacobian=analytic", "--jacobian=fd"] {
+                let solver = format!("--solver={solver}");
+                let more = [
+                    "--start=random",
+                    "--attempts=4",
+                    "--max-iterations=30",
+                    "--json",
+                ];
+                let all = [&["solve", file, target, &solver, jacobian][..], &more].concat();
+                let solution = json(&all);
+                let names = solution["joints"].as_array().unwrap();
+                let pairs = numbers(&solution["q"]).into_iter().zip(&start);
+                for ((q, start), name) in pairs.zip(names) {
+                    assert!(
+                        !name.as_str().unwrap().starts_with("right") || q == *start,
+                        "{all:?}"
+                    );
+                }
+            }
         }
     }
 }

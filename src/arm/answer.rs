@@ -63,7 +63,8 @@ impl Arm {
                 workspace.aim(target);
                 self.open_window(workspace, start);
                 self.gather(workspace, target, start, deadline);
-                let reply = self.nearest(workspace, target, start, deadline);
+                let ended = Termination::Reached;
+                let reply = self.nearest(workspace, target, start, ended, deadline);
                 let rescued = self.distance(&solution.q, &workspace.start);
                 if reply.errors.reached && self.distance(&workspace.x, &workspace.start) < rescued {
                     self.report_workspace(&reply, workspace, solution);
@@ -116,8 +117,8 @@ impl Arm {
         self.open_window(workspace, start);
         let compares = self.options.search.compares() && !follow;
         let mut reply = if compares {
-            self.gather(workspace, target, start, deadline);
-            self.nearest(workspace, target, start, deadline)
+            let ended = self.gather(workspace, target, start, deadline);
+            self.nearest(workspace, target, start, ended, deadline)
         } else {
             self.one_search(workspace, target, start, follow, deadline)
         };

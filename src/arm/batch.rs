@@ -10,6 +10,16 @@ use crate::spatial::Placement;
 /// Questions that are handed to the lanes together: enough to keep them filled.
 const CHUNK: usize = 128;
 
+/// Some of the questions, and room for their answers.
+struct Chunk<'a> {
+    targets: &'a [Placement<f64>],
+    starts: &'a [f64],
+    solutions: &'a mut [Solution],
+}
+
+/// Answers one chunk.
+type AnswerChunk<'a> = dyn Fn(Chunk<'_>) -> Result<(), QueryError> + Sync + 'a;
+
 impl Arm {
     /// Solves many targets; `starts` holds one configuration a target, one after another. The lanes
     /// of the engine are filled with different questions, which is faster than one after another.
@@ -24,17 +34,9 @@ impl Arm {
         base_from_tools: &[Placement<f64>],
         starts: &[f64],
     ) -> Result<Vec<Solution>, QueryError> {
-        self.check_batch(base_from_tools, starts)?;
-        let mut solutions = vec![Solution::default(); base_from_tools.len()];
-        let n = self.joint_count();
-        let chunks = base_from_tools
-            .chunks(CHUNK)
-            .zip(starts.chunks(CHUNK * n))
-            .zip(solutions.chunks_mut(CHUNK));
-        for ((targets, starts), solutions) in chunks {
-            self.answer_chunk(targets, starts, solutions)?;
-        }
-        Ok(solutions)
+        self.solve_chunks(base_from_tools, starts, |chunks, answer| {
+            chunks.into_iter().try_for_each(answer)
+        })
     }
 
     /// [`solve_batch`](Self::solve_batch) over the threads of the current rayon pool, bit for bit
@@ -49,17 +51,9 @@ impl Arm {
         starts: &[f64],
     ) -> Result<Vec<Solution>, QueryError> {
         use rayon::prelude::*;
-        self.check_batch(base_from_tools, starts)?;
-        let mut solutions = vec![Solution::default(); base_from_tools.len()];
-        let n = self.joint_count();
-        base_from_tools
-            .par_chunks(CHUNK)
-            .zip(starts.par_chunks(CHUNK * n))
-            .zip(solutions.par_chunks_mut(CHUNK))
-            .try_for_each(|((targets, starts), solutions)| {
-                self.answer_chunk(targets, starts, solutions)
-            })?;
-        Ok(solutions)
+        self.solve_chunks(base_from_tools, starts, |chunks, answer| {
+            chunks.into_par_iter().try_for_each(answer)
+        })
     }
 
     /// As [`solve_batch`](Self::solve_batch), into slices of the caller's: one configuration a
@@ -74,10 +68,7 @@ impl Arm {
         q: &mut [f64],
         outcomes: &mut [Outcome],
     ) -> Result<(), QueryError> {
-        let n = self.joint_count();
-        self.check_batch(base_from_tools, starts)?;
-        self.check_length("q", q.len(), n * base_from_tools.len())?;
-        self.check_length("outcomes", outcomes.len(), base_from_tools.len())?;
+        self.check_batch_into(base_from_tools, starts, q, outcomes)?;
         self.outcomes_of_chunk(base_from_tools, starts, q, outcomes)
     }
 
@@ -95,10 +86,8 @@ impl Arm {
         outcomes: &mut [Outcome],
     ) -> Result<(), QueryError> {
         use rayon::prelude::*;
+        self.check_batch_into(base_from_tools, starts, q, outcomes)?;
         let n = self.joint_count();
-        self.check_batch(base_from_tools, starts)?;
-        self.check_length("q", q.len(), n * base_from_tools.len())?;
-        self.check_length("outcomes", outcomes.len(), base_from_tools.len())?;
         base_from_tools
             .par_chunks(CHUNK)
             .zip(starts.par_chunks(CHUNK * n))
@@ -114,12 +103,34 @@ impl Arm {
         self.is_plain() && self.options.time_limit.is_none()
     }
 
-    fn answer_chunk(
+    /// Answers all questions; `run` hands out the chunks, one after another or to threads.
+    fn solve_chunks(
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
-        solutions: &mut [Solution],
-    ) -> Result<(), QueryError> {
+        run: impl FnOnce(Vec<Chunk<'_>>, &AnswerChunk<'_>) -> Result<(), QueryError>,
+    ) -> Result<Vec<Solution>, QueryError> {
+        self.check_batch(targets, starts)?;
+        let mut solutions = vec![Solution::default(); targets.len()];
+        let chunks = targets
+            .chunks(CHUNK)
+            .zip(starts.chunks(CHUNK * self.joint_count()))
+            .zip(solutions.chunks_mut(CHUNK));
+        let chunks = chunks.map(|((targets, starts), solutions)| Chunk {
+            targets,
+            starts,
+            solutions,
+        });
+        run(chunks.collect(), &|chunk| self.answer_chunk(chunk))?;
+        Ok(solutions)
+    }
+
+    fn answer_chunk(&self, chunk: Chunk<'_>) -> Result<(), QueryError> {
+        let Chunk {
+            targets,
+            starts,
+            solutions,
+        } = chunk;
         let n = self.joint_count();
         let queries = || targets.iter().zip(starts.chunks(n));
         let (Some(lanes), true) = (&self.lanes, self.batches_by_lanes()) else {
@@ -196,7 +207,7 @@ impl Arm {
             solution.tasks().find_map(|task| pick(&task)).unwrap_or(0.0)
         };
         let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
-        debug_assert!(solution.reached == (solution.termination == Termination::Reached));
+        debug_assert!(solution.reached || solution.termination != Termination::Reached);
         Outcome {
             reached: solution.reached,
             position_error: error(|task| task.position_error()),
@@ -205,6 +216,18 @@ impl Arm {
             attempts: count(solution.attempts),
             winner: None,
         }
+    }
+
+    fn check_batch_into(
+        &self,
+        targets: &[Placement<f64>],
+        starts: &[f64],
+        q: &[f64],
+        outcomes: &[Outcome],
+    ) -> Result<(), QueryError> {
+        self.check_batch(targets, starts)?;
+        self.check_length("q", q.len(), self.joint_count() * targets.len())?;
+        self.check_length("outcomes", outcomes.len(), targets.len())
     }
 
     fn check_batch(&self, targets: &[Placement<f64>], starts: &[f64]) -> Result<(), QueryError> {

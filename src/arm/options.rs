@@ -15,9 +15,11 @@ pub enum Search {
     /// Whichever takes the fewest iterations.
     First,
     /// The one nearest to the start in weighted joint distance, among many attempts; on redundant
-    /// arms it is then moved towards the start within the null space.
+    /// arms it is then moved towards the start within the null space. Where a time limit cuts the
+    /// comparison short the solution says [`TimeLimit`](crate::solver::Termination::TimeLimit).
     Nearest,
-    /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`.
+    /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`. A
+    /// time limit is told as for the nearest.
     Distinct {
         /// Most solutions wanted, at least 1.
         k: usize,

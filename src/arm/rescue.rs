@@ -65,7 +65,7 @@ impl Arm {
             workspace.aim(target);
             self.open_window(workspace, from);
             self.gather(workspace, target, from, deadline);
-            self.distinct(workspace, count, LONG_STEP)
+            self.distinct(workspace, count, LONG_STEP, Termination::Reached)
         })
     }
 

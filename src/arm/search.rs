@@ -23,7 +23,8 @@ const REFINED: usize = 6;
 impl Arm {
     /// All the solutions that the arm's search asks for, nearest to the start first: up to `k` for
     /// [`Search::Distinct`] (none where the target is out of reach), one for the others (reached or
-    /// not).
+    /// not). Solutions that are reached but end by [`Termination::TimeLimit`] say that the clock cut
+    /// the comparison short: there may be more, or nearer ones.
     ///
     /// # Errors
     /// As [`solve`](Self::solve).
@@ -42,19 +43,20 @@ impl Arm {
         self.with_workspace(|workspace| {
             workspace.aim(&target);
             self.open_window(workspace, start);
-            self.gather(workspace, &target, start, deadline);
-            self.distinct(workspace, k, distance)
+            let ended = self.gather(workspace, &target, start, deadline);
+            self.distinct(workspace, k, distance, ended)
         })
     }
 
-    /// Runs attempts and sorts those that reach by their distance from the start.
+    /// Runs attempts and sorts those that reach by their distance from the start. Whether all were
+    /// run, or the clock cut them short.
     pub(super) fn gather(
         &self,
         workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
         deadline: Option<Instant>,
-    ) {
+    ) -> Termination {
         let n = self.joint_count();
         let wanted = match self.options.search {
             Search::Nearest => self.options.attempts.min(NEAREST_ATTEMPTS),
@@ -104,15 +106,21 @@ impl Arm {
         workspace
             .order
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if first < wanted {
+            Termination::TimeLimit
+        } else {
+            Termination::Reached
+        }
     }
 
     /// The nearest of the solutions gathered, into the workspace's x; on redundant arms moved towards
-    /// the start.
+    /// the start. `ended` says how the gathering did.
     pub(super) fn nearest(
         &self,
         workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
+        mut ended: Termination,
         deadline: Option<Instant>,
     ) -> Reply {
         let n = self.joint_count();
@@ -135,7 +143,12 @@ impl Arm {
             let mut best = f64::INFINITY;
             // Taken out and put back, so that nothing is allocated.
             let reference = std::mem::take(&mut workspace.start);
-            for turn in 0..workspace.order.len().min(REFINED) {
+            let refined = workspace.order.len().min(REFINED);
+            for turn in 0..refined {
+                if turn > 0 && deadline.is_some_and(|at| Instant::now() >= at) {
+                    ended = Termination::TimeLimit;
+                    break;
+                }
                 let place = workspace.order[turn].1;
                 workspace
                     .x
@@ -146,27 +159,26 @@ impl Arm {
                     best = distance;
                     workspace.found[..n].copy_from_slice(&workspace.x);
                 }
-                if deadline.is_some_and(|at| Instant::now() >= at) {
-                    break;
-                }
             }
             workspace.start = reference;
             workspace.x.copy_from_slice(&workspace.found[..n]);
         }
         Reply {
             errors: workspace.judge_x(),
-            termination: Termination::Reached,
+            termination: ended,
             iterations,
             attempts,
         }
     }
 
-    /// Of the solutions gathered, the first k that are far enough from those before.
+    /// Of the solutions gathered, the first k that are far enough from those before. `ended` says
+    /// how the gathering did.
     pub(super) fn distinct(
         &self,
         workspace: &mut Workspace,
         k: usize,
         distance: f64,
+        ended: Termination,
     ) -> Vec<Solution> {
         let n = self.joint_count();
         let mut chosen: Vec<Solution> = Vec::new();
@@ -189,7 +201,7 @@ impl Arm {
                     orientation: outcome.orientation_error,
                     reached: true,
                 },
-                termination: Termination::Reached,
+                termination: ended,
                 iterations: outcome.iterations as usize,
                 attempts: 1,
             };

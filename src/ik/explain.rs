@@ -29,6 +29,9 @@ impl Solution {
             counted(self.attempts, "attempt"),
         )?;
         if self.reached {
+            if self.termination == Termination::TimeLimit {
+                write!(text, "; the time limit ended the search for others early")?;
+            }
             text.push('.');
             return Ok(());
         }

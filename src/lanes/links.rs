@@ -32,9 +32,10 @@ pub(crate) struct Link {
 
 /// A chain as links, with the constant ends.
 ///
-/// Inside the solver lengths are counted in `metres_per_length`, the power of two that makes the
-/// chain one to two lengths long: thresholds then mean the same for a chain of any size, and whoever
-/// measures in other units by a power of two gets the same bits.
+/// Inside the solver lengths are counted in `metres_per_length`, so that thresholds mean the same for
+/// a chain of any size. It is the chain's own reach: whoever measures in other units gets the same
+/// numbers but for rounding, and the same bits where the units differ by a power of two. With joints
+/// that slide it is the power of two below, so that their values and limits convert without loss.
 #[derive(Clone, Debug)]
 pub(crate) struct Links {
     pub(crate) links: Vec<Link>,
@@ -106,7 +107,8 @@ impl Links {
             (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
             link.offset_sin_cos = link.offset.sin_cos();
         }
-        let metres_per_length = power_of_two_below(reach(&links));
+        let all_revolute = links.iter().all(|link| link.kind == JointKind::Revolute);
+        let metres_per_length = unit_of_length(reach(&links), all_revolute);
         let lengths_per_metre = metres_per_length.recip();
         base_from_first.translation = base_from_first.translation * lengths_per_metre;
         for link in &mut links {
@@ -114,7 +116,7 @@ impl Links {
             link.along_y *= lengths_per_metre;
         }
         let mut links = Self {
-            all_revolute: links.iter().all(|link| link.kind == JointKind::Revolute),
+            all_revolute,
             links,
             base_from_first,
             last_from_tip,
@@ -200,13 +202,15 @@ fn reach(links: &[Link]) -> f64 {
     lengths.sum()
 }
 
-/// The largest power of two that is not larger; 1 for what has no such.
-fn power_of_two_below(value: f64) -> f64 {
-    if value.is_normal() && value > 1e-200 && value < 1e200 {
-        // The mantissa cleared.
-        f64::from_bits(value.to_bits() & 0x7FF0_0000_0000_0000)
-    } else {
+/// The length of a chain that reaches so far, metres; 1 for one that has none.
+fn unit_of_length(reach: f64, all_revolute: bool) -> f64 {
+    if !(reach.is_normal() && reach > 1e-200 && reach < 1e200) {
         1.0
+    } else if all_revolute {
+        reach
+    } else {
+        // The mantissa cleared: the largest power of two that is not larger.
+        f64::from_bits(reach.to_bits() & 0x7FF0_0000_0000_0000)
     }
 }
 

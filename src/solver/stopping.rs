@@ -126,7 +126,8 @@ pub enum Termination {
     Stalled,
     /// The iteration limit.
     IterationLimit,
-    /// The wall-clock limit.
+    /// The wall-clock limit. Of a solution that is reached: it is one, but the search that compares
+    /// several was cut short.
     TimeLimit,
     /// No solution lies within the moves allowed from the start.
     CannotContinue,

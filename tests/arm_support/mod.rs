@@ -34,6 +34,17 @@ impl Random {
     }
 }
 
+/// How many cases of something: fewer in a debug build, and as many as `KINOPT_CASES` asks for.
+pub fn cases(release: usize, debug: usize) -> usize {
+    let asked = std::env::var("KINOPT_CASES").ok();
+    let usual = if cfg!(debug_assertions) {
+        debug
+    } else {
+        release
+    };
+    asked.map_or(usual, |count| count.parse().unwrap())
+}
+
 pub fn robot(name: &str) -> Robot {
     Robot::read(format!("models/{name}.urdf")).unwrap()
 }

@@ -1,6 +1,10 @@
 //! An answer in terms of the whole model.
 
 use kinopt::Solution;
+use kinopt::arm::Jump;
+use serde::Serialize;
+
+use crate::number_format::six_digits;
 
 /// What came out for one question.
 #[derive(Clone, Debug)]
@@ -13,6 +17,58 @@ pub(super) struct Answer {
     pub(super) solution: Solution,
     /// Time spent solving, in microseconds; none where it was solved together with others.
     pub(super) micros: Option<f64>,
+}
+
+/// What came out for a path.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Path {
+    /// One for each step.
+    pub(super) answers: Vec<Answer>,
+    /// The steps in which a joint moved far; none where nobody looked.
+    pub(super) jumps: Option<Vec<LongStep>>,
+}
+
+/// A step of a path in which a joint moved further than 0.2 rad.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct LongStep {
+    /// The place of its target, from 0.
+    step: usize,
+    /// The joint that moved furthest.
+    pub(super) joint: String,
+    /// How far, in radians; a slide by the metres that weigh as much.
+    pub(super) distance: f64,
+    /// Whether small steps lead there too; if not, the arm flipped to another branch.
+    pub(super) continuous: bool,
+}
+
+impl LongStep {
+    /// A jump of an arm with these joints.
+    pub(super) fn of(jump: &Jump, joints: &[&str]) -> Self {
+        Self {
+            step: jump.step,
+            joint: joints
+                .get(jump.joint)
+                .copied()
+                .unwrap_or_default()
+                .to_owned(),
+            distance: jump.distance,
+            continuous: jump.continuous,
+        }
+    }
+
+    /// A line for people.
+    pub(super) fn text(&self) -> String {
+        let how = match self.continuous {
+            true => "in one piece: a fast motion or a coarse path",
+            false => "a flip, as the branch ends there",
+        };
+        format!(
+            "step {}: `{}` moves by {} rad, {how}",
+            self.step,
+            self.joint,
+            six_digits(self.distance)
+        )
+    }
 }
 
 /// A task of a question, in the order of the solution's tasks.

@@ -103,7 +103,9 @@ pub(crate) struct Arguments {
 
     /// Take --targets as a path: each starts from the answer before it. Default: off.
     ///
-    /// The first starts from the file's first start.
+    /// The first starts from the file's first start. Steps in which a joint moves further than
+    /// 0.2 rad are told (JSON: "jumps" in the summary, "continuous" where it is no flip to another
+    /// branch; robots only).
     #[arg(long, conflicts_with_all = ["targets", "rays"])]
     pub(super) track: bool,
 

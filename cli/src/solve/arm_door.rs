@@ -7,7 +7,7 @@ use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
 use kinopt::model::JointId;
 use kinopt::robot::Robot;
 
-use super::answer::{Answer, AskedTask, Question};
+use super::answer::{Answer, AskedTask, LongStep, Path, Question};
 use super::arguments::Arguments;
 use super::arm_arguments::Moves;
 use super::door::Door;
@@ -167,35 +167,41 @@ impl Door for ArmDoor<'_> {
         self.answer_of(question, desk.solution.clone(), Some(micros))
     }
 
-    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Vec<Answer>> {
+    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Path> {
         let Some(first) = questions.first() else {
-            return Ok(Vec::new());
+            return Ok(Path::default());
         };
         let mut desk = ArmDesk::default();
         self.read_start(&mut desk, first)?;
         let mut follower = self.arm.follower(&desk.q_arm)?;
-        let mut flips = false;
+        let mut jumps = Vec::new();
         let mut steps = Vec::with_capacity(questions.len());
         for question in questions {
             let started = Instant::now();
             let jump = follower.advance(question.base_from_tip, &mut desk.solution)?;
             steps.push((desk.solution.clone(), microseconds(started)));
-            flips |= jump.is_some_and(|jump| !jump.continuous);
+            jumps.extend(jump);
             told();
         }
-        if flips {
+        if jumps.iter().any(|jump| !jump.continuous) {
             // Whoever knows the whole path may find a way round; its steps are timed together.
             let targets: Vec<_> = questions.iter().map(|q| q.base_from_tip).collect();
             let started = Instant::now();
             let track = self.arm.track(&targets, &desk.q_arm)?;
             let each = microseconds(started) / questions.len() as f64;
+            jumps = track.jumps;
             let solutions = track.solutions.into_iter();
             steps = solutions.map(|solution| (solution, each)).collect();
         }
         let answers = steps.into_iter();
-        answers
-            .map(|(solution, micros)| self.answer_of(first, solution, Some(micros)))
-            .collect()
+        let answers =
+            answers.map(|(solution, micros)| self.answer_of(first, solution, Some(micros)));
+        let joints = self.joint_names();
+        let jumps = jumps.iter().map(|jump| LongStep::of(jump, &joints));
+        Ok(Path {
+            answers: answers.collect::<Outcome<_>>()?,
+            jumps: Some(jumps.collect()),
+        })
     }
 
     fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {

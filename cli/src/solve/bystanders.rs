@@ -4,9 +4,8 @@ use kinopt::model::{FrameId, Source};
 
 use crate::loaded_model::LoadedModel;
 
-/// The coordinates of a robot that move none of some frames, which an answer leaves where the start
-/// has them: attempts from elsewhere move every joint. None for a rig, whose whole pose is the
-/// answer.
+/// The coordinates of a robot that move none of some frames, which every solver leaves where the
+/// start has them. None for a rig, whose whole pose is the answer.
 pub(super) fn bystanders(loaded: &LoadedModel, frames: &[FrameId]) -> Vec<usize> {
     if loaded.robot.is_none() {
         return Vec::new();
@@ -31,13 +30,4 @@ pub(super) fn bystanders(loaded: &LoadedModel, frames: &[FrameId]) -> Vec<usize>
         variable(coordinate).is_some_and(|v| !felt.get(v).copied().unwrap_or(true))
     };
     (0..model.degrees_of_freedom()).filter(unfelt).collect()
-}
-
-/// Puts coordinates back to where the start has them.
-pub(super) fn put_back(q: &mut [f64], bystanders: &[usize], start: &[f64]) {
-    for &coordinate in bystanders {
-        if let (Some(value), Some(&at_start)) = (q.get_mut(coordinate), start.get(coordinate)) {
-            *value = at_start;
-        }
-    }
 }

@@ -8,11 +8,10 @@ use kinopt::task::{Point, Quantity, Task};
 use kinopt::{Problem, Solver, Workspace};
 use rayon::prelude::*;
 
-use super::answer::{Answer, AskedTask, Question};
+use super::answer::{Answer, AskedTask, Path, Question};
 use super::arguments::Arguments;
 use super::arm_door::microseconds;
 use super::base::{Base, TargetTask};
-use super::bystanders::{bystanders, put_back};
 use super::door::Door;
 use super::tasks::pinned_tips;
 use crate::failure::Outcome;
@@ -30,7 +29,6 @@ pub(super) struct CoreDoor<'a> {
     tip_name: String,
     turns: bool,
     held: Vec<(String, FrameId)>,
-    bystanders: Vec<usize>,
 }
 
 /// The problem and the memory of one thread.
@@ -51,14 +49,12 @@ impl<'a> CoreDoor<'a> {
     ) -> Outcome<Self> {
         let tip = loaded.frame(tip_name, BareName::Tip)?;
         let base = Base::named(loaded, base)?;
-        let frames: Vec<FrameId> = base.moving_frame().into_iter().chain([tip]).collect();
         Ok(Self {
             loaded,
             solver: arguments.general_solver(),
             derivatives: arguments.derivatives(),
             tolerances: arguments.tolerances(loaded),
             base,
-            bystanders: bystanders(loaded, &frames),
             tip,
             tip_name: tip_name.to_owned(),
             turns,
@@ -123,17 +119,15 @@ impl Door for CoreDoor<'_> {
             .solver
             .solve(&desk.problem, &question.start, &mut desk.workspace)?;
         let micros = microseconds(started);
-        let mut q = solution.q.clone();
-        put_back(&mut q, &self.bystanders, &question.start);
         Ok(Answer {
-            q,
+            q: solution.q.clone(),
             alternatives: Vec::new(),
             solution: solution.clone(),
             micros: Some(micros),
         })
     }
 
-    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Vec<Answer>> {
+    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Path> {
         let mut desk = self.desk()?;
         let mut answers: Vec<Answer> = Vec::with_capacity(questions.len());
         for question in questions {
@@ -144,7 +138,10 @@ impl Door for CoreDoor<'_> {
             answers.push(self.answer(&mut desk, &question)?);
             told();
         }
-        Ok(answers)
+        Ok(Path {
+            answers,
+            jumps: None,
+        })
     }
 
     fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {

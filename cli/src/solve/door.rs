@@ -1,6 +1,6 @@
 //! Who answers questions about one frame: the arm's front door or the general solvers.
 
-use super::answer::{Answer, AskedTask, Question};
+use super::answer::{Answer, AskedTask, Path, Question};
 use crate::failure::Outcome;
 
 /// Answers one question after another, with memory that each thread has its own of.
@@ -15,7 +15,7 @@ pub(super) trait Door: Sync {
 
     /// Answers questions each of which starts from the answer to the one before; the start of the
     /// first counts. `told` hears of every step.
-    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Vec<Answer>>;
+    fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Path>;
 
     /// Answers all questions together, on the threads of the current pool where `parallel`. Returns
     /// the microseconds that took.

@@ -104,10 +104,8 @@ fn by_general_solver(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Ans
     let solution = solver.solve_observed(&asked.problem, &start, &mut workspace, &mut progress)?;
     let micros = microseconds(started);
     progress.finish();
-    let mut q = solution.q.clone();
-    bystanders::put_back(&mut q, &asked.bystanders, &start);
     let answer = Answer {
-        q,
+        q: solution.q.clone(),
         alternatives: Vec::new(),
         solution: solution.clone(),
         micros: Some(micros),

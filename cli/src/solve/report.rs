@@ -1,6 +1,6 @@
 //! What came out, for people and for programs.
 
-use kinopt::ik::Side;
+use kinopt::ik::{BoundKind, Side};
 use serde::Serialize;
 
 use super::answer::{Answer, AskedTask};
@@ -57,6 +57,8 @@ struct TaskDocument<'a> {
 struct LimitDocument<'a> {
     joint: &'a str,
     side: &'static str,
+    /// `limit` of the joint, or end of its allowed `move`.
+    kind: &'static str,
     /// In radians or metres.
     value: f64,
 }
@@ -93,6 +95,10 @@ impl<'a> Report<'a> {
         let limits = solution.active_limits().map(|limit| LimitDocument {
             joint: limit.joint,
             side: side(limit.side),
+            kind: match limit.kind {
+                BoundKind::Limit => "limit",
+                BoundKind::Move => "move",
+            },
             value: limit.value,
         });
         Document {

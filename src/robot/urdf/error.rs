@@ -132,6 +132,17 @@ pub enum Fault {
         /// revolute or prismatic.
         kind: &'static str,
     },
+    /// A revolute or prismatic joint with one limit. Before URDF 1.2 the other one would be 0, from
+    /// then on there would be none; as most often it was forgotten, neither is taken silently.
+    #[error(
+        "`{missing}` is missing, and a {kind} joint needs both limits; if zero is meant, write it"
+    )]
+    OneLimit {
+        /// revolute or prismatic.
+        kind: &'static str,
+        /// lower or upper.
+        missing: &'static str,
+    },
     /// Limits out of order.
     #[error("lower limit {lower} is above upper limit {upper}")]
     LimitsOutOfOrder {

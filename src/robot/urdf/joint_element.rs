@@ -87,7 +87,7 @@ pub(super) fn read(
             return Err(place.fault(axis.range().start, label, Fault::NoDirection));
         }
     }
-    check_limit(place, limit, (named.at, &label), kind, version)?;
+    check_limit(place, limit, (named.at, &label), kind)?;
     let master = match mimic {
         Some(mimic) => {
             let label = format!("{label}, <mimic>");
@@ -137,7 +137,6 @@ fn check_limit(
     limit: Option<Node<'_, '_>>,
     (joint_at, joint_label): (usize, &str),
     kind: &'static str,
-    version: Version,
 ) -> Result<(), UrdfError> {
     let bounded = matches!(kind, "revolute" | "prismatic");
     let no_limits = Fault::NoLimits { kind };
@@ -158,13 +157,13 @@ fn check_limit(
     if !bounded {
         return Ok(());
     }
-    // One missing end is 0 by the standard before 1.2 and no limit from then on; both missing is
-    // [0, 0] there, a joint that cannot move, which nobody means.
+    let one_limit = |missing| Fault::OneLimit { kind, missing };
     let ([lower], [upper]) = match (lower, upper) {
         (Some(lower), Some(upper)) => (lower, upper),
-        (Some(lower), None) if version < Version(1, 2) => (lower, [0.0]),
-        (None, Some(upper)) if version < Version(1, 2) => ([0.0], upper),
-        _ => return Err(place.fault(at, label, no_limits)),
+        (Some(_), None) => return Err(place.fault(at, label, one_limit("upper"))),
+        (None, Some(_)) => return Err(place.fault(at, label, one_limit("lower"))),
+        // [0, 0] by the standard before 1.2: a joint that cannot move, which nobody means.
+        (None, None) => return Err(place.fault(at, label, no_limits)),
     };
     if lower > upper {
         return Err(place.fault(at, label, Fault::LimitsOutOfOrder { lower, upper }));

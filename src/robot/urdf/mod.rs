@@ -31,8 +31,7 @@ impl Robot {
     /// Links become frames; every joint keeps its name; a configuration lists the moving joints in
     /// the order of the file. Meshes, masses and extensions are not looked at, so `package://` paths
     /// need no ROS. `mimic` joints follow their master, and their limits restrict it. An axis need
-    /// not be of unit length, and is x where none is given. A missing `lower` or `upper` (not both)
-    /// is 0, as the standard says.
+    /// not be of unit length, and is x where none is given. A missing `lower` or `upper` is an error.
     ///
     /// ```
     /// use kinopt::robot::Robot;

@@ -8,7 +8,7 @@ use kinopt::robot::Robot;
 use rayon::prelude::*;
 
 use self::summary::Outcomes;
-use super::answer::{Answer, Question};
+use super::answer::{Answer, Path as SolvedPath, Question};
 use super::arguments::Arguments;
 use super::arm_door::ArmDoor;
 use super::core_door::CoreDoor;
@@ -138,6 +138,10 @@ fn columns(
 
 /// Asks the door in the way that the arguments say.
 fn solve(door: &impl Door, arguments: &Arguments, questions: &[Question]) -> Outcome<Outcomes> {
+    let alone = |answers| SolvedPath {
+        answers,
+        jumps: None,
+    };
     let tasks = door.tasks();
     let threads = arguments.threads.map(usize::from);
     let pool = threads.map(|threads| {
@@ -145,22 +149,24 @@ fn solve(door: &impl Door, arguments: &Arguments, questions: &[Question]) -> Out
         builder.build()
     });
     let pool = pool.transpose()?;
-    let (answers, batch_micros) = if arguments.batch {
+    let (path, batch_micros) = if arguments.batch {
         let (answers, micros) = match &pool {
             Some(pool) => pool.install(|| door.batch(questions, true))?,
             None => door.batch(questions, false)?,
         };
-        (answers, Some(micros))
+        (alone(answers), Some(micros))
     } else if arguments.track {
         let countdown = Countdown::new(questions.len(), "targets");
-        let answers = door.path(questions, &|| countdown.one_more());
+        let path = door.path(questions, &|| countdown.one_more());
         countdown.finish();
-        (answers?, None)
+        (path?, None)
     } else {
-        (one_at_a_time(door, questions, pool.as_ref())?, None)
+        let answers = one_at_a_time(door, questions, pool.as_ref())?;
+        (alone(answers), None)
     };
     Ok(Outcomes {
-        answers,
+        answers: path.answers,
+        jumps: path.jumps,
         tasks,
         batch_micros,
     })

@@ -2,18 +2,20 @@
 
 use serde::Serialize;
 
-use super::super::answer::{Answer, AskedTask};
+use super::super::answer::{Answer, AskedTask, LongStep};
 use super::super::report::{self, Report};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::magnitude;
 
-/// How many misses are explained to people.
+/// How many misses and jumps are explained to people.
 const EXPLAINED: usize = 3;
 
 /// Answers in the order of the targets.
 pub(super) struct Outcomes {
     pub(super) answers: Vec<Answer>,
     pub(super) tasks: Vec<AskedTask>,
+    /// Of a path: the steps in which a joint moved far.
+    pub(super) jumps: Option<Vec<LongStep>>,
     /// The time for all together, in microseconds, where they were solved together.
     pub(super) batch_micros: Option<f64>,
 }
@@ -24,12 +26,12 @@ pub(super) struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<&'a str>>,
     solutions: Vec<report::Document<'a>>,
-    summary: Summary,
+    summary: Summary<'a>,
 }
 
 /// Times are in microseconds for one target.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct Summary {
+struct Summary<'a> {
     solved: usize,
     total: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -37,6 +39,9 @@ struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     micros_p99: Option<f64>,
     micros_mean: f64,
+    /// With --track: steps in which a joint moved further than 0.2 rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jumps: Option<&'a [LongStep]>,
 }
 
 impl Outcomes {
@@ -57,7 +62,7 @@ impl Outcomes {
         }
     }
 
-    fn summary(&self) -> Summary {
+    fn summary(&self) -> Summary<'_> {
         let total = self.answers.len();
         let mut micros: Vec<f64> = self.answers.iter().filter_map(|a| a.micros).collect();
         micros.sort_by(f64::total_cmp);
@@ -68,6 +73,7 @@ impl Outcomes {
             micros_median: median(&micros),
             micros_p99: percentile(&micros, 99),
             micros_mean: all / total.max(1) as f64,
+            jumps: self.jumps.as_deref(),
         }
     }
 
@@ -87,6 +93,7 @@ impl Outcomes {
         if let Some(worst) = self.worst_errors(loaded) {
             text.push_str(&format!("errors    at most {worst} where solved\n"));
         }
+        text.push_str(&self.told_jumps());
         let misses = self.answers.iter().enumerate();
         let misses = misses.filter(|(_, answer)| !answer.solution.reached);
         let count = summary.total - summary.solved;
@@ -105,6 +112,27 @@ impl Outcomes {
                 let explanation = answer.solution.explain().replace('\n', "\n    ");
                 text.push_str(&format!("  target {index}: {explanation}\n"));
             }
+        }
+        text
+    }
+
+    /// Whether a path stayed in one piece.
+    fn told_jumps(&self) -> String {
+        let Some(jumps) = &self.jumps else {
+            return String::new();
+        };
+        let mut text = match jumps.len() {
+            0 => "jumps     none: no joint moves further than 0.2 rad in a step\n".to_owned(),
+            1 => "jumps     1 step in which a joint moves further than 0.2 rad\n".to_owned(),
+            count => {
+                format!("jumps     {count} steps in which a joint moves further than 0.2 rad\n")
+            }
+        };
+        for jump in jumps.iter().take(EXPLAINED) {
+            text.push_str(&format!("          {}\n", jump.text()));
+        }
+        if jumps.len() > EXPLAINED {
+            text.push_str("          … (all with --json)\n");
         }
         text
     }
