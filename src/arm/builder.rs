@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::answer::QUICK;
-use super::configuration::Coordinates;
+use super::coordinates::Coordinates;
 use super::options::{Options, Search};
 use super::query::Arm;
 use super::route;

@@ -26,6 +26,7 @@ mod answer;
 mod batch;
 mod builder;
 mod configuration;
+mod coordinates;
 mod core_route;
 mod error;
 mod follower;

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use super::configuration::Coordinates;
+use super::coordinates::Coordinates;
 use super::options::Options;
 use super::serial::Serial;
 use super::workspace::Workspace;

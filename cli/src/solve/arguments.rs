@@ -12,8 +12,8 @@ use kinopt::skinning::SkinningMethod;
 use kinopt::solver::Stopping;
 
 use super::arm_arguments::ArmArguments;
-use super::arm_door::ArmDoor;
 use crate::failure::{Failure, Outcome};
+use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::MeshFile;
 use crate::method_choice::{self, JacobianRoute};
@@ -274,14 +274,18 @@ impl Arguments {
         }
     }
 
-    /// Where the search starts, within the limits.
-    pub(super) fn start(&self, loaded: &LoadedModel, arm: Option<&ArmDoor>) -> Outcome<Vec<f64>> {
+    /// Where the search starts, within the limits; `arm` has the columns of an arm's own joints, which
+    /// may be typed alone.
+    pub(super) fn start(
+        &self,
+        loaded: &LoadedModel,
+        arm: Option<JointColumns>,
+    ) -> Outcome<Vec<f64>> {
         let start = match &self.start {
             Start::Rest => return Ok(loaded.rest()),
             Start::Random => loaded.model.random_configuration(self.rng_seed),
             Start::Numbers(numbers) => {
-                let columns = arm.map(ArmDoor::columns);
-                let columns = columns.filter(|columns| {
+                let columns = arm.filter(|columns| {
                     numbers.len() == columns.width()
                         && numbers.len() != loaded.model.degrees_of_freedom()
                 });

@@ -80,7 +80,7 @@ fn by_arm(loaded: &LoadedModel, robot: &Robot, arguments: &Arguments) -> Outcome
     let door = ArmDoor::new(loaded, robot, arguments, base, &target.frame, turns)?;
     let question = Question {
         base_from_tip: target.placement(),
-        start: arguments.start(loaded, Some(&door))?,
+        start: arguments.start(loaded, Some(door.columns()))?,
     };
     let mut desk = door.desk()?;
     let ends = [Some(target.frame.as_str()), base].into_iter().flatten();

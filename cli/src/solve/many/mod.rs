@@ -88,7 +88,7 @@ fn questions(
     let named = named.map(|names| loaded.joint_columns(names)).transpose();
     let named = named.map_err(|problem| fail(format!("joint_names: {problem}")))?;
     let starts = match &file.starts {
-        None => vec![arguments.start(loaded, arm)?; file.targets.len()],
+        None => vec![arguments.start(loaded, arm.map(ArmDoor::columns))?; file.targets.len()],
         Some(rows) => {
             let width = rows.first().map_or(0, Vec::len);
             let columns = match named {
