@@ -6,8 +6,8 @@ mod support;
 
 use glam::{Affine3A, Vec3, Vec4};
 use kinopt::skinning::{
-    Deformation, DualQuaternionBlend, LinearBlend, PackedDualQuaternionBlend, PackedLinearBlend,
-    PackedWeights, SkinWeights, SkinningError, WeightsError,
+    Deformation, DualQuaternionBlend, LinearBlend, MeshWeights, PackedDualQuaternionBlend,
+    PackedLinearBlend, PackedWeights, SkinWeights, SkinningError, SkinningMethod, WeightsError,
 };
 use support::random::Random;
 use support::skins::{Vertices, rigid, stretching, weights};
@@ -188,4 +188,24 @@ fn a_pose_set_anew_is_the_pose_built_anew() {
     let anew = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
     assert!(rest.deformed(&dqs) == rest.deformed(&anew));
     assert!(rest.deformed(&dqs.portable()) == rest.deformed(&anew.portable()));
+}
+
+#[test]
+fn a_mesh_is_posed_alike_by_whichever_path_fits() {
+    let mut random = Random::new(41);
+    let positions = Vertices::random(&mut random, 1001).positions;
+    let mesh = kinopt::mesh::TriangleMesh::new(positions, vec![], vec![]).unwrap();
+    let transforms: Vec<Affine3A> = (0..BONES).map(|_| rigid(&mut random)).collect();
+    for (most, packed) in [(4, true), (7, false)] {
+        let weights = weights(&mut random, 1001, BONES, most);
+        let ready = MeshWeights::from(weights.clone());
+        assert_eq!(ready.is_packed(), packed, "{most} influences");
+        for method in SkinningMethod::ALL {
+            let posed = ready.mesh(method, &mesh, &transforms).unwrap();
+            let expected = method.mesh(&mesh, &weights, &transforms).unwrap();
+            for (a, b) in posed.positions().iter().zip(expected.positions()) {
+                assert!((*a - *b).length() < 3e-6, "{method}: {a} {b}");
+            }
+        }
+    }
 }

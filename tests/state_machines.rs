@@ -281,7 +281,7 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
     refused(
         r#""jump": "trigger""#,
         r#""jump": "event""#,
-        &["parameters"],
+        &["parameters", "`true` or `false`", "\"trigger\""],
     );
     refused(r#""speed": 2.0"#, r#""speed": 1e999"#, &["machine.json"]);
     refused(

@@ -6,10 +6,11 @@ use kinopt::io::ply::PlyEncoding;
 use kinopt::io::{obj, ply};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
-use kinopt::skinning::{SkinWeights, SkinningMethod, single_precision_transform};
+use kinopt::skinning::{AutomaticWeights, MeshWeights, SkinningMethod, single_precision_transform};
 
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
+use crate::output;
 
 /// `--out`: where to write, and as what.
 #[derive(Clone, Debug)]
@@ -71,27 +72,43 @@ impl MeshFile {
 }
 
 /// A mesh that bones move.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Skin<'a> {
     skeleton: &'a Skeleton,
     mesh: &'a TriangleMesh,
-    weights: &'a SkinWeights,
+    weights: MeshWeights,
 }
 
 impl LoadedModel {
-    /// The model's mesh and its weights, both of which posing it needs.
+    /// The model's mesh and its weights, both of which posing it needs. A mesh without weights gets
+    /// them by distance, which is said.
     pub(crate) fn skin(&self) -> Outcome<Skin<'_>> {
-        let lacks = |what: &str| {
-            let (file, kind) = (&self.file, self.kind());
+        let (file, kind) = (&self.file, self.kind());
+        let lacks = || {
             Failure::new(format!(
-                "{file}: --out needs {what}, and the {kind} has none"
+                "{file}: --out needs a mesh, and the {kind} has none"
             ))
         };
-        let rig = self.rig.as_ref().ok_or_else(|| lacks("a mesh"))?;
+        let rig = self.rig.as_ref().ok_or_else(lacks)?;
+        let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;
+        let weights = match &rig.weights {
+            Some(weights) => weights.clone(),
+            None => {
+                let made = AutomaticWeights::default().for_skeleton(mesh, &rig.skeleton);
+                let weights = made.map_err(|error| {
+                    let problem = "it has no skin weights, and none can be made up";
+                    Failure::new(format!("{file}: {problem}: {error}"))
+                })?;
+                output::message(&format!(
+                    "{file} has no skin weights: each vertex follows the bones nearest to it"
+                ));
+                weights
+            }
+        };
         Ok(Skin {
             skeleton: &rig.skeleton,
-            mesh: rig.mesh.as_ref().ok_or_else(|| lacks("a mesh"))?,
-            weights: rig.weights.as_ref().ok_or_else(|| lacks("skin weights"))?,
+            mesh,
+            weights: weights.into(),
         })
     }
 }
@@ -102,6 +119,6 @@ impl Skin<'_> {
         let pose = self.skeleton.pose(q);
         let transforms = pose.skinning_transforms(self.skeleton);
         let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
-        Ok(method.mesh(self.mesh, self.weights, &transforms)?)
+        Ok(self.weights.mesh(method, self.mesh, &transforms)?)
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{SkinWeights, SkinningMethod, TwistedTube};
+use kinopt::skinning::{MeshWeights, SkinningMethod, TwistedTube};
 use kinopt_charts::{Axis, Chart, Figure};
 use serde::Serialize;
 
@@ -132,14 +132,14 @@ fn table(rows: &[Row]) -> String {
 struct Subject {
     tube: TwistedTube,
     rest: TriangleMesh,
-    weights: SkinWeights,
+    weights: MeshWeights,
     volume: f64,
 }
 
 impl Subject {
     fn new(tube: TwistedTube) -> Outcome<Self> {
         let rest = tube.mesh()?;
-        let weights = tube.weights()?;
+        let weights = tube.weights()?.into();
         let volume = rest.signed_volume();
         Ok(Self {
             tube,
@@ -151,7 +151,7 @@ impl Subject {
 
     fn posed(&self, method: SkinningMethod, degrees: f64) -> Outcome<TriangleMesh> {
         let transforms = TwistedTube::transforms(degrees.to_radians());
-        Ok(method.mesh(&self.rest, &self.weights, &transforms)?)
+        Ok(self.weights.mesh(method, &self.rest, &transforms)?)
     }
 
     fn kept(&self, method: SkinningMethod, degrees: f64) -> Outcome<Kept> {

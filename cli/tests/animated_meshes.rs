@@ -187,12 +187,12 @@ fn what_cannot_be_animated_is_said() {
         &["still.json", "keyframes"],
     );
     let mut bare = rig();
-    bare.weights = None;
+    (bare.weights, bare.mesh) = (None, None);
     let bare = folder.write("bare.json", &bare);
     refused(
         &["animate", &bare, "--time=1", "--out", &file],
         1,
-        &["skin weights"],
+        &["bare.json", "a mesh"],
     );
     let blocked = folder.file("rig.json/frames");
     refused(
@@ -200,4 +200,27 @@ fn what_cannot_be_animated_is_said() {
         1,
         &["cannot be made"],
     );
+}
+
+#[test]
+fn a_mesh_without_weights_follows_the_nearest_bones() {
+    let folder = Folder::new("animate-no-weights");
+    let mut bare = rig();
+    bare.weights = None;
+    let bare = folder.write("bare.json", &bare);
+    let out = folder.file("posed.ply");
+    let output = kinopt(&["animate", &bare, "--time=2.3", "--out", &out]);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    assert!(message.contains("bare.json") && message.contains("no skin weights"));
+    // The skin goes with the limbs it is on, within its own thickness at the joints.
+    let posed = ply::read(&out).unwrap();
+    let rest = rig().mesh.unwrap();
+    let expected = expected(2.3, Playback::Hold);
+    let off = |got: &[Vec3]| -> f32 {
+        let each = got.iter().zip(&expected);
+        each.map(|(got, expected)| got.distance(*expected)).sum()
+    };
+    let (posed, still) = (off(posed.positions()), off(rest.positions()));
+    assert!(posed < 0.25 * still, "off by {posed}, at rest by {still}");
 }

@@ -154,8 +154,6 @@ fn what_cannot_be_done_is_one() {
         &["--time", "keyframes"],
     );
     let out = folder.file("posed.obj");
-    let words = ["--out", "skin weights", "bare.json"];
-    refused(&["solve", &bare_file, TARGET, "--out", &out], 1, &words);
     bare.mesh = None;
     let meshless = folder.write("meshless.json", &bare);
     refused(

@@ -6,6 +6,8 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use nalgebra as na;
 
+use crate::spatial::Polar;
+
 /// An affine map as translation · rotation · stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decomposition {
@@ -24,43 +26,22 @@ pub struct Decomposition {
 pub struct NotFinite;
 
 impl Decomposition {
-    /// The polar decomposition M = Q S of the linear part, by its singular values: with M = U Σ Vᵀ,
-    /// Q = U Vᵀ and S = V Σ Vᵀ. Singular maps have one as well.
+    /// The polar decomposition M = Q S of the linear part, by its singular values. Singular maps have
+    /// one as well.
     ///
     /// # Errors
     /// [`NotFinite`].
     pub fn new(map: &DAffine3) -> Result<Self, NotFinite> {
-        if !map.is_finite() {
-            return Err(NotFinite);
-        }
         let linear = na::Matrix3::from_column_slice(&map.matrix3.to_cols_array());
-        // Scaled, so that no square overflows.
-        let scale = linear.amax();
-        let unit = if scale > 0.0 { linear / scale } else { linear };
-        let svd = unit.svd(true, true);
-        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-            return Err(NotFinite);
-        };
-        let mut rotation = u * v_t;
-        let mut stretch = v_t.transpose() * na::Matrix3::from_diagonal(&svd.singular_values) * v_t;
-        if rotation.determinant() < 0.0 {
-            // As the paper has it: −1 commutes with everything, so the sign goes to the stretch.
-            // A singular map has the choice, and takes the rotation with a stretch that is not negative.
-            if unit.determinant() < 0.0 {
-                rotation = -rotation;
-                stretch = -stretch;
-            } else {
-                let flat = svd.singular_values.imin();
-                let mut u = u;
-                u.column_mut(flat).neg_mut();
-                rotation = u * v_t;
-            }
-        }
+        let polar = Polar::new(&linear).filter(|_| map.is_finite());
+        let Polar {
+            rotation, stretch, ..
+        } = polar.ok_or(NotFinite)?;
         let columns = |m: na::Matrix3<f64>| DMat3::from_cols_slice(m.as_slice());
         Ok(Self {
             translation: map.translation,
             rotation: DQuat::from_mat3(&columns(rotation)).normalize(),
-            stretch: columns(stretch * scale),
+            stretch: columns(stretch),
         })
     }
 

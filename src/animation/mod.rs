@@ -3,6 +3,7 @@
 mod affine;
 mod blend;
 mod clip;
+mod crowd;
 pub mod curve;
 mod easing;
 mod euler_clip;
@@ -19,6 +20,7 @@ pub use clip::{
     Channel, ChannelError, Clip, ClipBuilder, Cursor, EulerCurve, Event, Fired, Passage, Playhead,
     Property,
 };
+pub use crowd::{Character, Crowd, PlayingClip};
 pub use easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
 pub use euler_sampling::SampleError;

@@ -1,9 +1,11 @@
 //! The transforms of a pose as dual quaternions, with what they stretch apart.
 
 use glam::{Affine3A, DMat3, Mat3A, Vec3, Vec3A};
+use nalgebra as na;
 
 use super::bone_transform::{check, is_rotation};
 use super::{DualQuaternion, SkinningError};
+use crate::spatial::Polar;
 
 /// Each bone's rigid motion, and where a pose stretches, what is done before it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,7 +42,7 @@ impl BoneMotions {
 
     /// T = (rigid motion) · (stretch about the bone's pivot): with the polar decomposition M = R S of
     /// the linear part and the pivot c, the stretch is v → S (v − c) + c and the rigid motion is
-    /// v → R v + T c − R c (Kavan et al. 2008, section 4.2, two phases).
+    /// v → R v + T c − R c (the two phases of Kavan et al. 2008).
     pub(super) fn stretched(
         transforms: &[Affine3A],
         pivots: &[Vec3],
@@ -74,25 +76,13 @@ impl BoneMotions {
     }
 }
 
-/// M = R S with R a rotation and S symmetric, by singular values; `None` when det M ≤ 0.
+/// A smallest stretch below this share of the largest is none: the map is flat.
+const FLAT: f64 = 1e-9;
+
+/// M = R S with R a rotation and S symmetric; `None` for a map that is flat or mirrors.
 fn polar(matrix: &Mat3A) -> Option<(Mat3A, Mat3A)> {
-    let wide = DMat3::from_cols(
-        matrix.x_axis.as_dvec3(),
-        matrix.y_axis.as_dvec3(),
-        matrix.z_axis.as_dvec3(),
-    );
-    let m = nalgebra::Matrix3::from_column_slice(&wide.to_cols_array());
-    let svd = m.svd(true, true);
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    let flat = svd.singular_values.min() <= 1e-9 * svd.singular_values.max();
-    if flat || m.determinant() <= 0.0 {
-        return None;
-    }
-    let rotation = u * v_t;
-    let stretch = v_t.transpose() * nalgebra::Matrix3::from_diagonal(&svd.singular_values) * v_t;
-    let narrow = |m: nalgebra::Matrix3<f64>| {
-        let columns: [f64; 9] = m.data.as_slice().try_into().unwrap_or_default();
-        Mat3A::from_cols_array(&columns.map(|entry| entry as f32))
-    };
-    Some((narrow(rotation), narrow(stretch)))
+    let wide = matrix.to_cols_array().map(f64::from);
+    let polar = Polar::new(&na::Matrix3::from_column_slice(&wide))?;
+    let narrow = |m: na::Matrix3<f64>| Mat3A::from(DMat3::from_cols_slice(m.as_slice()).as_mat3());
+    (polar.thickness > FLAT).then(|| (narrow(polar.rotation), narrow(polar.stretch)))
 }

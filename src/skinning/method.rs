@@ -37,7 +37,8 @@ impl SkinningMethod {
     }
 
     /// The posed mesh, any number of influences: positions, and normals where the mesh has them.
-    /// Transforms are one per bone, rest model → posed model.
+    /// Transforms are one per bone, rest model → posed model. For many poses of one mesh
+    /// [`MeshWeights`](super::MeshWeights) are faster.
     ///
     /// # Errors
     /// Counts disagree, a number is not finite, or a transform is not rigid where it must be.

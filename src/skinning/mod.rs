@@ -3,7 +3,7 @@
 //! - Bones: [`SkinWeights`] (given, or by [`AutomaticWeights`]) and a transform per bone, by
 //!   [`LinearBlend`] or [`DualQuaternionBlend`]; both are [`Deformation`]s.
 //! - The fast path for four influences: [`PackedWeights`], [`PackedLinearBlend`],
-//!   [`PackedDualQuaternionBlend`].
+//!   [`PackedDualQuaternionBlend`]. [`MeshWeights`] take it where they can.
 //! - Points: [`PointHandle`]s, whose transforms move skin as those of bones do.
 //! - Cages: [`CageBinding`], by mean-value coordinates.
 //! - [`MorphTargets`] shape the mesh at rest, before any of these.
@@ -20,6 +20,7 @@ mod dual_quaternion_blend;
 mod error;
 mod linear_blend;
 mod mean_value;
+mod mesh_weights;
 mod method;
 mod morph;
 mod packed;
@@ -38,6 +39,7 @@ pub use dual_quaternion::DualQuaternion;
 pub use dual_quaternion_blend::DualQuaternionBlend;
 pub use error::SkinningError;
 pub use linear_blend::LinearBlend;
+pub use mesh_weights::MeshWeights;
 pub use method::{SkinningMethod, UnknownSkinning};
 pub use morph::{MorphError, MorphTarget, MorphTargets};
 pub use packed::{PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights};

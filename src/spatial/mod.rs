@@ -5,10 +5,12 @@
 
 mod matrix;
 mod placement;
+mod polar;
 mod rotation;
 mod vector;
 
 pub use matrix::Matrix3;
 pub use placement::Placement;
+pub(crate) use polar::Polar;
 pub use rotation::{Quaternion, rotation_exp, rotation_log, rotation_log_jacobian};
 pub use vector::Vector3;

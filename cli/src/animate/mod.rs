@@ -31,7 +31,8 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The rig's .json file, with keyframes, a mesh and skin weights.
+    /// The rig's .json file, with keyframes and a mesh. Where it has no skin weights, each vertex
+    /// follows the bones nearest to it.
     #[arg(value_name = "RIG")]
     rig: PathBuf,
 

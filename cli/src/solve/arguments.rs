@@ -189,7 +189,8 @@ pub(crate) struct Arguments {
 
     /// Write the mesh in the pose found, as .obj or .ply. Default: not written.
     ///
-    /// It needs a rig with a mesh and skin weights.
+    /// It needs a rig with a mesh; where there are no skin weights, each vertex follows the bones
+    /// nearest to it.
     #[arg(long, value_name = "FILE", value_parser = MeshFile::parse)]
     pub(super) out: Option<MeshFile>,
 

@@ -108,6 +108,14 @@ impl Clip {
         self.constant.bones()
     }
 
+    /// Whether it is for an armature of this one's size.
+    pub(in crate::animation) fn check_armature(
+        &self,
+        armature: &Armature,
+    ) -> Result<(), SizeMismatch> {
+        armature.rest().check_same_size(&self.constant)
+    }
+
     /// Writes the whole pose at `elapsed` seconds after the clip's start, taken into its span by
     /// `playback`. NaN counts as the start. Rotations run at constant angular speed between linear
     /// keys (slerp, not nlerp); at key times all values are the keys' to rounding.

@@ -1,7 +1,7 @@
 //! Kochanek-Bartels (TCB) tangents: easing at keys by three numbers.
 //!
 //! Kochanek & Bartels 1984, "Interpolating splines with local tension, continuity, and bias
-//! control", eqs. 8 and 9, with the correction of speed for keys at uneven times.
+//! control", with the correction of speed for keys at uneven times.
 
 use super::CurveValue;
 

@@ -1,7 +1,7 @@
 //! A rotation curve with given angular velocities at its ends, for keys at uneven times.
 //!
 //! Kim, Kim & Shin 1995, "A general construction scheme for unit quaternion curves with simple high
-//! order derivatives", section 4.3: the cumulative Bernstein form of a cubic, with products of
+//! order derivatives": the cumulative Bernstein form of a cubic, with products of
 //! exponentials for its sums.
 
 use glam::{Quat, Vec3};

@@ -48,7 +48,10 @@ pub struct StateMachineDefinition {
 
 /// What kind of value a parameter has, and what it is at first.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a parameter is `true` or `false`, a number, or \"trigger\""
+)]
 pub enum ParameterDefault {
     /// A flag: `true` or `false`.
     Flag(bool),

@@ -1,0 +1,127 @@
+//! Many characters of one armature, a frame at a time.
+
+mod character;
+
+pub use character::{Character, PlayingClip};
+
+use super::{Armature, Limb, Pose, SizeMismatch};
+
+/// How many characters one thread takes at a time at least: enough to hide what handing them over
+/// costs.
+#[cfg(feature = "rayon")]
+const CHARACTERS_AT_A_TIME: usize = 8;
+
+/// Characters that share an armature and the limbs that reach for goals. A frame of one samples its
+/// clips, blends them, brings its limbs to their goals, and places its bones in the model.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use kinopt::animation::{Armature, ArmatureBone, Clip, Crowd, LocalTransform, PlayingClip};
+///
+/// let hips = ArmatureBone { name: "hips".into(), parent: None, rest: LocalTransform::IDENTITY };
+/// let armature = Armature::new(vec![hips], Vec::new())?;
+/// let walk = Arc::new(Clip::builder("walk", &armature).build());
+///
+/// let mut crowd = Crowd::new(armature, Vec::new());
+/// for number in 0..100 {
+///     let mut walking = PlayingClip::new(Arc::clone(&walk));
+///     walking.playhead.speed = 1.0 + 0.01 * f64::from(number);
+///     crowd.add(vec![walking])?;
+/// }
+/// crowd.advance(1.0 / 60.0)?;
+/// assert_eq!(crowd.characters()[7].model_from_bone().len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Crowd {
+    armature: Armature,
+    limbs: Vec<Limb>,
+    characters: Vec<Character>,
+    /// Where clips after the first are sampled.
+    other: Pose,
+}
+
+impl Crowd {
+    /// Nobody yet. The limbs are of the armature; each character has a goal for each.
+    #[must_use]
+    pub fn new(armature: Armature, limbs: Vec<Limb>) -> Self {
+        Self {
+            other: armature.rest().clone(),
+            characters: Vec::new(),
+            armature,
+            limbs,
+        }
+    }
+
+    /// Adds a character that plays these clips, in the rest pose until it is advanced. Its limbs'
+    /// goals have weight 0.
+    ///
+    /// # Errors
+    /// A clip is of another armature's size.
+    pub fn add(&mut self, clips: Vec<PlayingClip>) -> Result<&mut Character, SizeMismatch> {
+        for playing in &clips {
+            playing.check(&self.armature)?;
+        }
+        let character = Character::new(&self.armature, self.limbs.len(), clips);
+        self.characters.push(character);
+        let last = self.characters.len() - 1;
+        Ok(&mut self.characters[last])
+    }
+
+    /// What the characters are made of.
+    #[must_use]
+    pub fn armature(&self) -> &Armature {
+        &self.armature
+    }
+
+    /// The characters, in the order they were added.
+    #[must_use]
+    pub fn characters(&self) -> &[Character] {
+        &self.characters
+    }
+
+    /// The same, to change what they play and reach for.
+    pub fn characters_mut(&mut self) -> &mut [Character] {
+        &mut self.characters
+    }
+
+    /// Goes on by so many seconds. Allocates nothing after the first frame.
+    ///
+    /// # Errors
+    /// A character was swapped with one of another crowd, whose armature has another size.
+    pub fn advance(&mut self, seconds: f64) -> Result<(), SizeMismatch> {
+        let Self {
+            armature,
+            limbs,
+            characters,
+            other,
+        } = self;
+        characters
+            .iter_mut()
+            .try_for_each(|own| own.advance(armature, limbs, seconds, other))
+    }
+
+    /// As [`advance`](Self::advance), over the threads of the current rayon pool, with the same
+    /// bits.
+    ///
+    /// # Errors
+    /// As there.
+    #[cfg(feature = "rayon")]
+    pub fn advance_parallel(&mut self, seconds: f64) -> Result<(), SizeMismatch> {
+        use rayon::prelude::*;
+        let Self {
+            armature,
+            limbs,
+            characters,
+            ..
+        } = self;
+        characters
+            .par_iter_mut()
+            .with_min_len(CHARACTERS_AT_A_TIME)
+            .try_for_each_init(
+                || armature.rest().clone(),
+                |other, own| own.advance(armature, limbs, seconds, other),
+            )
+    }
+}
