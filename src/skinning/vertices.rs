@@ -104,7 +104,6 @@ impl RestVertices<'_> {
 #[cfg(feature = "rayon")]
 impl PosedVertices<'_> {
     /// The first `count` vertices and the others.
-    #[cfg(feature = "rayon")]
     pub(super) fn split(self, count: usize) -> (Self, Self) {
         let at = |length: usize| count.min(length);
         let (positions, positions_after) = {
