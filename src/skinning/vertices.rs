@@ -69,6 +69,7 @@ pub(super) fn check(
 }
 
 /// The first `count` items and the others; an empty buffer stays empty in both.
+#[cfg(feature = "rayon")]
 fn parts<T>(buffer: &[T], count: usize) -> (&[T], &[T]) {
     buffer.split_at(count.min(buffer.len()))
 }
@@ -81,6 +82,7 @@ impl RestVertices<'_> {
     }
 
     /// The first `count` vertices and the others.
+    #[cfg(feature = "rayon")]
     pub(super) fn split(self, count: usize) -> (Self, Self) {
         let (positions, normals, tangents) = (
             parts(self.positions, count),
@@ -99,6 +101,7 @@ impl RestVertices<'_> {
     }
 }
 
+#[cfg(feature = "rayon")]
 impl PosedVertices<'_> {
     /// The first `count` vertices and the others.
     pub(super) fn split(self, count: usize) -> (Self, Self) {
