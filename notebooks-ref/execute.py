@@ -19,7 +19,8 @@ def execute(name, keep):
     notebook = nbformat.read(path, as_version=4)
     os.environ.pop("MPLBACKEND", None)  # figures go into the notebook by its own backend
     begun = time.monotonic()
-    client = nbclient.NotebookClient(notebook, timeout=900, kernel_name="python3", resources={"metadata": {"path": str(HERE)}})
+    client = nbclient.NotebookClient(notebook, timeout=900, kernel_name="python3", resources={"metadata": {"path": str(HERE)}},
+                                     extra_arguments=["--log-level=ERROR"])
     client.execute()
     print(f"{name}: {time.monotonic() - begun:.0f} s", flush=True)
     if not keep:

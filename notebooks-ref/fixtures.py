@@ -13,10 +13,11 @@ COMMITTED = REPOSITORY / "tests" / "reference"
 FOLDER = pathlib.Path(os.environ.get("KINOPT_FIXTURES", COMMITTED))
 
 
-def write(name, tool, version, seed, notebook, units, **parts):
-    """One line a list entry, so that differences can be read."""
+def write(name, tool, version, seed, source, units, **parts):
+    """One line a list entry, so that differences can be read. `source` is the notebook or script that writes."""
+    kind = "notebook" if source.endswith(".ipynb") else "script"
     provenance = {"tool": tool, "version": version, "date": datetime.date.today().isoformat(), "seed": seed,
-                  "notebook": f"notebooks-ref/{notebook}", "units": units}
+                  kind: f"notebooks-ref/{source}", "units": units}
     dump = lambda value: json.dumps(value, separators=(",", ":"))
     lines = ['{"provenance":' + dump(provenance)]
     for key, value in parts.items():

@@ -1,16 +1,14 @@
 """Writes tests/reference/interpolation.json: what SciPy says of the interpolants that kinopt has too.
 
-Run from the repository's root: `pip install scipy==1.17.1 numpy`, then `python notebooks-ref/interpolation.py`.
+`notebooks-ref/run` runs it. The numbers need no picture: a script does.
 """
-
-import datetime
-import json
-import pathlib
 
 import numpy as np
 import scipy
 from scipy.interpolate import BPoly, CubicHermiteSpline
 from scipy.spatial.transform import Rotation, RotationSpline, Slerp
+
+import fixtures
 
 SEED = 20261121
 PROPER = ["XZX", "XYX", "YXY", "YZY", "ZXZ", "ZYZ"]
@@ -132,24 +130,12 @@ def polar(rng):
 
 def main():
     rng = np.random.default_rng(SEED)
-    document = {
-        "provenance": {
-            "tool": "SciPy",
-            "version": scipy.__version__,
-            "date": datetime.date.today().isoformat(),
-            "seed": SEED,
-            "script": "notebooks-ref/interpolation.py",
-            "units": "radians; quaternions w, x, y, z; matrices by rows; rates per unit of time, angular ones in the rotating frame's axes",
-        },
-        "slerp": slerp(rng),
-        "hermite": hermite(rng),
-        "bezier": bezier(rng),
-        "rotation_spline": rotation_spline(rng),
-        "euler": euler(rng),
-        "polar": polar(rng),
-    }
-    path = pathlib.Path("tests/reference/interpolation.json")
-    path.write_text(json.dumps(document, separators=(",", ":")) + "\n")
+    fixtures.write(
+        "interpolation.json", "SciPy", scipy.__version__, SEED, "interpolation.py",
+        "radians; quaternions w, x, y, z; matrices by rows; rates per unit of time, angular ones in the rotating "
+        "frame's axes",
+        slerp=slerp(rng), hermite=hermite(rng), bezier=bezier(rng), rotation_spline=rotation_spline(rng),
+        euler=euler(rng), polar=polar(rng))
 
 
 if __name__ == "__main__":

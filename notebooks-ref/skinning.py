@@ -1,21 +1,21 @@
 """Writes tests/reference/skinning.json: where NumPy and SciPy put skinned vertices of the shipped rigs.
 
-Run from the repository's root: `pip install scipy==1.17.1 numpy`, then `python notebooks-ref/skinning.py`.
-Everything is computed here from the rigs' files in double precision; nothing of kinopt runs.
+Everything is computed here from the rigs' files in double precision; nothing of kinopt runs. `notebooks-ref/run` runs it.
 """
 
-import datetime
 import json
-import pathlib
 
 import numpy as np
 import scipy
 from scipy.spatial.transform import Rotation
 
+import fixtures
+from models import FILES, REPOSITORY
+
 SEED = 20261121
 POSES = 3
 VERTICES = 120
-RIGS = ["models/humanoid/humanoid.json", "models/robot-arm/robot-arm.json"]
+RIGS = [FILES["humanoid"], FILES["robot-arm"]]
 
 
 def read_vertices(path):
@@ -84,8 +84,8 @@ def dual_quaternions(vertices, weights, matrices):
 
 
 def rig(path, rng):
-    folder = pathlib.Path(path).parent
-    document = json.loads(pathlib.Path(path).read_text())
+    folder = (REPOSITORY / path).parent
+    document = json.loads((REPOSITORY / path).read_text())
     bones = document["bones"]
     vertices = read_vertices(folder / document["model"]["file"])
     table = read_weights(folder / document["weights"]["file"])
@@ -117,20 +117,12 @@ def rig(path, rng):
 
 def main():
     rng = np.random.default_rng(SEED)
-    document = {
-        "provenance": {
-            "tool": "NumPy and SciPy (scipy.spatial.transform.Rotation)",
-            "version": f"numpy {np.__version__}, scipy {scipy.__version__}",
-            "date": datetime.date.today().isoformat(),
-            "seed": SEED,
-            "script": "notebooks-ref/skinning.py",
-            "units": "q in radians, three a bone; positions x, y, z in the rig's unit, to nine decimals, for "
-            "the vertices listed; centroid and spread (root mean square distance from it) of all vertices",
-        },
-        "rigs": [rig(path, rng) for path in RIGS],
-    }
-    text = json.dumps(document, separators=(",", ":"))
-    pathlib.Path("tests/reference/skinning.json").write_text(text + "\n")
+    fixtures.write(
+        "skinning.json", "NumPy and SciPy (scipy.spatial.transform.Rotation)",
+        f"numpy {np.__version__}, scipy {scipy.__version__}", SEED, "skinning.py",
+        "q in radians, three a bone; positions x, y, z in the rig's unit, to nine decimals, for "
+        "the vertices listed; centroid and spread (root mean square distance from it) of all vertices",
+        rigs=[rig(path, rng) for path in RIGS])
 
 
 if __name__ == "__main__":

@@ -84,8 +84,9 @@ pub(crate) fn draw<B: DrawingBackend>(
     for (path, &style) in paths.iter().zip(&looks) {
         draw_line(&plane.strip_coord_spec(), &relative(plane, path), style)?;
     }
+    let (width, _) = plane.dim_in_pixel();
     for (k, (path, &style)) in paths.iter().zip(&looks).enumerate() {
-        for at in marked(&relative(plane, path), k) {
+        for at in marked(&relative(plane, path), width, k) {
             draw_marker(&plane.strip_coord_spec(), at, style)?;
         }
     }
@@ -170,10 +171,12 @@ pub(crate) fn draw_line<B: DrawingBackend>(
 }
 
 /// Where the `k`-th line has its markers: on corners, about equally far apart along the line, and
-/// not where the other lines have theirs.
-fn marked(path: &[(i32, i32)], k: usize) -> Vec<(i32, i32)> {
+/// not where the other lines have theirs or the right edge of a plane so wide would cut them.
+fn marked(path: &[(i32, i32)], width: u32, k: usize) -> Vec<(i32, i32)> {
+    let inside = |x: i32| i64::from(x) + i64::from(MARKER_SIZE) < i64::from(width);
     if path.len() <= 12 {
-        return path.to_vec();
+        let places = path.iter().copied();
+        return places.filter(|&(x, _)| inside(x)).collect();
     }
     let offset = BETWEEN_MARKERS * (k % 4) as i32 / 4;
     let mut travelled = BETWEEN_MARKERS / 2 - offset;
@@ -185,7 +188,7 @@ fn marked(path: &[(i32, i32)], k: usize) -> Vec<(i32, i32)> {
             travelled += step;
         }
         last = Some((x, y));
-        if travelled >= BETWEEN_MARKERS {
+        if travelled >= BETWEEN_MARKERS && inside(x) {
             places.push((x, y));
             travelled = 0;
         }

@@ -3,23 +3,70 @@
 use std::error::Error;
 use std::hint::black_box;
 
-use glam::Vec3;
-use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback};
-use kinopt::skinning::{Deformation, LinearBlend, SkinWeights, single_precision_transform};
+use glam::{Affine3A, Vec3};
+use kinopt::animation::{Cursor, EulerClip, EulerKey, EulerTrack, Playback};
+use kinopt::skinning::{
+    Deformation, LinearBlend, PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights,
+    PosedVertices, RestVertices, SkinWeights, SkinningError, single_precision_transform,
+};
 
 use super::{Run, Stage, single};
-use crate::{Sequence, at_ease, figure};
+use crate::{Keying, Sequence, armature, at_ease, clip, figure};
 
 const VERTICES: usize = 1000;
 const INFLUENCES: usize = 4;
 const KEYS: usize = 40;
+/// Bones of a character of a game.
+const CHARACTER: usize = 67;
 
 pub(super) fn stages() -> Vec<Stage> {
     vec![
         single("clip of 22 bones and 40 keys, one sample", sample),
-        single("linear blend, positions of 1000 vertices", || blend(false)),
-        single("linear blend, normals of 1000 vertices", || blend(true)),
+        single("clip of a body of 67 bones, at 60 Hz", || {
+            character(Keying::Body)
+        }),
+        single("clip of 67 bones, all channels, at 60 Hz", || {
+            character(Keying::Everything)
+        }),
+        single("linear blend, positions of 1000 vertices", || {
+            skin(|weights, transforms, rest, posed| {
+                LinearBlend::new(weights.any, transforms)?.positions(rest, posed)
+            })
+        }),
+        single("linear blend, normals of 1000 vertices", || {
+            skin(|weights, transforms, rest, posed| {
+                LinearBlend::new(weights.any, transforms)?.normals(rest, posed)
+            })
+        }),
+        single("packed linear blend, 1000 vertices", || {
+            skin(|weights, transforms, rest, posed| {
+                let blend = PackedLinearBlend::new(weights.four, transforms)?;
+                blend.deform(positions(rest), into(posed))
+            })
+        }),
+        single("packed dual quaternions, 1000 vertices", || {
+            skin(|weights, transforms, rest, posed| {
+                let blend = PackedDualQuaternionBlend::new(weights.four, transforms)?;
+                blend.deform(positions(rest), into(posed))
+            })
+        }),
     ]
+}
+
+fn positions(rest: &[Vec3]) -> RestVertices<'_> {
+    RestVertices {
+        positions: rest,
+        normals: &[],
+        tangents: &[],
+    }
+}
+
+fn into(posed: &mut [Vec3]) -> PosedVertices<'_> {
+    PosedVertices {
+        positions: posed,
+        normals: &mut [],
+        tangents: &mut [],
+    }
 }
 
 fn sample() -> Result<Run, Box<dyn Error>> {
@@ -44,7 +91,39 @@ fn sample() -> Result<Run, Box<dyn Error>> {
     }))
 }
 
-fn blend(normals: bool) -> Result<Run, Box<dyn Error>> {
+/// A frame of a clip that plays, from one frame to the next.
+fn character(keying: Keying) -> Result<Run, Box<dyn Error>> {
+    let armature = armature(CHARACTER);
+    let clip = clip(&armature, keying, &mut Sequence::new(0.5));
+    let mut pose = armature.rest().clone();
+    let (mut cursor, mut frame) = (Cursor::new(), 0_u32);
+    let mut run = move || {
+        frame += 1;
+        let sampled = clip.sample(
+            f64::from(frame) / 60.0,
+            Playback::Loop,
+            &mut cursor,
+            &mut pose,
+        );
+        black_box(&pose);
+        sampled
+    };
+    run()?;
+    Ok(Box::new(move || {
+        let _checked_once = run();
+    }))
+}
+
+/// The same weights for each way to blend.
+struct Weights<'a> {
+    any: &'a SkinWeights,
+    four: &'a PackedWeights,
+}
+
+/// What makes a frame of a skin from the bones' transforms.
+type Blend = fn(Weights<'_>, &[Affine3A], &[Vec3], &mut [Vec3]) -> Result<(), SkinningError>;
+
+fn skin(blend: Blend) -> Result<Run, Box<dyn Error>> {
     let (skeleton, _) = figure(2, 4);
     let bones = skeleton.bones().len();
     let mut random = Sequence::new(0.5);
@@ -55,6 +134,7 @@ fn blend(normals: bool) -> Result<Run, Box<dyn Error>> {
         }
     }
     let weights = weights.build()?;
+    let packed = PackedWeights::new(&weights)?;
     let pose = skeleton.pose(&at_ease(&skeleton));
     let transforms: Vec<_> = pose
         .skinning_transforms(&skeleton)
@@ -66,11 +146,11 @@ fn blend(normals: bool) -> Result<Run, Box<dyn Error>> {
         .collect();
     let mut posed = rest.clone();
     let mut run = move || {
-        let blend = LinearBlend::new(&weights, &transforms)?;
-        let moved = match normals {
-            true => blend.normals(&rest, &mut posed),
-            false => blend.positions(&rest, &mut posed),
+        let weights = Weights {
+            any: &weights,
+            four: &packed,
         };
+        let moved = blend(weights, &transforms, &rest, &mut posed);
         black_box(&posed);
         moved
     };

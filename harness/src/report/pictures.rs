@@ -47,7 +47,12 @@ fn by_panel(
     for (member, panel) in panels.iter().enumerate() {
         let mut chart = Chart::new(panel.title.clone()).x(x.clone()).y(y.clone());
         for (colour, (run, curve)) in panel.runs.iter().zip(&mut curves).enumerate() {
-            let series = Series::steps(run.title(), curve.clone());
+            // No line: the legend says why.
+            let name = match curve.is_empty() {
+                true => format!("{}: none", run.title()),
+                false => run.title(),
+            };
+            let series = Series::steps(name, curve.clone());
             chart = chart.with(series.style(Style::family(colour, member)));
         }
         figure = figure.chart(chart);
