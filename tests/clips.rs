@@ -195,6 +195,68 @@ fn loops_and_ping_pong_repeat() {
     }
 }
 
+/// Straight channels on every bone, each keyed at times of its own, some of them the same.
+fn captured_clip(armature: &Armature, random: &mut Random) -> Clip {
+    let mut builder = Clip::builder("captured", armature);
+    let mut keys = || -> Vec<f32> {
+        let mut keys: Vec<f32> = (0..40).map(|_| random.below(500) as f32 / 100.0).collect();
+        keys.sort_by(f32::total_cmp);
+        keys.dedup();
+        keys
+    };
+    let times: Vec<[Vec<f32>; 3]> = (0..armature.bones())
+        .map(|_| [(); 3].map(|()| keys()))
+        .collect();
+    for (index, [moved, turned, scaled]) in times.into_iter().enumerate() {
+        let mut vectors = |times: Vec<f32>| {
+            let values = times.iter().map(|_| vector(random, 0.4)).collect();
+            KeyedCurve::linear(times, values).unwrap()
+        };
+        let [moved, scaled] = [moved, scaled].map(&mut vectors);
+        let rotations = turned.iter().map(|_| rotation(random, 2.0)).collect();
+        let turned = RotationCurve::slerp(turned, rotations).unwrap();
+        let bone = armature.bone_at(index).unwrap();
+        for channel in [
+            Channel::Translation(moved),
+            Channel::Rotation(turned),
+            Channel::Scale(scaled),
+        ] {
+            builder.channel(bone, channel).unwrap();
+        }
+    }
+    builder.build()
+}
+
+#[test]
+fn playback_in_small_steps_either_way_gives_the_bits_of_a_search() {
+    let mut random = Random::new(65);
+    for bones in [1, 4, 23] {
+        let armature = armature(bones, &mut random);
+        let clips = [
+            captured_clip(&armature, &mut random),
+            random_clip(&armature, &mut random).0,
+        ];
+        for (clip, step) in clips
+            .iter()
+            .flat_map(|c| [0.017, -0.023, 0.4, -1.1].map(|step| (c, step)))
+        {
+            let (mut cursor, mut pose) = (Cursor::new(), armature.rest().clone());
+            let mut fresh = pose.clone();
+            for frame in 0..400 {
+                // Back and forth over a clip's seam as well.
+                let elapsed = step * f64::from(if frame < 300 { frame } else { 600 - frame });
+                for playback in [Playback::Loop, Playback::PingPong] {
+                    clip.sample(elapsed, playback, &mut cursor, &mut pose)
+                        .unwrap();
+                    clip.sample(elapsed, playback, &mut Cursor::new(), &mut fresh)
+                        .unwrap();
+                    assert_eq!(pose, fresh, "{elapsed} {playback:?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_cursor_of_another_clip_does_no_harm() {
     let mut random = Random::new(63);

@@ -25,7 +25,7 @@ const FEW: u64 = 5;
 const MANY: u64 = 25;
 
 /// The stages that are counted; the others only repeat what these show.
-const COUNTED: [&str; 19] = [
+const COUNTED: [&str; 20] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
     "Jacobian, analytic, 22 bones",
@@ -41,6 +41,7 @@ const COUNTED: [&str; 19] = [
     "clip of 22 bones and 40 keys, one sample",
     "clip of a body of 67 bones, at 60 Hz",
     "clip of 67 bones, all channels, at 60 Hz",
+    "clip of 67 bones, all channels keyed apart, at 60 Hz",
     "linear blend, positions of 1000 vertices",
     "linear blend, normals of 1000 vertices",
     "packed linear blend, 1000 vertices",

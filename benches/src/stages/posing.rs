@@ -28,6 +28,10 @@ pub(super) fn stages() -> Vec<Stage> {
         single("clip of 67 bones, all channels, at 60 Hz", || {
             character(Keying::Everything)
         }),
+        single(
+            "clip of 67 bones, all channels keyed apart, at 60 Hz",
+            || character(Keying::ReducedEverything),
+        ),
         single("linear blend, positions of 1000 vertices", || {
             skin(|weights, transforms, rest, posed| {
                 LinearBlend::new(weights.any, transforms)?.positions(rest, posed)

@@ -1,16 +1,17 @@
 //! Collects the channels of a clip and compiles them.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
-use glam::{Quat, Vec3A};
+use glam::Vec3A;
 
 use super::events::Event;
-use super::timeline::{TimelineId, TimelineSet};
-use super::tracks::{Curved, Tracks};
+use super::timelines::Track;
+use super::tracks::{Curves, Tracks};
 use super::{Channel, ChannelError, Clip, Property};
 use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::EulerOrder;
-use crate::animation::{Armature, EulerClip, EulerCurve};
+use crate::animation::{Armature, EulerClip, EulerCurve, Pose};
 use crate::skeleton::BoneId;
 
 /// Collects the channels and events of a clip for one armature.
@@ -166,26 +167,19 @@ impl<'a> ClipBuilder<'a> {
     /// The clip. One without channels is the rest pose, with a span of nothing unless it is set.
     #[must_use]
     pub fn build(self) -> Clip {
-        let mut times = TimelineSet::default();
-        let mut tracks = Tracks::default();
+        let mut curves = Curves::default();
         let mut constant = self.armature.rest().clone();
-        let curves = self.channels.iter().map(|(_, channel)| channel.times());
-        let curves = curves.chain(self.morphs.iter().map(|(_, curve)| curve.times()));
-        let ends = curves.filter_map(|times| Some([*times.first()?, *times.last()?]));
+        let times = self.channels.iter().map(|(_, channel)| channel.times());
+        let times = times.chain(self.morphs.iter().map(|(_, curve)| curve.times()));
+        let ends = times.filter_map(|times| Some([*times.first()?, *times.last()?]));
         let keyed = ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)]);
         for (bone, channel) in self.channels {
-            add(
-                bone.index(),
-                channel,
-                &mut times,
-                &mut tracks,
-                &mut constant,
-            );
+            add(bone.index(), channel, &mut curves, &mut constant);
         }
         for (target, curve) in self.morphs {
-            match moving(curve.times(), &mut times) {
-                Some(timeline) => tracks.morphs.push(Curved::new(target, timeline, curve)),
-                None => set(&mut constant.morph_weights, target, curve.values()),
+            match curve.values() {
+                [weight] => constant.morph_weights[target] = *weight,
+                _ => curves.morphs.push(Track { target, curve }),
             }
         }
         let mut events = self.events;
@@ -193,61 +187,31 @@ impl<'a> ClipBuilder<'a> {
         Clip {
             name: self.name,
             span: self.span.or(keyed).unwrap_or([0.0, 0.0]),
-            timelines: times.finish(),
-            tracks,
+            tracks: Arc::new(Tracks::new(curves)),
             constant,
             events,
         }
     }
 }
 
-/// A timeline, for a curve that has more than one key.
-fn moving(times: &[f32], timelines: &mut TimelineSet) -> Option<TimelineId> {
-    (times.len() > 1).then(|| timelines.add(times))
-}
-
-/// Writes the only value of a curve that does not move.
-fn set<V: Copy>(constant: &mut [V], index: usize, values: &[V]) {
-    if let (Some(room), Some(value)) = (constant.get_mut(index), values.first()) {
-        *room = *value;
-    }
-}
-
-fn add(
-    bone: usize,
-    channel: Channel,
-    times: &mut TimelineSet,
-    tracks: &mut Tracks,
-    constant: &mut crate::animation::Pose,
-) {
-    let timeline = moving(channel.times(), times);
-    match (channel, timeline) {
-        (Channel::Translation(curve), None) => {
-            set(&mut constant.translations, bone, curve.values());
-        }
-        (Channel::Scale(curve), None) => set(&mut constant.scales, bone, curve.values()),
-        (Channel::Rotation(curve), None) => set(&mut constant.rotations, bone, curve.rotations()),
-        (Channel::Euler(curve), None) => {
-            let rotation: Vec<Quat> = curve
-                .angles
-                .values()
-                .iter()
-                .map(|&a| curve.rotation(a))
-                .collect();
-            set(&mut constant.rotations, bone, &rotation);
-        }
-        (Channel::Translation(curve), Some(timeline)) => {
-            tracks.translations.add(bone, timeline, curve);
-        }
-        (Channel::Scale(curve), Some(timeline)) => tracks.scales.add(bone, timeline, curve),
-        (Channel::Rotation(curve), Some(timeline)) if curve.is_slerp() => {
-            tracks.slerps.add(bone, timeline, curve.rotations());
-        }
-        (Channel::Rotation(curve), Some(timeline)) => {
-            tracks.rotations.push(Curved::new(bone, timeline, curve));
-        }
-        (Channel::Euler(curve), Some(timeline)) => {
-            tracks.eulers.push(Curved::new(bone, timeline, curve));
-        }
+/// Takes up a curve, or its only value.
+fn add(target: usize, channel: Channel, curves: &mut Curves, constant: &mut Pose) {
+    match channel {
+        Channel::Translation(curve) => match curve.values() {
+            [value] => constant.translations[target] = *value,
+            _ => curves.translations.push(Track { target, curve }),
+        },
+        Channel::Scale(curve) => match curve.values() {
+            [value] => constant.scales[target] = *value,
+            _ => curves.scales.push(Track { target, curve }),
+        },
+        Channel::Rotation(curve) => match curve.rotations() {
+            [value] => constant.rotations[target] = *value,
+            _ => curves.rotations.push(Track { target, curve }),
+        },
+        Channel::Euler(curve) => match curve.angles.values() {
+            [value] => constant.rotations[target] = curve.rotation(*value),
+            _ => curves.eulers.push(Track { target, curve }),
+        },
     }
 }

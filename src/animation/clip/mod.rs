@@ -3,19 +3,25 @@
 mod arcs;
 mod builder;
 mod channel;
+mod cursor;
+mod curved;
 mod error;
 mod events;
 mod playhead;
-mod timeline;
+mod slerps;
+mod timelines;
 mod tracks;
+mod vectors;
 
 pub use builder::ClipBuilder;
 pub use channel::{Channel, EulerCurve, Property};
+pub use cursor::Cursor;
 pub use error::ChannelError;
 pub use events::{Event, Fired};
 pub use playhead::{Passage, Playhead};
 
-use self::timeline::{Place, Timelines};
+use std::sync::Arc;
+
 use self::tracks::Tracks;
 use super::{Armature, Playback, Pose, SizeMismatch};
 
@@ -54,26 +60,10 @@ use super::{Armature, Playback, Pose, SizeMismatch};
 pub struct Clip {
     name: String,
     span: [f32; 2],
-    timelines: Timelines,
-    tracks: Tracks,
+    tracks: Arc<Tracks>,
     /// What does not move.
     constant: Pose,
     events: Vec<Event>,
-}
-
-/// Where a clip was sampled last, so that the next time nearby finds its keys without a search: one
-/// step per timeline and frame in playback. It may be used with any clip; that only costs a search.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cursor {
-    places: Vec<Place>,
-}
-
-impl Cursor {
-    /// At the start of whatever clip.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
 }
 
 impl Clip {
@@ -132,12 +122,8 @@ impl Clip {
         self.constant.check_same_size(pose)?;
         let [start, end] = self.span.map(f64::from);
         let time = playback.within(start + elapsed, [start, end]) as f32;
-        cursor
-            .places
-            .resize(self.timelines.count(), Place::default());
-        self.timelines.locate(time, &mut cursor.places);
         self.tracks.fill_constant(&self.constant, pose);
-        self.tracks.sample(&cursor.places, pose);
+        self.tracks.sample(time, cursor.on(&self.tracks), pose);
         Ok(())
     }
 }

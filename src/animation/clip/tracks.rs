@@ -1,185 +1,133 @@
-//! A clip's channels as they are sampled: the common kinds packed key by key, the others as curves.
+//! A clip's channels as they are sampled, by kind.
 
-use glam::{Quat, Vec3A, Vec4};
+use glam::Vec3A;
 
-use super::arcs::{Arc, WIDTH, weights};
-use super::timeline::{Place, TimelineId};
-use crate::animation::curve::{KeyedCurve, lerp};
+use super::curved::{CurveSegments, Curved};
+use super::slerps::{SlerpSegments, Slerps};
+use super::timelines::Track;
+use super::vectors::{VectorSegments, Vectors};
+use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{EulerCurve, Pose};
 
 /// All moving channels of a clip.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tracks {
-    pub(super) translations: Vectors,
-    pub(super) scales: Vectors,
-    pub(super) slerps: Slerps,
-    pub(super) rotations: Vec<Curved<RotationCurve>>,
-    pub(super) eulers: Vec<Curved<EulerCurve>>,
-    pub(super) morphs: Vec<Curved<KeyedCurve<f32>>>,
+    translations: Vectors,
+    scales: Vectors,
+    slerps: Slerps,
+    curved_translations: Curved<KeyedCurve<Vec3A>>,
+    curved_scales: Curved<KeyedCurve<Vec3A>>,
+    curved_rotations: Curved<RotationCurve>,
+    eulers: Curved<EulerCurve>,
+    morphs: Curved<KeyedCurve<f32>>,
 }
 
-/// Which bone a packed track moves, where its keys start, and when they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Packed {
-    bone: u32,
-    timeline: TimelineId,
-    first: u32,
+/// Between which keys of all channels a cursor is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Segments {
+    translations: VectorSegments,
+    scales: VectorSegments,
+    slerps: SlerpSegments,
+    curved_translations: CurveSegments,
+    curved_scales: CurveSegments,
+    curved_rotations: CurveSegments,
+    eulers: CurveSegments,
+    morphs: CurveSegments,
 }
 
-/// A curve of a bone or a morph target.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Curved<C> {
-    target: usize,
-    timeline: TimelineId,
-    curve: C,
-}
-
-impl<C> Curved<C> {
-    pub(super) fn new(target: usize, timeline: TimelineId, curve: C) -> Self {
-        Self {
-            target,
-            timeline,
-            curve,
-        }
-    }
-}
-
-/// Translations or scales.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Vectors {
-    linear: Vec<Packed>,
-    keys: Vec<Vec3A>,
-    curved: Vec<Curved<KeyedCurve<Vec3A>>>,
-}
-
-/// Rotations at constant speed from key to key.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Slerps {
-    /// A last group that is not full repeats its last track: cheaper than one by one.
-    groups: Vec<[Packed; WIDTH]>,
-    count: usize,
-    keys: Vec<Quat>,
-    /// From each key to the next; meaningless after a track's last.
-    arcs: Vec<Arc>,
-}
-
-impl Packed {
-    /// Where the track's key is, and how far on to the next.
-    #[inline(always)]
-    fn at(&self, places: &[Place]) -> (usize, f32) {
-        let place = places[self.timeline.index()];
-        ((self.first + place.key) as usize, place.u)
-    }
-}
-
-impl Vectors {
-    fn count(&self) -> usize {
-        self.linear.len() + self.curved.len()
-    }
-
-    pub(super) fn add(&mut self, bone: usize, timeline: TimelineId, curve: KeyedCurve<Vec3A>) {
-        if !curve.is_linear() {
-            self.curved.push(Curved::new(bone, timeline, curve));
-            return;
-        }
-        self.linear.push(Packed {
-            bone: bone as u32,
-            timeline,
-            first: self.keys.len() as u32,
-        });
-        self.keys.extend_from_slice(curve.values());
-    }
-
-    fn sample(&self, places: &[Place], out: &mut [Vec3A]) {
-        for track in &self.linear {
-            let (key, u) = track.at(places);
-            if let [from, to] = self.keys[key..key + 2] {
-                out[track.bone as usize] = lerp(from, to, u);
-            }
-        }
-        for track in &self.curved {
-            let place = places[track.timeline.index()];
-            out[track.target] = track.curve.within(place.key as usize, place.u);
-        }
-    }
-}
-
-impl Slerps {
-    pub(super) fn add(&mut self, bone: usize, timeline: TimelineId, keys: &[Quat]) {
-        let track = Packed {
-            bone: bone as u32,
-            timeline,
-            first: self.keys.len() as u32,
-        };
-        match (self.count % WIDTH, self.groups.last_mut()) {
-            (filled @ 1.., Some(group)) => group.iter_mut().skip(filled).for_each(|t| *t = track),
-            _ => self.groups.push([track; WIDTH]),
-        }
-        self.count += 1;
-        self.keys.extend_from_slice(keys);
-        let arcs = keys.iter().zip(keys.iter().skip(1).chain(keys.last()));
-        self.arcs
-            .extend(arcs.map(|(&from, &to)| Arc::between(from, to)));
-    }
-
-    fn sample(&self, places: &[Place], out: &mut [Quat]) {
-        for group in &self.groups {
-            self.sample_group(group, places, out);
-        }
-    }
-
-    #[inline(always)]
-    fn sample_group(&self, group: &[Packed; WIDTH], places: &[Place], out: &mut [Quat]) {
-        let at = group.each_ref().map(|track| track.at(places));
-        let arcs = at.map(|(key, _)| self.arcs[key]);
-        let to = weights(&at.map(|(_, u)| u), &arcs);
-        let from = weights(&at.map(|(_, u)| 1.0 - u), &arcs);
-        for lane in 0..WIDTH {
-            let key = at[lane].0;
-            if let [start, end] = self.keys[key..key + 2] {
-                let sum = Vec4::from(start) * from[lane] + Vec4::from(end) * to[lane];
-                out[group[lane].bone as usize] = Quat::from_vec4(sum);
-            }
-        }
-    }
+/// Curves with at least two keys, by what they move.
+#[derive(Debug, Default)]
+pub(super) struct Curves {
+    pub(super) translations: Vec<Track<KeyedCurve<Vec3A>>>,
+    pub(super) scales: Vec<Track<KeyedCurve<Vec3A>>>,
+    pub(super) rotations: Vec<Track<RotationCurve>>,
+    pub(super) eulers: Vec<Track<EulerCurve>>,
+    pub(super) morphs: Vec<Track<KeyedCurve<f32>>>,
 }
 
 impl Tracks {
+    pub(super) fn new(curves: Curves) -> Self {
+        let is_straight = |track: &Track<KeyedCurve<Vec3A>>| track.curve.is_linear();
+        let (translations, curved_translations) =
+            curves.translations.into_iter().partition(is_straight);
+        let (scales, curved_scales) = curves.scales.into_iter().partition(is_straight);
+        let rotations = curves.rotations.into_iter();
+        let (slerps, curved_rotations) = rotations.partition(|track| track.curve.is_slerp());
+        Self {
+            translations: Vectors::new(translations),
+            scales: Vectors::new(scales),
+            slerps: Slerps::new(slerps),
+            curved_translations: Curved::new(curved_translations, KeyedCurve::times),
+            curved_scales: Curved::new(curved_scales, KeyedCurve::times),
+            curved_rotations: Curved::new(curved_rotations, RotationCurve::times),
+            eulers: Curved::new(curves.eulers, |curve| curve.angles.times()),
+            morphs: Curved::new(curves.morphs, KeyedCurve::times),
+        }
+    }
+
+    /// What a cursor keeps, before its first look.
+    pub(super) fn start(&self) -> Segments {
+        Segments {
+            translations: self.translations.start(),
+            scales: self.scales.start(),
+            slerps: self.slerps.start(),
+            curved_translations: self.curved_translations.start(),
+            curved_scales: self.curved_scales.start(),
+            curved_rotations: self.curved_rotations.start(),
+            eulers: self.eulers.start(),
+            morphs: self.morphs.start(),
+        }
+    }
+
     /// Copies what the tracks do not write: nothing of a property that every bone has a track for.
     pub(super) fn fill_constant(&self, constant: &Pose, pose: &mut Pose) {
         let bones = constant.bones();
-        if self.translations.count() < bones {
+        if self.translations.count() + self.curved_translations.count() < bones {
             pose.translations.copy_from_slice(&constant.translations);
         }
-        if self.scales.count() < bones {
+        if self.scales.count() + self.curved_scales.count() < bones {
             pose.scales.copy_from_slice(&constant.scales);
         }
-        if self.slerps.count + self.rotations.len() + self.eulers.len() < bones {
+        if self.slerps.count() + self.curved_rotations.count() + self.eulers.count() < bones {
             pose.rotations.copy_from_slice(&constant.rotations);
         }
-        if self.morphs.len() < constant.morph_weights.len() {
+        if self.morphs.count() < constant.morph_weights.len() {
             pose.morph_weights.copy_from_slice(&constant.morph_weights);
         }
     }
 
     /// Writes every moving property into a pose of the clip's armature.
-    pub(super) fn sample(&self, places: &[Place], pose: &mut Pose) {
-        self.translations.sample(places, &mut pose.translations);
-        self.scales.sample(places, &mut pose.scales);
-        self.slerps.sample(places, &mut pose.rotations);
-        for track in &self.rotations {
-            let place = places[track.timeline.index()];
-            pose.rotations[track.target] = track.curve.within(place.key as usize, place.u);
-        }
-        for track in &self.eulers {
-            let place = places[track.timeline.index()];
-            let angles = track.curve.angles.within(place.key as usize, place.u);
-            pose.rotations[track.target] = track.curve.rotation(angles);
-        }
-        for track in &self.morphs {
-            let place = places[track.timeline.index()];
-            pose.morph_weights[track.target] = track.curve.within(place.key as usize, place.u);
-        }
+    pub(super) fn sample(&self, time: f32, at: &mut Segments, pose: &mut Pose) {
+        let Pose {
+            translations,
+            rotations,
+            scales,
+            morph_weights,
+        } = pose;
+        self.translations
+            .sample(time, &mut at.translations, translations);
+        self.scales.sample(time, &mut at.scales, scales);
+        self.slerps.sample(time, &mut at.slerps, rotations);
+        self.curved_translations.sample(
+            time,
+            &mut at.curved_translations,
+            translations,
+            KeyedCurve::within,
+        );
+        self.curved_scales
+            .sample(time, &mut at.curved_scales, scales, KeyedCurve::within);
+        self.curved_rotations.sample(
+            time,
+            &mut at.curved_rotations,
+            rotations,
+            RotationCurve::within,
+        );
+        self.eulers
+            .sample(time, &mut at.eulers, rotations, |curve, key, u| {
+                curve.rotation(curve.angles.within(key, u))
+            });
+        self.morphs
+            .sample(time, &mut at.morphs, morph_weights, KeyedCurve::within);
     }
 }

@@ -1,0 +1,77 @@
+//! Curves that are sampled one by one: steps, cubics, angles and morph weights.
+
+use super::timelines::{Progress, Timelines, Track};
+
+/// Curves of one type.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Curved<C> {
+    timelines: Timelines,
+    tracks: Vec<Track<C>>,
+}
+
+/// Between which keys a cursor is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CurveSegments {
+    progress: Progress,
+    segments: Vec<CurveSegment>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct CurveSegment {
+    key: usize,
+    /// When it starts, in seconds.
+    start: f32,
+    /// One over how long it lasts.
+    rate: f32,
+}
+
+impl<C> Default for Curved<C> {
+    fn default() -> Self {
+        Self {
+            timelines: Timelines::default(),
+            tracks: Vec::new(),
+        }
+    }
+}
+
+impl<C> Curved<C> {
+    pub(super) fn new(tracks: Vec<Track<C>>, times: impl Fn(&C) -> &[f32]) -> Self {
+        let (timelines, tracks) = Timelines::arrange(tracks, times);
+        Self { timelines, tracks }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.tracks.len()
+    }
+
+    pub(super) fn start(&self) -> CurveSegments {
+        CurveSegments {
+            progress: Progress::default(),
+            segments: vec![CurveSegment::default(); self.count()],
+        }
+    }
+
+    /// Writes for each curve what `value` says at a key and u in [0, 1] of the way to the next.
+    pub(super) fn sample<V>(
+        &self,
+        time: f32,
+        cursor: &mut CurveSegments,
+        out: &mut [V],
+        value: impl Fn(&C, usize, f32) -> V,
+    ) {
+        let CurveSegments { progress, segments } = cursor;
+        self.timelines.follow(time, progress, |entered| {
+            segments[entered.tracks.clone()].fill(CurveSegment {
+                key: entered.key,
+                start: entered.start,
+                rate: entered.rate,
+            });
+        });
+        for (track, segment) in self.tracks.iter().zip(segments) {
+            let u = (time - segment.start) * segment.rate;
+            // Not `clamp`, which would keep the NaN of a segment too short for its rate.
+            let u = if u > 0.0 { u.min(1.0) } else { 0.0 };
+            out[track.target] = value(&track.curve, segment.key, u);
+        }
+    }
+}

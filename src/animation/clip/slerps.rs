@@ -1,0 +1,129 @@
+//! Rotations at constant speed from key to key.
+
+use glam::{Quat, Vec4};
+
+use super::arcs::{Arc, weights};
+use super::timelines::{Progress, Segment, Timelines, Track};
+use crate::animation::rotation::RotationCurve;
+
+/// How many tracks are sampled at a time.
+const WIDTH: usize = 4;
+
+/// Rotations of bones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Slerps {
+    timelines: Timelines,
+    bones: Vec<u32>,
+    /// Whether the tracks are those of the first bones in their order: no need to look them up.
+    is_first_bones: bool,
+    keys: Vec<Quat>,
+    /// From each key to the track's next; meaningless at its last.
+    arcs: Vec<Arc>,
+}
+
+/// Between which keys a cursor is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SlerpSegments {
+    progress: Progress,
+    groups: Vec<Group>,
+}
+
+/// The ways from one key to the next of some tracks.
+#[derive(Clone, Copy, Debug, Default)]
+struct Group {
+    /// When they start, in seconds.
+    start: [f32; WIDTH],
+    /// One over how long they last.
+    rate: [f32; WIDTH],
+    squared: [f32; WIDTH],
+    ratio: [f32; WIDTH],
+    from: [Quat; WIDTH],
+    to: [Quat; WIDTH],
+}
+
+impl Group {
+    #[inline(always)]
+    fn enter(&mut self, lane: usize, segment: &Segment, from: Quat, to: Quat, arc: Arc) {
+        self.start[lane] = segment.start;
+        self.rate[lane] = segment.rate;
+        self.squared[lane] = arc.squared;
+        self.ratio[lane] = arc.ratio;
+        self.from[lane] = from;
+        self.to[lane] = to;
+    }
+
+    /// The rotations at a time, which stands in all four.
+    #[inline(always)]
+    fn at(&self, time: Vec4) -> [Quat; WIDTH] {
+        let [start, rate] = [self.start, self.rate].map(Vec4::from_array);
+        let [squared, ratio] = [self.squared, self.ratio].map(Vec4::from_array);
+        let u = (time - start) * rate;
+        let u = u.max(Vec4::ZERO).min(Vec4::ONE);
+        let from = weights(Vec4::ONE - u, squared, ratio).to_array();
+        let to = weights(u, squared, ratio).to_array();
+        std::array::from_fn(|lane| {
+            let [start, end] = [self.from[lane], self.to[lane]].map(Vec4::from);
+            Quat::from_vec4(start * from[lane] + end * to[lane])
+        })
+    }
+}
+
+impl Slerps {
+    pub(super) fn new(tracks: Vec<Track<RotationCurve>>) -> Self {
+        let (timelines, tracks) = Timelines::arrange(tracks, RotationCurve::times);
+        let arcs: Vec<Vec<Arc>> = tracks.iter().map(|track| arcs(&track.curve)).collect();
+        Self {
+            is_first_bones: (0..).zip(&tracks).all(|(k, track)| track.target == k),
+            bones: tracks.iter().map(|track| track.target as u32).collect(),
+            keys: timelines.in_order(|track| tracks[track].curve.rotations()),
+            arcs: timelines.in_order(|track| &arcs[track]),
+            timelines,
+        }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.bones.len()
+    }
+
+    pub(super) fn start(&self) -> SlerpSegments {
+        SlerpSegments {
+            progress: Progress::default(),
+            groups: vec![Group::default(); self.bones.len().div_ceil(WIDTH)],
+        }
+    }
+
+    pub(super) fn sample(&self, time: f32, cursor: &mut SlerpSegments, out: &mut [Quat]) {
+        let SlerpSegments { progress, groups } = cursor;
+        self.timelines.follow(time, progress, |entered| {
+            let tracks = entered.tracks.clone();
+            let arcs = &self.arcs[entered.values..];
+            let (from, to) = self.keys[entered.values..].split_at(tracks.len());
+            for (((track, &from), &to), &arc) in tracks.zip(from).zip(to).zip(arcs) {
+                groups[track / WIDTH].enter(track % WIDTH, entered, from, to, arc);
+            }
+        });
+        let time = Vec4::splat(time);
+        let in_place = if self.is_first_bones {
+            self.bones.len() / WIDTH
+        } else {
+            0
+        };
+        let places = out.chunks_exact_mut(WIDTH).take(in_place);
+        for (group, room) in groups.iter().zip(places) {
+            room.copy_from_slice(&group.at(time));
+        }
+        for (group, bones) in groups.iter().zip(self.bones.chunks(WIDTH)).skip(in_place) {
+            for (&bone, rotation) in bones.iter().zip(group.at(time)) {
+                out[bone as usize] = rotation;
+            }
+        }
+    }
+}
+
+/// From each key to the next, and nowhere from the last.
+fn arcs(curve: &RotationCurve) -> Vec<Arc> {
+    let keys = curve.rotations();
+    let ends = keys.iter().skip(1).chain(keys.last());
+    let pairs = keys.iter().zip(ends);
+    pairs.map(|(&from, &to)| Arc::between(from, to)).collect()
+}

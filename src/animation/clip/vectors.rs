@@ -1,0 +1,94 @@
+//! Translations and scales that run straight from key to key.
+
+use glam::{Vec3A, Vec4, Vec4Swizzles};
+
+use super::timelines::{Progress, Segment, Timelines, Track};
+use crate::animation::curve::KeyedCurve;
+
+/// Vectors of bones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Vectors {
+    timelines: Timelines,
+    bones: Vec<u32>,
+    /// Whether the tracks are those of the first bones in their order: no need to look them up.
+    is_first_bones: bool,
+    keys: Vec<Vec3A>,
+}
+
+/// Between which keys a cursor is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct VectorSegments {
+    progress: Progress,
+    segments: Vec<VectorSegment>,
+}
+
+/// The way from one key to the next.
+#[derive(Clone, Copy, Debug, Default)]
+struct VectorSegment {
+    /// The value at its start; w is when that is.
+    start: Vec4,
+    /// How much the value changes; w is one over how long that takes.
+    change: Vec4,
+}
+
+impl VectorSegment {
+    #[inline(always)]
+    fn new(segment: &Segment, start: Vec3A, end: Vec3A) -> Self {
+        Self {
+            start: start.extend(segment.start),
+            change: (end - start).extend(segment.rate),
+        }
+    }
+
+    /// The value at a time, which stands in all four.
+    #[inline(always)]
+    fn at(&self, time: Vec4) -> Vec3A {
+        let u = (time - self.start.wwww()) * self.change.wwww();
+        let u = u.max(Vec4::ZERO).min(Vec4::ONE);
+        Vec3A::from_vec4(self.start + self.change * u)
+    }
+}
+
+impl Vectors {
+    pub(super) fn new(tracks: Vec<Track<KeyedCurve<Vec3A>>>) -> Self {
+        let (timelines, tracks) = Timelines::arrange(tracks, KeyedCurve::times);
+        Self {
+            is_first_bones: (0..).zip(&tracks).all(|(k, track)| track.target == k),
+            keys: timelines.in_order(|track| tracks[track].curve.values()),
+            bones: tracks.iter().map(|track| track.target as u32).collect(),
+            timelines,
+        }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.bones.len()
+    }
+
+    pub(super) fn start(&self) -> VectorSegments {
+        VectorSegments {
+            progress: Progress::default(),
+            segments: vec![VectorSegment::default(); self.count()],
+        }
+    }
+
+    pub(super) fn sample(&self, time: f32, cursor: &mut VectorSegments, out: &mut [Vec3A]) {
+        let VectorSegments { progress, segments } = cursor;
+        self.timelines.follow(time, progress, |entered| {
+            let room = &mut segments[entered.tracks.clone()];
+            let (starts, ends) = self.keys[entered.values..].split_at(room.len());
+            for ((segment, &start), &end) in room.iter_mut().zip(starts).zip(ends) {
+                *segment = VectorSegment::new(entered, start, end);
+            }
+        });
+        let time = Vec4::splat(time);
+        if self.is_first_bones {
+            for (segment, room) in segments.iter().zip(out) {
+                *room = segment.at(time);
+            }
+            return;
+        }
+        for (segment, &bone) in segments.iter().zip(&self.bones) {
+            out[bone as usize] = segment.at(time);
+        }
+    }
+}
