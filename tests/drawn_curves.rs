@@ -235,6 +235,8 @@ fn what_cannot_be_drawn_is_refused_by_name() {
     assert_eq!(error.unwrap_err().to_string(), "1 easings for 2 keys");
     let error = RotationCurve::eased(vec![0.0], vec![Quat::IDENTITY], vec![]).unwrap_err();
     assert_eq!(error.to_string(), "0 easings for 1 keys");
+    let empty = RotationCurve::slerp(vec![], vec![]).unwrap_err();
+    assert_eq!(empty, KeyError::Empty);
     let empty: Result<KeyedCurve<f64>, _> = KeyedCurve::eased(vec![], vec![], vec![]);
     assert_eq!(empty, Err(KeyError::Empty));
 }

@@ -25,7 +25,9 @@ pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
 pub use euler_sampling::SampleError;
 pub use ik_layer::{Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
 pub use playback::Playback;
-pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
+pub use pose::{
+    Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose, SizeMismatch,
+};
 pub use state_machine::{
     ConditionDefinition, Interruption, ParameterDefault, ParameterError, StateDefinition,
     StateMachine, StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
