@@ -112,6 +112,23 @@ fn a_split_bezier_is_the_same_curve() {
     }
 }
 
+/// No point of a Bézier curve is further out in any direction than the furthest of its control points.
+#[test]
+fn a_bezier_stays_within_its_control_points_hull() {
+    let mut random = Random::new(36);
+    for _ in 0..50 {
+        let curve = CubicBezier::new(points(&mut random));
+        for _ in 0..40 {
+            let [out] = points::<1>(&mut random);
+            let far = |p: DVec3| p.dot(out);
+            let furthest = curve.points.map(far).into_iter().fold(f64::MIN, f64::max);
+            for u in 0..=20 {
+                assert!(far(curve.position(f64::from(u) / 20.0)) <= furthest + 1e-14);
+            }
+        }
+    }
+}
+
 fn keys(random: &mut Random) -> (Vec<f64>, Vec<DVec3>) {
     let mut time = -1.0;
     let times = (0..7).map(|_| {
