@@ -126,7 +126,7 @@ fn expected(armature: &Armature, channels: &[(usize, Channel)], time: f32) -> Po
             }
             other => panic!("{other:?}"),
         }
-        pose.set_local(bone, local);
+        pose.set_local(bone, local).unwrap();
     }
     pose
 }

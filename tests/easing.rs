@@ -64,7 +64,7 @@ fn a_drawn_easing_passes_the_points_of_its_curve() {
             2 => [[0.0, 1.0], [0.0, 1.0]],
             _ => [[unit(), 3.0 * unit() - 1.0], [unit(), 3.0 * unit() - 1.0]],
         };
-        let easing = BezierEasing::new(first, second).unwrap();
+        let easing = Easing::from(BezierEasing::new(first, second).unwrap());
         assert_eq!([easing.at(0.0), easing.at(1.0)], [0.0, 1.0]);
         for k in 1..40 {
             let u = f64::from(k) / 40.0;
@@ -82,6 +82,78 @@ fn a_drawn_easing_passes_the_points_of_its_curve() {
             }
         }
     }
+}
+
+/// CSS's `ease`, `ease-in`, `ease-out` and `ease-in-out`, bisected in decimal arithmetic of 40 digits.
+#[test]
+fn drawn_easings_of_css() {
+    let table = [
+        (
+            [[0.25, 0.1], [0.25, 1.0]],
+            [0.408_510_591_355, 0.802_403_387_585, 0.960_458_978_349],
+        ),
+        (
+            [[0.42, 0.0], [1.0, 1.0]],
+            [0.093_464_650_719, 0.315_356_812_573, 0.621_861_869_175],
+        ),
+        (
+            [[0.0, 0.0], [0.58, 1.0]],
+            [0.378_138_130_825, 0.684_643_187_427, 0.906_535_349_281],
+        ),
+        (
+            [[0.42, 0.0], [0.58, 1.0]],
+            [0.129_161_931_047, 0.500_000_000_000, 0.870_838_068_953],
+        ),
+    ];
+    for (handles, values) in table {
+        let [first, second] = handles.map(|handle| handle.map(|x| x as f32));
+        let easing = Easing::Bezier(BezierEasing::new(first, second).unwrap());
+        for (k, value) in (1..).zip(values) {
+            let got = easing.at(0.25 * f64::from(k));
+            // Handles are kept in single precision.
+            assert!(
+                (got - value).abs() < 1e-7,
+                "{handles:?}: {got}, not {value}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_rate_is_the_derivative() {
+    let drawn = [
+        [[0.42, 0.0], [0.58, 1.0]],
+        [[0.0, 0.0], [1.0, 1.0]],
+        [[0.2, -0.5], [0.9, 1.5]],
+    ]
+    .map(|[first, second]| BezierEasing::new(first, second).unwrap().into());
+    for easing in Easing::ALL.into_iter().chain(drawn) {
+        for k in 1..50 {
+            let (t, h) = (f64::from(k) / 50.0, 1e-5);
+            let slope = (easing.at(t + h) - easing.at(t - h)) / (2.0 * h);
+            // Where the two halves of in-out meet, the second derivative jumps.
+            assert!((easing.rate(t) - slope).abs() < 1e-4, "{easing:?} at {t}");
+        }
+    }
+    // One-sided at the ends: a drawn one leaves along its first handle.
+    let easing = Easing::from(BezierEasing::new([0.5, 0.25], [0.5, 1.0]).unwrap());
+    let [leaving, arriving] = [0.0, 1.0].map(|t: f64| easing.rate(t));
+    assert!((leaving - 0.5).abs() < 1e-4 && arriving.abs() < 1e-4);
+    let upright = Easing::from(BezierEasing::new([0.0, 1.0], [1.0, 1.0]).unwrap());
+    assert!(upright.rate(0.0_f64) > 1e5 && upright.rate(0.0_f64).is_finite());
+}
+
+#[test]
+fn a_drawn_easing_is_two_handles_in_json() {
+    let text = r#"{"bezier":[[0.25,0.5],[0.75,1.0]]}"#;
+    let easing: Easing = serde_json::from_str(text).unwrap();
+    let drawn = BezierEasing::new([0.25, 0.5], [0.75, 1.0]).unwrap();
+    assert_eq!(drawn.handles(), [[0.25, 0.5], [0.75, 1.0]]);
+    assert_eq!(easing, drawn.into());
+    assert_eq!(serde_json::to_string(&easing).unwrap(), text);
+    let backwards = r#"{"bezier": [[-0.25, 0.5], [0.75, 1.0]]}"#;
+    let error = serde_json::from_str::<Easing>(backwards).unwrap_err();
+    assert!(error.to_string().contains("-0.25"), "{error}");
 }
 
 #[test]

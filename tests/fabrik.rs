@@ -119,6 +119,37 @@ fn bare_chains_keep_their_lengths_and_arrive() {
     assert!(seen.iter().all(|&count| count > 10), "{seen:?}");
 }
 
+/// Five bones in space, several targets: what a caller sees between passes is the whole state, and
+/// each pass comes nearer.
+#[test]
+fn a_search_can_be_watched_pass_by_pass() {
+    let mut random = Random::new(11);
+    for k in 0..100 {
+        let mut start = vec![Vector3::zero()];
+        for _ in 0..5 {
+            let last: na::Vector3<f64> = start[start.len() - 1].into();
+            let length = random.within(0.3, 1.0);
+            start.push(vector(last + random.direction().into_inner() * length));
+        }
+        let total: f64 = lengths(&start).iter().sum();
+        let target = vector(random.direction().into_inner() * random.within(0.2, 0.95) * total);
+        let mut at_once = start.clone();
+        let done = fabrik(&mut at_once, target, 1e-4, 1000);
+        let mut points = start.clone();
+        let mut miss = (points[5] - target).norm();
+        let mut passes = 0;
+        while miss > 1e-4 && passes < 1000 {
+            let one = fabrik(&mut points, target, 1e-4, 1);
+            assert!(one.passes == 1 && one.miss < miss, "chain {k}: {miss}");
+            (miss, passes) = (one.miss, passes + 1);
+        }
+        assert_eq!(passes, done.passes, "chain {k}");
+        for (watched, expected) in points.iter().zip(&at_once) {
+            assert!((*watched - *expected).norm() < 1e-9, "chain {k}");
+        }
+    }
+}
+
 #[test]
 fn degenerate_chains_are_left_alone() {
     let target = Vector3::new(1.0, 2.0, 3.0);

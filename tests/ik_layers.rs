@@ -48,7 +48,7 @@ fn turn(armature: &Armature, pose: &mut Pose, name: &str, by: Quat) {
     let bone = armature.bone(name).unwrap();
     let mut local = pose.local(bone);
     local.rotation *= by;
-    pose.set_local(bone, local);
+    pose.set_local(bone, local).unwrap();
 }
 
 /// A pose with the elbow bent about its hinge.
@@ -201,7 +201,7 @@ fn the_elbow_goes_towards_the_pole_from_a_straight_arm_too() {
         let mut pose = bent(&armature, &mut random);
         if case % 2 == 0 {
             let lower = armature.bone("lower").unwrap();
-            pose.set_local(lower, armature.rest().local(lower));
+            pose.set_local(lower, armature.rest().local(lower)).unwrap();
         }
         let before = places(&armature, &pose);
         let target = reachable(&mut random, &before);

@@ -2,11 +2,16 @@
 //! refuse what they cannot mix.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod support;
+
 use glam::{Affine3A, Quat, Vec3, Vec4};
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{Armature, Clip, Cursor, Easing, Playback};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{
     Deformation, LinearBlend, MorphError, MorphTarget, MorphTargets, SkinWeights,
 };
+use support::random::Random;
 
 fn triangle(corners: [[f32; 3]; 3]) -> TriangleMesh {
     let corners = corners.map(Vec3::from_array).to_vec();
@@ -50,6 +55,64 @@ fn half_a_smile_and_a_little_frown_are_a_smirk() {
         .apply(&[0.0, 1.0], &mut posed, &mut [], &mut [])
         .unwrap();
     assert!((posed[2] - Vec3::new(0.5, 0.3, 0.0)).length() < 1e-7);
+}
+
+/// Fourteen vertices, four expressions whose weights a clip moves: at every time the face is
+/// rest + Σ αₖ (shapeₖ − rest) with the weights of that time.
+#[test]
+fn a_clip_of_weights_moves_a_face() {
+    let mut random = Random::new(23);
+    let mut vertex = || Vec3::from_array(random.vector(1.0).map(|x| x as f32).into());
+    let mut face = || -> Vec<Vec3> { (0..14).map(|_| vertex()).collect() };
+    let rest = face();
+    let names = ["smile", "frown", "surprise", "blink"];
+    let shapes = names.map(|_| face());
+    let mesh = |face: &[Vec3]| TriangleMesh::new(face.to_vec(), vec![], vec![]).unwrap();
+    let targets = names.iter().zip(&shapes);
+    let targets = targets
+        .map(|(name, shape)| MorphTarget::between(*name, &mesh(&rest), &mesh(shape), 0.0).unwrap());
+    let targets = MorphTargets::new(14, targets.collect()).unwrap();
+
+    let armature = Armature::new(vec![], names.map(String::from).to_vec()).unwrap();
+    let mut builder = Clip::builder("expressions", &armature);
+    let eased = |times: [f32; 3]| {
+        let there_and_back = vec![0.0, 1.0, 0.0];
+        KeyedCurve::eased(times.to_vec(), there_and_back, vec![Easing::CubicInOut; 3]).unwrap()
+    };
+    // One after the other, overlapping; the frown has no channel and rests.
+    for (name, times) in [("smile", [0.0, 1.0, 2.0]), ("surprise", [1.0, 2.0, 3.0])] {
+        let target = armature.morph_target(name).unwrap();
+        builder.morph_weight(target, eased(times)).unwrap();
+    }
+    let blink = KeyedCurve::linear(vec![0.4, 0.5, 0.6], vec![0.0, 1.0, 0.0]).unwrap();
+    let target = armature.morph_target("blink").unwrap();
+    builder.morph_weight(target, blink).unwrap();
+    let clip = builder.build();
+
+    let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
+    for (time, weights) in [
+        (0.0, [0.0, 0.0, 0.0, 0.0]),
+        (0.25, [0.0625, 0.0, 0.0, 0.0]),
+        (0.5, [0.5, 0.0, 0.0, 1.0]),
+        (0.55, [1.0 - 4.0 * 0.45_f32.powi(3), 0.0, 0.0, 0.5]),
+        (1.0, [1.0, 0.0, 0.0, 0.0]),
+        (1.25, [0.9375, 0.0, 0.0625, 0.0]),
+        (2.5, [0.0, 0.0, 0.5, 0.0]),
+        (9.0, [0.0, 0.0, 0.0, 0.0]),
+    ] {
+        clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
+            .unwrap();
+        let mut posed = rest.clone();
+        targets
+            .apply(pose.morph_weights(), &mut posed, &mut [], &mut [])
+            .unwrap();
+        for (vertex, posed) in posed.iter().enumerate() {
+            let moves = shapes.iter().zip(weights);
+            let moves = moves.map(|(shape, weight)| (shape[vertex] - rest[vertex]) * weight);
+            let expected = rest[vertex] + moves.sum::<Vec3>();
+            assert!((*posed - expected).length() < 2e-6, "{time} s");
+        }
+    }
 }
 
 #[test]
@@ -131,9 +194,9 @@ fn what_cannot_be_mixed_is_refused_by_name() {
     };
     let text = |error: MorphError| error.to_string();
     let error = text(one(&[0, 1], &[Vec3::X], &[]).unwrap_err());
-    assert_eq!(error, "target `t`: 1 position delta for 2 vertices");
+    assert_eq!(error, "target `t`: 1 position deltas for 2 vertices");
     let error = text(one(&[0], &[Vec3::X], &[Vec3::X; 2]).unwrap_err());
-    assert_eq!(error, "target `t`: 2 normal delta for 1 vertices");
+    assert_eq!(error, "target `t`: 2 normal deltas for 1 vertices");
     for vertices in [[1, 1], [1, 0]] {
         let error = one(&vertices, &[Vec3::X; 2], &[]).unwrap_err();
         assert!(matches!(error, MorphError::Order { vertex, .. } if vertex == vertices[1]));

@@ -26,7 +26,7 @@ fn a_cross_fade_is_slerp_of_each_bone() {
         let bone = armature.bone_at(9).unwrap();
         let mut local = to.local(bone);
         local.rotation = -local.rotation;
-        to.set_local(bone, local);
+        to.set_local(bone, local).unwrap();
         for share in [0.0, 0.2, 0.5, 0.8, 1.0] {
             let mut blended = from.clone();
             blended.cross_fade(&to, share).unwrap();
@@ -193,7 +193,7 @@ fn a_lean_on_top_of_a_walk() {
     let mut lean = armature.rest().clone();
     let mut local = lean.local(spine);
     local.rotation *= Quat::from_rotation_x(0.4);
-    lean.set_local(spine, local);
+    lean.set_local(spine, local).unwrap();
     let layer = Layer {
         mode: LayerMode::Additive {
             reference: armature.rest().clone(),

@@ -5,7 +5,7 @@
 mod support;
 
 use glam::{Affine3A, Quat, Vec3A};
-use kinopt::animation::{Armature, ArmatureBone, ArmatureError, LocalTransform};
+use kinopt::animation::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform};
 use support::armatures::{armature, model_by_ancestors, pose};
 use support::bones::RandomRig;
 use support::random::Random;
@@ -63,7 +63,7 @@ fn the_planar_arm_of_the_sources() {
             rotation,
             ..pose.local(bone)
         };
-        pose.set_local(bone, local);
+        pose.set_local(bone, local).unwrap();
     }
     let mut model = vec![Affine3A::IDENTITY; 4];
     armature.local_to_model(&pose, &mut model).unwrap();
@@ -91,6 +91,51 @@ fn the_planar_arm_of_the_sources() {
     }
 }
 
+/// Four bones whose joints swing at frequencies of their own: the hand is where the sums of the angles
+/// put it, Σ Lᵢ (cos, sin)(θ₀ + … + θᵢ), all along its way, which closes after a period.
+#[test]
+fn the_hand_of_a_swinging_arm() {
+    let lengths = [2.0, 1.5, 1.0, 0.5_f64];
+    let swings = [(1.0, 0.8), (2.0, 0.9), (3.0, 0.7), (5.0, 0.5_f64)];
+    let bone = |k: usize| ArmatureBone {
+        name: format!("bone {k}"),
+        parent: k.checked_sub(1),
+        rest: LocalTransform {
+            translation: Vec3A::X
+                * k.checked_sub(1)
+                    .map_or(0.0, |parent| lengths[parent] as f32),
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let armature = Armature::new((0..4).map(bone).collect(), Vec::new()).unwrap();
+    let (mut pose, mut model) = (armature.rest().clone(), vec![Affine3A::IDENTITY; 4]);
+    let mut path = Vec::new();
+    for frame in 0..=200 {
+        let phase = std::f64::consts::TAU * f64::from(frame) / 200.0;
+        let (mut heading, mut expected) = (0.0, glam::DVec2::ZERO);
+        for (k, (frequency, swing)) in swings.into_iter().enumerate() {
+            let angle = swing * (frequency * phase).sin();
+            heading += angle;
+            expected += glam::DVec2::from_angle(heading) * lengths[k];
+            let bone = armature.bone_at(k).unwrap();
+            let mut local = pose.local(bone);
+            local.rotation = Quat::from_rotation_z(angle as f32);
+            pose.set_local(bone, local).unwrap();
+        }
+        armature.local_to_model(&pose, &mut model).unwrap();
+        let hand = model[3].transform_point3a(Vec3A::X * lengths[3] as f32);
+        assert!((hand.truncate().as_dvec2() - expected).length() < 5e-6);
+        assert!(hand.z == 0.0 && hand.length() <= 5.0 + 1e-5);
+        path.push(hand);
+    }
+    assert!((path[0] - path[200]).length() < 1e-5);
+    // Sines are odd: the second half of the period is the first one mirrored and backwards.
+    for k in 0..=100 {
+        let mirrored = path[200 - k] * Vec3A::new(1.0, -1.0, 1.0);
+        assert!((path[k] - mirrored).length() < 1e-5);
+    }
+}
+
 #[test]
 fn a_skeleton_s_bones_rest_where_they_rest() {
     let skeleton = RandomRig::new(53).skeleton;
@@ -111,6 +156,64 @@ fn a_skeleton_s_bones_rest_where_they_rest() {
         let bone = &skeleton.bones()[id.index()];
         assert_eq!(armature.parent(id), bone.parent);
         assert_eq!(armature.bone(&bone.name).unwrap(), id);
+    }
+}
+
+/// B_j⁻¹ takes a point of the skin at rest to its bone, W_j from there to where it is now.
+#[test]
+fn what_is_fixed_to_a_bone_goes_with_it() {
+    let mut random = Random::new(54);
+    let armature = armature(30, &mut random);
+    let pose = pose(&armature, &mut random);
+    let mut model = vec![Affine3A::IDENTITY; 30];
+    let mut skin = model.clone();
+    armature.local_to_model(&pose, &mut model).unwrap();
+    armature.skinning_transforms(&model, &mut skin).unwrap();
+    let rest = model_by_ancestors(&armature, armature.rest());
+    let posed = model_by_ancestors(&armature, &pose);
+    for bone in 0..30 {
+        let own = support::armatures::vector(&mut random, 0.5);
+        let expected = posed[bone].transform_point3a(own);
+        let at_rest = rest[bone].transform_point3a(own);
+        let off = (skin[bone].transform_point3a(at_rest) - expected).length();
+        assert!(off < 1e-4 * (1.0 + expected.length()), "{bone}: {off}");
+    }
+}
+
+#[test]
+fn bad_local_transforms_are_refused_or_made_right() {
+    let mut random = Random::new(55);
+    let armature = armature(3, &mut random);
+    let bone = armature.bone_at(1).unwrap();
+    let mut pose = armature.rest().clone();
+    let good = pose.local(bone);
+    let with = |rotation| LocalTransform { rotation, ..good };
+    let zero = with(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+    let refused = pose.set_local(bone, zero).unwrap_err();
+    assert_eq!(refused, LocalError::ZeroRotation { bone: 1 });
+    for bad in [
+        with(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
+        LocalTransform {
+            translation: Vec3A::INFINITY,
+            ..good
+        },
+        LocalTransform {
+            scale: Vec3A::NAN,
+            ..good
+        },
+    ] {
+        let refused = pose.set_local(bone, bad).unwrap_err();
+        assert_eq!(refused, LocalError::NotFinite { bone: 1 });
+    }
+    let big = support::armatures::armature(9, &mut random);
+    let stranger = big.bone_at(8).unwrap();
+    let refused = pose.set_local(stranger, good).unwrap_err();
+    assert_eq!(refused.to_string(), "bone 8 does not exist; the pose has 3");
+    assert_eq!(&pose, armature.rest());
+    for length in [1e-30, 0.5, 3.0, 1e30] {
+        pose.set_local(bone, with(good.rotation * length)).unwrap();
+        let apart = support::armatures::apart(pose.rotations()[1], good.rotation);
+        assert!(pose.rotations()[1].is_normalized() && apart < 1e-6);
     }
 }
 

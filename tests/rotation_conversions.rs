@@ -115,6 +115,13 @@ fn axis_and_angle_go_round_near_nothing_and_near_half_a_turn() {
             assert!(apart(turn.to_quaternion(), DQuat::from_mat3(&turn.to_matrix())) < 1e-15);
         }
     }
+    // An axis of any length, as the lecture's function takes it.
+    let third = AxisAngle::about(DVec3::new(0.0, 7.0, 0.0), 2.0 * PI / 3.0).unwrap();
+    let expected = DQuat::from_xyzw(0.0, 0.75_f64.sqrt(), 0.0, 0.5);
+    assert!(third.to_quaternion().abs_diff_eq(expected, 1e-15));
+    for none in [DVec3::ZERO, DVec3::NAN] {
+        assert_eq!(AxisAngle::about(none, 1.0), None);
+    }
     assert_eq!(AxisAngle::from_quaternion(DQuat::IDENTITY).angle, 0.0);
     assert_eq!(AxisAngle::from_quaternion(-DQuat::IDENTITY).angle, 0.0);
 }

@@ -6,8 +6,10 @@ mod support;
 
 use glam::{Quat, Vec3};
 use kinopt::animation::rotation::{
-    RotationHermite, mean_rates, nlerp, slerp, slerp_vectors, squad, squad_control,
+    EulerOrder, RotationCurve, RotationHermite, mean_rates, nlerp, slerp, slerp_vectors, squad,
+    squad_control,
 };
+use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, Cursor, LocalTransform, Playback};
 use support::random::Random;
 
 fn rotation(random: &mut Random) -> Quat {
@@ -56,6 +58,64 @@ fn slerp_turns_at_constant_speed_and_nlerp_does_not() {
     let wide = Quat::from_axis_angle(Vec3::X, 3.0);
     let quarter = apart(Quat::IDENTITY, nlerp(Quat::IDENTITY, wide, 0.25));
     assert!((quarter - 0.75).abs() > 0.05, "{quarter}");
+}
+
+/// Frame by frame as a clip plays, from turns of nothing to half a turn.
+#[test]
+fn a_clip_turns_at_constant_speed() {
+    let mut random = Random::new(7);
+    let turns = [0.0, 1e-6, 1e-3, 0.1, 1.0, 2.5, 3.1, 3.13];
+    for angle in turns {
+        let bone = ArmatureBone {
+            name: "bone".into(),
+            parent: None,
+            rest: LocalTransform::IDENTITY,
+        };
+        let armature = Armature::new(vec![bone], Vec::new()).unwrap();
+        let from = rotation(&mut random);
+        let axis = rotation(&mut random).xyz().normalize();
+        let to = -(from * Quat::from_axis_angle(axis, angle));
+        let curve = RotationCurve::slerp(vec![0.0, 2.0], vec![from, to]).unwrap();
+        let mut builder = Clip::builder("turn", &armature);
+        let bone = armature.bone("bone").unwrap();
+        builder.channel(bone, Channel::Rotation(curve)).unwrap();
+        let clip = builder.build();
+        let (mut cursor, mut pose) = (Cursor::new(), armature.rest().clone());
+        let mut last = from;
+        for frame in 1..=32 {
+            let time = 2.0 * f64::from(frame) / 32.0;
+            clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
+                .unwrap();
+            let now = pose.rotations()[0];
+            assert!((apart(last, now) - angle / 32.0).abs() < 2e-6, "{angle}");
+            last = now;
+        }
+    }
+}
+
+/// A straight line between Euler angles zyx turns by √(ż² + ẏ² + ẋ² − 2 ż ẋ sin y): neither at constant
+/// speed nor the shortest way.
+#[test]
+fn straight_lines_between_euler_angles_are_uneven_detours() {
+    let order = EulerOrder::Zyx;
+    let (from, rate) = ([0.0, -1.3, 0.0], [2.6, 2.6, 2.6_f64]);
+    let at = |t: f64| {
+        let angles = std::array::from_fn(|k| from[k] + t * rate[k]);
+        (order.to_quaternion(angles).as_quat(), angles[1])
+    };
+    let (mut way, mut speeds) = (0.0, Vec::new());
+    for step in 0..100 {
+        let t = f64::from(step) / 100.0;
+        let turned = apart(at(t).0, at(t + 0.01).0);
+        let [z, y, x] = rate;
+        let speed = (z * z + y * y + x * x - 2.0 * z * x * at(t + 0.005).1.sin()).sqrt();
+        assert!((f64::from(turned) - 0.01 * speed).abs() < 2e-5);
+        way += turned;
+        speeds.push(speed);
+    }
+    let direct = apart(at(0.0).0, at(1.0).0);
+    assert!(way > 1.2 * direct, "{way} for {direct}");
+    assert!(speeds[0] > 2.0 * speeds[99], "{speeds:?}");
 }
 
 #[test]

@@ -68,6 +68,48 @@ fn any_knots_are_the_pyramid() {
 }
 
 #[test]
+fn a_path_through_points_is_its_segments() {
+    let mut random = Random::new(37);
+    for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
+        let p: [DVec3; 9] = points(&mut random);
+        let t = knots.of(&p);
+        let path = KeyedCurve::through(p.to_vec(), knots).unwrap();
+        for (ours, expected) in path.times().iter().zip(t) {
+            assert!((ours - expected).abs() < 1e-14);
+        }
+        for i in 1..7 {
+            let own = [p[i - 1], p[i], p[i + 1], p[i + 2]];
+            let at = [t[i - 1], t[i], t[i + 1], t[i + 2]];
+            for u in [0.0, 0.2, 0.5, 0.9] {
+                let expected = catmull_rom_at_knots(own, at, u);
+                let got = path.at(lerp(t[i], t[i + 1], u));
+                assert!((got - expected).length() < 1e-12, "{knots:?} {i} {u}");
+            }
+        }
+        // The first segment is the one whose neighbour is its end mirrored at its start.
+        let mirrored = [p[0] * 2.0 - p[1], p[0], p[1], p[2]];
+        let at = [-t[1], 0.0, t[1], t[2]];
+        for u in [0.1, 0.5, 0.8] {
+            let expected = catmull_rom_at_knots(mirrored, at, u);
+            assert!((path.at(u * t[1]) - expected).length() < 1e-12);
+        }
+        assert_eq!([path.at(-1.0), path.at(t[8] + 1.0)], [p[0], p[8]]);
+    }
+    let twice = vec![DVec3::X, DVec3::Y, DVec3::Y, DVec3::Z];
+    assert!(KeyedCurve::through(twice.clone(), Knots::Uniform).is_ok());
+    let error = KeyedCurve::through(twice, Knots::Centripetal).unwrap_err();
+    assert!(
+        matches!(error, KeyError::NotIncreasing { key: 2, .. }),
+        "{error}"
+    );
+    let none = KeyedCurve::through(Vec::<DVec3>::new(), Knots::Chordal);
+    assert_eq!(none, Err(KeyError::Empty));
+    let one = KeyedCurve::through(vec![DVec3::X], Knots::Chordal).unwrap();
+    assert_eq!(one.at(4.0), DVec3::X);
+    assert!(KeyedCurve::through(vec![DVec3::X, DVec3::NAN], Knots::Chordal).is_err());
+}
+
+#[test]
 fn the_centripetal_segment_does_not_overshoot_a_short_edge() {
     // Two near points between two far ones: the uniform spline loops there.
     let p = [(-10.0, 5.0), (0.0, 0.0), (0.1, 0.0), (10.0, 5.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
@@ -109,6 +151,23 @@ fn a_split_bezier_is_the_same_curve() {
         assert_eq!([curve.position(0.0), curve.position(1.0)], [p0, p3]);
         assert!((curve.tangent(0.0) - (p1 - p0) * 3.0).length() < 1e-15);
         assert!((curve.tangent(1.0) - (p3 - p2) * 3.0).length() < 1e-15);
+    }
+}
+
+/// No point of a Bézier curve is further out in any direction than the furthest of its control points.
+#[test]
+fn a_bezier_stays_within_its_control_points_hull() {
+    let mut random = Random::new(36);
+    for _ in 0..50 {
+        let curve = CubicBezier::new(points(&mut random));
+        for _ in 0..40 {
+            let [out] = points::<1>(&mut random);
+            let far = |p: DVec3| p.dot(out);
+            let furthest = curve.points.map(far).into_iter().fold(f64::MIN, f64::max);
+            for u in 0..=20 {
+                assert!(far(curve.position(f64::from(u) / 20.0)) <= furthest + 1e-14);
+            }
+        }
     }
 }
 

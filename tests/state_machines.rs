@@ -105,6 +105,20 @@ fn it_walks_runs_and_stands() {
     assert_eq!((step(&mut run, 0.0), run.fading()), ([0.0, 10.0], None));
 }
 
+/// A fade may be drawn by two handles; here they make t², which is ¼ halfway.
+#[test]
+fn a_fade_runs_as_it_is_drawn() {
+    let drawn = r#""easing": {"bezier": [[0.33333333, 0], [0.66666667, 0.33333333]]}"#;
+    let machine = read(&MACHINE.replace(r#""easing": "cubic_in_out""#, drawn)).unwrap();
+    let mut run = StateMachineRun::new(Arc::new(machine), armature().rest()).unwrap();
+    run.set_number("speed", 1.0).unwrap();
+    step(&mut run, 0.5);
+    run.set_number("speed", 3.0).unwrap();
+    let [_, y] = step(&mut run, 0.5);
+    assert_eq!(run.state(), "run");
+    assert!((y - 12.5).abs() < 1e-4, "{y}");
+}
+
 #[test]
 fn a_trigger_fires_once_and_a_clip_must_be_through() {
     let mut run = run();
@@ -232,6 +246,11 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         r#""parameter": "speed""#,
         r#""parameter": "sped""#,
         &["transitions[1].when[0].parameter", "speed", "grounded"],
+    );
+    refused(
+        r#""easing": "cubic_in_out""#,
+        r#""easing": {"bezier": [[0.5, 0], [1.5, 1]]}"#,
+        &["transitions[3].easing", "(1.5, 1)", "within [0, 1]"],
     );
     refused(
         r#""seconds": 0.25"#,

@@ -5,7 +5,6 @@ mod blend;
 mod clip;
 mod crowd;
 pub mod curve;
-mod easing;
 mod euler_clip;
 mod euler_sampling;
 mod ik_layer;
@@ -21,12 +20,14 @@ pub use clip::{
     Property,
 };
 pub use crowd::{Character, Crowd, PlayingClip};
-pub use easing::{BezierEasing, Easing, HandleError};
+pub use curve::easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
 pub use euler_sampling::SampleError;
 pub use ik_layer::{Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
 pub use playback::Playback;
-pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
+pub use pose::{
+    Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose, SizeMismatch,
+};
 pub use state_machine::{
     ConditionDefinition, Interruption, ParameterDefault, ParameterError, StateDefinition,
     StateMachine, StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,

@@ -131,6 +131,28 @@ pub struct Reaching {
 /// within `tolerance` of `target`; the distances between neighbours are kept. No joints and no
 /// limits: that is [`Fabrik`]. Fewer than two points are left alone. A chain stretched exactly
 /// towards a target within reach does not bend: give it a bend first.
+///
+/// The points are all that is kept between passes, so a search may be watched, or cut into frames, by
+/// asking for one pass at a time:
+///
+/// ```
+/// use kinopt::geometric::fabrik;
+/// use kinopt::spatial::Vector3;
+///
+/// let mut points: Vec<_> = (0..6).map(|k| Vector3::new(f64::from(k), 0.0, 0.0)).collect();
+/// let target = Vector3::new(1.0, 2.0, 3.0);
+/// let mut last = f64::INFINITY;
+/// for pass in 0..50 {
+///     // Draw the points here.
+///     let done = fabrik(&mut points, target, 1e-6, 1);
+///     assert!(done.miss < last);
+///     last = done.miss;
+///     if last <= 1e-6 {
+///         break;
+///     }
+/// }
+/// assert!(last <= 1e-6);
+/// ```
 pub fn fabrik(
     points: &mut [Vector3<f64>],
     target: Vector3<f64>,

@@ -19,11 +19,11 @@ pub struct MorphTarget {
 #[non_exhaustive]
 pub enum MorphError {
     /// A target's lists are not as long as its list of vertices.
-    #[error("target `{target}`: {given} {what} for {vertices} vertices")]
+    #[error("target `{target}`: {given} {what}s for {vertices} vertices")]
     DeltaCount {
         /// The target's name.
         target: String,
-        /// "normal deltas", …
+        /// "normal delta", …
         what: &'static str,
         /// How many there are.
         given: usize,

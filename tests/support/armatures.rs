@@ -36,7 +36,8 @@ pub fn armature(bones: usize, random: &mut Random) -> Armature {
 pub fn pose(armature: &Armature, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for index in 0..armature.bones() {
-        pose.set_local(armature.bone_at(index).unwrap(), local(random));
+        pose.set_local(armature.bone_at(index).unwrap(), local(random))
+            .unwrap();
     }
     for weight in pose.morph_weights_mut() {
         *weight = random.unit() as f32;

@@ -1,6 +1,6 @@
 //! Cubic Bézier curves.
 
-use super::{CurveValue, lerp};
+use super::{CurveValue, Real, lerp};
 
 /// A cubic Bézier curve: from the first to the last of its four control points, leaving towards the
 /// second and arriving from the third, within their convex hull.
@@ -49,5 +49,40 @@ impl<V: CurveValue> CubicBezier<V> {
         let [p0, p1, p2, p3] = self.points;
         let first @ [a, b, c] = [lerp(p0, p1, u), lerp(p1, p2, u), lerp(p2, p3, u)];
         (first, [lerp(a, b, u), lerp(b, c, u)])
+    }
+}
+
+impl CubicBezier<f64> {
+    /// Where in [0, 1] a curve of numbers that starts at 0, never falls and ends at 1 passes one of
+    /// them: by Newton's method, kept within a bracket that halves when a step leaves it.
+    pub(super) fn parameter_at(&self, number: f64) -> f64 {
+        let (mut low, mut high, mut u) = (0.0, 1.0, number);
+        for _ in 0..60 {
+            let miss = self.position(u) - number;
+            if miss.abs() < 1e-12 {
+                break;
+            }
+            if miss > 0.0 {
+                high = u;
+            } else {
+                low = u;
+            }
+            let newton = u - miss / self.tangent(u);
+            u = if low < newton && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+        }
+        u
+    }
+
+    /// The slope of `values` over this curve's numbers at u: the quotient of the tangents, a little
+    /// inside where a handle on an end leaves both without length.
+    pub(super) fn slope_of<V: CurveValue>(&self, values: &CubicBezier<V>, u: f64) -> V {
+        const INSIDE: f64 = 1e-6;
+        let u = u.clamp(INSIDE, 1.0 - INSIDE);
+        let run = self.tangent(u).max(f64::from(f32::MIN_POSITIVE));
+        values.tangent(V::Real::from_f64(u)) * V::Real::from_f64(1.0 / run)
     }
 }

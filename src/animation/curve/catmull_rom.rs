@@ -5,7 +5,7 @@
 //! centripetal choice of knots neither cusps nor loops within a segment (Yuksel, Schaefer & Keyser
 //! 2011, "Parameterization and applications of Catmull-Rom curves").
 
-use super::{CurveValue, Hermite, Real};
+use super::{CurveValue, Hermite, KeyError, KeyedCurve, Real};
 
 /// How far apart in the parameter neighbouring points are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -27,17 +27,82 @@ impl Knots {
         let mut previous: Option<V> = None;
         points.map(|point| {
             if let Some(previous) = previous {
-                let distance = (point - previous).length();
-                at = at
-                    + match self {
-                        Self::Uniform => V::Real::from(1.0),
-                        Self::Centripetal => distance.power(V::Real::from(0.5)),
-                        Self::Chordal => distance,
-                    };
+                at = at + self.between(previous, point);
             }
             previous = Some(point);
             at
         })
+    }
+
+    /// From one point's parameter to the next one's.
+    fn between<V: CurveValue>(self, from: V, to: V) -> V::Real {
+        let distance = (to - from).length();
+        match self {
+            Self::Uniform => V::Real::from(1.0),
+            Self::Centripetal => distance.power(V::Real::from(0.5)),
+            Self::Chordal => distance,
+        }
+    }
+}
+
+impl<V: CurveValue> KeyedCurve<V> {
+    /// The Catmull-Rom spline through any number of points without times, such as a path: the
+    /// segments of [`catmull_rom_at_knots`], one after the other, with the knots for times. They start
+    /// at 0 and end at the last of [`times`](Self::times). At the ends the missing neighbour is the
+    /// nearer one mirrored at the end, so that the tangent there is the chord's.
+    ///
+    /// ```
+    /// use glam::DVec2;
+    /// use kinopt::animation::curve::{KeyedCurve, Knots};
+    ///
+    /// let points = [[0.0, 0.0], [1.0, 2.0], [4.0, 2.0], [5.0, 0.0]].map(DVec2::from);
+    /// let path = KeyedCurve::through(points.to_vec(), Knots::Centripetal)?;
+    /// let end = path.times()[3];
+    /// // Symmetric points make a symmetric path.
+    /// assert!((path.at(0.5 * end).x - 2.5).abs() < 1e-12);
+    /// # Ok::<(), kinopt::animation::curve::KeyError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// No points, one that is not finite, or, unless the knots are uniform, two neighbours in one
+    /// place.
+    pub fn through(points: Vec<V>, knots: Knots) -> Result<Self, KeyError> {
+        let mut at = V::Real::from(0.0);
+        let steps = points.windows(2).map(|pair| {
+            at = at + knots.between(pair[0], pair[1]);
+            at
+        });
+        let times: Vec<V::Real> = points
+            .first()
+            .map(|_| V::Real::from(0.0))
+            .into_iter()
+            .chain(steps)
+            .collect();
+        // Checks what the tangents below rely on.
+        let straight = Self::linear(times, points)?;
+        let (times, points) = (straight.times(), straight.values());
+        let slope = |from: usize, to: usize| {
+            let one = V::Real::from(1.0);
+            Some(
+                (*points.get(to)? - *points.get(from)?)
+                    * (one / (*times.get(to)? - *times.get(from)?)),
+            )
+        };
+        let tangents = (0..points.len()).map(|key| {
+            let before = key.checked_sub(1);
+            let [since, over] = [
+                before.and_then(|k| slope(k, key)),
+                before.and_then(|k| slope(k, key + 1)),
+            ];
+            let rate = match (since, over, slope(key, key + 1)) {
+                (Some(since), Some(over), Some(next)) => since - over + next,
+                (Some(only), _, _) | (_, _, Some(only)) => only,
+                _ => points[key] * V::Real::from(0.0),
+            };
+            [rate; 2]
+        });
+        let tangents = tangents.collect();
+        Self::cubic(times.to_vec(), points.to_vec(), tangents)
     }
 }
 

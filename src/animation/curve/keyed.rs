@@ -1,9 +1,11 @@
 //! A curve through keys at times that need not be evenly spaced.
 
+use super::easing::Easing;
+use super::handle::{BezierHandle, Drawn, check_handles};
 use super::keys::{check_count, check_times};
 use super::{CurveValue, Hermite, KeyError, TensionContinuityBias, lerp};
 
-/// A curve through values at key times: step, linear or cubic. Before the first and after the last
+/// A curve through values at key times: step, linear, eased, cubic or drawn by handles. Before the first and after the last
 /// key it holds the value there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyedCurve<V: CurveValue> {
@@ -14,13 +16,17 @@ pub struct KeyedCurve<V: CurveValue> {
 
 /// What a curve does between keys.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Between<V> {
+pub(crate) enum Between<V: CurveValue> {
     /// It keeps the value of the key before.
     Step,
     /// It runs straight.
     Linear,
+    /// It runs straight, at the pace of each key's easing.
+    Eased(Vec<Easing>),
     /// It is a cubic; (arriving, leaving) rates per unit of time at each key.
     Cubic(Vec<[V; 2]>),
+    /// It is a cubic in time as well; the handles (arriving, leaving) of each key.
+    Bezier(Vec<[BezierHandle<V>; 2]>),
 }
 
 impl<V: CurveValue> KeyedCurve<V> {
@@ -31,12 +37,17 @@ impl<V: CurveValue> KeyedCurve<V> {
         if let Some(key) = values.iter().position(|value| !value.all_finite()) {
             return Err(wrong("value")(key));
         }
-        if let Between::Cubic(rates) = &between {
-            check_count("tangents", rates.len(), times.len())?;
-            let odd = |rates: &[V; 2]| rates.iter().any(|rate| !rate.all_finite());
-            if let Some(key) = rates.iter().position(odd) {
-                return Err(wrong("tangent")(key));
+        match &between {
+            Between::Cubic(rates) => {
+                check_count("tangents", rates.len(), times.len())?;
+                let odd = |rates: &[V; 2]| rates.iter().any(|rate| !rate.all_finite());
+                if let Some(key) = rates.iter().position(odd) {
+                    return Err(wrong("tangent")(key));
+                }
             }
+            Between::Eased(easings) => check_count("easings", easings.len(), times.len())?,
+            Between::Bezier(handles) => check_handles(&times, handles)?,
+            Between::Step | Between::Linear => {}
         }
         Ok(Self {
             times,
@@ -60,6 +71,49 @@ impl<V: CurveValue> KeyedCurve<V> {
     /// As [`step`](Self::step).
     pub fn linear(times: Vec<V::Real>, values: Vec<V>) -> Result<Self, KeyError> {
         Self::new(times, values, Between::Linear)
+    }
+
+    /// Straight from key to key, each way at its own pace: an easing for each key and the way that
+    /// leaves it. The last one's is not used.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn eased(
+        times: Vec<V::Real>,
+        values: Vec<V>,
+        easings: Vec<Easing>,
+    ) -> Result<Self, KeyError> {
+        Self::new(times, values, Between::Eased(easings))
+    }
+
+    /// The f-curve of animation editors: between keys runs the Bézier curve in the plane of time and
+    /// value that the `[arriving, leaving]` handles of each key draw, solved for its parameter at each
+    /// time. A vector's components share the handles' times.
+    ///
+    /// ```
+    /// use kinopt::animation::curve::{BezierHandle, KeyedCurve};
+    ///
+    /// // From 0 to 1 in two seconds: a slow start, and a little too far before the end.
+    /// let handle = |time, value| BezierHandle { time, value };
+    /// let handles = vec![
+    ///     [handle(0.0, 0.0), handle(1.0, 0.0)],
+    ///     [handle(-0.5, 0.4), handle(0.0, 0.0)],
+    /// ];
+    /// let curve = KeyedCurve::bezier(vec![0.0, 2.0], vec![0.0, 1.0], handles)?;
+    /// assert!(curve.at(0.3) < 0.15 / 2.0);
+    /// assert!(curve.at(1.8) > 1.0);
+    /// assert_eq!(curve.at(2.0), 1.0);
+    /// # Ok::<(), kinopt::animation::curve::KeyError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`step`](Self::step), or a handle that reaches back in time or beyond the next key.
+    pub fn bezier(
+        times: Vec<V::Real>,
+        values: Vec<V>,
+        handles: Vec<[BezierHandle<V>; 2]>,
+    ) -> Result<Self, KeyError> {
+        Self::new(times, values, Between::Bezier(handles))
     }
 
     /// Cubic Hermite segments with `[arriving, leaving]` tangents at each key, per unit of time
@@ -145,7 +199,9 @@ impl<V: CurveValue> KeyedCurve<V> {
         match (&self.between, self.values.get(key + 1)) {
             (Between::Step, Some(&end)) if u >= V::Real::from(1.0) => end,
             (Between::Linear, Some(&end)) => lerp(start, end, u),
+            (Between::Eased(easings), Some(&end)) => lerp(start, end, easings[key].at(u)),
             (Between::Cubic(rates), Some(&end)) => self.segment(key, rates, end).position(u),
+            (Between::Bezier(handles), Some(&end)) => self.drawn(key, handles, end).position(u),
             _ => start,
         }
     }
@@ -171,6 +227,12 @@ impl<V: CurveValue> KeyedCurve<V> {
             (Between::Cubic(rates), Some(&end)) => {
                 self.segment(key, rates, end).tangent(u) * per_time(key)
             }
+            (Between::Eased(easings), Some(&end)) => {
+                (end - start) * (easings[key].rate(u) * per_time(key))
+            }
+            (Between::Bezier(handles), Some(&end)) => {
+                self.drawn(key, handles, end).tangent(u) * per_time(key)
+            }
             _ => start * V::Real::from(0.0),
         }
     }
@@ -183,6 +245,12 @@ impl<V: CurveValue> KeyedCurve<V> {
             end,
             arriving: rates[key + 1][0] * length,
         }
+    }
+
+    fn drawn(&self, key: usize, handles: &[[BezierHandle<V>; 2]], end: V) -> Drawn<V> {
+        let length = self.times[key + 1] - self.times[key];
+        let ends = [self.values[key], end];
+        Drawn::new(length, ends, &handles[key][1], &handles[key + 1][0])
     }
 
     /// The key at or before a time and how far the time is towards the next, in [0, 1).

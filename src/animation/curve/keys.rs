@@ -45,6 +45,20 @@ pub enum KeyError {
         /// The time of the key before it.
         previous: f64,
     },
+    /// A Bézier handle that would let the curve run backwards in time.
+    #[error(
+        "key {key}: the {side} handle is {time} s from its key; it must be within the {room} s to the key on that side"
+    )]
+    HandleTime {
+        /// Which key.
+        key: usize,
+        /// Arriving or leaving.
+        side: &'static str,
+        /// From the key to the handle, in seconds.
+        time: f64,
+        /// From the key to the next one on that side, in seconds.
+        room: f64,
+    },
     /// A quaternion without direction.
     #[error("key {key}: the quaternion is zero and stands for no rotation")]
     ZeroRotation {

@@ -1,7 +1,9 @@
-//! Curves through numbers and vectors: linear, Bézier, Hermite, Catmull-Rom, Kochanek-Bartels.
+//! Curves through numbers and vectors: linear, eased, Bézier, Hermite, Catmull-Rom, Kochanek-Bartels.
 
 mod bezier;
 mod catmull_rom;
+pub(super) mod easing;
+mod handle;
 mod hermite;
 mod keyed;
 mod keys;
@@ -11,6 +13,7 @@ mod value;
 
 pub use bezier::CubicBezier;
 pub use catmull_rom::{Knots, catmull_rom, catmull_rom_at_knots};
+pub use handle::BezierHandle;
 pub use hermite::Hermite;
 pub use keyed::KeyedCurve;
 pub use keys::{KeyError, KeyRepair, repair_keys};

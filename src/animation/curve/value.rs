@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec3A, Vec4};
 /// The numbers that curves compute with: `f32` or `f64`.
 pub trait Real:
     Copy
+    + std::fmt::Debug
     + PartialOrd
     + From<f32>
     + Add<Output = Self>
@@ -21,9 +22,12 @@ pub trait Real:
     /// Whether it is neither NaN nor infinite.
     #[must_use]
     fn is_finite(self) -> bool;
-    /// In double precision, for messages.
+    /// In double precision.
     #[must_use]
     fn as_f64(self) -> f64;
+    /// The nearest number of this precision.
+    #[must_use]
+    fn from_f64(number: f64) -> Self;
 }
 
 /// A number or a vector that can be added and scaled.
@@ -51,6 +55,9 @@ macro_rules! real {
             }
             fn as_f64(self) -> f64 {
                 f64::from(self)
+            }
+            fn from_f64(number: f64) -> Self {
+                number as $real
             }
         }
         impl CurveValue for $real {

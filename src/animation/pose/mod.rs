@@ -7,4 +7,4 @@ mod pose;
 
 pub use armature::{Armature, ArmatureBone, ArmatureError};
 pub use local_transform::LocalTransform;
-pub use pose::{Pose, SizeMismatch};
+pub use pose::{LocalError, Pose, SizeMismatch};

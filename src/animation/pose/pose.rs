@@ -27,6 +27,32 @@ pub struct SizeMismatch {
     pub expected: usize,
 }
 
+/// What is wrong with a local transform, or with the bone it is for. Bones are given by index.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LocalError {
+    /// A bone of another armature.
+    #[error("bone {bone} does not exist; the pose has {bones}")]
+    UnknownBone {
+        /// The bone.
+        bone: usize,
+        /// How many bones there are.
+        bones: usize,
+    },
+    /// A number that is NaN or infinite.
+    #[error("bone {bone}: the local transform is not finite")]
+    NotFinite {
+        /// The bone.
+        bone: usize,
+    },
+    /// A quaternion without direction.
+    #[error("bone {bone}: the quaternion is zero and stands for no rotation")]
+    ZeroRotation {
+        /// The bone.
+        bone: usize,
+    },
+}
+
 impl SizeMismatch {
     /// Checks one count.
     pub(crate) fn check(what: &'static str, given: usize, expected: usize) -> Result<(), Self> {
@@ -76,14 +102,25 @@ impl Pose {
         }
     }
 
-    /// Moves a bone in its parent; a bone that is not in the pose is left out.
-    pub fn set_local(&mut self, bone: BoneId, local: LocalTransform) {
-        let index = bone.index();
-        let room = self.translations.get_mut(index);
-        let room = room.zip(self.rotations.get_mut(index));
-        if let Some(((translation, rotation), scale)) = room.zip(self.scales.get_mut(index)) {
-            (*translation, *rotation, *scale) = (local.translation, local.rotation, local.scale);
+    /// Moves a bone in its parent. A rotation that is not of unit length is made so.
+    ///
+    /// # Errors
+    /// A [`LocalError`]: the bone is not in the pose, a number is not finite, or the rotation is zero.
+    /// Nothing is changed then.
+    pub fn set_local(&mut self, bone: BoneId, local: LocalTransform) -> Result<(), LocalError> {
+        let (bone, bones) = (bone.index(), self.bones());
+        if bone >= bones {
+            return Err(LocalError::UnknownBone { bone, bones });
         }
+        let finite = local.translation.is_finite() && local.scale.is_finite();
+        if !(finite && local.rotation.is_finite()) {
+            return Err(LocalError::NotFinite { bone });
+        }
+        let rotation = unit(local.rotation).ok_or(LocalError::ZeroRotation { bone })?;
+        self.translations[bone] = local.translation;
+        self.rotations[bone] = rotation;
+        self.scales[bone] = local.scale;
+        Ok(())
     }
 
     /// Where the bones are in their parents, in the model's own unit.
@@ -128,4 +165,15 @@ impl Pose {
         let targets = [&other.morph_weights, &self.morph_weights].map(Vec::len);
         SizeMismatch::check("morph targets", targets[0], targets[1])
     }
+}
+
+/// The quaternion at unit length, as it is where it has that; `None` for zero.
+fn unit(q: Quat) -> Option<Quat> {
+    if q.is_normalized() {
+        return Some(q);
+    }
+    // In double precision, where the square of no single-precision number vanishes.
+    let q = q.as_dquat();
+    let length = q.length();
+    (length > 0.0).then(|| (q / length).as_quat())
 }

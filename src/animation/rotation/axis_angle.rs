@@ -13,6 +13,13 @@ pub struct AxisAngle {
 }
 
 impl AxisAngle {
+    /// A turn by an angle in radians about an axis of any length; `None` for one without direction.
+    #[must_use]
+    pub fn about(axis: DVec3, angle: f64) -> Option<Self> {
+        let axis = axis.try_normalize()?;
+        Some(Self { axis, angle })
+    }
+
     /// The axis and angle of a unit quaternion, the angle within [0, π]. The identity turns by 0
     /// about x.
     #[must_use]

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3, Vec4};
 
 use super::{RotationHermite, mean_rates, nearer, slerp, squad, squad_control};
+use crate::animation::curve::easing::Easing;
 use crate::animation::curve::{Hermite, KeyError, check_count, check_times};
 
 /// A curve through unit quaternions at key times. Before the first and after the last key it holds
@@ -19,6 +20,8 @@ pub struct RotationCurve {
 pub(crate) enum BetweenRotations {
     Step,
     Slerp,
+    /// Slerp at the pace of each key's easing.
+    Eased(Vec<Easing>),
     /// A control for each key.
     Squad(Vec<Quat>),
     /// (arriving, leaving) rates of the components at each key.
@@ -65,6 +68,20 @@ impl RotationCurve {
     /// As [`step`](Self::step).
     pub fn slerp(times: Vec<f32>, rotations: Vec<Quat>) -> Result<Self, KeyError> {
         Self::checked(times, rotations, BetweenRotations::Slerp)
+    }
+
+    /// Along the shorter arc from key to key, each way at its own pace: an easing for each key and the
+    /// way that leaves it. The last one's is not used.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn eased(
+        times: Vec<f32>,
+        rotations: Vec<Quat>,
+        easings: Vec<Easing>,
+    ) -> Result<Self, KeyError> {
+        check_count("easings", easings.len(), times.len())?;
+        Self::checked(times, rotations, BetweenRotations::Eased(easings))
     }
 
     /// [`squad`]: smooth at keys an even time apart.
@@ -170,6 +187,7 @@ impl RotationCurve {
         match &self.between {
             BetweenRotations::Step => start,
             BetweenRotations::Slerp => slerp(start, end, u),
+            BetweenRotations::Eased(easings) => slerp(start, end, easings[key].at(u)),
             BetweenRotations::Squad(controls) => {
                 squad(start, [controls[key], controls[key + 1]], end, u)
             }

@@ -1,0 +1,168 @@
+//! Easing: how far along a motion is at a share of its time.
+//!
+//! Every easing maps 0 to 0 and 1 to 1; times outside [0, 1] are taken to the nearer end.
+
+use super::{CubicBezier, Real};
+
+/// How a motion between two ends runs over its time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Easing {
+    /// Constant speed.
+    #[default]
+    Linear,
+    /// t²: starts slowly.
+    QuadraticIn,
+    /// t (2 − t): stops slowly.
+    QuadraticOut,
+    /// 2 t², then its point reflection.
+    QuadraticInOut,
+    /// t³.
+    CubicIn,
+    /// 1 − (1 − t)³.
+    CubicOut,
+    /// 4 t³, then its point reflection 1 − (2 − 2t)³ / 2.
+    CubicInOut,
+    /// Drawn by two handles.
+    Bezier(BezierEasing),
+}
+
+impl Easing {
+    /// All that have a formula.
+    pub const ALL: [Self; 7] = [
+        Self::Linear,
+        Self::QuadraticIn,
+        Self::QuadraticOut,
+        Self::QuadraticInOut,
+        Self::CubicIn,
+        Self::CubicOut,
+        Self::CubicInOut,
+    ];
+
+    /// The share of the way at a share `t` of the time; NaN counts as 0.
+    #[must_use]
+    pub fn at<R: Real>(self, t: R) -> R {
+        let [half, one, two, four] = [0.5, 1.0, 2.0, 4.0].map(R::from);
+        let t = share(t);
+        let rest = one - t;
+        match self {
+            Self::Linear => t,
+            Self::QuadraticIn => t * t,
+            Self::QuadraticOut => t * (two - t),
+            Self::QuadraticInOut if t < half => two * t * t,
+            Self::QuadraticInOut => one - two * rest * rest,
+            Self::CubicIn => t * t * t,
+            Self::CubicOut => one - rest * rest * rest,
+            Self::CubicInOut if t < half => four * t * t * t,
+            Self::CubicInOut => one - four * rest * rest * rest,
+            Self::Bezier(drawn) => R::from_f64(drawn.value(t.as_f64())),
+        }
+    }
+
+    /// The derivative of [`at`](Self::at) by t, one-sided at the ends; NaN counts as 0. Where a drawn
+    /// easing stands upright it is a very large number.
+    #[must_use]
+    pub fn rate<R: Real>(self, t: R) -> R {
+        let [half, one, two, three, four] = [0.5, 1.0, 2.0, 3.0, 4.0].map(R::from);
+        let t = share(t);
+        let rest = one - t;
+        match self {
+            Self::Linear => one,
+            Self::QuadraticIn => two * t,
+            Self::QuadraticOut => two * rest,
+            Self::QuadraticInOut if t < half => four * t,
+            Self::QuadraticInOut => four * rest,
+            Self::CubicIn => three * t * t,
+            Self::CubicOut => three * rest * rest,
+            Self::CubicInOut if t < half => four * three * t * t,
+            Self::CubicInOut => four * three * rest * rest,
+            Self::Bezier(drawn) => R::from_f64(drawn.slope(t.as_f64())),
+        }
+    }
+}
+
+/// The nearest number within [0, 1]; 0 for NaN.
+fn share<R: Real>(t: R) -> R {
+    let [zero, one] = [0.0, 1.0].map(R::from);
+    match (t > zero, t < one) {
+        (true, true) => t,
+        (true, false) => one,
+        _ => zero,
+    }
+}
+
+/// An easing drawn by two handles, as f-curve editors and CSS's `cubic-bezier` have it: the Bézier
+/// curve from (0, 0) to (1, 1) in the plane of time and value. In JSON it is the two handles:
+/// `{"bezier": [[0.42, 0], [0.58, 1]]}`.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
+#[serde(try_from = "[[f32; 2]; 2]", into = "[[f32; 2]; 2]")]
+pub struct BezierEasing {
+    handles: [[f32; 2]; 2],
+}
+
+/// A handle whose time would let the curve run backwards.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the handle ({time}, {value}) must be finite with a time within [0, 1]")]
+pub struct HandleError {
+    /// The handle's time.
+    pub time: f32,
+    /// The handle's value.
+    pub value: f32,
+}
+
+impl BezierEasing {
+    /// The easing with these `[time, value]` handles; values may leave [0, 1], times may not.
+    ///
+    /// # Errors
+    /// A handle that is not finite or whose time is outside [0, 1].
+    pub fn new(first: [f32; 2], second: [f32; 2]) -> Result<Self, HandleError> {
+        for [time, value] in [first, second] {
+            if !((0.0..=1.0).contains(&time) && value.is_finite()) {
+                return Err(HandleError { time, value });
+            }
+        }
+        let handles = [first, second];
+        Ok(Self { handles })
+    }
+
+    /// The `[time, value]` handles.
+    #[must_use]
+    pub fn handles(&self) -> [[f32; 2]; 2] {
+        self.handles
+    }
+
+    /// Times or values of the four control points.
+    fn along(&self, axis: usize) -> CubicBezier<f64> {
+        let [first, second] = self.handles.map(|handle| f64::from(handle[axis]));
+        CubicBezier::new([0.0, first, second, 1.0])
+    }
+
+    fn value(&self, time: f64) -> f64 {
+        self.along(1).position(self.along(0).parameter_at(time))
+    }
+
+    fn slope(&self, time: f64) -> f64 {
+        let at = self.along(0);
+        at.slope_of(&self.along(1), at.parameter_at(time))
+    }
+}
+
+impl TryFrom<[[f32; 2]; 2]> for BezierEasing {
+    type Error = HandleError;
+
+    fn try_from([first, second]: [[f32; 2]; 2]) -> Result<Self, HandleError> {
+        Self::new(first, second)
+    }
+}
+
+impl From<BezierEasing> for [[f32; 2]; 2] {
+    fn from(easing: BezierEasing) -> Self {
+        easing.handles
+    }
+}
+
+impl From<BezierEasing> for Easing {
+    fn from(easing: BezierEasing) -> Self {
+        Self::Bezier(easing)
+    }
+}

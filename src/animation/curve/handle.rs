@@ -1,0 +1,92 @@
+//! Bézier handles at keys: the f-curve of animation editors.
+
+use super::keys::{KeyError, check_count};
+use super::{CubicBezier, CurveValue, Real};
+
+/// A handle of a key: where the curve's control point is, as seen from the key. One that arrives has
+/// a time of at most 0, one that leaves of at least 0, and neither reaches beyond the next key on its
+/// side, so that there is one value at every time. Handles in one line through their key make the
+/// curve smooth there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BezierHandle<V: CurveValue> {
+    /// In seconds from the key.
+    pub time: V::Real,
+    /// From the key's value.
+    pub value: V,
+}
+
+/// Checks the `[arriving, leaving]` handles of keys at `times`. What stands outside the first and the
+/// last key is not used and need only be finite.
+pub(super) fn check_handles<V: CurveValue>(
+    times: &[V::Real],
+    handles: &[[BezierHandle<V>; 2]],
+) -> Result<(), KeyError> {
+    check_count("pairs of handles", handles.len(), times.len())?;
+    let gap = |from: Option<usize>| {
+        let from = from?;
+        Some(*times.get(from + 1)? - *times.get(from)?)
+    };
+    for (key, [arriving, leaving]) in handles.iter().enumerate() {
+        let zero = V::Real::from(0.0);
+        let sides = [
+            (
+                "arriving",
+                arriving,
+                zero - arriving.time,
+                gap(key.checked_sub(1)),
+            ),
+            ("leaving", leaving, leaving.time, gap(Some(key))),
+        ];
+        for (side, handle, away, room) in sides {
+            if !(handle.time.is_finite() && handle.value.all_finite()) {
+                let what = "handle";
+                return Err(KeyError::NonFiniteValue { key, what });
+            }
+            if let Some(room) = room.filter(|&room| away < zero || away > room) {
+                let (time, room) = (handle.time.as_f64(), room.as_f64());
+                return Err(KeyError::HandleTime {
+                    key,
+                    side,
+                    time,
+                    room,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The way between two keys: times as shares of its length, and values.
+pub(super) struct Drawn<V> {
+    times: CubicBezier<f64>,
+    values: CubicBezier<V>,
+}
+
+impl<V: CurveValue> Drawn<V> {
+    pub(super) fn new(
+        length: V::Real,
+        [start, end]: [V; 2],
+        leaving: &BezierHandle<V>,
+        arriving: &BezierHandle<V>,
+    ) -> Self {
+        let share = |handle: &BezierHandle<V>| handle.time.as_f64() / length.as_f64();
+        let times = [0.0, share(leaving), 1.0 + share(arriving), 1.0];
+        let values = [start, start + leaving.value, end + arriving.value, end];
+        Self {
+            times: CubicBezier::new(times),
+            values: CubicBezier::new(values),
+        }
+    }
+
+    /// The value at a share of the time.
+    pub(super) fn position(&self, share: V::Real) -> V {
+        let u = self.times.parameter_at(share.as_f64());
+        self.values.position(V::Real::from_f64(u))
+    }
+
+    /// The derivative by the share of the time.
+    pub(super) fn tangent(&self, share: V::Real) -> V {
+        let u = self.times.parameter_at(share.as_f64());
+        self.times.slope_of(&self.values, u)
+    }
+}
