@@ -7,6 +7,7 @@ mod crowd;
 pub mod curve;
 mod easing;
 mod euler_clip;
+mod euler_interpolation;
 mod euler_sampling;
 mod ik_layer;
 mod playback;
@@ -23,6 +24,7 @@ pub use clip::{
 pub use crowd::{Character, Crowd, PlayingClip};
 pub use easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
+pub use euler_interpolation::EulerInterpolation;
 pub use euler_sampling::SampleError;
 pub use ik_layer::{Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
 pub use playback::Playback;
