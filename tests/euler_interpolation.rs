@@ -111,8 +111,9 @@ fn the_special_cases_are_the_others() {
         let stopping = clip(&keys, &alike(controls(1.0, 0.4, -0.7)));
         for pair in keys.windows(2) {
             let middle = at(&stopping, 0.5 * (pair[0].0 + pair[1].0));
-            for k in 0..3 {
-                assert!((middle[k] - 0.5 * (pair[0].1[k] + pair[1].1[k])).abs() < 1e-12);
+            let ends = pair[0].1.iter().zip(pair[1].1);
+            for (middle, (a, b)) in middle.iter().zip(ends) {
+                assert!((middle - 0.5 * (a + b)).abs() < 1e-12);
             }
         }
     }
