@@ -70,6 +70,24 @@ impl Skeleton {
         })
     }
 
+    /// The same bones with the root placed generally in a larger scene: every rest placement T̂ becomes
+    /// P T̂, so the targets of problems on its model are places in the scene. Angles and limits
+    /// mean what they did.
+    ///
+    /// A mesh that stays where it was modelled follows by the
+    /// [`skinning_transforms`](BonePlacements::skinning_transforms) of the placed skeleton's poses
+    /// from the skeleton as it was. To place a pose alone, [`BonePlacements::placed`] is cheaper.
+    ///
+    /// # Errors
+    /// [`SkeletonError::BadRest`] for the first bone, if P is not a rigid motion.
+    pub fn placed(&self, scene_from_model: &Placement<f64>) -> Result<Self, SkeletonError> {
+        let mut bones = self.bones.clone();
+        for bone in &mut bones {
+            bone.model_from_rest = *scene_from_model * bone.model_from_rest;
+        }
+        Self::new(self.model.name(), bones)
+    }
+
     /// The bones, parents before children.
     #[must_use]
     pub fn bones(&self) -> &[Bone] {
