@@ -4,6 +4,9 @@
 //! puts it into the model; a pose turns it by R_x(θ₃) R_z(θ₂) R_x(θ₁) in its canonical frame, on
 //! top of its parent's pose. In the model a bone is three revolute joints at one point, and a
 //! configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃, θ₂₁, …) in radians, bone by bone.
+//!
+//! Bones name their parent and stand after it, so one pass in the order of the list has every
+//! parent's transform before its children's; tips of leaves are the usual end effectors.
 
 mod bone;
 mod builder;
