@@ -4,7 +4,8 @@
 
 mod support;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
+use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{BlendShapes, BlendShapesError, MorphTarget, MorphTargets};
 use support::random::Random;
@@ -107,6 +108,36 @@ fn morph_targets_from_the_first_shape_agree() {
         shapes.blend(&w, &mut by_shapes).unwrap();
         for (a, b) in by_targets.iter().zip(&by_shapes) {
             assert!((*a - *b).length() < 5e-6, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn weights_that_sum_to_one_at_keys_do_so_between_them() {
+    // Every curve is linear in its values, and takes what is constant to itself.
+    let mut random = Random::new(4);
+    let shapes = named(&(0..SHAPES).map(|_| shape(&mut random)).collect::<Vec<_>>());
+    let times = vec![0.0, 0.4, 1.9, 2.0, 4.5];
+    let keys: Vec<Vec4> = times
+        .iter()
+        .map(|_| Vec4::from_array(weights(&mut random)))
+        .collect();
+    let tcb = TensionContinuityBias {
+        tension: 0.3,
+        continuity: -0.6,
+        bias: 0.2,
+    };
+    for curve in [
+        KeyedCurve::step(times.clone(), keys.clone()),
+        KeyedCurve::linear(times.clone(), keys.clone()),
+        KeyedCurve::catmull_rom(times.clone(), keys.clone()),
+        KeyedCurve::kochanek_bartels(times, keys, &[tcb; 5]),
+    ] {
+        let curve = curve.unwrap();
+        for frame in 0..=90 {
+            let weights = curve.at(0.05 * frame as f32).to_array();
+            let mut mixed = vec![Vec3::ZERO; VERTICES];
+            shapes.blend(&weights, &mut mixed).unwrap();
         }
     }
 }
