@@ -91,7 +91,8 @@ fn dragged(rig: &RandomRig, view: &View, pixel: [f64; 2], in_image: bool) -> Vec
     if in_image {
         builder.add(Pixel::new(tip, view.camera, pixel));
     } else {
-        builder.add(Ray::new(tip, view.eye, view.unproject(pixel)));
+        let [eye, mouse] = view.camera.viewing_ray(pixel).unwrap();
+        builder.add(Ray::new(tip, eye, mouse));
     }
     let rest = rig.transforms(&vec![0.0; rig.skeleton.angles()]);
     for &other in &rig.tips[1..] {
@@ -106,6 +107,40 @@ fn dragged(rig: &RandomRig, view: &View, pixel: [f64; 2], in_image: bool) -> Vec
         solution.explain()
     );
     solution.q
+}
+
+#[test]
+fn a_pixel_is_unprojected_onto_the_screen() {
+    let mut random = Random::new(9);
+    for _ in 0..50 {
+        let view = View::new(random.vector(2.0), &mut random);
+        let pixel = [random.within(0.0, 640.0), random.within(0.0, 480.0)];
+        let [eye, mouse] = view.camera.viewing_ray(pixel).unwrap();
+        assert!((Vector::from(eye) - view.eye).amax() < 1e-13);
+        assert!((Vector::from(mouse) - view.unproject(pixel)).amax() < 1e-13);
+        // Whatever is on the ray is seen there, however far.
+        for depth in [0.1, 1.0, 70.0] {
+            let seen = view.camera.project(eye + (mouse - eye) * depth);
+            for (seen, wanted) in seen.iter().zip(pixel) {
+                assert!((seen - wanted).abs() < 1e-9, "{seen} {wanted}");
+            }
+        }
+    }
+    // Parallel rays meet in no eye.
+    let parallel = Camera {
+        pixel_from_world: [
+            [1.0, 0.0, 0.0, 5.0],
+            [0.0, 1.0, 0.0, 6.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ],
+    };
+    assert_eq!(parallel.viewing_ray([1.0, 2.0]), None);
+    assert_eq!(
+        View::new(Vector::x(), &mut random)
+            .camera
+            .viewing_ray([f64::NAN, 0.0]),
+        None
+    );
 }
 
 #[test]
