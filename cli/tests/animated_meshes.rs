@@ -269,6 +269,11 @@ fn keys_are_interpolated_as_asked() {
         .interpolated(|_| kinopt::animation::EulerInterpolation::Linear)
         .unwrap();
     let linear_file = folder.write("linear.json", &asked);
+    for (file, name) in [(&file, "catmull-rom"), (&linear_file, "linear")] {
+        let info = json(&["info", file, "--json"]);
+        assert_eq!(info["keyframes"]["interpolation"][0], name);
+        assert!(stdout(&kinopt(&["info", file])).contains(name));
+    }
     assert!(apart(&angles(&[], &linear_file), &linear) < 1e-14);
     let animated = |arguments: &[&str]| {
         let fixed = ["--time=1.1", "--out", &out];

@@ -20,6 +20,20 @@ pub enum EulerInterpolation {
 static DEFAULT: EulerInterpolation = EulerInterpolation::CatmullRom;
 
 impl EulerInterpolation {
+    pub(crate) const LINEAR: &str = "linear";
+    pub(crate) const CATMULL_ROM: &str = "catmull-rom";
+    pub(crate) const KOCHANEK_BARTELS: &str = "kochanek-bartels";
+
+    /// What files and the command line call it.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Linear => Self::LINEAR,
+            Self::CatmullRom => Self::CATMULL_ROM,
+            Self::KochanekBartels(_) => Self::KOCHANEK_BARTELS,
+        }
+    }
+
     /// A Kochanek-Bartels spline that passes all of a track's keys alike.
     #[must_use]
     pub fn kochanek_bartels(track: &EulerTrack, controls: TensionContinuityBias) -> Self {

@@ -4,9 +4,9 @@ use super::json::TrackEntry;
 use crate::animation::EulerInterpolation;
 use crate::animation::curve::TensionContinuityBias;
 
-const LINEAR: &str = "linear";
-const CATMULL_ROM: &str = "catmull-rom";
-const KOCHANEK_BARTELS: &str = "kochanek-bartels";
+const LINEAR: &str = EulerInterpolation::LINEAR;
+const CATMULL_ROM: &str = EulerInterpolation::CATMULL_ROM;
+const KOCHANEK_BARTELS: &str = EulerInterpolation::KOCHANEK_BARTELS;
 
 /// What a track says, or the key under it that is wrong and why.
 pub(super) fn read(track: &TrackEntry) -> Result<EulerInterpolation, (String, String)> {
@@ -53,15 +53,13 @@ fn controls(track: &TrackEntry, key: usize) -> Result<TensionContinuityBias, (St
 
 /// The name and the keys' controls as the file writes them; nothing for Catmull-Rom splines.
 pub(super) fn write(between: &EulerInterpolation, track: &mut TrackEntry) {
-    let name = match between {
-        EulerInterpolation::CatmullRom => return,
-        EulerInterpolation::Linear => LINEAR,
-        EulerInterpolation::KochanekBartels(controls) => {
-            for (key, c) in track.keys.iter_mut().zip(controls) {
-                key.tcb = Some(vec![c.tension, c.continuity, c.bias]);
-            }
-            KOCHANEK_BARTELS
+    if *between == EulerInterpolation::CatmullRom {
+        return;
+    }
+    track.interpolation = Some(between.name().into());
+    if let EulerInterpolation::KochanekBartels(controls) = between {
+        for (key, c) in track.keys.iter_mut().zip(controls) {
+            key.tcb = Some(vec![c.tension, c.continuity, c.bias]);
         }
-    };
-    track.interpolation = Some(name.into());
+    }
 }
