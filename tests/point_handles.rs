@@ -1,7 +1,8 @@
 //! Promise: point handles move a mesh as bones do, each about its own place.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use glam::{Mat3A, Quat, Vec3};
+use glam::{Affine3A, Mat3A, Quat, Vec3};
+use kinopt::animation::{Armature, ArmatureBone, LocalTransform};
 use kinopt::skinning::{Deformation, LinearBlend, PointHandle, SkinWeights};
 
 /// A rod of eleven points between two handles with weights that change linearly along it.
@@ -68,5 +69,39 @@ fn a_motion_common_to_all_handles_is_exact() {
     let (points, _) = rod();
     for (posed, rest) in posed(&handles).into_iter().zip(points) {
         assert!((posed - moved(rest)).length() < 1e-6);
+    }
+}
+
+#[test]
+fn a_bone_without_a_parent_is_a_handle_and_can_be_keyed_as_one() {
+    let rests = [Vec3::new(0.5, -1.0, 2.0), Vec3::X];
+    let standing = |place: Vec3| LocalTransform {
+        translation: place.into(),
+        ..LocalTransform::IDENTITY
+    };
+    let bones = rests.iter().enumerate().map(|(k, &rest)| ArmatureBone {
+        name: format!("handle {k}"),
+        parent: None,
+        rest: standing(rest),
+    });
+    let armature = Armature::new(bones.collect(), vec![]).unwrap();
+    let mut pose = armature.rest().clone();
+    let mut handles = Vec::new();
+    for (k, &rest) in rests.iter().enumerate() {
+        let local = LocalTransform {
+            translation: (rest + Vec3::new(0.3, 0.2, -0.7)).into(),
+            rotation: Quat::from_rotation_y(0.9 + k as f32),
+            scale: Vec3::new(1.0, 2.0, 0.5).into(),
+        };
+        pose.set_local(armature.bone_at(k).unwrap(), local);
+        let turned = PointHandle::at(rest).turned_by(local.to_affine().matrix3);
+        handles.push(turned.moved_to(local.translation.into()));
+    }
+    let mut model = [Affine3A::IDENTITY; 2];
+    let mut skin = model;
+    armature.local_to_model(&pose, &mut model).unwrap();
+    armature.skinning_transforms(&model, &mut skin).unwrap();
+    for (bone, handle) in skin.iter().zip(PointHandle::transforms(&handles)) {
+        assert!(bone.abs_diff_eq(handle, 1e-6), "{bone} {handle}");
     }
 }

@@ -125,3 +125,74 @@ fn axis_and_angle_go_round_near_nothing_and_near_half_a_turn() {
     assert_eq!(AxisAngle::from_quaternion(DQuat::IDENTITY).angle, 0.0);
     assert_eq!(AxisAngle::from_quaternion(-DQuat::IDENTITY).angle, 0.0);
 }
+
+#[test]
+fn one_rotation_has_many_axes_and_angles_but_one_short_vector() {
+    let mut random = Random::new(13);
+    for _ in 0..100 {
+        let axis = DVec3::from(<[f64; 3]>::from(random.vector(1.0))).normalize();
+        let angle = random.within(0.0, PI);
+        let turn = AxisAngle { axis, angle };
+        let others = [
+            (-axis, -angle),
+            (axis, angle + 2.0 * PI),
+            (-axis, 2.0 * PI - angle),
+        ];
+        for (axis, angle) in others {
+            let other = AxisAngle { axis, angle };
+            assert!(other.to_matrix().abs_diff_eq(turn.to_matrix(), 1e-14));
+        }
+        // R_â(‖a‖), and back to the same three numbers.
+        let a = turn.to_rotation_vector();
+        let again = AxisAngle::from_rotation_vector(a);
+        assert!(again.to_matrix().abs_diff_eq(turn.to_matrix(), 1e-15));
+        let back = AxisAngle::from_matrix(&again.to_matrix()).to_rotation_vector();
+        assert!((back - a).length() < 1e-12);
+        // A little more than half a turn is a little less than half a turn the other way: the
+        // rotations are next to each other, and their vectors are a whole turn apart.
+        let [less, more] = [PI - 1e-6, PI + 1e-6].map(|angle| AxisAngle { axis, angle });
+        assert!(apart(less.to_quaternion(), more.to_quaternion()) < 2.1e-6);
+        let [less, more] =
+            [less, more].map(|t| AxisAngle::from_matrix(&t.to_matrix()).to_rotation_vector());
+        assert!(((less - more).length() - 2.0 * PI).abs() < 1e-5);
+    }
+    let nothing = AxisAngle::from_rotation_vector(DVec3::ZERO);
+    assert_eq!((nothing.axis, nothing.angle), (DVec3::X, 0.0));
+}
+
+#[test]
+fn about_x_then_y_then_z_is_zyx_from_the_left() {
+    let mut random = Random::new(14);
+    for _ in 0..50 {
+        let [alpha, beta, gamma] = <[f64; 3]>::from(random.vector(3.0));
+        // f(α, β, γ) = R_z(γ) R_y(β) R_x(α): a vector is turned about the fixed x, y and z in turn.
+        let product = DMat3::from_rotation_z(gamma)
+            * DMat3::from_rotation_y(beta)
+            * DMat3::from_rotation_x(alpha);
+        let ours = EulerOrder::Zyx.to_matrix([gamma, beta, alpha]);
+        assert!(ours.abs_diff_eq(product, 1e-15));
+        // In the object's own axes the same product reads z, then the turned y, then the turned x.
+        let about = |axis: DVec3, angle| DMat3::from_axis_angle(axis, angle);
+        let after_z = about(DVec3::Z, gamma);
+        let after_y = about(after_z * DVec3::Y, beta) * after_z;
+        let after_x = about((after_y * DVec3::X).normalize(), alpha) * after_y;
+        assert!(ours.abs_diff_eq(after_x, 1e-14));
+    }
+}
+
+#[test]
+fn in_gimbal_lock_two_of_three_angles_do_the_same() {
+    // With β = 90° only α − γ counts; the third freedom is lost.
+    let locked = |alpha: f64, gamma: f64| EulerOrder::Zyx.to_matrix([gamma, FRAC_PI_2, alpha]);
+    for by in [0.1, -0.9, 2.0] {
+        assert!(locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7 + by), 1e-15));
+        assert!(!locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7), 0.05));
+    }
+    let found = EulerOrder::Zyx.from_matrix(&locked(0.3, 0.7));
+    assert!(found.gimbal_lock);
+    assert!(
+        EulerOrder::Zyx
+            .to_matrix(found.angles)
+            .abs_diff_eq(locked(0.3, 0.7), 1e-8)
+    );
+}

@@ -172,6 +172,32 @@ fn directions_turn_in_their_plane_at_constant_speed() {
     }
 }
 
+#[test]
+fn sines_of_both_ends_and_a_right_angle_say_the_same() {
+    // (sin((1−t)ψ) v₀ + sin(tψ) v₁)/sin ψ is cos(tψ) v₀ + sin(tψ) ŵ, with w = v₁ − (v₀·v₁) v₀ at a
+    // right angle to v₀; with a plus in its place it would be at none.
+    let mut random = Random::new(7);
+    for _ in 0..200 {
+        let (from, to) = (rotation(&mut random), rotation(&mut random));
+        let to = if from.dot(to) < 0.0 { -to } else { to };
+        let (v0, v1) = (from.as_dquat(), to.as_dquat());
+        let (cosine, psi) = (v0.dot(v1), v0.dot(v1).acos());
+        let w = v1 - v0 * cosine;
+        assert!(w.dot(v0).abs() < 1e-6 && (w.length() - psi.sin()).abs() < 1e-6);
+        assert!(((v1 + v0 * cosine).dot(v0) - 2.0 * cosine).abs() < 1e-6);
+        for t in [0.0, 0.1, 0.5, 0.8, 1.0] {
+            let [a, b] = [(1.0 - t) * psi, t * psi].map(|angle| angle.sin() / psi.sin());
+            let both = v0 * a + v1 * b;
+            let turned = v0 * (t * psi).cos() + w.normalize() * (t * psi).sin();
+            let ours = slerp(from, to, t as f32).as_dquat();
+            assert!((both - turned).length() < 1e-6 && (both - ours).length() < 2e-6);
+            // Opposite quaternions are one rotation: from the far side it turns round first.
+            let far = slerp(from, -to, t as f32).as_dquat();
+            assert!((both - far).length() < 2e-6);
+        }
+    }
+}
+
 /// Angular velocity before and after t = 0 of two curves that join there.
 fn kink(before: impl Fn(f32) -> Quat, after: impl Fn(f32) -> Quat) -> f32 {
     let step = 1e-3;

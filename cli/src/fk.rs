@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
+use crate::interpolation_choice::InterpolationChoice;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::LengthFormat;
 use crate::number_list::{self, Numbers};
@@ -62,6 +63,13 @@ pub(crate) struct Arguments {
     #[arg(long = "loop", requires = "time")]
     looped: bool,
 
+    /// With --time: what runs between keys, whatever the file says: `linear`, `catmull-rom` or
+    /// `kochanek-bartels:T,C,B`. Default: as the file says, else catmull-rom.
+    ///
+    /// T, C and B are tension, continuity and bias at every key, usually within −1 and 1.
+    #[arg(long, value_name = "NAME", requires = "time", value_parser = InterpolationChoice::parse)]
+    interpolation: Option<InterpolationChoice>,
+
     /// A frame to report; repeat it for several. Default: all of them.
     ///
     /// In a robot it is a link's name. In a rig `bone/3` or a bone's name is the bone at its tail,
@@ -88,7 +96,8 @@ struct Document<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let loaded = LoadedModel::read(&arguments.model)?;
+    let mut loaded = LoadedModel::read(&arguments.model)?;
+    loaded.interpolate_keyframes(arguments.interpolation)?;
     let q = configuration(&loaded, arguments)?;
     let frames = loaded.frame_report(&arguments.frames, arguments.base.as_deref(), &q)?;
     let consequence = "the frames are those of the numbers as given";

@@ -12,6 +12,7 @@ mod fk;
 mod frame_name;
 mod frame_report;
 mod info;
+mod interpolation_choice;
 mod joint_columns;
 mod json_file;
 mod loaded_model;

@@ -224,3 +224,75 @@ fn a_mesh_without_weights_follows_the_nearest_bones() {
     let (posed, still) = (off(posed.positions()), off(rest.positions()));
     assert!(posed < 0.25 * still, "off by {posed}, at rest by {still}");
 }
+
+#[test]
+fn keys_are_interpolated_as_asked() {
+    let folder = Folder::new("animate-interpolation");
+    let (file, out) = (folder.rig(), folder.file("posed.ply"));
+    let angles = |more: &[&str], file: &str| {
+        let fixed = ["fk", file, "--time=1.1", "--json"];
+        let document = json(&[&fixed[..], more].concat());
+        let q = document["q"].as_array().unwrap().clone();
+        q.iter().map(|q| q.as_f64().unwrap()).collect::<Vec<f64>>()
+    };
+    // A straight line between the keys on either side, by hand.
+    let own = rig();
+    let mut straight = vec![0.0; own.skeleton.angles()];
+    for track in own.clip.tracks() {
+        let next = track.keys.iter().position(|key| key.time > 1.1).unwrap();
+        let (a, b) = (track.keys[next - 1], track.keys[next]);
+        let u = (1.1 - a.time) / (b.time - a.time);
+        for k in 0..3 {
+            straight[3 * track.bone.index() + k] = a.angles[k] + u * (b.angles[k] - a.angles[k]);
+        }
+    }
+    let linear = angles(&["--interpolation", "linear"], &file);
+    for (got, expected) in linear.iter().zip(&straight) {
+        assert!((got - expected).abs() < 1e-14);
+    }
+    // The default is Catmull-Rom, which is Kochanek-Bartels with zeros.
+    let apart = |a: &[f64], b: &[f64]| {
+        let each = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        each.fold(0.0, f64::max)
+    };
+    let default = angles(&[], &file);
+    assert_eq!(angles(&["--interpolation=catmull-rom"], &file), default);
+    let zeros = angles(&["--interpolation=kochanek-bartels:0,0,0"], &file);
+    assert!(apart(&zeros, &default) < 1e-14 && apart(&linear, &default) > 1e-3);
+    let tense = angles(&["--interpolation=kochanek-bartels:0.8,0,-0.3"], &file);
+    assert!(apart(&tense, &default) > 1e-3);
+
+    // A file's own word counts where the command says nothing, and `animate` takes it too.
+    let mut asked = rig();
+    asked.clip = asked
+        .clip
+        .interpolated(|_| kinopt::animation::EulerInterpolation::Linear)
+        .unwrap();
+    let linear_file = folder.write("linear.json", &asked);
+    for (file, name) in [(&file, "catmull-rom"), (&linear_file, "linear")] {
+        let info = json(&["info", file, "--json"]);
+        assert_eq!(info["keyframes"]["interpolation"][0], name);
+        assert!(stdout(&kinopt(&["info", file])).contains(name));
+    }
+    assert!(apart(&angles(&[], &linear_file), &linear) < 1e-14);
+    let animated = |arguments: &[&str]| {
+        let fixed = ["--time=1.1", "--out", &out];
+        let output = kinopt(&[&["animate"][..], arguments, &fixed].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        ply::read(&out).unwrap().positions().to_vec()
+    };
+    let by_option = animated(&[&file, "--interpolation=linear"]);
+    close(&animated(&[&linear_file]), &by_option);
+    let off = by_option.iter().zip(expected(1.1, Playback::Hold));
+    assert!(off.map(|(a, b)| a.distance(b)).fold(0.0, f32::max) > 1e-3);
+
+    for (value, words) in [
+        ("smooth", ["smooth", "catmull-rom"]),
+        ("kochanek-bartels:1,2", ["tension", "3 numbers"]),
+        ("linear:1", ["linear", "no numbers"]),
+        ("kochanek-bartels:1e300,0,0", ["--interpolation", "finite"]),
+    ] {
+        let arguments = ["fk", &file, "--time=1", "--interpolation", value];
+        refused(&arguments, 2, &words);
+    }
+}

@@ -1,5 +1,6 @@
 //! Keyframes of bone angles.
 
+use super::EulerInterpolation;
 use crate::skeleton::BoneId;
 
 /// The angles of one bone at one time.
@@ -24,7 +25,9 @@ pub struct EulerTrack {
 /// Keyframes for any of a skeleton's bones; a bone without keys has no track.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EulerClip {
-    tracks: Vec<EulerTrack>,
+    pub(super) tracks: Vec<EulerTrack>,
+    /// One for each track.
+    pub(super) between: Vec<EulerInterpolation>,
 }
 
 /// What is wrong with keyframes. Tracks and keys are counted from 0 in the order given.
@@ -71,10 +74,29 @@ pub enum ClipError {
         /// The time of the key before it.
         previous: f64,
     },
+    /// There is not one set of Kochanek-Bartels controls for each key.
+    #[error("bone {bone}: {given} sets of controls for {keys} keys")]
+    ControlCount {
+        /// The bone's index.
+        bone: usize,
+        /// How many sets were given.
+        given: usize,
+        /// How many keys the bone has.
+        keys: usize,
+    },
+    /// A tension, continuity or bias is NaN or infinite.
+    #[error("bone {bone}, key {key}: tension, continuity and bias are not all finite")]
+    NonFiniteControls {
+        /// The bone's index.
+        bone: usize,
+        /// Which of its keys.
+        key: usize,
+    },
 }
 
 impl EulerClip {
-    /// A clip of tracks in any order; tracks without keys are dropped.
+    /// A clip of tracks in any order, with Catmull-Rom splines between keys; tracks without keys are
+    /// dropped.
     ///
     /// # Errors
     /// A [`ClipError`]: two tracks for one bone, a number that is not finite, or key times that do
@@ -108,7 +130,8 @@ impl EulerClip {
         let mut tracks = tracks;
         tracks.retain(|track| !track.keys.is_empty());
         tracks.sort_by_key(|track| track.bone);
-        Ok(Self { tracks })
+        let between = vec![EulerInterpolation::default(); tracks.len()];
+        Ok(Self { tracks, between })
     }
 
     /// The tracks, sorted by bone; each has at least one key.

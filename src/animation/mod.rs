@@ -6,8 +6,10 @@ mod clip;
 mod crowd;
 pub mod curve;
 mod euler_clip;
+mod euler_interpolation;
 mod euler_sampling;
 mod ik_layer;
+mod plane_affine;
 mod playback;
 mod pose;
 pub mod rotation;
@@ -22,8 +24,10 @@ pub use clip::{
 pub use crowd::{Character, Crowd, PlayingClip};
 pub use curve::easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
+pub use euler_interpolation::EulerInterpolation;
 pub use euler_sampling::SampleError;
 pub use ik_layer::{Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
+pub use plane_affine::{PlaneDecomposition, interpolate_plane_affine};
 pub use playback::Playback;
 pub use pose::{
     Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose, SizeMismatch,

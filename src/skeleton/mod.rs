@@ -4,6 +4,9 @@
 //! puts it into the model; a pose turns it by R_x(θ₃) R_z(θ₂) R_x(θ₁) in its canonical frame, on
 //! top of its parent's pose. In the model a bone is three revolute joints at one point, and a
 //! configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃, θ₂₁, …) in radians, bone by bone.
+//!
+//! Bones name their parent and stand after it, so one pass in the order of the list has every
+//! parent's transform before its children's; tips of leaves are the usual end effectors.
 
 mod bone;
 mod builder;
@@ -68,6 +71,24 @@ impl Skeleton {
             model,
             by_name,
         })
+    }
+
+    /// The same bones with the root placed generally in a larger scene: every rest placement T̂ becomes
+    /// P T̂, so the targets of problems on its model are places in the scene. Angles and limits
+    /// mean what they did.
+    ///
+    /// A mesh that stays where it was modelled follows by the
+    /// [`skinning_transforms`](BonePlacements::skinning_transforms) of the placed skeleton's poses
+    /// from the skeleton as it was. To place a pose alone, [`BonePlacements::placed`] is cheaper.
+    ///
+    /// # Errors
+    /// [`SkeletonError::BadRest`] for the first bone, if P is not a rigid motion.
+    pub fn placed(&self, scene_from_model: &Placement<f64>) -> Result<Self, SkeletonError> {
+        let mut bones = self.bones.clone();
+        for bone in &mut bones {
+            bone.model_from_rest = *scene_from_model * bone.model_from_rest;
+        }
+        Self::new(self.model.name(), bones)
     }
 
     /// The bones, parents before children.

@@ -36,6 +36,16 @@ impl BonePlacements {
         }
     }
 
+    /// The same pose with the root placed generally in a larger scene: W_i → P W_i, and so T_i → P T_i
+    /// for the skin.
+    #[must_use]
+    pub fn placed(mut self, scene_from_model: &Placement<f64>) -> Self {
+        for posed in &mut self.model_from_bone {
+            *posed = *scene_from_model * *posed;
+        }
+        self
+    }
+
     /// The skinning transforms T_i = W_i T̂_i⁻¹ by bone index: rest model → posed model.
     pub fn skinning_transforms<'a>(
         &'a self,

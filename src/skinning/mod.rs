@@ -6,9 +6,11 @@
 //!   [`PackedDualQuaternionBlend`]. [`MeshWeights`] take it where they can.
 //! - Points: [`PointHandle`]s, whose transforms move skin as those of bones do.
 //! - Cages: [`CageBinding`], by mean-value coordinates.
-//! - [`MorphTargets`] shape the mesh at rest, before any of these.
+//! - [`MorphTargets`] shape the mesh at rest, before any of these; [`BlendShapes`] are whole poses of
+//!   it, mixed by weights that sum to 1.
 
 mod automatic_weights;
+mod blend_shapes;
 mod bone_motions;
 mod bone_transform;
 mod bounds;
@@ -31,6 +33,7 @@ mod vertices;
 mod weights;
 
 pub use automatic_weights::{AutomaticWeights, AutomaticWeightsError};
+pub use blend_shapes::{BlendShapes, BlendShapesError};
 pub use bone_transform::single_precision_transform;
 pub use bounds::BoneBoxes;
 pub use cage::{CageBinding, CageError};

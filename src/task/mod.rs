@@ -1,5 +1,10 @@
 //! What frames and joints should do: one residual a file.
 //!
+//! A frame that a task asks to be somewhere is an end effector. The joints between it and the root are
+//! its kinematic chain: forward kinematics goes from their values to the frame, inverse kinematics
+//! back, by minimising what the tasks measure. Several tasks make one sum: one tip on a viewing
+//! [`Ray`] (or at a [`Pixel`]), others held at a [`Point`].
+//!
 //! A [`Residual`] is written once over the [`Scalar`](crate::Scalar); its derivatives follow
 //! exactly. A [`Task`] gives it weights, tolerances and a name.
 

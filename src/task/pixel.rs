@@ -1,5 +1,7 @@
 //! A frame's origin should be seen at a pixel: the mouse energy measured in the image.
 
+use nalgebra as na;
+
 use super::residual::not_finite;
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
@@ -46,6 +48,20 @@ impl Camera {
             Vector3::constant(Vector3::new(x, y, z)).dot(point) + S::constant(shift)
         });
         [u / w, v / w]
+    }
+
+    /// The viewing ray through a pixel: the eye e, where P (e, 1) = 0, and the pixel unprojected to
+    /// the point m of depth one, where P (m, 1) = (u, v, 1), both in world coordinates. `None` where
+    /// the camera has no eye (a parallel projection) or a number is not finite.
+    #[must_use]
+    pub fn viewing_ray(&self, [u, v]: [f64; 2]) -> Option<[Vector3<f64>; 2]> {
+        let rows = self.pixel_from_world;
+        let linear = na::Matrix3::from_fn(|row, column| rows[row][column]);
+        let shift = na::Vector3::from_fn(|row, _| rows[row][3]);
+        let inverse = linear.try_inverse()?;
+        let ends = [-shift, na::Vector3::new(u, v, 1.0) - shift].map(|seen| inverse * seen);
+        let finite = ends.iter().flatten().all(|x| x.is_finite());
+        finite.then(|| ends.map(Vector3::from))
     }
 }
 

@@ -15,8 +15,8 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The line through the eye e and the point m (the mouse, unprojected), in world coordinates.
-    /// Both must be finite and apart.
+    /// The line through the eye e and the point m (the mouse, unprojected), in world coordinates:
+    /// [`Camera::viewing_ray`](super::Camera::viewing_ray) gives both. They must be finite and apart.
     #[must_use]
     pub fn new(
         frame: FrameId,

@@ -12,6 +12,7 @@ use serde::Serialize;
 use self::frames::Frames;
 use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
+use crate::interpolation_choice::InterpolationChoice;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{MeshFile, MeshFormat};
 use crate::{number_list, output, skinning_choice};
@@ -25,8 +26,8 @@ Examples:
 
 /// Pose a rig's mesh by its keyframes, at one time or frame by frame.
 ///
-/// Keys are interpolated by Catmull-Rom splines over their own times; lengths are in the rig's own
-/// unit. One time makes one file; frames are numbered from 0 in a folder, which is made where there
+/// Keys are interpolated over their own times, by Catmull-Rom splines unless the file or
+/// --interpolation says otherwise; lengths are in the rig's own unit. One time makes one file; frames are numbered from 0 in a folder, which is made where there
 /// is none: frame-0000.obj, frame-0001.obj, …
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -63,6 +64,13 @@ pub(crate) struct Arguments {
     #[arg(long = "loop")]
     looped: bool,
 
+    /// What runs between keys, whatever the file says: `linear`, `catmull-rom` or
+    /// `kochanek-bartels:T,C,B`. Default: as the file says, else catmull-rom.
+    ///
+    /// T, C and B are tension, continuity and bias at every key, usually within −1 and 1.
+    #[arg(long, value_name = "NAME", value_parser = InterpolationChoice::parse)]
+    interpolation: Option<InterpolationChoice>,
+
     /// With --fps: what to write. Default: obj.
     #[arg(long, value_enum, requires = "fps", hide_default_value = true)]
     format: Option<MeshFormat>,
@@ -86,7 +94,8 @@ struct FrameDocument<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let loaded = LoadedModel::read(&arguments.rig)?;
+    let mut loaded = LoadedModel::read(&arguments.rig)?;
+    loaded.interpolate_keyframes(arguments.interpolation)?;
     let clip = loaded.keyframes("animate")?;
     let skin = loaded.skin()?;
     let files = files(arguments, clip.time_span().unwrap_or([0.0; 2]))?;

@@ -1,5 +1,7 @@
 //! What there is to say about a model, as the JSON document says it.
 
+use std::collections::BTreeSet;
+
 use kinopt::io::rig::Rig;
 use kinopt::model::{Joint, JointId, JointKind};
 use kinopt::skeleton::BoneId;
@@ -77,6 +79,8 @@ pub(super) struct KeyframesDocument {
     /// In seconds.
     pub(super) start: f64,
     pub(super) end: f64,
+    /// Each that occurs, by name.
+    pub(super) interpolation: Vec<&'static str>,
 }
 
 /// Everything there is to say about a model.
@@ -169,7 +173,15 @@ fn rig_document(rig: &Rig) -> RigDocument<'_> {
             keys: rig.clip.tracks().iter().map(|t| t.keys.len()).sum(),
             start,
             end,
+            interpolation: interpolation(rig),
         }),
         constrained: rig.constrained.iter().copied().filter_map(name).collect(),
     }
+}
+
+/// What runs between the keys of the rig's tracks.
+fn interpolation(rig: &Rig) -> Vec<&'static str> {
+    let tracks = rig.clip.tracks().iter();
+    let names = tracks.map(|track| rig.clip.interpolation(track.bone).name());
+    names.collect::<BTreeSet<_>>().into_iter().collect()
 }

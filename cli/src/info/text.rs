@@ -77,8 +77,10 @@ fn rig_lines(rig: &RigDocument) -> Vec<(&'static str, String)> {
             keys,
             start,
             end,
+            interpolation,
         } = keyframes;
-        format!("{keys} keys on {bones} bones, {start} s to {end} s")
+        let between = interpolation.join(", ");
+        format!("{keys} keys on {bones} bones, {start} s to {end} s, {between}")
     });
     let pinned = match rig.constrained.as_slice() {
         [] => none(),

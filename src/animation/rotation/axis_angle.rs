@@ -34,6 +34,16 @@ impl AxisAngle {
         }
     }
 
+    /// The turn about `a`/‖`a`‖ by ‖`a`‖ radians: axis × angle in three numbers. The zero vector is
+    /// the turn by 0 about x.
+    #[must_use]
+    pub fn from_rotation_vector(a: DVec3) -> Self {
+        Self {
+            axis: a.try_normalize().unwrap_or(DVec3::X),
+            angle: a.length(),
+        }
+    }
+
     /// The axis and angle of a rotation matrix.
     #[must_use]
     pub fn from_matrix(rotation: &DMat3) -> Self {
@@ -52,7 +62,8 @@ impl AxisAngle {
         DMat3::from_axis_angle(self.axis, self.angle)
     }
 
-    /// Axis × angle.
+    /// Axis × angle: the compact form. It is unique below half a turn; there it jumps, as the turn by
+    /// π + ε about an axis is that by π − ε about the opposite one.
     #[must_use]
     pub fn to_rotation_vector(self) -> DVec3 {
         self.axis * self.angle

@@ -11,6 +11,7 @@ use glam::{DMat3, DQuat, DVec3};
 /// The axes about which the three angles turn. A rotation is
 /// R = R_A(angle 0) · R_B(angle 1) · R_C(angle 2) for the order ABC: read from the left, each turn is
 /// about an axis that the ones before have turned (intrinsic); read from the right, about fixed axes.
+/// So R_z(γ) R_y(β) R_x(α), "about x, then y, then z", is [`Zyx`](Self::Zyx) with the angles γ, β, α.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs, reason = "the names are the axes")]

@@ -1,10 +1,10 @@
 //! From the file's numbers to checked types; each error names the JSON path.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::degrees::{self, UNBOUNDED};
 use super::json::{BoneEntry, Constraints, RigFile};
-use super::names;
+use super::{interpolation, names};
 use crate::animation::{ClipError, EulerClip, EulerKey, EulerTrack};
 use crate::io::{Place, ReadError};
 use crate::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
@@ -160,6 +160,7 @@ pub(super) fn clip(
     name: &str,
 ) -> Result<EulerClip, ReadError> {
     let mut tracks = Vec::with_capacity(file.fk_animation.len());
+    let mut between = BTreeMap::new();
     for (index, entry) in file.fk_animation.iter().enumerate() {
         let path = |rest: String| format!("fk_animation[{index}].{rest}");
         let bone = bone_id(entry.bone_id, skeleton)
@@ -174,8 +175,14 @@ pub(super) fn clip(
             });
         }
         tracks.push(EulerTrack { bone, keys });
+        let read = interpolation::read(entry);
+        let read = read.map_err(|(key, problem)| at(name, path(key), problem))?;
+        between.insert(bone, read);
     }
-    EulerClip::new(tracks).map_err(|error| {
+    let clip = EulerClip::new(tracks).and_then(|clip| {
+        clip.interpolated(|track| between.get(&track.bone).cloned().unwrap_or_default())
+    });
+    clip.map_err(|error| {
         let path = match error {
             ClipError::DuplicateBone { track, .. } => format!("fk_animation[{track}].bone_id"),
             ClipError::NonFiniteTime { track, key, .. }
@@ -184,6 +191,10 @@ pub(super) fn clip(
             }
             ClipError::NonFiniteAngle { track, key, .. } => {
                 format!("fk_animation[{track}].keys[{key}].xzx")
+            }
+            // Ruled out by reading: one set for each key, and the parser takes finite numbers only.
+            ClipError::ControlCount { .. } | ClipError::NonFiniteControls { .. } => {
+                "fk_animation".into()
             }
         };
         at(name, path, error.to_string())

@@ -44,6 +44,12 @@ pub(super) struct BoneEntry {
 #[derive(Debug, Deserialize, Serialize)]
 pub(super) struct TrackEntry {
     pub(super) bone_id: i64,
+    #[serde(
+        default,
+        deserialize_with = "present",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub(super) interpolation: Option<String>,
     pub(super) keys: Vec<KeyEntry>,
 }
 
@@ -51,6 +57,12 @@ pub(super) struct TrackEntry {
 pub(super) struct KeyEntry {
     pub(super) t: f64,
     pub(super) xzx: Vec<f64>,
+    #[serde(
+        default,
+        deserialize_with = "present",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub(super) tcb: Option<Vec<f32>>,
 }
 
 /// One bone's number or an array of them.

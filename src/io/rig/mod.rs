@@ -8,18 +8,24 @@
 //! - `ik_constraints`: the bones whose tips are pinned: an array, one number, or absent for the
 //!   last bone. A bone named twice counts once.
 //!
-//! One key is an extension of ours: a bone may have a `name`, a string that is not empty, unique
-//! and free of slashes (`NAME/tip` is the frame at its tip). A bone without one is called `bone/0`,
-//! `bone/1`, … after its place in the list; programs that know no names skip the key.
+//! Two things are extensions of ours; programs that do not know them skip the keys.
 //!
-//! Other keys are ignored. A tail need not be on its parent's tip: `rest_T` is taken as it is, and the offset between them turns
-//! with the parent.
+//! - A bone may have a `name`, a string that is not empty, unique and free of slashes (`NAME/tip` is
+//!   the frame at its tip). A bone without one is called `bone/0`, `bone/1`, … after its place in
+//!   the list.
+//! - A track of `fk_animation` may have an `interpolation`: `linear`, `catmull-rom` (as without one) or
+//!   `kochanek-bartels`, whose keys may have a `tcb`: `[tension, continuity, bias]`, zeros without
+//!   it.
+//!
+//! Other keys are ignored. A tail need not be on its parent's tip: `rest_T` is taken as it is, and
+//! the offset between them turns with the parent.
 //!
 //! Degrees exist only here: everything that comes out is in radians.
 
 mod check;
 mod columns;
 mod degrees;
+mod interpolation;
 mod json;
 mod names;
 mod write;

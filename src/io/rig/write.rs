@@ -7,9 +7,9 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::Rig;
-use super::degrees;
 use super::json::{BoneEntry, KeyEntry, PartFile, TrackEntry};
 use super::names;
+use super::{degrees, interpolation};
 use crate::io::dmat::{self, DmatEncoding};
 use crate::io::ply::{self, PlyEncoding};
 use crate::io::{WriteError, write_bytes};
@@ -80,10 +80,13 @@ impl Rig {
         let bones = self.skeleton.bones().iter().zip(ids).enumerate();
         let bones = bones.map(|(index, (bone, id))| line(&bone_entry(index, bone, id)));
         let tracks = self.clip.tracks().iter().map(|track| {
-            line(&TrackEntry {
+            let mut entry = TrackEntry {
                 bone_id: track.bone.index() as i64,
+                interpolation: None,
                 keys: track.keys.iter().map(key_entry).collect(),
-            })
+            };
+            interpolation::write(self.clip.interpolation(track.bone), &mut entry);
+            line(&entry)
         });
         let part = |key: &str, file: &str| {
             let file = file.to_owned();
@@ -162,5 +165,6 @@ fn key_entry(key: &crate::animation::EulerKey) -> KeyEntry {
     KeyEntry {
         t: key.time,
         xzx: key.angles.map(degrees::from_radians).to_vec(),
+        tcb: None,
     }
 }

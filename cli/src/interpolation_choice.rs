@@ -1,0 +1,70 @@
+//! `--interpolation`: what runs between a rig's keyframes.
+
+use kinopt::animation::curve::TensionContinuityBias;
+use kinopt::animation::{EulerInterpolation, EulerTrack};
+
+use crate::failure::{Failure, Outcome};
+use crate::loaded_model::LoadedModel;
+use crate::number_list;
+
+/// One way for all tracks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum InterpolationChoice {
+    Linear,
+    CatmullRom,
+    KochanekBartels(TensionContinuityBias),
+}
+
+impl InterpolationChoice {
+    /// `linear`, `catmull-rom` or `kochanek-bartels[:T,C,B]`.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let (name, numbers) = match text.split_once(':') {
+            Some((name, numbers)) => (name, Some(numbers)),
+            None => (text, None),
+        };
+        match (name, numbers) {
+            ("linear", None) => Ok(Self::Linear),
+            ("catmull-rom", None) => Ok(Self::CatmullRom),
+            ("kochanek-bartels", None) => Ok(Self::KochanekBartels(Default::default())),
+            ("kochanek-bartels", Some(numbers)) => {
+                let what = "tension, continuity and bias";
+                let [tension, continuity, bias] =
+                    number_list::parse_exactly::<3>(numbers, what)?.map(|number| number as f32);
+                Ok(Self::KochanekBartels(TensionContinuityBias {
+                    tension,
+                    continuity,
+                    bias,
+                }))
+            }
+            ("linear" | "catmull-rom", Some(_)) => Err(format!("`{name}` takes no numbers")),
+            _ => Err(format!(
+                "there is no interpolation `{name}`; there are linear, catmull-rom and \
+                 kochanek-bartels:T,C,B"
+            )),
+        }
+    }
+
+    fn of(self, track: &EulerTrack) -> EulerInterpolation {
+        match self {
+            Self::Linear => EulerInterpolation::Linear,
+            Self::CatmullRom => EulerInterpolation::CatmullRom,
+            Self::KochanekBartels(controls) => {
+                EulerInterpolation::kochanek_bartels(track, controls)
+            }
+        }
+    }
+}
+
+impl LoadedModel {
+    /// Puts one interpolation in place of the file's own; `None` leaves those.
+    pub(crate) fn interpolate_keyframes(
+        &mut self,
+        choice: Option<InterpolationChoice>,
+    ) -> Outcome<()> {
+        if let (Some(choice), Some(rig)) = (choice, &mut self.rig) {
+            let clip = std::mem::take(&mut rig.clip).interpolated(|track| choice.of(track));
+            rig.clip = clip.map_err(|error| Failure::usage(format!("--interpolation: {error}")))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,65 @@
+//! What runs between keys: an extension of ours. A track without it has Catmull-Rom splines.
+
+use super::json::TrackEntry;
+use crate::animation::EulerInterpolation;
+use crate::animation::curve::TensionContinuityBias;
+
+const LINEAR: &str = EulerInterpolation::LINEAR;
+const CATMULL_ROM: &str = EulerInterpolation::CATMULL_ROM;
+const KOCHANEK_BARTELS: &str = EulerInterpolation::KOCHANEK_BARTELS;
+
+/// What a track says, or the key under it that is wrong and why.
+pub(super) fn read(track: &TrackEntry) -> Result<EulerInterpolation, (String, String)> {
+    let name = track.interpolation.as_deref().unwrap_or(CATMULL_ROM);
+    let interpolation = match name {
+        LINEAR => EulerInterpolation::Linear,
+        CATMULL_ROM => EulerInterpolation::CatmullRom,
+        KOCHANEK_BARTELS => {
+            let controls = (0..track.keys.len()).map(|key| controls(track, key));
+            return Ok(EulerInterpolation::KochanekBartels(
+                controls.collect::<Result<_, _>>()?,
+            ));
+        }
+        other => {
+            let problem =
+                format!("`{other}` is none of {LINEAR}, {CATMULL_ROM}, {KOCHANEK_BARTELS}");
+            return Err(("interpolation".into(), problem));
+        }
+    };
+    match track.keys.iter().position(|key| key.tcb.is_some()) {
+        None => Ok(interpolation),
+        Some(key) => Err((
+            format!("keys[{key}].tcb"),
+            format!("is for the interpolation {KOCHANEK_BARTELS}, and this track's is {name}"),
+        )),
+    }
+}
+
+fn controls(track: &TrackEntry, key: usize) -> Result<TensionContinuityBias, (String, String)> {
+    let given = track.keys.get(key).and_then(|key| key.tcb.as_deref());
+    match given {
+        None => Ok(TensionContinuityBias::default()),
+        Some(&[tension, continuity, bias]) => Ok(TensionContinuityBias {
+            tension,
+            continuity,
+            bias,
+        }),
+        Some(other) => Err((
+            format!("keys[{key}].tcb"),
+            format!("has {} numbers instead of 3", other.len()),
+        )),
+    }
+}
+
+/// The name and the keys' controls as the file writes them; nothing for Catmull-Rom splines.
+pub(super) fn write(between: &EulerInterpolation, track: &mut TrackEntry) {
+    if *between == EulerInterpolation::CatmullRom {
+        return;
+    }
+    track.interpolation = Some(between.name().into());
+    if let EulerInterpolation::KochanekBartels(controls) = between {
+        for (key, c) in track.keys.iter_mut().zip(controls) {
+            key.tcb = Some(vec![c.tension, c.continuity, c.bias]);
+        }
+    }
+}
