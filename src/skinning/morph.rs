@@ -202,6 +202,24 @@ impl MorphTarget {
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
     }
+
+    /// How far it moves each of those vertices, in the model's unit.
+    #[must_use]
+    pub fn position_deltas(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// What it adds to the normal of each of those vertices; empty where it leaves normals alone.
+    #[must_use]
+    pub fn normal_deltas(&self) -> &[Vec3] {
+        &self.normals
+    }
+
+    /// What it adds to the tangent of each of those vertices; empty where it leaves tangents alone.
+    #[must_use]
+    pub fn tangent_deltas(&self) -> &[Vec3] {
+        &self.tangents
+    }
 }
 
 /// The morph targets of one mesh.
@@ -241,6 +259,12 @@ impl MorphTargets {
     #[must_use]
     pub fn targets(&self) -> &[MorphTarget] {
         &self.targets
+    }
+
+    /// How many vertices the mesh has.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
     }
 
     /// Adds Σ_k α_k Δ_k to vertices at rest, in place; buffers that are empty are left out. Normals and
