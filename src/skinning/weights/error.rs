@@ -66,7 +66,7 @@ pub enum WeightsError {
         /// What they sum to.
         sum: f64,
     },
-    /// A vertex has more influences than there is room for; [`SkinWeights::pruned`] drops the
+    /// A vertex has more influences than there is room for; [`SkinWeights::pruned`](super::SkinWeights::pruned) drops the
     /// smallest and says what is lost.
     #[error(
         "vertex {vertex}: {influences} influences, where there is room for 4; prune them first"
