@@ -343,3 +343,64 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
     }
     assert!(reached >= 6, "{reached} of 8");
 }
+
+/// The largest change of a rotation from one pose to another, in radians.
+fn largest_turn(a: &Pose, b: &Pose) -> f32 {
+    let turns = a.rotations().iter().zip(b.rotations());
+    turns.map(|(a, b)| apart(*a, *b)).fold(0.0, f32::max)
+}
+
+#[test]
+fn the_elbow_does_not_flip_as_the_target_swings_past_the_upper_bone() {
+    let armature = arm();
+    let limb = limb(&armature);
+    let mut random = Random::new(96);
+    for _ in 0..50 {
+        let pose = bent(&armature, &mut random);
+        let before = places(&armature, &pose);
+        let radius = (before.end - before.root).length();
+        let way = (before.end - before.root) / radius;
+        // A circle through the end and the line of the upper bone, and a little off that line.
+        let aside = (before.mid - before.root).reject_from(way).normalize();
+        let aside = (aside + vector(&mut random, 0.05))
+            .reject_from(way)
+            .normalize();
+        let mut last = pose.clone();
+        for step in 0..150 {
+            let (sin, cos) = (0.02 * step as f32).sin_cos();
+            let goal = LimbGoal {
+                target: before.root + (way * cos + aside * sin) * radius,
+                pole: None,
+                weight: 1.0,
+            };
+            let mut posed = pose.clone();
+            limb.reach(&armature, &mut posed, &goal).unwrap();
+            assert!(largest_turn(&last, &posed) < 0.05, "step {step}");
+            last = posed;
+        }
+    }
+}
+
+#[test]
+fn a_straight_limb_without_a_pole_does_not_roll() {
+    let armature = arm();
+    let limb = limb(&armature);
+    let mut random = Random::new(97);
+    for _ in 0..100 {
+        let mut pose = bent(&armature, &mut random);
+        let lower = armature.bone("lower").unwrap();
+        pose.set_local(lower, armature.rest().local(lower));
+        let before = places(&armature, &pose);
+        let way = (before.end - before.root).normalize();
+        // Next to the end, as far from the root: the shortest way there is a turn by 0.02.
+        let across = vector(&mut random, 1.0).reject_from(way).normalize();
+        let goal = LimbGoal {
+            target: before.root + (way * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55,
+            pole: None,
+            weight: 1.0,
+        };
+        let mut posed = pose.clone();
+        limb.reach(&armature, &mut posed, &goal).unwrap();
+        assert!(largest_turn(&pose, &posed) < 0.03);
+    }
+}

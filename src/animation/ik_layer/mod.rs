@@ -3,6 +3,7 @@
 
 mod bridge;
 mod limb;
+mod placed;
 mod reach;
 
 pub use bridge::PoseBridge;

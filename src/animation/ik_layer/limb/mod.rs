@@ -1,7 +1,12 @@
 //! A limb of two bones whose end is brought to a point, in closed form.
 
-use glam::{Affine3A, Mat3A, Quat, Vec3A};
+mod plane;
 
+use glam::{Mat3A, Quat, Vec3A};
+
+use self::plane::Plane;
+use super::placed::{Placed, set_rotation};
+use crate::animation::blend::within;
 use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::geometric::triangle;
 use crate::skeleton::BoneId;
@@ -91,7 +96,8 @@ impl Limb {
 
     /// Turns the two bones of a pose so that the end goes its weight's share of the way to the
     /// target, or as near as the bones reach (the law of cosines). The plane of the limb turns as a
-    /// whole, so a hinge stays a hinge. A goal that is not finite changes nothing.
+    /// whole, by the shortest arc to the target and then towards the pole, so a hinge stays a hinge. A
+    /// goal that is not finite changes nothing.
     ///
     /// Bones above the limb may be scaled by the same number along all axes, not by different ones.
     ///
@@ -104,125 +110,49 @@ impl Limb {
         goal: &LimbGoal,
     ) -> Result<(), SizeMismatch> {
         armature.rest().check_same_size(pose)?;
-        let weight = if goal.weight > 0.0 {
-            goal.weight.min(1.0)
-        } else {
-            0.0
-        };
+        let weight = within(goal.weight);
         if weight == 0.0 || !goal.target.is_finite() {
             return Ok(());
         }
-        let from = |bone: Option<BoneId>, root: Option<BoneId>| placed(armature, pose, bone, root);
-        let above = from(armature.parent(self.upper), None);
-        let upper = above * Placed::of(pose, self.upper);
-        let above_lower = upper * from(armature.parent(self.lower), Some(self.upper));
-        let lower = above_lower * Placed::of(pose, self.lower);
+        let place = |bone, above| Placed::within(armature, pose, bone, above);
+        let above = place(armature.parent(self.upper), None);
+        let upper = above * Placed::local(pose, self.upper);
+        let above_lower = upper * place(armature.parent(self.lower), Some(self.upper));
+        let lower = above_lower * Placed::local(pose, self.lower);
 
         let [root, mid] = [upper.affine.translation, lower.affine.translation];
         let end = lower.affine.transform_point3a(self.end);
         let target = end + (goal.target - end) * weight;
-        let side = mid - root;
         let pole = goal.pole.filter(|pole| pole.is_finite());
-        let towards = pole.map_or(side, |pole| side + (pole - root - side) * weight);
-        let lengths = [side.length(), (end - mid).length()].map(f64::from);
-        let solved = triangle(double(root), lengths, double(target), double(towards));
+        let pole = pole.map(|pole| pole - root);
+        let old = Plane::of(end - root, mid - root, pole);
+        let mut new = old.carried(target - root);
+        if let Some(angle) = pole.and_then(|pole| new.angle_to(pole)) {
+            new = new.turned(angle * weight);
+        }
+        let lengths = [mid - root, end - mid].map(|bone| f64::from(bone.length()));
+        let solved = triangle(double(root), lengths, double(target), double(new.side()));
         let [new_mid, new_end] = [single(solved.mid), single(solved.tip)];
         if !(new_mid.is_finite() && new_end.is_finite()) {
             return Ok(());
         }
 
-        let old = normal(end - root, side, towards);
-        let new = normal(new_end - root, new_mid - root, towards);
-        let turn = |was: Vec3A, is: Vec3A| between(frame(was, old), frame(is, new));
-        let upper_turn = turn(side, new_mid - root);
+        let turn = |was: Vec3A, is: Vec3A| between(frame(was, old.normal), frame(is, new.normal));
+        let upper_turn = turn(mid - root, new_mid - root);
         let lower_turn = turn(end - mid, new_end - new_mid);
         let (upper_turn, lower_turn) = match (upper_turn, lower_turn) {
             (Some(upper), Some(lower)) => (upper, lower),
             // A bone without length has nowhere to point.
             _ => return Ok(()),
         };
-        let set = |pose: &mut Pose, bone: BoneId, rotation: Quat| {
-            if let Some(own) = pose.rotations.get_mut(bone.index()) {
-                *own = rotation.normalize();
-            }
-        };
         let parent_from_model = above.rotation.conjugate();
-        set(
-            pose,
-            self.upper,
-            parent_from_model * upper_turn * upper.rotation,
-        );
+        let rotation = parent_from_model * upper_turn * upper.rotation;
+        set_rotation(pose, self.upper, rotation);
         let parent_from_model = (upper_turn * above_lower.rotation).conjugate();
-        set(
-            pose,
-            self.lower,
-            parent_from_model * lower_turn * lower.rotation,
-        );
+        let rotation = parent_from_model * lower_turn * lower.rotation;
+        set_rotation(pose, self.lower, rotation);
         Ok(())
     }
-}
-
-/// A bone in the model, or in a bone above it.
-#[derive(Clone, Copy)]
-struct Placed {
-    affine: Affine3A,
-    rotation: Quat,
-}
-
-impl Placed {
-    fn of(pose: &Pose, bone: BoneId) -> Self {
-        let local = pose.local(bone);
-        Self {
-            affine: local.to_affine(),
-            rotation: local.rotation,
-        }
-    }
-}
-
-impl std::ops::Mul for Placed {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Self {
-            affine: self.affine * other.affine,
-            rotation: self.rotation * other.rotation,
-        }
-    }
-}
-
-/// Where a bone is in the coordinates of a bone above it (in the model without one).
-fn placed(armature: &Armature, pose: &Pose, bone: Option<BoneId>, above: Option<BoneId>) -> Placed {
-    let mut product = Placed {
-        affine: Affine3A::IDENTITY,
-        rotation: Quat::IDENTITY,
-    };
-    let mut next = bone.filter(|bone| Some(*bone) != above);
-    while let Some(bone) = next {
-        product = Placed::of(pose, bone) * product;
-        next = armature.parent(bone).filter(|bone| Some(*bone) != above);
-    }
-    product
-}
-
-/// The normal of the limb's plane: of the way to its end and the side of its middle, or, where it is
-/// stretched, the side that is asked for.
-fn normal(way: Vec3A, mid: Vec3A, towards: Vec3A) -> Vec3A {
-    let across = way.cross(mid);
-    let straight = across.length_squared() < 1e-6 * way.length_squared() * mid.length_squared();
-    let own = if straight {
-        None
-    } else {
-        across.try_normalize()
-    };
-    let asked = || {
-        let across = mid.cross(towards);
-        let flat = 1e-6 * mid.length_squared() * towards.length_squared();
-        let usable = across.length_squared() > flat;
-        usable.then(|| across.try_normalize()).flatten()
-    };
-    own.or_else(asked).unwrap_or_else(|| {
-        let along = mid.try_normalize().unwrap_or(Vec3A::X);
-        along.any_orthonormal_vector()
-    })
 }
 
 /// Axes along a direction in a plane; `None` for a direction without length.

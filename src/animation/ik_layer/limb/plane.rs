@@ -1,0 +1,75 @@
+//! The plane in which a limb bends, and where it goes as the limb's end moves.
+
+use glam::Vec3A;
+
+/// The plane of a limb by unit vectors at right angles.
+#[derive(Clone, Copy)]
+pub(super) struct Plane {
+    /// From the root to the end.
+    along: Vec3A,
+    /// At a right angle to the plane: `along` × the side on which the middle is.
+    pub(super) normal: Vec3A,
+}
+
+impl Plane {
+    /// The plane of a limb: the way from its root to its end, and from its root to its middle. A
+    /// stretched limb bends towards the pole (as seen from the root), and without one anywhere.
+    pub(super) fn of(way: Vec3A, middle: Vec3A, pole: Option<Vec3A>) -> Self {
+        let normal = across(way, middle)
+            .or_else(|| across(middle, pole?))
+            .unwrap_or_else(|| {
+                let along = middle.try_normalize().unwrap_or(Vec3A::X);
+                along.any_orthonormal_vector()
+            });
+        let folded = || middle.cross(normal).try_normalize();
+        let along = way.try_normalize().or_else(folded).unwrap_or(Vec3A::X);
+        Self { along, normal }
+    }
+
+    /// The side on which the middle is.
+    pub(super) fn side(&self) -> Vec3A {
+        self.normal.cross(self.along)
+    }
+
+    /// The same plane for another way to the end, turned by the shortest arc between the two: no
+    /// roll, and no flip wherever the end goes but straight back.
+    pub(super) fn carried(self, way: Vec3A) -> Self {
+        let Some(along) = way.try_normalize() else {
+            return self;
+        };
+        // Rodrigues' formula for v at a right angle to a, from a to b: v − (a + b) (b·v) / (1 + a·b).
+        let cosine = self.along.dot(along);
+        let rise = along.dot(self.normal) / (1.0 + cosine).max(1e-6);
+        let normal = self.normal - (self.along + along) * rise;
+        let normal = normal.reject_from_normalized(along).try_normalize();
+        Self {
+            normal: normal.unwrap_or_else(|| along.any_orthonormal_vector()),
+            along,
+        }
+    }
+
+    /// The same plane turned about the way to the end by an angle in radians.
+    pub(super) fn turned(self, angle: f32) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self {
+            normal: self.normal * cos + self.along.cross(self.normal) * sin,
+            ..self
+        }
+    }
+
+    /// The angle about the way to the end, radians within [−π, π], that brings the middle's side to a
+    /// pole as seen from the root; `None` for a pole on the way.
+    pub(super) fn angle_to(&self, pole: Vec3A) -> Option<f32> {
+        let normal = across(self.along, pole)?;
+        let sine = self.along.dot(self.normal.cross(normal));
+        Some(sine.atan2(self.normal.dot(normal)))
+    }
+}
+
+/// The direction of a × b; `None` where they are within a milliradian of one line.
+fn across(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
+    let across = a.cross(b);
+    let flat = 1e-6 * a.length_squared() * b.length_squared();
+    let steep = across.length_squared() > flat;
+    steep.then(|| across.try_normalize()).flatten()
+}
