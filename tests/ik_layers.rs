@@ -4,90 +4,14 @@
 
 mod support;
 
-use glam::{Affine3A, Quat, Vec3, Vec3A};
+use glam::{Affine3A, Vec3, Vec3A};
 use kinopt::Solver;
-use kinopt::animation::{
-    Armature, ArmatureBone, Limb, LimbError, LimbGoal, LocalTransform, Pose, PoseBridge, ReachLayer,
-};
+use kinopt::animation::{Armature, Limb, LimbError, LimbGoal, Pose, PoseBridge, ReachLayer};
 use kinopt::skeleton::BoneId;
 use support::armatures::{apart, difference, rotation, vector};
 use support::bones::RandomRig;
+use support::limbs::{END, arm, bent, limb, places, reachable};
 use support::random::Random;
-
-/// hips – spine – upper – (twist) – lower – hand, and a bystander on the spine. The limb's bones lie
-/// along x and meet in a hinge about z.
-fn arm() -> Armature {
-    let bone = |name: &str, parent, translation: Vec3A| ArmatureBone {
-        name: name.into(),
-        parent,
-        rest: LocalTransform {
-            translation,
-            ..LocalTransform::IDENTITY
-        },
-    };
-    let bones = vec![
-        bone("hips", None, Vec3A::Y),
-        bone("spine", Some(0), Vec3A::Y * 0.5),
-        bone("upper", Some(1), Vec3A::new(0.2, 0.1, 0.0)),
-        bone("twist", Some(2), Vec3A::X * 0.15),
-        bone("lower", Some(3), Vec3A::X * 0.15),
-        bone("hand", Some(4), Vec3A::X * 0.25),
-        bone("bystander", Some(1), Vec3A::X * -0.2),
-    ];
-    Armature::new(bones, Vec::new()).unwrap()
-}
-
-const END: Vec3A = Vec3A::new(0.25, 0.0, 0.0);
-
-fn limb(armature: &Armature) -> Limb {
-    let bone = |name| armature.bone(name).unwrap();
-    Limb::new(armature, bone("upper"), bone("lower"), END).unwrap()
-}
-
-fn turn(armature: &Armature, pose: &mut Pose, name: &str, by: Quat) {
-    let bone = armature.bone(name).unwrap();
-    let mut local = pose.local(bone);
-    local.rotation *= by;
-    pose.set_local(bone, local);
-}
-
-/// A pose with the elbow bent about its hinge.
-fn bent(armature: &Armature, random: &mut Random) -> Pose {
-    let mut pose = armature.rest().clone();
-    for name in ["hips", "spine", "upper"] {
-        turn(armature, &mut pose, name, rotation(random, 1.2));
-    }
-    turn(
-        armature,
-        &mut pose,
-        "lower",
-        Quat::from_rotation_z(random.within(0.2, 2.0) as f32),
-    );
-    pose
-}
-
-struct Places {
-    root: Vec3A,
-    mid: Vec3A,
-    end: Vec3A,
-}
-
-fn places(armature: &Armature, pose: &Pose) -> Places {
-    let mut model = vec![Affine3A::IDENTITY; armature.bones()];
-    armature.local_to_model(pose, &mut model).unwrap();
-    let of = |name| &model[armature.bone(name).unwrap().index()];
-    Places {
-        root: of("upper").translation,
-        mid: of("lower").translation,
-        end: of("lower").transform_point3a(END),
-    }
-}
-
-/// Somewhere that the arm reaches from where it is.
-fn reachable(random: &mut Random, from: &Places) -> Vec3A {
-    let direction = rotation(random, 3.0) * Vec3A::X;
-    from.root + direction * random.within(0.12, 0.5) as f32
-}
 
 #[test]
 fn the_end_goes_its_share_of_the_way_and_a_hinge_stays_one() {
@@ -101,9 +25,8 @@ fn the_end_goes_its_share_of_the_way_and_a_hinge_stays_one() {
         for weight in [1.0, 0.5, 0.1] {
             let mut posed = pose.clone();
             let goal = LimbGoal {
-                target,
-                pole: None,
                 weight,
+                ..LimbGoal::at(target)
             };
             limb.reach(&armature, &mut posed, &goal).unwrap();
             let after = places(&armature, &posed);
@@ -143,9 +66,8 @@ fn weight_zero_and_nonsense_change_nothing() {
     for (target, weight) in goals {
         let mut posed = pose.clone();
         let goal = LimbGoal {
-            target,
-            pole: None,
             weight,
+            ..LimbGoal::at(target)
         };
         limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
         assert_eq!(posed, pose);
@@ -153,19 +75,15 @@ fn weight_zero_and_nonsense_change_nothing() {
     // A target where the end is moves nothing but by rounding.
     let target = places(&armature, &pose).end;
     let mut posed = pose.clone();
-    let goal = LimbGoal {
-        target,
-        pole: None,
-        weight: 1.0,
-    };
+    let goal = LimbGoal::at(target);
     limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
     assert!(difference(&posed, &pose) < 2e-3);
     // A small weight is a small change, with a pole far from the elbow as well.
     let pole = Some(Vec3A::new(-3.0, -1.0, 2.0));
     let goal = LimbGoal {
-        target,
         pole,
         weight: 1e-4,
+        ..LimbGoal::at(target)
     };
     let mut posed = pose.clone();
     limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
@@ -181,11 +99,7 @@ fn out_of_reach_it_stretches_towards_the_target() {
         let before = places(&armature, &pose);
         let direction = rotation(&mut random, 3.0) * Vec3A::X;
         let mut posed = pose.clone();
-        let goal = LimbGoal {
-            target: before.root + direction * 7.0,
-            pole: None,
-            weight: 1.0,
-        };
+        let goal = LimbGoal::at(before.root + direction * 7.0);
         limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
         let after = places(&armature, &posed);
         assert!((after.end - (before.root + direction * 0.55)).length() < 1e-4);
@@ -208,9 +122,8 @@ fn the_elbow_goes_towards_the_pole_from_a_straight_arm_too() {
         let pole = before.root + vector(&mut random, 1.0);
         let mut posed = pose.clone();
         let goal = LimbGoal {
-            target,
             pole: Some(pole),
-            weight: 1.0,
+            ..LimbGoal::at(target)
         };
         limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
         let after = places(&armature, &posed);
@@ -342,65 +255,4 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
         assert_eq!(error.effectors.len(), 2);
     }
     assert!(reached >= 6, "{reached} of 8");
-}
-
-/// The largest change of a rotation from one pose to another, in radians.
-fn largest_turn(a: &Pose, b: &Pose) -> f32 {
-    let turns = a.rotations().iter().zip(b.rotations());
-    turns.map(|(a, b)| apart(*a, *b)).fold(0.0, f32::max)
-}
-
-#[test]
-fn the_elbow_does_not_flip_as_the_target_swings_past_the_upper_bone() {
-    let armature = arm();
-    let limb = limb(&armature);
-    let mut random = Random::new(96);
-    for _ in 0..50 {
-        let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
-        let radius = (before.end - before.root).length();
-        let way = (before.end - before.root) / radius;
-        // A circle through the end and the line of the upper bone, and a little off that line.
-        let aside = (before.mid - before.root).reject_from(way).normalize();
-        let aside = (aside + vector(&mut random, 0.05))
-            .reject_from(way)
-            .normalize();
-        let mut last = pose.clone();
-        for step in 0..150 {
-            let (sin, cos) = (0.02 * step as f32).sin_cos();
-            let goal = LimbGoal {
-                target: before.root + (way * cos + aside * sin) * radius,
-                pole: None,
-                weight: 1.0,
-            };
-            let mut posed = pose.clone();
-            limb.reach(&armature, &mut posed, &goal).unwrap();
-            assert!(largest_turn(&last, &posed) < 0.05, "step {step}");
-            last = posed;
-        }
-    }
-}
-
-#[test]
-fn a_straight_limb_without_a_pole_does_not_roll() {
-    let armature = arm();
-    let limb = limb(&armature);
-    let mut random = Random::new(97);
-    for _ in 0..100 {
-        let mut pose = bent(&armature, &mut random);
-        let lower = armature.bone("lower").unwrap();
-        pose.set_local(lower, armature.rest().local(lower));
-        let before = places(&armature, &pose);
-        let way = (before.end - before.root).normalize();
-        // Next to the end, as far from the root: the shortest way there is a turn by 0.02.
-        let across = vector(&mut random, 1.0).reject_from(way).normalize();
-        let goal = LimbGoal {
-            target: before.root + (way * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55,
-            pole: None,
-            weight: 1.0,
-        };
-        let mut posed = pose.clone();
-        limb.reach(&armature, &mut posed, &goal).unwrap();
-        assert!(largest_turn(&pose, &posed) < 0.03);
-    }
 }

@@ -10,6 +10,7 @@
 pub mod armatures;
 pub mod bones;
 pub mod classics;
+pub mod limbs;
 pub mod maps;
 pub mod methods;
 pub mod random;

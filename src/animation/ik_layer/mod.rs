@@ -7,5 +7,5 @@ mod placed;
 mod reach;
 
 pub use bridge::PoseBridge;
-pub use limb::{Limb, LimbError, LimbGoal};
+pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
 pub use reach::{NoEffector, ReachLayer};

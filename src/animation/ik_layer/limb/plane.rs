@@ -12,18 +12,33 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// The plane of a limb: the way from its root to its end, and from its root to its middle. A
-    /// stretched limb bends towards the pole (as seen from the root), and without one anywhere.
-    pub(super) fn of(way: Vec3A, middle: Vec3A, pole: Option<Vec3A>) -> Self {
-        let normal = across(way, middle)
-            .or_else(|| across(middle, pole?))
-            .unwrap_or_else(|| {
-                let along = middle.try_normalize().unwrap_or(Vec3A::X);
-                along.any_orthonormal_vector()
-            });
+    /// The plane of a limb (the way from its root to its end, and to its middle), and the angle by which
+    /// the limb is out of it, radians within [−π, π] about the way. It is the plane of the hinge's
+    /// axis (a positive turn about it bends the limb), or without one the plane that the limb is in. A
+    /// stretched limb without a hinge bends towards the pole (as seen from the root), or anywhere.
+    pub(super) fn of(
+        way: Vec3A,
+        middle: Vec3A,
+        pole: Option<Vec3A>,
+        hinge: Option<Vec3A>,
+    ) -> (Self, f32) {
+        let way_along = way.try_normalize();
+        let hinge = hinge.and_then(|axis| {
+            let off_line = axis.reject_from(way_along.unwrap_or(middle));
+            (-off_line).try_normalize()
+        });
+        let own = across(way, middle);
+        let asked = || across(middle, pole?);
+        let any = || {
+            let along = middle.try_normalize().unwrap_or(Vec3A::X);
+            along.any_orthonormal_vector()
+        };
+        let normal = hinge.or(own).or_else(asked).unwrap_or_else(any);
         let folded = || middle.cross(normal).try_normalize();
-        let along = way.try_normalize().or_else(folded).unwrap_or(Vec3A::X);
-        Self { along, normal }
+        let along = way_along.or_else(folded).unwrap_or(Vec3A::X);
+        let plane = Self { along, normal };
+        let off = hinge.and(own).map_or(0.0, |own| plane.angle_between(own));
+        (plane, off)
     }
 
     /// The side on which the middle is.
@@ -50,6 +65,9 @@ impl Plane {
 
     /// The same plane turned about the way to the end by an angle in radians.
     pub(super) fn turned(self, angle: f32) -> Self {
+        if angle == 0.0 {
+            return self;
+        }
         let (sin, cos) = angle.sin_cos();
         Self {
             normal: self.normal * cos + self.along.cross(self.normal) * sin,
@@ -60,9 +78,12 @@ impl Plane {
     /// The angle about the way to the end, radians within [−π, π], that brings the middle's side to a
     /// pole as seen from the root; `None` for a pole on the way.
     pub(super) fn angle_to(&self, pole: Vec3A) -> Option<f32> {
-        let normal = across(self.along, pole)?;
+        Some(self.angle_between(across(self.along, pole)?))
+    }
+
+    fn angle_between(&self, normal: Vec3A) -> f32 {
         let sine = self.along.dot(self.normal.cross(normal));
-        Some(sine.atan2(self.normal.dot(normal)))
+        sine.atan2(self.normal.dot(normal))
     }
 }
 
