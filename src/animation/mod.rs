@@ -24,7 +24,10 @@ pub use crowd::{Character, Crowd, PlayingClip};
 pub use easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
 pub use euler_sampling::SampleError;
-pub use ik_layer::{EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
+pub use ik_layer::{
+    Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseBridge,
+    ReachLayer,
+};
 pub use playback::Playback;
 pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
 pub use state_machine::{
