@@ -32,6 +32,6 @@ pub use playback::Playback;
 pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
 pub use state_machine::{
     ConditionDefinition, Interruption, ParameterDefault, ParameterError, StateDefinition,
-    StateMachine, StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
-    TransitionDefinition, TriggerWord,
+    StateEvent, StateMachine, StateMachineDefinition, StateMachineError, StateMachineProblem,
+    StateMachineRun, TransitionDefinition, TriggerWord,
 };

@@ -15,6 +15,7 @@ pub mod maps;
 pub mod methods;
 pub mod random;
 pub mod skins;
+pub mod state_machines;
 pub mod tasks;
 pub mod trees;
 

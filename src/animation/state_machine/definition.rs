@@ -111,6 +111,9 @@ pub struct TransitionDefinition {
     /// Not before this share of the state's clip has played (1 is once through).
     #[serde(default)]
     pub after: Option<f64>,
+    /// Not before so many seconds in the state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub after_seconds: Option<f64>,
     /// All must hold.
     #[serde(default)]
     pub when: Vec<ConditionDefinition>,

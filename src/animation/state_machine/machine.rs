@@ -35,6 +35,7 @@ pub(super) struct Transition {
     pub(super) seconds: f64,
     pub(super) easing: Easing,
     pub(super) after: Option<f64>,
+    pub(super) after_seconds: Option<f64>,
     pub(super) conditions: Vec<Condition>,
     pub(super) interruption: Interruption,
 }
@@ -157,7 +158,11 @@ impl StateMachine {
             let path = format!("{path}.when");
             return Err(at(path, StateMachineProblem::Unconditional));
         }
-        let durations = [("seconds", Some(given.seconds)), ("after", given.after)];
+        let durations = [
+            ("seconds", Some(given.seconds)),
+            ("after", given.after),
+            ("after_seconds", given.after_seconds),
+        ];
         for (key, seconds) in durations {
             if let Some(seconds) = seconds.filter(|s| !(s.is_finite() && *s >= 0.0)) {
                 let problem = StateMachineProblem::BadDuration { seconds };
@@ -173,6 +178,7 @@ impl StateMachine {
             seconds: given.seconds,
             easing: given.easing,
             after: given.after,
+            after_seconds: given.after_seconds,
             conditions: conditions.collect::<Checked<_>>()?,
             interruption: given.interruption,
         })

@@ -2,13 +2,19 @@
 
 mod definition;
 mod error;
+mod event;
 mod machine;
+mod parameters;
+mod playing;
 mod run;
+mod transitions;
 
 pub use definition::{
     ConditionDefinition, Interruption, ParameterDefault, StateDefinition, StateMachineDefinition,
     TransitionDefinition, TriggerWord,
 };
 pub use error::{StateMachineError, StateMachineProblem};
+pub use event::StateEvent;
 pub use machine::StateMachine;
-pub use run::{ParameterError, StateMachineRun};
+pub use parameters::ParameterError;
+pub use run::StateMachineRun;
