@@ -31,7 +31,8 @@ pub use ik_layer::{
 pub use playback::Playback;
 pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
 pub use state_machine::{
-    ConditionDefinition, Interruption, ParameterDefault, ParameterError, StateDefinition,
-    StateEvent, StateMachine, StateMachineDefinition, StateMachineError, StateMachineProblem,
-    StateMachineRun, TransitionDefinition, TriggerWord,
+    BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
+    ParameterDefault, ParameterError, StateDefinition, StateEvent, StateMachine,
+    StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
+    TransitionDefinition, TriggerWord,
 };

@@ -29,6 +29,17 @@ pub enum StateMachineProblem {
         /// The name.
         name: String,
     },
+    /// A blend without clips.
+    #[error("the blend has no clips")]
+    EmptyBlend,
+    /// The numbers of a blend's clips are not in order.
+    #[error("{at} does not lie above {before}, the number of the clip before it")]
+    NotRising {
+        /// The number.
+        at: f32,
+        /// The number of the clip before it.
+        before: f32,
+    },
     /// A duration that is negative or not finite.
     #[error("{seconds} s is not a finite duration of at least 0")]
     BadDuration {

@@ -1,7 +1,7 @@
 //! The values that a run's conditions look at.
 
+use super::condition::Condition;
 use super::definition::ParameterDefault;
-use super::machine::Condition;
 use super::run::StateMachineRun;
 use crate::model::UnknownName;
 

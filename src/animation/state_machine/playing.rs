@@ -2,89 +2,112 @@
 
 use super::definition::Interruption;
 use super::machine::{State, StateMachine};
-use crate::animation::{Cursor, Easing, Fired, Passage, Playhead, Pose, SizeMismatch};
+use super::motion::Mix;
+use crate::animation::{Clip, Cursor, Easing, Fired, Passage, Playhead, Pose, SizeMismatch};
 
 /// Moments this near, in seconds, are one: sums of steps are rounded.
 pub(super) const MOMENT: f64 = 1e-9;
 
-/// A state and where its clip is.
+/// A state and where its clips are.
 #[derive(Clone, Debug)]
 pub(super) struct Playing {
     pub(super) state: usize,
     /// Since the state was entered.
     pub(super) seconds: f64,
+    /// In times through the clips, which keep step.
     head: Playhead,
-    cursor: Cursor,
+    cursors: Vec<Cursor>,
 }
 
 impl Playing {
     pub(super) fn start(machine: &StateMachine, state: usize) -> Self {
-        let mut head = Playhead::new();
         let entered = &machine.states[state];
-        if entered.speed < 0.0 {
-            head = Playhead::starting_at(entered.clip.duration());
-        }
+        let mut head = Playhead::starting_at(start(entered));
         head.speed = entered.speed;
         Self {
             state,
             seconds: 0.0,
             head,
-            cursor: Cursor::new(),
+            cursors: vec![Cursor::new(); entered.motion.clips().len()],
         }
     }
 
-    /// Plays on; `on_event` hears each event passed with the share of the step at which it was.
+    /// Plays on; `on_event` hears each event passed by a clip with its weight, and the share of the
+    /// step at which it was.
     pub(super) fn advance(
         &mut self,
         state: &State,
+        mix: Mix,
         seconds: f64,
-        mut on_event: impl FnMut(Fired<'_>, f64),
+        mut on_event: impl FnMut(&Clip, f32, Fired<'_>, f64),
     ) {
         self.seconds += seconds;
-        let passage = self.head.advance(seconds);
-        let Passage { from, to, .. } = passage;
-        for fired in state.clip.fired(state.playback, passage) {
-            let share = if from == to {
-                0.0
-            } else {
-                (fired.elapsed - from) / (to - from)
+        let length = state.motion.length(mix);
+        let times = if length > 0.0 { seconds / length } else { 0.0 };
+        let passage = self.head.advance(times);
+        for (clip, weight) in state.motion.playing(mix) {
+            let [from, to] = [passage.from, passage.to].map(|times| times * clip.duration());
+            let passage = Passage {
+                from,
+                to,
+                ..passage
             };
-            on_event(fired, share);
+            for fired in clip.fired(state.playback, passage) {
+                let share = if from == to {
+                    0.0
+                } else {
+                    (fired.elapsed - from) / (to - from)
+                };
+                on_event(clip, weight, fired, share);
+            }
         }
     }
 
-    pub(super) fn sample(&mut self, state: &State, pose: &mut Pose) -> Result<(), SizeMismatch> {
-        let elapsed = self.head.elapsed();
-        state
-            .clip
-            .sample(elapsed, state.playback, &mut self.cursor, pose)
-    }
-
-    /// How many times the clip has played through; 1 for one that lasts no time.
-    pub(super) fn played(&self, state: &State) -> f64 {
-        let length = state.clip.duration();
-        let [start, end] = match state.speed < 0.0 {
-            true => [length, self.head.elapsed()],
-            false => [0.0, self.head.elapsed()],
+    /// Writes the pose; `other` is room for one.
+    pub(super) fn sample(
+        &mut self,
+        state: &State,
+        mix: Mix,
+        pose: &mut Pose,
+        other: &mut Pose,
+    ) -> Result<(), SizeMismatch> {
+        let mut sample = |index: usize, pose: &mut Pose| {
+            let clip = state.motion.clip(index);
+            let elapsed = self.head.elapsed() * clip.duration();
+            clip.sample(elapsed, state.playback, &mut self.cursors[index], pose)
         };
-        if length > 0.0 {
-            (end - start).abs() / length
-        } else {
-            1.0
+        sample(mix.first, pose)?;
+        if mix.share > 0.0 {
+            sample(mix.first + 1, other)?;
+            pose.cross_fade(other, mix.share)?;
+        }
+        Ok(())
+    }
+
+    /// How many times the clips have played through; 1 where all last no time.
+    pub(super) fn played(&self, state: &State) -> f64 {
+        match state.motion.clips().any(|clip| clip.duration() > 0.0) {
+            true => (self.head.elapsed() - start(state)).abs(),
+            false => 1.0,
         }
     }
 
-    /// The seconds until the clip has played so many times through, negative where it has; infinite
-    /// where it never will.
-    pub(super) fn until_played(&self, state: &State, times: f64) -> f64 {
+    /// The seconds until the clips have played so many times through, 0 where they have; infinite
+    /// where they never will.
+    pub(super) fn until_played(&self, state: &State, mix: Mix, times: f64) -> f64 {
         let missing = times - self.played(state);
-        let each = state.clip.duration() / state.speed.abs();
+        let each = state.motion.length(mix) / state.speed.abs();
         match missing <= 0.0 {
             true => 0.0,
             false if each > 0.0 => missing * each,
             false => f64::INFINITY,
         }
     }
+}
+
+/// Where playback starts, in times through: at the end where it runs backwards.
+fn start(state: &State) -> f64 {
+    if state.speed < 0.0 { 1.0 } else { 0.0 }
 }
 
 /// A cross-fade to the state that is being entered.

@@ -21,8 +21,8 @@ pub struct StateMachineRun {
     pub(super) taken: Vec<usize>,
     /// The pose as shown.
     pub(super) pose: Pose,
-    /// What a cross-fade leads to.
-    other: Pose,
+    /// What a cross-fade leads to, and room for what that is blended of.
+    others: [Pose; 2],
 }
 
 impl StateMachineRun {
@@ -41,14 +41,14 @@ impl StateMachineRun {
             fade: None,
             taken: Vec::new(),
             pose: rest.clone(),
-            other: rest.clone(),
+            others: [rest.clone(), rest.clone()],
             machine,
         };
         let machine = Arc::clone(&own.machine);
         for state in &machine.states {
-            state
-                .clip
-                .sample(0.0, state.playback, &mut Cursor::new(), &mut own.pose)?;
+            for clip in state.motion.clips() {
+                clip.sample(0.0, state.playback, &mut Cursor::new(), &mut own.pose)?;
+            }
         }
         own.show()?;
         Ok(own)
@@ -66,12 +66,19 @@ impl StateMachineRun {
         self.current.seconds
     }
 
-    /// How many times that state's clip has played through: 0.5 is half of it. 1 for a clip that lasts
+    /// How many times that state's clips have played through: 0.5 is half of it. 1 for clips that last
     /// no time.
     #[must_use]
     pub fn played(&self) -> f64 {
         self.current
             .played(&self.machine.states[self.current.state])
+    }
+
+    /// The names of that state's clips that play now, with their weights; the weights sum to 1.
+    pub fn playing(&self) -> impl Iterator<Item = (&str, f32)> {
+        let motion = &self.machine.states[self.current.state].motion;
+        let clips = motion.playing(motion.mix(&self.values));
+        clips.map(|(clip, weight)| (clip.name(), weight))
     }
 
     /// How far the cross-fade to the state is, as the share of its time within [0, 1); `None` when
@@ -145,11 +152,13 @@ impl StateMachineRun {
         if let Some(fade) = &mut self.fade {
             if let Origin::State(from) = &mut fade.from {
                 let state = &machine.states[from.state];
-                from.advance(state, seconds, |fired, at| {
+                let mix = state.motion.mix(&self.values);
+                from.advance(state, mix, seconds, |clip, weight, fired, at| {
                     on_event(StateEvent {
                         state: &state.name,
+                        clip: clip.name(),
                         event: fired.event,
-                        weight: 1.0 - entered(at),
+                        weight: weight * (1.0 - entered(at)),
                     });
                 });
             }
@@ -158,27 +167,33 @@ impl StateMachineRun {
             }
         }
         let state = &machine.states[self.current.state];
-        self.current.advance(state, seconds, |fired, at| {
-            on_event(StateEvent {
-                state: &state.name,
-                event: fired.event,
-                weight: entered(at),
+        let mix = state.motion.mix(&self.values);
+        self.current
+            .advance(state, mix, seconds, |clip, weight, fired, at| {
+                on_event(StateEvent {
+                    state: &state.name,
+                    clip: clip.name(),
+                    event: fired.event,
+                    weight: weight * entered(at),
+                });
             });
-        });
     }
 
     /// Writes the pose.
     pub(super) fn show(&mut self) -> Result<(), SizeMismatch> {
-        let states = &self.machine.states;
-        let state = &states[self.current.state];
+        let [other, third] = &mut self.others;
+        let mut sample = |playing: &mut Playing, pose: &mut Pose| {
+            let state = &self.machine.states[playing.state];
+            playing.sample(state, state.motion.mix(&self.values), pose, third)
+        };
         let Some(fade) = &mut self.fade else {
-            return self.current.sample(state, &mut self.pose);
+            return sample(&mut self.current, &mut self.pose);
         };
         match &mut fade.from {
-            Origin::State(from) => from.sample(&states[from.state], &mut self.pose)?,
+            Origin::State(from) => sample(from, &mut self.pose)?,
             Origin::Still(still) => self.pose.copy_from(still),
         }
-        self.current.sample(state, &mut self.other)?;
-        self.pose.cross_fade(&self.other, fade.progress.share(0.0))
+        sample(&mut self.current, other)?;
+        self.pose.cross_fade(other, fade.progress.share(0.0))
     }
 }

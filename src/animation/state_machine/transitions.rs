@@ -1,7 +1,8 @@
 //! Which transitions a run takes, and when.
 
+use super::condition::{Condition, Transition};
 use super::definition::Interruption;
-use super::machine::{Condition, StateMachine, Transition};
+use super::machine::StateMachine;
 use super::playing::{Fade, MOMENT, Origin, Playing, Progress};
 use super::run::StateMachineRun;
 use crate::animation::SizeMismatch;
@@ -44,7 +45,7 @@ impl StateMachineRun {
             transitions
                 .filter(move |(_, own)| self.leads_away(playing, own))
                 .filter(|(_, own)| own.conditions.iter().all(|c| self.holds(*c)))
-                .map(move |(index, own)| (index, wait(machine, playing, own)))
+                .map(move |(index, own)| (index, self.wait(machine, playing, own)))
         })
     }
 
@@ -99,16 +100,17 @@ impl StateMachineRun {
         });
         Ok(())
     }
-}
 
-/// The seconds until a state has played as long as a transition asks.
-fn wait(machine: &StateMachine, playing: &Playing, transition: &Transition) -> f64 {
-    let state = &machine.states[playing.state];
-    let played = transition
-        .after
-        .map(|times| playing.until_played(state, times));
-    let stayed = transition
-        .after_seconds
-        .map(|seconds| seconds - playing.seconds);
-    played.into_iter().chain(stayed).fold(0.0, f64::max)
+    /// The seconds until a state has played as long as a transition asks.
+    fn wait(&self, machine: &StateMachine, playing: &Playing, transition: &Transition) -> f64 {
+        let state = &machine.states[playing.state];
+        let mix = state.motion.mix(&self.values);
+        let played = transition
+            .after
+            .map(|times| playing.until_played(state, mix, times));
+        let stayed = transition
+            .after_seconds
+            .map(|seconds| seconds - playing.seconds);
+        played.into_iter().chain(stayed).fold(0.0, f64::max)
+    }
 }
