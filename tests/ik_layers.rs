@@ -4,11 +4,11 @@
 
 mod support;
 
-use glam::{Affine3A, Vec3, Vec3A};
+use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::Solver;
 use kinopt::animation::{Armature, Limb, LimbError, LimbGoal, Pose, PoseBridge, ReachLayer};
 use kinopt::skeleton::BoneId;
-use support::armatures::{apart, difference, rotation, vector};
+use support::armatures::{apart, difference, model_by_ancestors, rotation, vector};
 use support::bones::RandomRig;
 use support::limbs::{END, arm, bent, limb, places, reachable};
 use support::random::Random;
@@ -248,11 +248,80 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
             })
         };
         for index in (0..armature.bones()).filter(|&index| !moves(index)) {
-            assert!(apart(pose.rotations()[index], posed.rotations()[index]) < 1e-5);
+            assert_eq!(pose.rotations()[index], posed.rotations()[index]);
         }
         let stranger = rig.tips[4];
         let error = layer.set_goal(stranger, [0.0; 3].into(), 1.0).unwrap_err();
         assert_eq!(error.effectors.len(), 2);
     }
     assert!(reached >= 6, "{reached} of 8");
+}
+
+#[test]
+fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
+    let mut reached = [0; 3];
+    for seed in 0..8 {
+        let rig = RandomRig::new(200 + seed);
+        let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseBridge::new(skeleton));
+        let mut random = Random::new(seed);
+        let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
+            let limits = skeleton.model().limits();
+            limits
+                .map(|l| l.lower + (l.upper - l.lower) * random.within(low, high))
+                .collect()
+        };
+        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        bridge.pose_of(&within(&mut random, 0.45, 0.55), &mut pose);
+        bridge.pose_of(&within(&mut random, 0.4, 0.6), &mut there);
+        let turned = |pose: &Pose, bone: BoneId| {
+            Quat::from_mat3a(&model_by_ancestors(&armature, pose)[bone.index()].matrix3)
+        };
+        let [moves, still] = [tips[0], tips[1]];
+        let mut layer = ReachLayer::holding(skeleton, tips, tips, Solver::default()).unwrap();
+        for (case, weight) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let mut posed = pose.clone();
+            let target = tip(&armature, &rig, &there, moves);
+            let from = tip(&armature, &rig, &pose, moves);
+            let near = (from + (target - from) * weight).to_array().map(f64::from);
+            // With weight 0 a small way, and held.
+            let near = if case == 0 {
+                near.map(|x| x + 0.005)
+            } else {
+                near
+            };
+            layer.set_goal(moves, near.into(), 1.0).unwrap();
+            let wanted = turned(&there, moves);
+            layer
+                .set_rotation(moves, wanted * -2.0, f64::from(weight))
+                .unwrap();
+            if !layer.apply(&mut posed).unwrap().unwrap().reached {
+                continue;
+            }
+            reached[case] += 1;
+            let [was, is] = [&pose, &posed].map(|pose| turned(pose, moves));
+            let way = apart(was, wanted);
+            assert!((apart(was, is) - weight * way).abs() < 1e-4);
+            assert!((apart(is, wanted) - (1.0 - weight) * way).abs() < 1e-4);
+            // The other end is held where it was.
+            assert!(apart(turned(&pose, still), turned(&posed, still)) < 1e-4);
+        }
+        let stranger = rig.tips[4];
+        let error = layer
+            .set_rotation(stranger, Quat::IDENTITY, 1.0)
+            .unwrap_err();
+        assert_eq!(error.effectors.len(), 2);
+        // No rotation at all is as good as none asked for.
+        let applied = |layer: &mut ReachLayer, rotation: Quat, weight: f64| {
+            layer.set_rotation(moves, rotation, weight).unwrap();
+            let mut posed = pose.clone();
+            layer.apply(&mut posed).unwrap();
+            posed
+        };
+        let held = applied(&mut layer, Quat::IDENTITY, 0.0);
+        for none in [Quat::NAN, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)] {
+            assert_eq!(applied(&mut layer, none, 1.0), held);
+        }
+    }
+    assert!(reached.iter().all(|&count| count >= 6), "{reached:?} of 8");
 }

@@ -75,10 +75,19 @@ impl Plane {
         }
     }
 
-    /// The angle about the way to the end, radians within [−π, π], that brings the middle's side to a
-    /// pole as seen from the root; `None` for a pole on the way.
-    pub(super) fn angle_to(&self, pole: Vec3A) -> Option<f32> {
-        Some(self.angle_between(across(self.along, pole)?))
+    /// The plane through the same way to the end with the middle's side towards a pole as seen from the
+    /// root; the same plane for a pole on the way.
+    pub(super) fn facing(self, pole: Vec3A) -> Self {
+        Self {
+            normal: across(self.along, pole).unwrap_or(self.normal),
+            ..self
+        }
+    }
+
+    /// The angle about the way to the end, radians within [−π, π], to the plane facing a pole.
+    pub(super) fn angle_to(&self, pole: Vec3A) -> f32 {
+        // No need for unit length.
+        steep(self.along, pole).map_or(0.0, |normal| self.angle_between(normal))
     }
 
     fn angle_between(&self, normal: Vec3A) -> f32 {
@@ -89,8 +98,12 @@ impl Plane {
 
 /// The direction of a × b; `None` where they are within a milliradian of one line.
 fn across(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
+    steep(a, b)?.try_normalize()
+}
+
+/// a × b; `None` where they are within a milliradian of one line.
+fn steep(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
     let across = a.cross(b);
     let flat = 1e-6 * a.length_squared() * b.length_squared();
-    let steep = across.length_squared() > flat;
-    steep.then(|| across.try_normalize()).flatten()
+    (across.length_squared() > flat).then_some(across)
 }

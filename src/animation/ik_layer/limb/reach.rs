@@ -108,13 +108,17 @@ impl Limb {
         let hinge = self.hinge.map(|axis| standing.lower.rotation * axis);
         let (old, off) = Plane::of(end - root, upper, pole, hinge);
         let mut new = old.carried(target - root);
-        let to_pole = pole.and_then(|pole| new.angle_to(pole)).unwrap_or(0.0);
+        new = match pole {
+            Some(pole) if weight == 1.0 => new.facing(pole),
+            Some(pole) => new.turned(new.angle_to(pole) * weight),
+            None => new,
+        };
         let twist = if goal.twist.is_finite() {
             goal.twist
         } else {
             0.0
         };
-        new = new.turned((to_pole + twist) * weight);
+        new = new.turned(twist * weight);
         let side = new.turned(off * (1.0 - weight)).side();
         let solved = triangle(
             double(root),
