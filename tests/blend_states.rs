@@ -140,6 +140,51 @@ fn its_exit_is_by_the_mean_length_and_it_fades_out_as_a_blend() {
 }
 
 #[test]
+fn a_state_entered_in_step_starts_where_the_one_left_is() {
+    let text = |playback: &str, speed: f64| {
+        format!(
+            r#"{{
+          "parameters": {{"go": "trigger"}},
+          "initial": "walk",
+          "states": [
+            {{"name": "walk", "clip": "walk", "playback": "{playback}"}},
+            {{"name": "run", "clip": "run", "speed": {speed:?}}}
+          ],
+          "transitions": [
+            {{"from": "walk", "to": "run", "in_step": true, "seconds": 0.25, "when": [{{"parameter": "go"}}]}},
+            {{"from": "run", "to": "walk", "after": 1.0}}
+          ]
+        }}"#
+        )
+    };
+    // After 3.25 s a walk of 2 s is 1.25 s into its second time; there and back 0.75 s before its
+    // start; held, at its end.
+    for (playback, place) in [("loop", 0.625), ("ping_pong", 0.375), ("hold", 1.0)] {
+        for speed in [1.0, -1.0] {
+            let mut run = run_of(&text(playback, speed));
+            step(&mut run, 3.25);
+            run.trigger("go").unwrap();
+            step(&mut run, 0.0);
+            assert_eq!(run.state(), "run");
+            // What is left of the clip counts for its end.
+            let played = if speed > 0.0 { place } else { 1.0 - place };
+            assert_eq!(run.played(), played);
+            if played + 0.26 < 1.0 {
+                let [x, y] = step(&mut run, 0.25);
+                assert!(
+                    (x - (place + 0.25 * speed) as f32).abs() < 1e-6 && y == 20.0,
+                    "{x} {y}"
+                );
+                step(&mut run, 1.0 - played - 0.26);
+                assert_eq!(run.state(), "run");
+            }
+            step(&mut run, 0.5);
+            assert_eq!(run.state(), "walk");
+        }
+    }
+}
+
+#[test]
 fn mere_poses_do_not_count_for_the_length() {
     let armature = armature();
     let mut all = clips();

@@ -3,7 +3,7 @@
 
 mod support;
 
-use kinopt::animation::{StateMachine, StateMachineDefinition};
+use kinopt::animation::{ParameterValue, StateMachine, StateMachineDefinition, StateMachineRun};
 use support::state_machines::{clips, hips, machine, run_of};
 
 const MACHINE: &str = r#"{
@@ -40,6 +40,34 @@ fn it_says_where_it_is() {
     run.update(0.25, |_| {}).unwrap();
     assert_eq!((run.state(), run.leaving()), ("pause", None));
     assert_eq!(run.fading(), Some(0.5));
+}
+
+#[test]
+fn it_says_what_its_parameters_are() {
+    let text = MACHINE.replace(
+        r#""go": "trigger""#,
+        r#""go": "trigger", "on": true, "speed": 0.5"#,
+    );
+    let mut run = run_of(&text);
+    run.set_number("speed", 2.0).unwrap();
+    run.trigger("go").unwrap();
+    use ParameterValue::{Flag, Number, Trigger};
+    let values = |run: &StateMachineRun| -> Vec<(String, ParameterValue)> {
+        let all = run.parameters();
+        all.map(|(name, value)| (name.to_owned(), value)).collect()
+    };
+    let expected = |go: bool| {
+        [
+            ("go", Trigger(go)),
+            ("on", Flag(true)),
+            ("speed", Number(2.0)),
+            ("stop", Trigger(false)),
+        ]
+        .map(|(name, value)| (name.to_owned(), value))
+    };
+    assert_eq!(values(&run), expected(true));
+    run.update(0.1, |_| {}).unwrap();
+    assert_eq!(values(&run), expected(false));
 }
 
 #[test]

@@ -32,7 +32,7 @@ pub use playback::Playback;
 pub use pose::{Armature, ArmatureBone, ArmatureError, LocalTransform, Pose, SizeMismatch};
 pub use state_machine::{
     BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
-    ParameterDefault, ParameterError, StateDefinition, StateEvent, StateMachine,
+    ParameterDefault, ParameterError, ParameterValue, StateDefinition, StateEvent, StateMachine,
     StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
     TransitionDefinition, TriggerWord,
 };

@@ -19,5 +19,5 @@ pub use definition::{
 pub use error::{StateMachineError, StateMachineProblem};
 pub use event::StateEvent;
 pub use machine::StateMachine;
-pub use parameters::ParameterError;
+pub use parameters::{ParameterError, ParameterValue};
 pub use run::StateMachineRun;

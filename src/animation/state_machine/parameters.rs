@@ -22,6 +22,17 @@ pub enum ParameterError {
     },
 }
 
+/// A parameter's value now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterValue {
+    /// A number.
+    Number(f32),
+    /// A flag.
+    Flag(bool),
+    /// Whether a trigger is set and not yet taken.
+    Trigger(bool),
+}
+
 fn is_number(default: &ParameterDefault) -> bool {
     matches!(default, ParameterDefault::Number(_))
 }
@@ -95,6 +106,17 @@ impl StateMachineRun {
         let index = self.parameter("trigger", name, is_trigger)?;
         self.triggered[index] = false;
         Ok(())
+    }
+
+    /// All parameters by name, with their values now.
+    pub fn parameters(&self) -> impl Iterator<Item = (&str, ParameterValue)> {
+        let names = self.machine.parameters.iter().map(|(name, _)| &**name);
+        let values = self.values.iter().zip(&self.triggered);
+        names.zip(values.map(|(value, triggered)| match value {
+            ParameterDefault::Number(value) => ParameterValue::Number(*value),
+            ParameterDefault::Flag(value) => ParameterValue::Flag(*value),
+            ParameterDefault::Trigger(_) => ParameterValue::Trigger(*triggered),
+        }))
     }
 
     pub(super) fn holds(&self, condition: Condition) -> bool {

@@ -21,8 +21,20 @@ pub(super) struct Playing {
 
 impl Playing {
     pub(super) fn start(machine: &StateMachine, state: usize) -> Self {
+        Self::start_at(machine, state, start(&machine.states[state]))
+    }
+
+    /// Starts a state at the place in its clips at which this one is.
+    pub(super) fn start_in_step(&self, machine: &StateMachine, state: usize) -> Self {
+        let playback = machine.states[self.state].playback;
+        let place = playback.within(self.head.elapsed(), [0.0, 1.0]);
+        Self::start_at(machine, state, place)
+    }
+
+    /// Starts a state at a place in its clips, in times through.
+    fn start_at(machine: &StateMachine, state: usize, place: f64) -> Self {
         let entered = &machine.states[state];
-        let mut head = Playhead::starting_at(start(entered));
+        let mut head = Playhead::starting_at(place);
         head.speed = entered.speed;
         Self {
             state,
@@ -45,7 +57,8 @@ impl Playing {
         let length = state.motion.length(mix);
         let times = if length > 0.0 { seconds / length } else { 0.0 };
         let passage = self.head.advance(times);
-        for (clip, weight) in state.motion.playing(mix) {
+        let playing = state.motion.playing(mix);
+        for (clip, weight) in playing.filter(|(clip, _)| !clip.events().is_empty()) {
             let [from, to] = [passage.from, passage.to].map(|times| times * clip.duration());
             let passage = Passage {
                 from,

@@ -88,7 +88,10 @@ impl StateMachineRun {
             self.show()?;
         }
         self.fade = None;
-        let entered = Playing::start(machine, transition.to);
+        let entered = match transition.in_step {
+            true => self.current.start_in_step(machine, transition.to),
+            false => Playing::start(machine, transition.to),
+        };
         let left = std::mem::replace(&mut self.current, entered);
         self.fade = fades.then(|| Fade {
             from: match broken {

@@ -19,9 +19,14 @@ pub struct TransitionDefinition {
     /// How the cross-fade runs.
     #[serde(default)]
     pub easing: Easing,
-    /// Not before this share of the state's clip has played (1 is once through).
+    /// Not before this share of the state's clips has played (1 is once through), from the clips' start
+    /// also where the state was entered [in step](Self::in_step).
     #[serde(default)]
     pub after: Option<f64>,
+    /// Whether the state entered starts at the share of its clips at which those of the state left are,
+    /// so that feet keep step; without it, at their start.
+    #[serde(default)]
+    pub in_step: bool,
     /// Not before so many seconds in the state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub after_seconds: Option<f64>,
