@@ -31,9 +31,9 @@ impl StateMachine {
     /// Checks a definition against the clips it names.
     ///
     /// # Errors
-    /// A [`StateMachineError`] with the path of what is wrong: a name that does not exist (the error
-    /// lists those that do), a duration or number that is out of range, a condition that does not
-    /// suit its parameter, or clips of different armatures.
+    /// A [`StateMachineError`](super::StateMachineError) with the path of what is wrong: a name that
+    /// does not exist (the error lists those that do), a duration or number that is out of range, a
+    /// condition that does not suit its parameter, or clips of different armatures.
     pub fn new(definition: &StateMachineDefinition, clips: &[Arc<Clip>]) -> Checked<Self> {
         let mut own = Self {
             parameters: Vec::new(),

@@ -11,12 +11,15 @@ use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::geometric::triangle;
 use crate::spatial::Vector3;
 
-/// A limb as a pose has it, in the model.
+/// A limb as a pose has it, in the model: the rotations of its bones and of what they hang on, and its
+/// points.
 struct Standing {
     above: Quat,
-    upper: Placed,
+    upper: Quat,
     above_lower: Quat,
-    lower: Placed,
+    lower: Quat,
+    root: Vec3A,
+    mid: Vec3A,
     end: Vec3A,
 }
 
@@ -55,16 +58,16 @@ impl Limb {
         let [upper_turn, lower_turn] = turns.unwrap_or([Quat::IDENTITY; 2]);
         if turns.is_some() {
             let parent_from_model = standing.above.conjugate();
-            let rotation = parent_from_model * upper_turn * standing.upper.rotation;
+            let rotation = parent_from_model * upper_turn * standing.upper;
             set_rotation(pose, self.upper, rotation);
             let parent_from_model = (upper_turn * standing.above_lower).conjugate();
-            let rotation = parent_from_model * lower_turn * standing.lower.rotation;
+            let rotation = parent_from_model * lower_turn * standing.lower;
             set_rotation(pose, self.lower, rotation);
         }
         if let Some((bone, rotation, weight)) = asked {
             let above = armature.parent(bone);
             let above = Placed::within(armature, pose, above, Some(self.lower)).rotation;
-            let before = standing.lower.rotation * above;
+            let before = standing.lower * above;
             let after = lower_turn * before;
             let local = pose.local(bone).rotation;
             let wanted = rotation.unwrap_or(before * local);
@@ -85,18 +88,19 @@ impl Limb {
             End::Bone(bone) => place(Some(bone), Some(self.lower)).affine.translation,
         };
         Standing {
-            end: lower.affine.transform_point3a(end),
             above: above.rotation,
+            upper: upper.rotation,
             above_lower: above_lower.rotation,
-            upper,
-            lower,
+            lower: lower.rotation,
+            root: upper.affine.translation,
+            mid: lower.affine.translation,
+            end: lower.affine.transform_point3a(end),
         }
     }
 
     /// How the two bones turn in the model; `None` where a bone without length has nowhere to point.
     fn turns(&self, standing: &Standing, goal: &LimbGoal, weight: f32) -> Option<[Quat; 2]> {
-        let [root, mid] = [&standing.upper, &standing.lower].map(|own| own.affine.translation);
-        let end = standing.end;
+        let &Standing { root, mid, end, .. } = standing;
         let [upper, lower] = [mid - root, end - mid];
         let lengths = [upper.length(), lower.length()];
         let wanted = root + self.softened(goal.target - root, lengths[0] + lengths[1]);
@@ -105,7 +109,7 @@ impl Limb {
         let pole = pole.map(|pole| pole - root);
 
         // Roll is measured from the hinge where there is one; the plane itself may be off it.
-        let hinge = self.hinge.map(|axis| standing.lower.rotation * axis);
+        let hinge = self.hinge.map(|axis| standing.lower * axis);
         let (old, off) = Plane::of(end - root, upper, pole, hinge);
         let mut new = old.carried(target - root);
         new = match pole {
