@@ -214,6 +214,11 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         &["transitions[3].when[0]", "number"],
     );
     refused(
+        r#""above": 0.5, "below": 2.0"#,
+        r#""above": 2.0, "below": 0.5"#,
+        &["transitions[4].when[0]", "above 2", "below 0.5"],
+    );
+    refused(
         r#"{"parameter": "jump"}"#,
         r#"{"parameter": "jump", "above": 0}"#,
         &["trigger"],

@@ -88,6 +88,9 @@ impl StateMachine {
                 finite(|| format!("{path}.{key}"), f64::from(bound))?;
             }
         }
+        if let Some((above, below)) = given.above.zip(given.below).filter(|(a, b)| a >= b) {
+            return Err(at(path, StateMachineProblem::NoNumber { above, below }));
+        }
         let wrong = |kind, expected| {
             let parameter = given.parameter.clone();
             let problem = StateMachineProblem::WrongCondition {

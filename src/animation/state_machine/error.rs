@@ -52,6 +52,14 @@ pub enum StateMachineProblem {
         /// The number.
         value: f64,
     },
+    /// A condition that no number meets.
+    #[error("no number is above {above} and below {below}")]
+    NoNumber {
+        /// The lower bound.
+        above: f32,
+        /// The upper bound.
+        below: f32,
+    },
     /// A condition that does not suit its parameter.
     #[error("`{parameter}` is a {kind}; its condition must have {expected}")]
     WrongCondition {
