@@ -3,6 +3,7 @@
 
 mod aim;
 mod bridge;
+mod held;
 mod limb;
 mod placed;
 mod reach;

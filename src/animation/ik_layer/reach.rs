@@ -3,15 +3,16 @@
 
 use std::collections::BTreeSet;
 
-use glam::{DQuat, DVec4, Quat};
+use glam::Quat;
 
 use super::bridge::PoseBridge;
+use super::held::Held;
 use crate::animation::Pose;
 use crate::ik::{Solution, SolveError, Solver, Workspace};
 use crate::problem::{Problem, ProblemError, TaskId};
 use crate::skeleton::{BoneId, Posing, Skeleton};
-use crate::spatial::{Matrix3, Quaternion, Vector3};
-use crate::task::{Orientation, Point, Quantity};
+use crate::spatial::Vector3;
+use crate::task::{Point, Quantity};
 
 /// Tips count as there within this share of the skeleton's size: what single precision can hold.
 const TOLERANCE: f64 = 1e-6;
@@ -27,7 +28,7 @@ pub struct ReachLayer {
     posing: Posing,
     problem: Problem,
     effectors: Vec<Effector>,
-    turned: Vec<Turned>,
+    held: Vec<Held>,
     /// Those that the tasks move, by index.
     moved: Vec<BoneId>,
     solver: Solver,
@@ -40,15 +41,6 @@ struct Effector {
     bone: BoneId,
     task: TaskId<Point>,
     target: Vector3<f64>,
-    weight: f64,
-}
-
-/// A bone whose rotation is a task as well.
-#[derive(Debug)]
-struct Turned {
-    bone: BoneId,
-    task: TaskId<Orientation>,
-    target: DQuat,
     weight: f64,
 }
 
@@ -95,15 +87,9 @@ impl ReachLayer {
             }
         });
         let effectors = effectors.collect();
-        let turned = held.iter().map(|&bone| {
-            let target = Matrix3::identity();
-            Turned {
-                bone,
-                task: builder.add(Orientation::new(skeleton.tail(bone), target)),
-                target: DQuat::IDENTITY,
-                weight: 0.0,
-            }
-        });
+        let turned = held
+            .iter()
+            .map(|&bone| Held::new(skeleton, bone, &mut builder));
         let turned = turned.collect();
         let size = skeleton.size();
         if size > 0.0 {
@@ -115,7 +101,7 @@ impl ReachLayer {
             skeleton: skeleton.clone(),
             posing: Posing::new(skeleton),
             effectors,
-            turned,
+            held: turned,
             moved: above(skeleton, tips.iter().chain(held)),
             solver,
             workspace: Workspace::new(),
@@ -156,16 +142,13 @@ impl ReachLayer {
         rotation: Quat,
         weight: f64,
     ) -> Result<(), NoEffector> {
-        let own = self.turned.iter_mut().find(|own| own.bone == bone);
+        let own = self.held.iter_mut().find(|own| own.bone == bone);
         if let Some(own) = own {
-            let unit = DVec4::from(rotation.as_dquat()).try_normalize();
-            own.target = unit.map_or(DQuat::IDENTITY, DQuat::from_vec4);
-            let usable = unit.is_some() && weight > 0.0;
-            own.weight = if usable { weight.min(1.0) } else { 0.0 };
+            own.set(rotation, weight);
             return Ok(());
         }
-        let turned = self.turned.iter().map(|own| own.bone);
-        Err(self.none_of(bone, turned))
+        let held = self.held.iter().map(|own| own.bone);
+        Err(self.none_of(bone, held))
     }
 
     fn none_of(&self, bone: BoneId, others: impl Iterator<Item = BoneId>) -> NoEffector {
@@ -190,7 +173,7 @@ impl ReachLayer {
     /// solution says by how much.
     pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, SolveError> {
         let weights = self.effectors.iter().map(|own| own.weight);
-        let mut weights = weights.chain(self.turned.iter().map(|own| own.weight));
+        let mut weights = weights.chain(self.held.iter().map(|own| own.weight));
         if weights.all(|weight| weight == 0.0) {
             return Ok(None);
         }
@@ -203,11 +186,11 @@ impl ReachLayer {
                 task.set_target(target);
             }
         }
-        for own in &self.turned {
+        for own in &self.held {
             let placed = posed.model_from_bone.get(own.bone.index());
             let task = self.problem.residual_mut(own.task);
             if let Some((task, placed)) = task.zip(placed) {
-                task.set_target(turned_towards(&placed.rotation, own.target, own.weight));
+                task.set_target(own.target(&placed.rotation));
             }
         }
         let solution = self
@@ -231,20 +214,4 @@ fn above<'a>(skeleton: &Skeleton, bones: impl Iterator<Item = &'a BoneId>) -> Ve
         }
     }
     found.into_iter().collect()
-}
-
-/// A rotation turned by the share of the shortest arc to another one.
-fn turned_towards(from: &Matrix3<f64>, to: DQuat, share: f64) -> Matrix3<f64> {
-    if share == 0.0 {
-        return *from;
-    }
-    let Quaternion { w, v } = Quaternion::from_matrix(from);
-    let from = DQuat::from_xyzw(v.x, v.y, v.z, w).normalize();
-    let turn = to * from.conjugate();
-    let turn = if turn.w < 0.0 { -turn } else { turn };
-    // Not glam's slerp, which approximates the angle to 1e-4.
-    let turn = DQuat::from_scaled_axis(turn.to_scaled_axis() * share);
-    let DQuat { x, y, z, w } = turn * from;
-    let v = Vector3::new(x, y, z);
-    Quaternion { w, v }.to_matrix()
 }
