@@ -73,6 +73,76 @@ fn a_long_step_ends_where_short_ones_do() {
     }
 }
 
+/// Any machine whose transitions all take time, so that no moment has two of them but by chance.
+fn any_machine(random: &mut Random) -> String {
+    let mut pick = |words: &[&str]| words[random.below(words.len())].to_owned();
+    let names = ["a", "b", "c", "d"];
+    let states: Vec<String> = names
+        .iter()
+        .map(|name| {
+            let motion = pick(&[
+                r#""clip": "stand""#,
+                r#""clip": "walk""#,
+                r#""clip": "jump""#,
+                r#""blend": {"parameter": "x", "clips": [{"at": 0, "clip": "walk"}, {"at": 1, "clip": "run"}]}"#,
+            ]);
+            let playback = pick(&["loop", "hold", "ping_pong"]);
+            let speed = pick(&["1.0", "-0.8", "1.3"]);
+            format!(r#"{{"name": "{name}", {motion}, "playback": "{playback}", "speed": {speed}}}"#)
+        })
+        .collect();
+    let transitions: Vec<String> = (0..8u32)
+        .map(|k| {
+            let (from, to) = (names[k as usize % 4], pick(&names));
+            let number: u32 = pick(&["0", "1", "2", "3", "4", "5", "6"]).parse().unwrap();
+            let after = pick(&["after", "after_seconds"]);
+            // No two alike, so that no two moments are one but for rounding.
+            let share = 0.2 + 0.0917 * f64::from(number) + 0.003 * f64::from(k);
+            let seconds = pick(&["0.0", "0.17", "0.61"]);
+            let interruption = pick(&["never", "source", "target", "either"]);
+            let in_step = pick(&["true", "false"]);
+            format!(
+                r#"{{"from": "{from}", "to": "{to}", "{after}": {share}, "seconds": {seconds}, "interruption": "{interruption}", "in_step": {in_step}}}"#
+            )
+        })
+        .collect();
+    format!(
+        r#"{{"parameters": {{"x": 0.37}}, "initial": "a", "states": [{}], "transitions": [{}]}}"#,
+        states.join(", "),
+        transitions.join(", ")
+    )
+}
+
+#[test]
+fn so_it_is_for_any_machine() {
+    let mut random = Random::new(6);
+    for _ in 0..300 {
+        let text = any_machine(&mut random);
+        let seconds = random.within(0.0, 3.0);
+        let [mut long, mut short] = [run_of(&text), run_of(&text)];
+        step(&mut long, seconds, &mut Heard::new());
+        let steps = 1 + random.below(100);
+        for _ in 0..steps {
+            step(&mut short, seconds / steps as f64, &mut Heard::new());
+        }
+        step(&mut long, 1e-7, &mut Heard::new());
+        step(&mut short, 1e-7, &mut Heard::new());
+        let at = (long.state(), long.leaving(), short.state(), short.leaving());
+        assert_eq!(
+            (at.0, at.1),
+            (at.2, at.3),
+            "{seconds} s in {steps} steps: {text}"
+        );
+        assert!((long.seconds() - short.seconds()).abs() < 1e-6, "{text}");
+        assert!((long.played() - short.played()).abs() < 1e-6, "{text}");
+        let ([ax, ay], [bx, by]) = (hips(&long), hips(&short));
+        // Where a loop closes, rounding decides on which side a pose is.
+        let closing = |x: f32| (x - x.round()).abs() < 1e-3;
+        assert!((ay - by).abs() < 1e-3, "{ay} {by}: {text}");
+        assert!((ax - bx).abs() < 1e-3 || closing(ax), "{ax} {bx}: {text}");
+    }
+}
+
 #[test]
 fn one_step_goes_through_a_chain_of_states() {
     // 0.8 of the half second of the first blow, 0.9 of 0.8 s of the second, then 0.7 s of fading,

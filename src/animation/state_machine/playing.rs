@@ -16,12 +16,15 @@ pub(super) struct Playing {
     pub(super) seconds: f64,
     /// In times through the clips, which keep step.
     head: Playhead,
+    /// Where the head was as the state was entered.
+    entered_at: f64,
     cursors: Vec<Cursor>,
 }
 
 impl Playing {
     pub(super) fn start(machine: &StateMachine, state: usize) -> Self {
-        Self::start_at(machine, state, start(&machine.states[state]))
+        let backwards = machine.states[state].speed < 0.0;
+        Self::start_at(machine, state, if backwards { 1.0 } else { 0.0 })
     }
 
     /// Starts a state at the place in its clips at which this one is.
@@ -40,6 +43,7 @@ impl Playing {
             state,
             seconds: 0.0,
             head,
+            entered_at: place,
             cursors: vec![Cursor::new(); entered.motion.clips().len()],
         }
     }
@@ -97,10 +101,11 @@ impl Playing {
         Ok(())
     }
 
-    /// How many times the clips have played through; 1 where all last no time.
+    /// How many times through the clips have played since the state was entered; 1 where all last no
+    /// time.
     pub(super) fn played(&self, state: &State) -> f64 {
         match state.motion.clips().any(|clip| clip.duration() > 0.0) {
-            true => (self.head.elapsed() - start(state)).abs(),
+            true => (self.head.elapsed() - self.entered_at).abs(),
             false => 1.0,
         }
     }
@@ -116,11 +121,6 @@ impl Playing {
             false => f64::INFINITY,
         }
     }
-}
-
-/// Where playback starts, in times through: at the end where it runs backwards.
-fn start(state: &State) -> f64 {
-    if state.speed < 0.0 { 1.0 } else { 0.0 }
 }
 
 /// A cross-fade to the state that is being entered.

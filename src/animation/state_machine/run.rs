@@ -66,8 +66,8 @@ impl StateMachineRun {
         self.current.seconds
     }
 
-    /// How many times that state's clips have played through: 0.5 is half of it. 1 for clips that last
-    /// no time.
+    /// How many times through that state's clips have played since it was entered: 0.5 is half of it. 1
+    /// for clips that last no time.
     #[must_use]
     pub fn played(&self) -> f64 {
         self.current

@@ -19,8 +19,8 @@ pub struct TransitionDefinition {
     /// How the cross-fade runs.
     #[serde(default)]
     pub easing: Easing,
-    /// Not before this share of the state's clips has played (1 is once through), from the clips' start
-    /// also where the state was entered [in step](Self::in_step).
+    /// Not before this share of the state's clips has played (1 is once through) since the state was
+    /// entered, wherever in its clips that was.
     #[serde(default)]
     pub after: Option<f64>,
     /// Whether the state entered starts at the share of its clips at which those of the state left are,
