@@ -44,7 +44,7 @@ fn a_straight_limb_without_a_pole_does_not_roll() {
     for _ in 0..100 {
         let mut pose = bent(&armature, &mut random);
         let lower = armature.bone("lower").unwrap();
-        pose.set_local(lower, armature.rest().local(lower));
+        pose.set_local(lower, armature.rest().local(lower)).unwrap();
         let before = places(&armature, &pose);
         let way = (before.end - before.root).normalize();
         // Next to the end, as far from the root: the shortest way there is a turn by 0.02.
@@ -62,7 +62,7 @@ fn stretched(random: &mut Random) -> (kinopt::animation::Armature, kinopt::anima
     let armature = arm();
     let mut pose = bent(&armature, random);
     let lower = armature.bone("lower").unwrap();
-    pose.set_local(lower, armature.rest().local(lower));
+    pose.set_local(lower, armature.rest().local(lower)).unwrap();
     (armature, pose)
 }
 
