@@ -7,8 +7,8 @@ use glam::{Quat, Vec3A, Vec4};
 use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};
 use kinopt::animation::rotation::{EulerOrder, RotationCurve};
 use kinopt::animation::{
-    Armature, Channel, ChannelError, Clip, Cursor, EulerClip, EulerCurve, EulerKey, EulerTrack,
-    Playback, Pose,
+    Armature, Channel, ChannelError, Clip, Cursor, EulerClip, EulerCurve, EulerInterpolation,
+    EulerKey, EulerTrack, Playback, Pose,
 };
 use support::armatures::{apart, armature, difference, rotation, vector};
 use support::bones::RandomRig;
@@ -295,25 +295,38 @@ fn a_rig_s_keyframes_stand_where_its_angles_do() {
                 keys: keys.to_vec(),
             }
         });
-    let euler = EulerClip::new(tracks.collect()).unwrap();
-    let mut builder = Clip::builder("angles", &armature);
-    builder.euler_clip(&euler).unwrap();
-    let clip = builder.build();
-    let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
-    let mut model = vec![glam::Affine3A::IDENTITY; skeleton.bones().len()];
-    let mut q = vec![0.0; skeleton.angles()];
-    for step in 0..=40 {
-        let time = f64::from(step) * 0.05;
-        clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
-            .unwrap();
-        armature.local_to_model(&pose, &mut model).unwrap();
-        euler.sample(time, Playback::Hold, &mut q).unwrap();
-        let posed = skeleton.pose(&q);
-        for (bone, model) in skeleton.bone_ids().zip(&model) {
-            let tip = posed.tip(&skeleton, bone).to_array().map(|x| x as f32);
-            let along = Vec3A::X * skeleton.bones()[bone.index()].length as f32;
-            let off = (model.transform_point3a(along) - Vec3A::from(tip)).length();
-            assert!(off < 1e-4, "{off}");
+    let tracks: Vec<EulerTrack> = tracks.collect();
+    let controls = TensionContinuityBias {
+        tension: 0.3,
+        continuity: -0.4,
+        bias: 0.6,
+    };
+    for interpolation in [
+        EulerInterpolation::Linear,
+        EulerInterpolation::CatmullRom,
+        EulerInterpolation::kochanek_bartels(&tracks[0], controls),
+    ] {
+        let euler = EulerClip::new(tracks.clone()).unwrap();
+        let euler = euler.interpolated(|_| interpolation.clone()).unwrap();
+        let mut builder = Clip::builder("angles", &armature);
+        builder.euler_clip(&euler).unwrap();
+        let clip = builder.build();
+        let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
+        let mut model = vec![glam::Affine3A::IDENTITY; skeleton.bones().len()];
+        let mut q = vec![0.0; skeleton.angles()];
+        for step in 0..=40 {
+            let time = f64::from(step) * 0.05;
+            clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
+                .unwrap();
+            armature.local_to_model(&pose, &mut model).unwrap();
+            euler.sample(time, Playback::Hold, &mut q).unwrap();
+            let posed = skeleton.pose(&q);
+            for (bone, model) in skeleton.bone_ids().zip(&model) {
+                let tip = posed.tip(&skeleton, bone).to_array().map(|x| x as f32);
+                let along = Vec3A::X * skeleton.bones()[bone.index()].length as f32;
+                let off = (model.transform_point3a(along) - Vec3A::from(tip)).length();
+                assert!(off < 1e-4, "{off}");
+            }
         }
     }
 }

@@ -55,9 +55,9 @@ fn crowd(random: &mut Random) -> (Crowd, [Arc<Clip>; 2], Limb) {
 
 fn goal(random: &mut Random) -> LimbGoal {
     LimbGoal {
-        target: vector(random, 2.0),
         pole: Some(vector(random, 2.0)),
         weight: 0.7,
+        ..LimbGoal::at(vector(random, 2.0))
     }
 }
 

@@ -559,11 +559,16 @@ fn what_cannot_be_written_or_posed_is_said() {
     }
     assert!(gltf::mesh_to_bytes(&TriangleMesh::default()).is_err());
 
-    let scene = scene();
-    let mut posing = ScenePosing::new(&scene, SkinningMethod::DualQuaternion).unwrap();
-    let error = posing.mesh(scene.armature.rest()).unwrap_err().to_string();
+    let mut mirrored = scene();
+    let skin = mirrored.meshes[0].skin.as_mut().unwrap();
+    skin.joint_from_mesh[2] = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let mut posing = ScenePosing::new(&mirrored, SkinningMethod::DualQuaternion).unwrap();
+    let error = posing
+        .mesh(mirrored.armature.rest())
+        .unwrap_err()
+        .to_string();
     assert!(
-        error.contains("`body`") && error.contains("scales"),
+        error.contains("`body`") && error.contains("mirrors"),
         "{error}"
     );
     assert!(posing.mesh(other.rest()).is_err());

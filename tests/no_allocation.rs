@@ -162,9 +162,8 @@ fn a_frame_of_animation_allocates_nothing() {
             .unwrap();
         pose.cross_fade(&other, 0.4).unwrap();
         let goal = LimbGoal {
-            target: glam::Vec3A::new(0.1, 0.3, 0.2),
-            pole: None,
             weight: 0.7,
+            ..LimbGoal::at(glam::Vec3A::new(0.1, 0.3, 0.2))
         };
         limb.reach(&armature, &mut pose, &goal).unwrap();
         armature.local_to_model(&pose, &mut model).unwrap();

@@ -8,8 +8,8 @@ use kinopt::ik::{Restarts, SolveError};
 use kinopt::model::{FrameId, Model};
 use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::Termination;
-use kinopt::spatial::Placement;
-use kinopt::task::{LimitCentring, Point, Posture, Quantity, Residual, Rows};
+use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
+use kinopt::task::{LimitCentring, Orientation, Point, Pose, Posture, Quantity, Residual, Rows};
 use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::methods::solvers;
 use support::{planar_arm, planar_tip};
@@ -55,6 +55,48 @@ fn a_target_that_became_nan() {
                 let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
                 let fresh = solver.solve_once(&problem, &start).unwrap();
                 assert_eq!(solution.q, fresh.q, "{label}");
+            }
+        }
+    }
+}
+
+/// Each entry of a rotation counts, also those that the shortest formula for its angle leaves out.
+#[test]
+fn a_turn_that_became_nan() {
+    let (model, tip) = arm();
+    let turned = rotation_exp(Vector3::new(0.0, 0.0, 0.4));
+    // The tenth case breaks all of them.
+    for entry in 0..10 {
+        for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+            let mut columns = [turned.x, turned.y, turned.z].map(Vector3::to_array);
+            for k in (0..9).filter(|k| entry == 9 || *k == entry) {
+                columns[k / 3][k % 3] = bad;
+            }
+            let [x, y, z] = columns.map(Vector3::from);
+            let broken = Matrix3::from_columns(x, y, z);
+            let mut builder = Problem::builder(&model);
+            let orientation = builder.add(Orientation::new(tip, turned));
+            let mut problem = builder.build().unwrap();
+            let mut builder = Problem::builder(&model);
+            let pose = builder.add(Pose::new(tip, Placement::new(turned, Vector3::zero())));
+            let mut posed = builder.build().unwrap();
+            problem
+                .residual_mut(orientation)
+                .unwrap()
+                .set_target(broken);
+            let target = Placement::new(broken, Vector3::zero());
+            posed.residual_mut(pose).unwrap().set_target(target);
+            for problem in [&mut problem, &mut posed] {
+                for route in Derivatives::ALL {
+                    problem.set_derivatives(route);
+                    for solver in solvers() {
+                        let solution = solver.solve_once(problem, &[0.1, 0.2, 0.3]).unwrap();
+                        let label = format!("{entry}: {bad}, {}, {route:?}", solver.method());
+                        assert_sound(&label, &solution, &model);
+                        assert_eq!(solution.termination, Termination::NonFinite, "{label}");
+                        assert!(!solution.reached, "{label}");
+                    }
+                }
             }
         }
     }

@@ -76,6 +76,38 @@ fn dual_quaternions() {
 }
 
 #[test]
+fn dual_quaternions_that_stretch() {
+    let mut random = Random::new(7);
+    for count in [1, 9, 1003] {
+        let weights = weights(&mut random, count, BONES, 4);
+        let packed = PackedWeights::new(&weights).unwrap();
+        let rest = Vertices::random(&mut random, count);
+        let transforms = [(); BONES].map(|()| {
+            let size = [(); 3].map(|()| random.within(0.5, 1.6) as f32);
+            rigid(&mut random) * Affine3A::from_scale(Vec3::from(size))
+        });
+        let pivots =
+            [(); BONES].map(|()| Vec3::from([(); 3].map(|()| random.within(-0.5, 0.5) as f32)));
+        let any = DualQuaternionBlend::stretched(&weights, &transforms, &pivots).unwrap();
+        let any = rest.deformed(&any);
+        let mut fast = PackedDualQuaternionBlend::stretched(&packed, &transforms, &pivots).unwrap();
+        close(&rest.deformed(&fast), &any);
+        close(&rest.deformed(&fast.clone().portable()), &any);
+
+        // A pose that is refused changes nothing; one that turns only is as if nothing had stretched.
+        let mut mirror = transforms;
+        mirror[3] = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+        let refused = fast.set_stretched(&mirror, &pivots).unwrap_err();
+        assert_eq!(refused, SkinningError::Mirrored { bone: 3 });
+        close(&rest.deformed(&fast), &any);
+        let turned = [(); BONES].map(|()| rigid(&mut random));
+        fast.set_transforms(&turned).unwrap();
+        let rigid = rest.deformed(&PackedDualQuaternionBlend::new(&packed, &turned).unwrap());
+        assert_eq!(rest.deformed(&fast).positions, rigid.positions);
+    }
+}
+
+#[test]
 fn buffers_that_are_not_there_are_left_out() {
     let mut random = Random::new(3);
     let weights = weights(&mut random, 21, BONES, 4);
@@ -206,6 +238,22 @@ fn a_mesh_is_posed_alike_by_whichever_path_fits() {
             for (a, b) in posed.positions().iter().zip(expected.positions()) {
                 assert!((*a - *b).length() < 3e-6, "{method}: {a} {b}");
             }
+        }
+        // Bones that scale need to be told about what.
+        let stretched: Vec<Affine3A> = transforms
+            .iter()
+            .map(|turn| *turn * Affine3A::from_scale(Vec3::new(1.0, 1.2, 0.9)))
+            .collect();
+        let dual = SkinningMethod::DualQuaternion;
+        let refused = ready.mesh(dual, &mesh, &stretched).unwrap_err();
+        assert_eq!(refused, SkinningError::NotRigid { bone: 0 });
+        let pivots = vec![Vec3::new(0.1, 0.2, -0.3); BONES];
+        let posed = ready.with_pivots(pivots.clone());
+        let posed = posed.mesh(dual, &mesh, &stretched).unwrap();
+        let expected = DualQuaternionBlend::stretched(&weights, &stretched, &pivots).unwrap();
+        let expected = expected.mesh(&mesh).unwrap();
+        for (a, b) in posed.positions().iter().zip(expected.positions()) {
+            assert!((*a - *b).length() < 3e-6, "{a} {b}");
         }
     }
 }

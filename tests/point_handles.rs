@@ -93,7 +93,7 @@ fn a_bone_without_a_parent_is_a_handle_and_can_be_keyed_as_one() {
             rotation: Quat::from_rotation_y(0.9 + k as f32),
             scale: Vec3::new(1.0, 2.0, 0.5).into(),
         };
-        pose.set_local(armature.bone_at(k).unwrap(), local);
+        pose.set_local(armature.bone_at(k).unwrap(), local).unwrap();
         let turned = PointHandle::at(rest).turned_by(local.to_affine().matrix3);
         handles.push(turned.moved_to(local.translation.into()));
     }

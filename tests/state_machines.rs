@@ -2,44 +2,10 @@
 //! the place and the valid names.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::sync::Arc;
+mod support;
 
-use glam::Vec3A;
-use kinopt::animation::curve::KeyedCurve;
-use kinopt::animation::{
-    Armature, ArmatureBone, Channel, Clip, LocalTransform, StateMachine, StateMachineRun,
-};
-use kinopt::io::{ReadError, state_machine};
-
-fn armature() -> Armature {
-    let bone = ArmatureBone {
-        name: "hips".into(),
-        parent: None,
-        rest: LocalTransform::IDENTITY,
-    };
-    Armature::new(vec![bone], Vec::new()).unwrap()
-}
-
-/// Clips that move the hips along x at one height each, so that a pose says what is playing.
-fn clips() -> Vec<Arc<Clip>> {
-    let armature = armature();
-    let heights = [
-        ("stand", 0.0, 1.0),
-        ("walk", 10.0, 2.0),
-        ("run", 20.0, 1.0),
-        ("jump", 30.0, 0.5),
-    ];
-    let clip = |(name, height, length): (&str, f32, f32)| {
-        let keys = [0.0, length].map(|x| Vec3A::new(x, height, 0.0)).to_vec();
-        let curve = KeyedCurve::linear(vec![0.0, length], keys).unwrap();
-        let mut builder = Clip::builder(name, &armature);
-        let hips = armature.bone("hips").unwrap();
-        builder.channel(hips, Channel::Translation(curve)).unwrap();
-        builder.event(0.5 * length, format!("{name} half")).unwrap();
-        Arc::new(builder.build())
-    };
-    heights.map(clip).to_vec()
-}
+use kinopt::animation::StateMachineRun;
+use support::state_machines::{hips, machine, run_of};
 
 const MACHINE: &str = r#"{
   "parameters": {"speed": 0.0, "grounded": true, "jump": "trigger"},
@@ -61,19 +27,8 @@ const MACHINE: &str = r#"{
   ]
 }"#;
 
-fn read(json: &str) -> Result<StateMachine, ReadError> {
-    state_machine::from_bytes(json.as_bytes(), "machine.json", &clips())
-}
-
 fn run() -> StateMachineRun {
-    let machine = Arc::new(read(MACHINE).unwrap());
-    StateMachineRun::new(machine, armature().rest()).unwrap()
-}
-
-/// Where the hips are: along x by time, y by what plays.
-fn hips(run: &StateMachineRun) -> [f32; 2] {
-    let at = run.pose().translations()[0];
-    [at.x, at.y]
+    run_of(MACHINE)
 }
 
 fn step(run: &mut StateMachineRun, seconds: f64) -> [f32; 2] {
@@ -109,8 +64,7 @@ fn it_walks_runs_and_stands() {
 #[test]
 fn a_fade_runs_as_it_is_drawn() {
     let drawn = r#""easing": {"bezier": [[0.33333333, 0], [0.66666667, 0.33333333]]}"#;
-    let machine = read(&MACHINE.replace(r#""easing": "cubic_in_out""#, drawn)).unwrap();
-    let mut run = StateMachineRun::new(Arc::new(machine), armature().rest()).unwrap();
+    let mut run = run_of(&MACHINE.replace(r#""easing": "cubic_in_out""#, drawn));
     run.set_number("speed", 1.0).unwrap();
     step(&mut run, 0.5);
     run.set_number("speed", 3.0).unwrap();
@@ -206,7 +160,7 @@ fn parameters_that_are_none_are_named() {
 /// Reads the machine with one piece of text replaced; the error must say all of `words`.
 fn refused(from: &str, to: &str, words: &[&str]) {
     assert!(MACHINE.contains(from), "{from}");
-    let error = read(&MACHINE.replacen(from, to, 1))
+    let error = machine(&MACHINE.replacen(from, to, 1))
         .unwrap_err()
         .to_string();
     for word in words.iter().chain(&["machine.json"]) {
@@ -278,6 +232,11 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         &["transitions[3].when[0]", "number"],
     );
     refused(
+        r#""above": 0.5, "below": 2.0"#,
+        r#""above": 2.0, "below": 0.5"#,
+        &["transitions[4].when[0]", "above 2", "below 0.5"],
+    );
+    refused(
         r#"{"parameter": "jump"}"#,
         r#"{"parameter": "jump", "above": 0}"#,
         &["trigger"],
@@ -308,9 +267,9 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         r#""when": []"#,
         &["transitions[0].when"],
     );
-    let empty = read(r#"{"initial": "idle", "states": []}"#)
+    let empty = machine(r#"{"initial": "idle", "states": []}"#)
         .unwrap_err()
         .to_string();
     assert!(empty.contains("no states"), "{empty}");
-    assert!(read("{").is_err() && read("[]").is_err());
+    assert!(machine("{").is_err() && machine("[]").is_err());
 }

@@ -26,14 +26,18 @@ pub use curve::easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerKey, EulerTrack};
 pub use euler_interpolation::EulerInterpolation;
 pub use euler_sampling::SampleError;
-pub use ik_layer::{Limb, LimbError, LimbGoal, NoEffector, PoseBridge, ReachLayer};
+pub use ik_layer::{
+    Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseBridge,
+    ReachLayer,
+};
 pub use plane_affine::{PlaneDecomposition, interpolate_plane_affine};
 pub use playback::Playback;
 pub use pose::{
     Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose, SizeMismatch,
 };
 pub use state_machine::{
-    ConditionDefinition, Interruption, ParameterDefault, ParameterError, StateDefinition,
-    StateMachine, StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
+    BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
+    ParameterDefault, ParameterError, ParameterValue, StateDefinition, StateEvent, StateMachine,
+    StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
     TransitionDefinition, TriggerWord,
 };

@@ -48,6 +48,18 @@ impl BoneMotions {
         pivots: &[Vec3],
         bones: usize,
     ) -> Result<Self, SkinningError> {
+        let mut motions = Self::default();
+        motions.set_stretched(transforms, pivots, bones)?;
+        Ok(motions)
+    }
+
+    /// As [`stretched`](Self::stretched), in the same memory; not changed by an error.
+    pub(super) fn set_stretched(
+        &mut self,
+        transforms: &[Affine3A],
+        pivots: &[Vec3],
+        bones: usize,
+    ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
         if pivots.len() != bones {
             return Err(SkinningError::TransformCount {
@@ -55,25 +67,62 @@ impl BoneMotions {
                 bones,
             });
         }
-        let mut motions = Self::default();
+        let (old, old_stretches) = (self.rigid.len(), self.stretches.len());
         for (bone, (transform, pivot)) in transforms.iter().zip(pivots).enumerate() {
-            if !pivot.is_finite() {
-                return Err(SkinningError::NonFiniteTransform { bone });
+            match two_phases(transform, *pivot) {
+                Ok((rigid, stretch)) => {
+                    self.rigid.push(DualQuaternion::of_rigid(&rigid));
+                    self.stretches.push(stretch);
+                }
+                Err(wrong) => {
+                    self.rigid.truncate(old);
+                    self.stretches.truncate(old_stretches);
+                    return Err(wrong(bone));
+                }
             }
-            let pivot = Vec3A::from(*pivot);
-            let (rotation, stretch) =
-                polar(&transform.matrix3).ok_or(SkinningError::Mirrored { bone })?;
-            motions.rigid.push(DualQuaternion::of_rigid(&Affine3A {
-                matrix3: rotation,
-                translation: transform.transform_point3a(pivot) - rotation * pivot,
-            }));
-            motions.stretches.push(Affine3A {
-                matrix3: stretch,
-                translation: pivot - stretch * pivot,
-            });
         }
-        Ok(motions)
+        self.rigid.drain(..old);
+        self.stretches.drain(..old_stretches);
+        Ok(())
     }
+
+    /// Σ_j w_j (stretch of bone j); `None` where nothing stretches.
+    pub(super) fn stretch(&self, shares: impl Iterator<Item = (usize, f32)>) -> Option<Affine3A> {
+        if self.stretches.is_empty() {
+            return None;
+        }
+        let mut sum = Affine3A::ZERO;
+        for (bone, weight) in shares {
+            if let Some(stretch) = self.stretches.get(bone) {
+                sum.matrix3 += stretch.matrix3 * weight;
+                sum.translation += stretch.translation * weight;
+            }
+        }
+        Some(sum)
+    }
+}
+
+/// A transform as a rigid motion after a stretch about the pivot, or what is wrong with a bone's.
+fn two_phases(
+    transform: &Affine3A,
+    pivot: Vec3,
+) -> Result<(Affine3A, Affine3A), fn(usize) -> SkinningError> {
+    if !pivot.is_finite() {
+        return Err(|bone| SkinningError::NonFiniteTransform { bone });
+    }
+    let Some((rotation, stretch)) = polar(&transform.matrix3) else {
+        return Err(|bone| SkinningError::Mirrored { bone });
+    };
+    let pivot = Vec3A::from(pivot);
+    let rigid = Affine3A {
+        matrix3: rotation,
+        translation: transform.transform_point3a(pivot) - rotation * pivot,
+    };
+    let stretch = Affine3A {
+        matrix3: stretch,
+        translation: pivot - stretch * pivot,
+    };
+    Ok((rigid, stretch))
 }
 
 /// A smallest stretch below this share of the largest is none: the map is flat.

@@ -62,19 +62,6 @@ impl<'a> DualQuaternionBlend<'a> {
         }
         sum
     }
-
-    /// Σ_j w_j (stretch of bone j).
-    fn stretch(&self, influences: &[Influence]) -> Affine3A {
-        let mut sum = Affine3A::ZERO;
-        for influence in influences {
-            if let Some(stretch) = self.motions.stretches.get(influence.bone as usize) {
-                let weight = influence.weight as f32;
-                sum.matrix3 += stretch.matrix3 * weight;
-                sum.translation += stretch.translation * weight;
-            }
-        }
-        sum
-    }
 }
 
 /// The influence with the largest weight; the first of those that are equal.
@@ -94,11 +81,11 @@ impl Deformation for DualQuaternionBlend<'_> {
     }
 
     fn deform_range(&self, first: usize, rest: RestVertices<'_>, posed: PosedVertices<'_>) {
-        let stretches = !self.motions.stretches.is_empty();
         move_by_dual_quaternions(rest, posed, |index| {
             let influences = self.weights.influences(first + index);
-            let stretch = stretches.then(|| self.stretch(influences));
-            (stretch, self.blended(influences))
+            let shares = influences.iter();
+            let shares = shares.map(|influence| (influence.bone as usize, influence.weight as f32));
+            (self.motions.stretch(shares), self.blended(influences))
         });
     }
 }

@@ -1,17 +1,20 @@
 //! Weights in the form that moves a mesh fastest, pose after pose.
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 
 use super::{
-    Deformation, PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights, SkinWeights,
-    SkinningError, SkinningMethod,
+    Deformation, DualQuaternionBlend, PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights,
+    SkinWeights, SkinningError, SkinningMethod,
 };
 use crate::mesh::TriangleMesh;
 
 /// Skin weights made ready once for many poses: packed where no vertex follows more than four
 /// bones, as they are otherwise. Both give the same vertices to rounding.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeshWeights(Form);
+pub struct MeshWeights {
+    form: Form,
+    pivots: Option<Vec<Vec3>>,
+}
 
 #[derive(Clone, Debug, PartialEq)]
 enum Form {
@@ -21,10 +24,11 @@ enum Form {
 
 impl From<SkinWeights> for MeshWeights {
     fn from(weights: SkinWeights) -> Self {
-        Self(match PackedWeights::new(&weights) {
+        let form = match PackedWeights::new(&weights) {
             Ok(packed) => Form::Packed(packed),
             Err(_) => Form::Any(weights),
-        })
+        };
+        Self { form, pivots: None }
     }
 }
 
@@ -32,28 +36,45 @@ impl MeshWeights {
     /// Whether the four packed influences of the fast path are enough.
     #[must_use]
     pub fn is_packed(&self) -> bool {
-        matches!(self.0, Form::Packed(_))
+        matches!(self.form, Form::Packed(_))
+    }
+
+    /// Lets dual quaternions take transforms that scale: each bone stretches about its pivot, the
+    /// bone's tail at rest in the model's unit, as
+    /// [`DualQuaternionBlend::stretched`] has it.
+    #[must_use]
+    pub fn with_pivots(self, pivots: Vec<Vec3>) -> Self {
+        let pivots = Some(pivots);
+        Self { pivots, ..self }
     }
 
     /// The posed mesh: positions, and normals where the mesh has them. Transforms are one per bone,
     /// rest model → posed model.
     ///
     /// # Errors
-    /// Counts disagree, a number is not finite, or a transform is not rigid where it must be.
+    /// Counts disagree, a number is not finite, or a transform is not rigid where it must be: with
+    /// dual quaternions and without pivots.
     pub fn mesh(
         &self,
         method: SkinningMethod,
         rest: &TriangleMesh,
         transforms: &[Affine3A],
     ) -> Result<TriangleMesh, SkinningError> {
-        match (&self.0, method) {
-            (Form::Packed(weights), SkinningMethod::LinearBlend) => {
+        use SkinningMethod::{DualQuaternion, LinearBlend as Linear};
+        match (&self.form, method, &self.pivots) {
+            (Form::Packed(weights), Linear, _) => {
                 PackedLinearBlend::new(weights, transforms)?.mesh(rest)
             }
-            (Form::Packed(weights), SkinningMethod::DualQuaternion) => {
+            (Form::Packed(weights), DualQuaternion, None) => {
                 PackedDualQuaternionBlend::new(weights, transforms)?.mesh(rest)
             }
-            (Form::Any(weights), method) => method.mesh(rest, weights, transforms),
+            (Form::Packed(weights), DualQuaternion, Some(pivots)) => {
+                PackedDualQuaternionBlend::stretched(weights, transforms, pivots)?.mesh(rest)
+            }
+            (Form::Any(weights), DualQuaternion, Some(pivots)) => {
+                DualQuaternionBlend::stretched(weights, transforms, pivots)?.mesh(rest)
+            }
+            (Form::Any(weights), method, _) => method.mesh(rest, weights, transforms),
         }
     }
 }

@@ -136,6 +136,57 @@ impl Numbers {
     }
 }
 
+/// A small file with a bit of everything: a skin, sparse morph targets, cubic splines, a matrix.
+pub(crate) fn small() -> (Numbers, String) {
+    let mut numbers = Numbers::default();
+    let positions = numbers.floats(&[
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 1.0, 0.0],
+    ]);
+    let normals = numbers.floats(&[[0.0, 0.0, 1.0]; 4]);
+    let joints = numbers.bytes(&[[0, 1, 0, 0]; 4], "");
+    let weights = numbers.bytes(
+        &[
+            [255, 0, 0, 0],
+            [51, 204, 0, 0],
+            [0, 255, 0, 0],
+            [1, 254, 0, 0],
+        ],
+        r#","normalized":true"#,
+    );
+    let identity = [
+        1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+    ];
+    let bound = numbers.floats(&[identity; 2]);
+    let indices = numbers.shorts(&[[0], [1], [2], [1], [3], [2]]);
+    let places = numbers.view(&[1, 0, 3, 0]);
+    let deltas: Vec<u8> = [0.0f32, 0.0, 2.0, 0.5, 0.0, 0.0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let deltas = numbers.view(&deltas);
+    let sparse = numbers.accessor(format!(
+        r#"{{"componentType":5126,"type":"VEC3","count":4,"sparse":{{"count":2,"indices":{{"bufferView":{places},"componentType":5123}},"values":{{"bufferView":{deltas}}}}}}}"#
+    ));
+    let times = numbers.floats(&[[0.0], [0.5]]);
+    let cubic = numbers.floats(&[[0.0, 0.0, 0.0, 1.0]; 6]);
+    let moves = numbers.floats(&[[0.0, 1.0, 0.0], [0.5, 1.0, 0.0]]);
+    let morphs = numbers.floats(&[[0.0], [1.0]]);
+    let rest = format!(
+        r#""nodes":[{{"name":"upper","translation":[0,1,0]}},{{"name":"lower","children":[0],"rotation":[0,0,0,1]}},
+        {{"name":"body","mesh":0,"skin":0,"weights":[0.5]}},{{"children":[1,2],"matrix":[2,0,0,0,0,2,0,0,0,0,2,0,1,2,3,1]}}],
+        "scene":0,"scenes":[{{"nodes":[3]}}],
+        "meshes":[{{"name":"tube","extras":{{"targetNames":["bulge"]}},"primitives":[{{"indices":{indices},"mode":4,
+        "attributes":{{"POSITION":{positions},"NORMAL":{normals},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}},"targets":[{{"POSITION":{sparse}}}]}}]}}],
+        "skins":[{{"joints":[1,0],"inverseBindMatrices":{bound}}}],
+        "animations":[{{"name":"bend","samplers":[{{"input":{times},"output":{cubic},"interpolation":"CUBICSPLINE"}},{{"input":{times},"output":{moves}}},{{"input":{times},"output":{morphs},"interpolation":"STEP"}}],
+        "channels":[{{"sampler":0,"target":{{"node":0,"path":"rotation"}}}},{{"sampler":1,"target":{{"node":1,"path":"translation"}}}},{{"sampler":2,"target":{{"node":2,"path":"weights"}}}}]}}]"#
+    );
+    (numbers, rest)
+}
+
 /// Reads a file that names no other.
 pub(crate) fn read(bytes: &[u8]) -> Result<Scene, ReadError> {
     gltf::from_bytes(bytes, "own.gltf", |file| {

@@ -10,10 +10,12 @@
 pub mod armatures;
 pub mod bones;
 pub mod classics;
+pub mod limbs;
 pub mod maps;
 pub mod methods;
 pub mod random;
 pub mod skins;
+pub mod state_machines;
 pub mod tasks;
 pub mod trees;
 

@@ -77,9 +77,9 @@ fn limb(armature: &Armature, end: usize) -> Limb {
 
 fn goal(side: usize) -> LimbGoal {
     LimbGoal {
-        target: Vec3A::new(0.1, 0.5 + 0.2 * side as f32, 0.15),
         pole: Some(Vec3A::Z),
         weight: 0.8,
+        ..LimbGoal::at(Vec3A::new(0.1, 0.5 + 0.2 * side as f32, 0.15))
     }
 }
 

@@ -89,6 +89,6 @@ impl BoneMask {
 }
 
 /// The nearest number within [0, 1]; 0 for NaN.
-pub(super) fn within(share: f32) -> f32 {
+pub(in crate::animation) fn within(share: f32) -> f32 {
     if share > 0.0 { share.min(1.0) } else { 0.0 }
 }

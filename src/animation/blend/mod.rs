@@ -8,4 +8,5 @@ mod weighted;
 
 pub use layer::{Layer, LayerMode};
 pub use mask::BoneMask;
+pub(super) use mask::within;
 pub use weighted::{BlendError, blend_poses};

@@ -114,8 +114,8 @@ impl<'a> ClipBuilder<'a> {
         Ok(self)
     }
 
-    /// Adds the tracks of a rig's keyframes as Euler channels with Catmull-Rom curves, for an
-    /// armature made [of its skeleton](Armature::of_skeleton).
+    /// Adds the tracks of a rig's keyframes as Euler channels that run between their keys as the clip
+    /// says, for an armature made [of its skeleton](Armature::of_skeleton).
     ///
     /// # Errors
     /// A bone of another armature or one that has a rotation channel already; times that collide in
@@ -127,7 +127,9 @@ impl<'a> ClipBuilder<'a> {
                 let [first, bend, second] = key.angles;
                 Vec3A::from([second, bend, first].map(|angle| angle as f32))
             });
-            let angles = KeyedCurve::catmull_rom(times, values.collect())?;
+            let angles = clip
+                .interpolation(track.bone)
+                .curve(times, values.collect())?;
             let curve = EulerCurve {
                 order: EulerOrder::Xzx,
                 before: self.armature.rest().local(track.bone).rotation,

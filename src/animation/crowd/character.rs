@@ -64,9 +64,8 @@ pub struct Character {
 impl Character {
     pub(super) fn new(armature: &Armature, limbs: usize, clips: Vec<PlayingClip>) -> Self {
         let idle = LimbGoal {
-            target: Vec3A::ZERO,
-            pole: None,
             weight: 0.0,
+            ..LimbGoal::at(Vec3A::ZERO)
         };
         let at_rest = armature.rest_from_model().iter();
         Self {

@@ -80,7 +80,7 @@ impl PoseBridge {
     }
 
     /// As [`pose_of`](Self::pose_of), for one bone.
-    fn pose_bone(&self, bone: BoneId, q: &[f64], pose: &mut Pose) {
+    pub(super) fn pose_bone(&self, bone: BoneId, q: &[f64], pose: &mut Pose) {
         let first = ANGLES_PER_BONE * bone.index();
         let angles = q.get(first..first + ANGLES_PER_BONE);
         let angles = angles.and_then(|angles| <[f64; 3]>::try_from(angles).ok());

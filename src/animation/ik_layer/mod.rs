@@ -1,10 +1,14 @@
-//! Inverse kinematics as a layer over animated poses: limbs in closed form, and the optimiser for
-//! everything else.
+//! Inverse kinematics as a layer over animated poses: limbs and aims in closed form, and the
+//! optimiser for everything else.
 
+mod aim;
 mod bridge;
+mod held;
 mod limb;
+mod placed;
 mod reach;
 
+pub use aim::{Aim, AimError, AimGoal};
 pub use bridge::PoseBridge;
-pub use limb::{Limb, LimbError, LimbGoal};
+pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
 pub use reach::{NoEffector, ReachLayer};

@@ -1,6 +1,12 @@
-//! Any number of tips of a skeleton brought to points by the optimiser, after sampling.
+//! Any number of tips of a skeleton brought to points, and bones turned, by the optimiser, after
+//! sampling.
+
+use std::collections::BTreeSet;
+
+use glam::Quat;
 
 use super::bridge::PoseBridge;
+use super::held::Held;
 use crate::animation::Pose;
 use crate::ik::{Solution, SolveError, Solver, Workspace};
 use crate::problem::{Problem, ProblemError, TaskId};
@@ -22,6 +28,9 @@ pub struct ReachLayer {
     posing: Posing,
     problem: Problem,
     effectors: Vec<Effector>,
+    held: Vec<Held>,
+    /// Those that the tasks move, by index.
+    moved: Vec<BoneId>,
     solver: Solver,
     workspace: Workspace,
     q: Vec<f64>,
@@ -35,13 +44,13 @@ struct Effector {
     weight: f64,
 }
 
-/// A tip that the layer has no task for.
+/// A bone that the layer has no such task for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("bone `{bone}` is no effector of the layer; those are: {}", .effectors.join(", "))]
 pub struct NoEffector {
     /// The bone asked for.
     pub bone: String,
-    /// The bones whose tips are.
+    /// The bones that are.
     pub effectors: Vec<String>,
 }
 
@@ -51,6 +60,20 @@ impl ReachLayer {
     /// # Errors
     /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build).
     pub fn new(skeleton: &Skeleton, tips: &[BoneId], solver: Solver) -> Result<Self, ProblemError> {
+        Self::holding(skeleton, tips, &[], solver)
+    }
+
+    /// A layer for the tips of these bones, which also holds some bones turned in the model as the clip
+    /// has them, or turns them as [asked](Self::set_rotation): hands, feet, a head.
+    ///
+    /// # Errors
+    /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build).
+    pub fn holding(
+        skeleton: &Skeleton,
+        tips: &[BoneId],
+        held: &[BoneId],
+        solver: Solver,
+    ) -> Result<Self, ProblemError> {
         let rest = skeleton.model().neutral();
         let at_rest = skeleton.pose(&rest);
         let mut builder = Problem::builder(skeleton.model());
@@ -64,6 +87,10 @@ impl ReachLayer {
             }
         });
         let effectors = effectors.collect();
+        let turned = held
+            .iter()
+            .map(|&bone| Held::new(skeleton, bone, &mut builder));
+        let turned = turned.collect();
         let size = skeleton.size();
         if size > 0.0 {
             builder.tolerance(Quantity::Metres, TOLERANCE * size);
@@ -74,6 +101,8 @@ impl ReachLayer {
             skeleton: skeleton.clone(),
             posing: Posing::new(skeleton),
             effectors,
+            held: turned,
+            moved: above(skeleton, tips.iter().chain(held)),
             solver,
             workspace: Workspace::new(),
             q: rest,
@@ -97,26 +126,55 @@ impl ReachLayer {
             own.weight = if weight > 0.0 { weight.min(1.0) } else { 0.0 };
             return Ok(());
         }
+        let effectors = self.effectors.iter().map(|own| own.bone);
+        Err(self.none_of(bone, effectors))
+    }
+
+    /// Sets how a held bone should be turned in the model, and how much of the way it goes there by the
+    /// shortest arc: from 0, as the clip has it, to 1. The weight is taken into [0, 1]; NaN counts as
+    /// 0. The rotation may be of any length; one that is not finite or zero holds the bone as it is.
+    ///
+    /// # Errors
+    /// A bone that the layer does not hold; the error lists those that it does.
+    pub fn set_rotation(
+        &mut self,
+        bone: BoneId,
+        rotation: Quat,
+        weight: f64,
+    ) -> Result<(), NoEffector> {
+        let own = self.held.iter_mut().find(|own| own.bone == bone);
+        if let Some(own) = own {
+            own.set(rotation, weight);
+            return Ok(());
+        }
+        let held = self.held.iter().map(|own| own.bone);
+        Err(self.none_of(bone, held))
+    }
+
+    fn none_of(&self, bone: BoneId, others: impl Iterator<Item = BoneId>) -> NoEffector {
         let name = |bone: BoneId| {
             let bones = self.skeleton.bones();
             let bone = bones.get(bone.index()).map(|bone| bone.name.clone());
             bone.unwrap_or_default()
         };
-        Err(NoEffector {
+        NoEffector {
             bone: name(bone),
-            effectors: self.effectors.iter().map(|own| name(own.bone)).collect(),
-        })
+            effectors: others.map(name).collect(),
+        }
     }
 
     /// Turns the bones of a pose so that the tips go their weights' shares of the way to their
-    /// targets, within the joints' limits. All tips are tasks: one with weight 0 stays where the
-    /// clip has it. With all weights 0 the pose is left as it is, also outside the limits.
+    /// targets, within the joints' limits. All tips and held bones are tasks: one with weight 0 stays
+    /// where the clip has it. Bones that none of them hangs on are left as they are; with all weights 0
+    /// all are, also outside the limits.
     ///
     /// # Errors
     /// A target that is not finite, as [`Solver::solve`] says. Missing a target is no error; the
     /// solution says by how much.
     pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, SolveError> {
-        if self.effectors.iter().all(|own| own.weight == 0.0) {
+        let weights = self.effectors.iter().map(|own| own.weight);
+        let mut weights = weights.chain(self.held.iter().map(|own| own.weight));
+        if weights.all(|weight| weight == 0.0) {
             return Ok(None);
         }
         self.bridge.angles_of(pose, &mut self.q);
@@ -128,10 +186,32 @@ impl ReachLayer {
                 task.set_target(target);
             }
         }
+        for own in &self.held {
+            let placed = posed.model_from_bone.get(own.bone.index());
+            let task = self.problem.residual_mut(own.task);
+            if let Some((task, placed)) = task.zip(placed) {
+                task.set_target(own.target(&placed.rotation));
+            }
+        }
         let solution = self
             .solver
             .solve(&self.problem, &self.q, &mut self.workspace)?;
-        self.bridge.pose_of(&solution.q, pose);
+        for &bone in &self.moved {
+            self.bridge.pose_bone(bone, &solution.q, pose);
+        }
         Ok(Some(solution))
     }
+}
+
+/// The bones given and all that they hang on.
+fn above<'a>(skeleton: &Skeleton, bones: impl Iterator<Item = &'a BoneId>) -> Vec<BoneId> {
+    let mut found = BTreeSet::new();
+    for &bone in bones {
+        let mut next = Some(bone);
+        while let Some(bone) = next.filter(|bone| found.insert(*bone)) {
+            let own = skeleton.bones().get(bone.index());
+            next = own.and_then(|own| own.parent);
+        }
+    }
+    found.into_iter().collect()
 }

@@ -29,6 +29,17 @@ pub enum StateMachineProblem {
         /// The name.
         name: String,
     },
+    /// A blend without clips.
+    #[error("the blend has no clips")]
+    EmptyBlend,
+    /// The numbers of a blend's clips are not in order.
+    #[error("{at} does not lie above {before}, the number of the clip before it")]
+    NotRising {
+        /// The number.
+        at: f32,
+        /// The number of the clip before it.
+        before: f32,
+    },
     /// A duration that is negative or not finite.
     #[error("{seconds} s is not a finite duration of at least 0")]
     BadDuration {
@@ -40,6 +51,14 @@ pub enum StateMachineProblem {
     NotFinite {
         /// The number.
         value: f64,
+    },
+    /// A condition that no number meets.
+    #[error("no number is above {above} and below {below}")]
+    NoNumber {
+        /// The lower bound.
+        above: f32,
+        /// The upper bound.
+        below: f32,
     },
     /// A condition that does not suit its parameter.
     #[error("`{parameter}` is a {kind}; its condition must have {expected}")]

@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use super::definition::{
-    ConditionDefinition, Interruption, ParameterDefault, StateMachineDefinition,
-    TransitionDefinition,
-};
-use super::error::{StateMachineError, StateMachineProblem};
-use crate::animation::{Clip, Easing, Playback};
-use crate::model::UnknownName;
+use super::condition::Transition;
+use super::definition::{ParameterDefault, StateMachineDefinition};
+use super::error::StateMachineProblem;
+use super::lookup::{Checked, at, find, finite};
+use super::motion::Motion;
+use crate::animation::{Clip, Playback};
 
 /// States, transitions and the clips they play, checked. It never changes; each character that runs
 /// it has a [`StateMachineRun`](super::StateMachineRun).
@@ -23,75 +22,18 @@ pub struct StateMachine {
 #[derive(Clone, Debug)]
 pub(super) struct State {
     pub(super) name: String,
-    pub(super) clip: Arc<Clip>,
+    pub(super) motion: Motion,
     pub(super) playback: Playback,
     pub(super) speed: f64,
-}
-
-#[derive(Clone, Debug)]
-pub(super) struct Transition {
-    pub(super) from: Option<usize>,
-    pub(super) to: usize,
-    pub(super) seconds: f64,
-    pub(super) easing: Easing,
-    pub(super) after: Option<f64>,
-    pub(super) conditions: Vec<Condition>,
-    pub(super) interruption: Interruption,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Condition {
-    Between {
-        parameter: usize,
-        above: f32,
-        below: f32,
-    },
-    Is {
-        parameter: usize,
-        value: bool,
-    },
-    Triggered {
-        parameter: usize,
-    },
-}
-
-type Checked<T> = Result<T, StateMachineError>;
-
-fn at(path: impl Into<String>, problem: StateMachineProblem) -> StateMachineError {
-    StateMachineError {
-        path: path.into(),
-        problem,
-    }
-}
-
-fn finite(path: impl FnOnce() -> String, value: f64) -> Checked<()> {
-    if value.is_finite() {
-        return Ok(());
-    }
-    Err(at(path(), StateMachineProblem::NotFinite { value }))
-}
-
-/// The position of a name.
-fn find<'a>(
-    path: impl FnOnce() -> String,
-    kind: &'static str,
-    name: &str,
-    mut valid: impl Iterator<Item = &'a str> + Clone,
-) -> Checked<usize> {
-    let names = valid.clone();
-    valid.position(|own| own == name).ok_or_else(|| {
-        let unknown = UnknownName::new(kind, name, names);
-        at(path(), StateMachineProblem::Unknown(unknown))
-    })
 }
 
 impl StateMachine {
     /// Checks a definition against the clips it names.
     ///
     /// # Errors
-    /// A [`StateMachineError`] with the path of what is wrong: a name that does not exist (the error
-    /// lists those that do), a duration or number that is out of range, a condition that does not
-    /// suit its parameter, or clips of different armatures.
+    /// A [`StateMachineError`](super::StateMachineError) with the path of what is wrong: a name that
+    /// does not exist (the error lists those that do), a duration or number that is out of range, a
+    /// condition that does not suit its parameter, or clips of different armatures.
     pub fn new(definition: &StateMachineDefinition, clips: &[Arc<Clip>]) -> Checked<Self> {
         let mut own = Self {
             parameters: Vec::new(),
@@ -112,22 +54,11 @@ impl StateMachine {
                 let problem = StateMachineProblem::DuplicateState { name };
                 return Err(at(path("name"), problem));
             }
-            let names = clips.iter().map(|clip| clip.name());
-            let clip = find(|| path("clip"), "clip", &state.clip, names)?;
-            let clip = Arc::clone(&clips[clip]);
-            let expected = own.states.first().map_or(clip.bones(), |s| s.clip.bones());
-            if clip.bones() != expected {
-                let problem = StateMachineProblem::OtherArmature {
-                    clip: state.clip.clone(),
-                    bones: clip.bones(),
-                    expected,
-                };
-                return Err(at(path("clip"), problem));
-            }
+            let motion = own.motion(&format!("states[{index}]"), &state.motion, clips)?;
             finite(|| path("speed"), state.speed)?;
             own.states.push(State {
                 name: state.name.clone(),
-                clip,
+                motion,
                 playback: state.playback,
                 speed: state.speed,
             });
@@ -143,76 +74,9 @@ impl StateMachine {
         Ok(own)
     }
 
-    fn state(&self, path: impl FnOnce() -> String, name: &str) -> Checked<usize> {
+    pub(super) fn state(&self, path: impl FnOnce() -> String, name: &str) -> Checked<usize> {
         let states = self.states.iter().map(|state| state.name.as_str());
         find(path, "state", name, states)
-    }
-
-    fn transition(&self, path: &str, given: &TransitionDefinition) -> Checked<Transition> {
-        let from = match &given.from {
-            Some(from) => Some(self.state(|| format!("{path}.from"), from)?),
-            None => None,
-        };
-        if from.is_none() && given.when.is_empty() {
-            let path = format!("{path}.when");
-            return Err(at(path, StateMachineProblem::Unconditional));
-        }
-        let durations = [("seconds", Some(given.seconds)), ("after", given.after)];
-        for (key, seconds) in durations {
-            if let Some(seconds) = seconds.filter(|s| !(s.is_finite() && *s >= 0.0)) {
-                let problem = StateMachineProblem::BadDuration { seconds };
-                return Err(at(format!("{path}.{key}"), problem));
-            }
-        }
-        let conditions = given.when.iter().enumerate();
-        let conditions = conditions
-            .map(|(index, condition)| self.condition(&format!("{path}.when[{index}]"), condition));
-        Ok(Transition {
-            from,
-            to: self.state(|| format!("{path}.to"), &given.to)?,
-            seconds: given.seconds,
-            easing: given.easing,
-            after: given.after,
-            conditions: conditions.collect::<Checked<_>>()?,
-            interruption: given.interruption,
-        })
-    }
-
-    fn condition(&self, path: &str, given: &ConditionDefinition) -> Checked<Condition> {
-        let names = self.parameters.iter().map(|(name, _)| name.as_str());
-        let name = given.parameter.as_str();
-        let parameter = find(|| format!("{path}.parameter"), "parameter", name, names)?;
-        for (key, bound) in [("above", given.above), ("below", given.below)] {
-            if let Some(bound) = bound {
-                finite(|| format!("{path}.{key}"), f64::from(bound))?;
-            }
-        }
-        let wrong = |kind, expected| {
-            let parameter = given.parameter.clone();
-            let problem = StateMachineProblem::WrongCondition {
-                parameter,
-                kind,
-                expected,
-            };
-            Err(at(path, problem))
-        };
-        let bounds = given.above.is_some() || given.below.is_some();
-        match (self.parameters[parameter].1, given.is) {
-            (ParameterDefault::Number(_), None) if bounds => Ok(Condition::Between {
-                parameter,
-                above: given.above.unwrap_or(f32::NEG_INFINITY),
-                below: given.below.unwrap_or(f32::INFINITY),
-            }),
-            (ParameterDefault::Number(_), _) => wrong("number", "`above`, `below` or both"),
-            (ParameterDefault::Flag(_), Some(value)) if !bounds => {
-                Ok(Condition::Is { parameter, value })
-            }
-            (ParameterDefault::Flag(_), _) => wrong("flag", "`is` and nothing else"),
-            (ParameterDefault::Trigger(_), None) if !bounds => {
-                Ok(Condition::Triggered { parameter })
-            }
-            (ParameterDefault::Trigger(_), _) => wrong("trigger", "neither bounds nor `is`"),
-        }
     }
 
     /// The states' names.

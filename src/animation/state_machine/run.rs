@@ -2,101 +2,33 @@
 
 use std::sync::Arc;
 
-use super::definition::{Interruption, ParameterDefault};
-use super::machine::{Condition, State, StateMachine, Transition};
-use crate::animation::{Cursor, Easing, Fired, Playhead, Pose, SizeMismatch};
-use crate::model::UnknownName;
-
-/// A value for a parameter of another kind, or a parameter that does not exist.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ParameterError {
-    /// No parameter of that name.
-    #[error("no {} named `{}`; there are: {}", .0.kind, .0.name, .0.valid.join(", "))]
-    Unknown(UnknownName),
-    /// A number that is not finite.
-    #[error("parameter `{parameter}`: {value} is not finite")]
-    NotFinite {
-        /// The parameter.
-        parameter: String,
-        /// The number.
-        value: f32,
-    },
-}
+use super::definition::ParameterDefault;
+use super::event::StateEvent;
+use super::machine::StateMachine;
+use super::playing::{Fade, Origin, Playing};
+use crate::animation::{Cursor, Pose, SizeMismatch};
 
 /// Where one character is in a machine: its parameters, the state it is in, and the cross-fade that
 /// is under way.
 #[derive(Clone, Debug)]
 pub struct StateMachineRun {
-    machine: Arc<StateMachine>,
-    values: Vec<ParameterDefault>,
-    triggered: Vec<bool>,
-    current: Playing,
-    fade: Option<Fade>,
+    pub(super) machine: Arc<StateMachine>,
+    pub(super) values: Vec<ParameterDefault>,
+    pub(super) triggered: Vec<bool>,
+    pub(super) current: Playing,
+    pub(super) fade: Option<Fade>,
+    /// The transitions taken at this moment.
+    pub(super) taken: Vec<usize>,
     /// The pose as shown.
-    pose: Pose,
-    /// What a cross-fade leads to, or comes from.
-    other: Pose,
-}
-
-/// A state and where its clip is.
-#[derive(Clone, Debug)]
-struct Playing {
-    state: usize,
-    head: Playhead,
-    cursor: Cursor,
-}
-
-/// A cross-fade from what was before.
-#[derive(Clone, Debug)]
-struct Fade {
-    /// `None` once it was broken off: then it comes from a pose that stands still.
-    from: Option<Playing>,
-    frozen: Option<Pose>,
-    elapsed: f64,
-    seconds: f64,
-    easing: Easing,
-    interruption: Interruption,
-}
-
-impl Playing {
-    fn start(machine: &StateMachine, state: usize) -> Self {
-        let mut head = Playhead::new();
-        let entered = &machine.states[state];
-        if entered.speed < 0.0 {
-            head = Playhead::starting_at(entered.clip.duration());
-        }
-        head.speed = entered.speed;
-        Self {
-            state,
-            head,
-            cursor: Cursor::new(),
-        }
-    }
-
-    fn sample(&mut self, state: &State, pose: &mut Pose) -> Result<(), SizeMismatch> {
-        let elapsed = self.head.elapsed();
-        state
-            .clip
-            .sample(elapsed, state.playback, &mut self.cursor, pose)
-    }
-
-    /// How many times the clip has played through.
-    fn played(&self, state: &State) -> f64 {
-        let length = state.clip.duration();
-        let [start, end] = match state.speed < 0.0 {
-            true => [length, self.head.elapsed()],
-            false => [0.0, self.head.elapsed()],
-        };
-        if length > 0.0 {
-            (end - start).abs() / length
-        } else {
-            1.0
-        }
-    }
+    pub(super) pose: Pose,
+    /// What a cross-fade leads to, and room for what that is blended of.
+    others: [Pose; 2],
 }
 
 impl StateMachineRun {
+    /// The most transitions that one update takes.
+    pub const MOST_TRANSITIONS: usize = 64;
+
     /// A character in the machine's initial state. `rest` is the rest pose of its armature.
     ///
     /// # Errors
@@ -107,73 +39,19 @@ impl StateMachineRun {
             triggered: vec![false; machine.parameters.len()],
             current: Playing::start(&machine, machine.initial),
             fade: None,
+            taken: Vec::new(),
             pose: rest.clone(),
-            other: rest.clone(),
+            others: [rest.clone(), rest.clone()],
             machine,
         };
         let machine = Arc::clone(&own.machine);
         for state in &machine.states {
-            state
-                .clip
-                .sample(0.0, state.playback, &mut Cursor::new(), &mut own.pose)?;
+            for clip in state.motion.clips() {
+                clip.sample(0.0, state.playback, &mut Cursor::new(), &mut own.pose)?;
+            }
         }
         own.show()?;
         Ok(own)
-    }
-
-    fn parameter(
-        &self,
-        kind: &'static str,
-        name: &str,
-        suits: fn(&ParameterDefault) -> bool,
-    ) -> Result<usize, ParameterError> {
-        let parameters = self.machine.parameters.iter();
-        let position = parameters
-            .clone()
-            .position(|(own, d)| own == name && suits(d));
-        position.ok_or_else(|| {
-            let valid = parameters
-                .filter(|(_, d)| suits(d))
-                .map(|(own, _)| own.as_str());
-            ParameterError::Unknown(UnknownName::new(kind, name, valid))
-        })
-    }
-
-    /// Sets a number.
-    ///
-    /// # Errors
-    /// No number of that name (the error lists them), or a value that is not finite.
-    pub fn set_number(&mut self, name: &str, value: f32) -> Result<(), ParameterError> {
-        let is_number = |d: &ParameterDefault| matches!(d, ParameterDefault::Number(_));
-        let index = self.parameter("number", name, is_number)?;
-        if !value.is_finite() {
-            let parameter = name.to_owned();
-            return Err(ParameterError::NotFinite { parameter, value });
-        }
-        self.values[index] = ParameterDefault::Number(value);
-        Ok(())
-    }
-
-    /// Sets a flag.
-    ///
-    /// # Errors
-    /// No flag of that name; the error lists them.
-    pub fn set_flag(&mut self, name: &str, value: bool) -> Result<(), ParameterError> {
-        let is_flag = |d: &ParameterDefault| matches!(d, ParameterDefault::Flag(_));
-        let index = self.parameter("flag", name, is_flag)?;
-        self.values[index] = ParameterDefault::Flag(value);
-        Ok(())
-    }
-
-    /// Sets a trigger, until a transition takes it.
-    ///
-    /// # Errors
-    /// No trigger of that name; the error lists them.
-    pub fn trigger(&mut self, name: &str) -> Result<(), ParameterError> {
-        let is_trigger = |d: &ParameterDefault| matches!(d, ParameterDefault::Trigger(_));
-        let index = self.parameter("trigger", name, is_trigger)?;
-        self.triggered[index] = true;
-        Ok(())
     }
 
     /// The state that it is in or on the way to.
@@ -182,11 +60,40 @@ impl StateMachineRun {
         &self.machine.states[self.current.state].name
     }
 
-    /// How far the cross-fade to the state is, within [0, 1); `None` when there is none.
+    /// How long it has been in that state, in seconds, from the start of the cross-fade to it.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.current.seconds
+    }
+
+    /// How many times through that state's clips have played since it was entered: 0.5 is half of it. 1
+    /// for clips that last no time.
+    #[must_use]
+    pub fn played(&self) -> f64 {
+        self.current
+            .played(&self.machine.states[self.current.state])
+    }
+
+    /// The names of that state's clips that play now, with their weights; the weights sum to 1.
+    pub fn playing(&self) -> impl Iterator<Item = (&str, f32)> {
+        let motion = &self.machine.states[self.current.state].motion;
+        let clips = motion.playing(motion.mix(&self.values));
+        clips.map(|(clip, weight)| (clip.name(), weight))
+    }
+
+    /// How far the cross-fade to the state is, as the share of its time within [0, 1); `None` when
+    /// there is none.
     #[must_use]
     pub fn fading(&self) -> Option<f32> {
-        let fade = self.fade.as_ref()?;
-        Some((fade.elapsed / fade.seconds) as f32)
+        self.fade.as_ref().map(|fade| fade.progress.of_time())
+    }
+
+    /// The state that a cross-fade comes from; `None` when there is none, or when it comes from the
+    /// pose in which another one was broken off.
+    #[must_use]
+    pub fn leaving(&self) -> Option<&str> {
+        let leaving = self.fade.as_ref()?.leaving()?;
+        Some(&self.machine.states[leaving.state].name)
     }
 
     /// The pose as of the last update.
@@ -195,135 +102,98 @@ impl StateMachineRun {
         &self.pose
     }
 
-    /// Goes on by so many seconds: takes at most one transition, plays the clips, and blends.
-    /// `on_event` hears the events of the clip of the state that it is in.
+    /// Goes on by so many seconds: plays the clips, takes transitions at the moments at which they may
+    /// be taken, and blends. A long step ends where many short ones do. A transition that time opens at
+    /// the very end of a step is taken as the next one begins.
+    ///
+    /// At one moment each transition is taken at most once, so transitions that lead in a ring stop;
+    /// and after [`MOST_TRANSITIONS`](Self::MOST_TRANSITIONS) in one update, the rest of its time is
+    /// spent in the state entered last. `on_event` hears the events of the clips, also of a state that
+    /// is being left. Seconds that are negative or not finite count as 0.
     ///
     /// # Errors
     /// Never for a run that [`new`](Self::new) made; sizes were checked there.
     pub fn update(
         &mut self,
         seconds: f64,
-        mut on_event: impl FnMut(Fired<'_>),
+        mut on_event: impl FnMut(StateEvent<'_>),
     ) -> Result<(), SizeMismatch> {
         let machine = Arc::clone(&self.machine);
-        if let Some(transition) = self.next(&machine) {
-            self.take(&machine, transition);
-        }
-        let seconds = if seconds.is_finite() {
+        let mut left = if seconds.is_finite() {
             seconds.max(0.0)
         } else {
             0.0
         };
-        let state = &machine.states[self.current.state];
-        let passage = self.current.head.advance(seconds);
-        state
-            .clip
-            .fired(state.playback, passage)
-            .for_each(&mut on_event);
-        if let Some(fade) = &mut self.fade {
-            fade.elapsed += seconds;
-            if let Some(from) = &mut fade.from {
-                from.head.advance(seconds);
+        let mut most = Self::MOST_TRANSITIONS;
+        loop {
+            most -= self.take_all(&machine, most)?;
+            let step = match most {
+                0 => left,
+                _ => left.min(self.until_change(&machine)),
+            };
+            self.advance(&machine, step, &mut on_event);
+            left -= step;
+            if left <= 0.0 {
+                return self.show();
             }
         }
-        self.fade = self.fade.take().filter(|fade| fade.elapsed < fade.seconds);
-        self.show()
+    }
+
+    /// Plays on, within one stretch without transitions.
+    fn advance(
+        &mut self,
+        machine: &StateMachine,
+        seconds: f64,
+        on_event: &mut impl FnMut(StateEvent<'_>),
+    ) {
+        let progress = self.fade.as_ref().map(|fade| fade.progress);
+        // The share of the state that is being entered, at a share of this step.
+        let entered = |at: f64| progress.map_or(1.0, |progress| progress.share(at * seconds));
+        if let Some(fade) = &mut self.fade {
+            if let Origin::State(from) = &mut fade.from {
+                let state = &machine.states[from.state];
+                let mix = state.motion.mix(&self.values);
+                from.advance(state, mix, seconds, |clip, weight, fired, at| {
+                    on_event(StateEvent {
+                        state: &state.name,
+                        clip: clip.name(),
+                        event: fired.event,
+                        weight: weight * (1.0 - entered(at)),
+                    });
+                });
+            }
+            if !fade.progress.advance(seconds) {
+                self.fade = None;
+            }
+        }
+        let state = &machine.states[self.current.state];
+        let mix = state.motion.mix(&self.values);
+        self.current
+            .advance(state, mix, seconds, |clip, weight, fired, at| {
+                on_event(StateEvent {
+                    state: &state.name,
+                    clip: clip.name(),
+                    event: fired.event,
+                    weight: weight * entered(at),
+                });
+            });
     }
 
     /// Writes the pose.
-    fn show(&mut self) -> Result<(), SizeMismatch> {
-        let states = &self.machine.states;
-        let state = &states[self.current.state];
+    pub(super) fn show(&mut self) -> Result<(), SizeMismatch> {
+        let [other, third] = &mut self.others;
+        let mut sample = |playing: &mut Playing, pose: &mut Pose| {
+            let state = &self.machine.states[playing.state];
+            playing.sample(state, state.motion.mix(&self.values), pose, third)
+        };
         let Some(fade) = &mut self.fade else {
-            return self.current.sample(state, &mut self.pose);
+            return sample(&mut self.current, &mut self.pose);
         };
-        match (&mut fade.from, &fade.frozen) {
-            (Some(from), _) => from.sample(&states[from.state], &mut self.pose)?,
-            (None, Some(frozen)) => self.pose.copy_from(frozen),
-            (None, None) => {}
+        match &mut fade.from {
+            Origin::State(from) => sample(from, &mut self.pose)?,
+            Origin::Still(still) => self.pose.copy_from(still),
         }
-        self.current.sample(state, &mut self.other)?;
-        let share = fade.easing.at((fade.elapsed / fade.seconds) as f32);
-        self.pose.cross_fade(&self.other, share)
-    }
-
-    /// The first transition whose conditions hold.
-    fn next<'m>(&self, machine: &'m StateMachine) -> Option<&'m Transition> {
-        let current = self.current.state;
-        let Some(fade) = &self.fade else {
-            return self.first(machine, &self.current, current);
-        };
-        let source = fade.from.as_ref().filter(|_| {
-            matches!(
-                fade.interruption,
-                Interruption::Source | Interruption::Either
-            )
-        });
-        let from_source = source.and_then(|from| self.first(machine, from, current));
-        from_source.or_else(|| match fade.interruption {
-            Interruption::Target | Interruption::Either => {
-                self.first(machine, &self.current, current)
-            }
-            Interruption::Source | Interruption::Never => None,
-        })
-    }
-
-    /// The first of a state's transitions, other than to where it is going already.
-    fn first<'m>(
-        &self,
-        machine: &'m StateMachine,
-        playing: &Playing,
-        going: usize,
-    ) -> Option<&'m Transition> {
-        let state = &machine.states[playing.state];
-        machine.transitions.iter().find(|transition| {
-            let leaves = match transition.from {
-                Some(from) => {
-                    from == playing.state && (self.fade.is_none() || transition.to != going)
-                }
-                None => transition.to != going,
-            };
-            let late = transition
-                .after
-                .is_none_or(|share| playing.played(state) >= share);
-            leaves && late && transition.conditions.iter().all(|c| self.holds(*c))
-        })
-    }
-
-    fn holds(&self, condition: Condition) -> bool {
-        match condition {
-            Condition::Between {
-                parameter,
-                above,
-                below,
-            } => match self.values[parameter] {
-                ParameterDefault::Number(value) => above < value && value < below,
-                _ => false,
-            },
-            Condition::Is { parameter, value } => {
-                self.values[parameter] == ParameterDefault::Flag(value)
-            }
-            Condition::Triggered { parameter } => self.triggered[parameter],
-        }
-    }
-
-    fn take(&mut self, machine: &StateMachine, transition: &Transition) {
-        for condition in &transition.conditions {
-            if let Condition::Triggered { parameter } = condition {
-                self.triggered[*parameter] = false;
-            }
-        }
-        let entered = Playing::start(machine, transition.to);
-        let left = std::mem::replace(&mut self.current, entered);
-        // A fade that is broken off goes on from the pose as it is shown.
-        let broken = self.fade.take().is_some();
-        self.fade = (transition.seconds > 0.0).then(|| Fade {
-            from: (!broken).then_some(left),
-            frozen: broken.then(|| self.pose.clone()),
-            elapsed: 0.0,
-            seconds: transition.seconds,
-            easing: transition.easing,
-            interruption: transition.interruption,
-        });
+        sample(&mut self.current, other)?;
+        self.pose.cross_fade(other, fade.progress.share(0.0))
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 
-use super::{Scene, SceneError, SceneMesh};
+use super::{Scene, SceneError, SceneMesh, Skin};
 use crate::animation::{Pose, SizeMismatch};
 use crate::mesh::{MeshError, TriangleMesh};
 use crate::skinning::{
@@ -65,8 +65,8 @@ pub enum PosingError {
 }
 
 impl<'a> ScenePosing<'a> {
-    /// Memory for posing `scene`. Skins move by `method`; meshes without one move with their bones,
-    /// scale and all.
+    /// Memory for posing `scene`. Skins move by `method`, with dual quaternions stretching each joint
+    /// about where it was bound; meshes without one move with their bones, scale and all.
     ///
     /// # Errors
     /// The parts of a mesh are of different sizes, or not of the scene's armature.
@@ -75,7 +75,7 @@ impl<'a> ScenePosing<'a> {
         for mesh in &scene.meshes {
             mesh.check(&scene.armature)?;
             weights.push(match &mesh.skin {
-                Some(skin) => skin.weights.clone().into(),
+                Some(skin) => weights_of(skin),
                 None => all_of_one_bone(mesh)?.into(),
             });
         }
@@ -94,7 +94,7 @@ impl<'a> ScenePosing<'a> {
     ///
     /// # Errors
     /// The pose is of another armature, a number in it is not finite, or dual quaternions meet a
-    /// joint that scales.
+    /// joint that mirrors or flattens space.
     pub fn meshes(&mut self, pose: &Pose) -> Result<Vec<TriangleMesh>, PosingError> {
         let armature = &self.scene.armature;
         armature.rest().check_same_size(pose)?;
@@ -174,6 +174,19 @@ impl<'a> ScenePosing<'a> {
             let mesh = name();
             PosingError::Mesh { mesh, problem }
         })
+    }
+}
+
+/// Joints may scale: each stretches about where it was bound.
+fn weights_of(skin: &Skin) -> MeshWeights {
+    let weights = MeshWeights::from(skin.weights.clone());
+    let bound = skin.joint_from_mesh.iter();
+    let pivots: Vec<Vec3> = bound
+        .map(|joint| joint.inverse().translation.into())
+        .collect();
+    match pivots.iter().all(|pivot| pivot.is_finite()) {
+        true => weights.with_pivots(pivots),
+        false => weights,
     }
 }
 

@@ -129,7 +129,8 @@ fn vertices(
     };
     let count = source.count(positions, &of("POSITION"))?;
     let first = raw.positions.len();
-    if u32::try_from(first + count).is_err() {
+    let end = first.checked_add(count);
+    if end.is_none_or(|end| u32::try_from(end).is_err()) {
         return Err(source.fail(
             path,
             format!("{user}: has more vertices than can be counted"),

@@ -1,6 +1,6 @@
 //! Linear blend over packed weights.
 
-use glam::{Affine3A, Vec4};
+use glam::Affine3A;
 
 use super::PackedWeights;
 #[cfg(target_arch = "x86_64")]
@@ -52,7 +52,7 @@ impl<'a> PackedLinearBlend<'a> {
         #[cfg(target_arch = "x86_64")]
         {
             self.columns.clear();
-            self.columns.extend(transforms.iter().map(columns));
+            self.columns.extend(transforms.iter().map(avx2::columns));
         }
         Ok(())
     }
@@ -64,18 +64,6 @@ impl<'a> PackedLinearBlend<'a> {
         self.portable = true;
         self
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-fn columns(transform: &Affine3A) -> avx2::Columns {
-    let matrix = transform.matrix3;
-    let columns = [
-        matrix.x_axis,
-        matrix.y_axis,
-        matrix.z_axis,
-        transform.translation,
-    ];
-    bytemuck::cast(columns.map(|column| Vec4::from((column, 0.0))))
 }
 
 impl Deformation for PackedLinearBlend<'_> {

@@ -14,7 +14,7 @@ pub(super) struct FourInfluences {
 
 impl FourInfluences {
     /// (bone, weight) of each place.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f32)> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f32)> + Clone {
         let bones = self.bones.map(usize::from);
         bones.into_iter().zip(self.weights)
     }

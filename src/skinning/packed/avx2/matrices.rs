@@ -2,6 +2,8 @@
 
 use std::arch::x86_64::*;
 
+use glam::{Affine3A, Vec4};
+
 use super::lanes::{lower, transposed, upper};
 use super::{BLOCK, Blended};
 use crate::skinning::packed::weights::FourInfluences;
@@ -10,9 +12,26 @@ use crate::skinning::packed::weights::FourInfluences;
 /// a zero below it.
 pub(crate) type Columns = [__m256; 2];
 
+/// A transform as the kernel reads it.
+#[inline]
+pub(crate) fn columns(transform: &Affine3A) -> Columns {
+    let matrix = transform.matrix3;
+    let columns = [
+        matrix.x_axis,
+        matrix.y_axis,
+        matrix.z_axis,
+        transform.translation,
+    ];
+    bytemuck::cast(columns.map(|column| Vec4::from((column, 0.0))))
+}
+
+/// The blends, with stretches or with whole transforms.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-pub(super) fn blended(palette: &[Columns], influences: &[FourInfluences; BLOCK]) -> Blended {
+pub(super) fn blended<const STRETCH: bool>(
+    palette: &[Columns],
+    influences: &[FourInfluences; BLOCK],
+) -> Blended {
     let mut sums = [[_mm256_setzero_ps(); 2]; BLOCK];
     for (sum, four) in sums.iter_mut().zip(influences) {
         *sum = blend(palette, four);

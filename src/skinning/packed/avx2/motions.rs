@@ -9,9 +9,13 @@ use crate::skinning::packed::weights::FourInfluences;
 /// A dual quaternion in one register: the real part x, y, z, w, then the dual part.
 pub(crate) type Motion = __m256;
 
+/// The blends, after stretches or by themselves.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-pub(super) fn blended(palette: &[Motion], influences: &[FourInfluences; BLOCK]) -> Blended {
+pub(super) fn blended<const STRETCH: bool>(
+    palette: &[Motion],
+    influences: &[FourInfluences; BLOCK],
+) -> Blended {
     let mut sums = [_mm256_setzero_ps(); BLOCK];
     for (sum, four) in sums.iter_mut().zip(influences) {
         *sum = blend(palette, four);

@@ -1,0 +1,208 @@
+//! A bone that points at something, in closed form.
+
+use glam::{DQuat, Quat, Vec3A};
+
+use super::placed::{Placed, set_rotation};
+use crate::animation::blend::within;
+use crate::animation::rotation::slerp;
+use crate::animation::{Armature, Pose, SizeMismatch};
+use crate::skeleton::BoneId;
+
+/// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims, a
+/// foot that is laid on the ground by its normal.
+///
+/// ```
+/// use glam::Vec3A;
+/// use kinopt::animation::{Aim, AimGoal, Armature, ArmatureBone, LocalTransform};
+///
+/// let head = ArmatureBone { name: "head".into(), parent: None, rest: LocalTransform::IDENTITY };
+/// let armature = Armature::new(vec![head], Vec::new())?;
+/// let looks = Aim::new(&armature, armature.bone("head")?, Vec3A::Z)?.with_up(Vec3A::Y)?;
+///
+/// let mut pose = armature.rest().clone();
+/// let goal = AimGoal { up: Some(Vec3A::Y), ..AimGoal::at(Vec3A::new(3.0, 0.0, 0.0)) };
+/// assert!(looks.turn(&armature, &mut pose, &goal)?);
+/// assert!((pose.rotations()[0] * Vec3A::Z).abs_diff_eq(Vec3A::X, 1e-6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    bone: BoneId,
+    /// Unit vectors and a point in the bone's coordinates.
+    forward: Vec3A,
+    up: Option<Vec3A>,
+    muzzle: Vec3A,
+}
+
+/// What cannot aim.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AimError {
+    /// A bone of another armature.
+    #[error("bone {bone} does not exist; the armature has {bones}")]
+    UnknownBone {
+        /// The bone's index.
+        bone: usize,
+        /// How many bones there are.
+        bones: usize,
+    },
+    /// A direction that is none.
+    #[error("the {axis} axis is not finite or has no length")]
+    BadAxis {
+        /// "forward" or "up".
+        axis: &'static str,
+    },
+    /// Forward and up are on one line.
+    #[error("the up axis is on the line of the forward axis")]
+    UpIsForward,
+    /// A muzzle that is not finite.
+    #[error("the muzzle is not finite")]
+    BadMuzzle,
+}
+
+/// What a bone should point at this frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AimGoal {
+    /// The point to point at, in model coordinates.
+    pub target: Vec3A,
+    /// The direction, in model coordinates, to which the bone's up axis goes as far as it can; with
+    /// `None`, or for a bone without one, the bone turns by the shortest arc.
+    pub up: Option<Vec3A>,
+    /// How far the bone turns about the way to the target besides, in radians, counter-clockwise as
+    /// seen from the target. A number that is not finite counts as 0.
+    pub twist: f32,
+    /// From 0, the pose as it is, to 1, pointing at the target: the bone turns this share of the
+    /// angle. Taken into [0, 1]; NaN counts as 0.
+    pub weight: f32,
+}
+
+impl AimGoal {
+    /// At a point in model coordinates, with weight 1, by the shortest arc.
+    #[must_use]
+    pub fn at(target: Vec3A) -> Self {
+        Self {
+            target,
+            up: None,
+            twist: 0.0,
+            weight: 1.0,
+        }
+    }
+}
+
+impl Aim {
+    /// A bone that points along an axis in its own coordinates.
+    ///
+    /// # Errors
+    /// An [`AimError`].
+    pub fn new(armature: &Armature, bone: BoneId, forward: Vec3A) -> Result<Self, AimError> {
+        let (bones, index) = (armature.bones(), bone.index());
+        if index >= bones {
+            return Err(AimError::UnknownBone { bone: index, bones });
+        }
+        Ok(Self {
+            bone,
+            forward: axis("forward", forward)?,
+            up: None,
+            muzzle: Vec3A::ZERO,
+        })
+    }
+
+    /// The axis, in the bone's coordinates, that goals may hold upright.
+    ///
+    /// # Errors
+    /// An axis that is not finite, has no length, or is on the line of the one that points.
+    pub fn with_up(mut self, up: Vec3A) -> Result<Self, AimError> {
+        let up = axis("up", up)?;
+        if up.cross(self.forward).length_squared() < 1e-6 {
+            return Err(AimError::UpIsForward);
+        }
+        self.up = Some(up);
+        Ok(self)
+    }
+
+    /// A point, in the bone's coordinates, from which it points instead of from its joint: an eye in a
+    /// head, the muzzle of a gun.
+    ///
+    /// # Errors
+    /// A point that is not finite.
+    pub fn with_muzzle(mut self, muzzle: Vec3A) -> Result<Self, AimError> {
+        if !muzzle.is_finite() {
+            return Err(AimError::BadMuzzle);
+        }
+        self.muzzle = muzzle;
+        Ok(self)
+    }
+
+    /// Turns the bone by its weight's share of the rotation that points it at the target. Says
+    /// whether there is one: there is none for a target that is not finite, that is the joint itself, or
+    /// that is nearer to the joint than the line from the muzzle; then the pose stays as it is.
+    ///
+    /// Bones above, and the bone itself, may be scaled by the same number along all axes, not by
+    /// different ones.
+    ///
+    /// # Errors
+    /// The pose is of another armature.
+    pub fn turn(
+        &self,
+        armature: &Armature,
+        pose: &mut Pose,
+        goal: &AimGoal,
+    ) -> Result<bool, SizeMismatch> {
+        armature.rest().check_same_size(pose)?;
+        let above = Placed::within(armature, pose, armature.parent(self.bone), None);
+        let own = above * Placed::local(pose, self.bone);
+        let way = goal.target - own.affine.translation;
+        let scale = own.affine.matrix3.x_axis.length();
+        let points = self.points(way.length() / scale);
+        let Some((to, points)) = way.try_normalize().zip(points) else {
+            return Ok(false);
+        };
+        let turned = arc(own.rotation * points, to);
+        let mut wanted = turned * own.rotation;
+        let upright = goal.up.zip(self.up).and_then(|(asked, up)| {
+            let [is, asked] = [wanted * up, asked].map(|v| v.reject_from_normalized(to));
+            let [is, asked] = [is.try_normalize()?, asked.try_normalize()?];
+            Some(to.dot(is.cross(asked)).atan2(is.dot(asked)))
+        });
+        let twist = if goal.twist.is_finite() {
+            goal.twist
+        } else {
+            0.0
+        };
+        let about = upright.unwrap_or(0.0) + twist;
+        if about != 0.0 {
+            wanted = Quat::from_axis_angle(to.into(), about) * wanted;
+        }
+        let weight = within(goal.weight);
+        if weight > 0.0 {
+            let rotation = slerp(own.rotation, wanted, weight);
+            set_rotation(pose, self.bone, above.rotation.conjugate() * rotation);
+        }
+        Ok(true)
+    }
+
+    /// The direction, in the bone's coordinates, of the point of the line from the muzzle that is so
+    /// far from the joint, which is to be turned onto the target: |m + s f| = d for s ≥ 0.
+    fn points(&self, distance: f32) -> Option<Vec3A> {
+        let ahead = self.muzzle.dot(self.forward);
+        let beside = self.muzzle - self.forward * ahead;
+        let reach = distance * distance - beside.length_squared();
+        // Behind the muzzle is no way to point.
+        let along = (reach > 0.0).then(|| reach.sqrt())?;
+        if along < ahead {
+            return None;
+        }
+        (beside + self.forward * along).try_normalize()
+    }
+}
+
+/// The shortest turn from a unit vector to another one; in double precision, because near half a turn
+/// its axis is what rounding leaves.
+fn arc(from: Vec3A, to: Vec3A) -> Quat {
+    let [from, to] = [from, to].map(|v| v.as_dvec3().normalize());
+    DQuat::from_rotation_arc(from, to).as_quat()
+}
+
+fn axis(name: &'static str, axis: Vec3A) -> Result<Vec3A, AimError> {
+    axis.try_normalize().ok_or(AimError::BadAxis { axis: name })
+}

@@ -1,0 +1,54 @@
+//! A bone whose rotation in the model is a task of the optimiser.
+
+use glam::{DQuat, DVec4, Quat};
+
+use crate::problem::{ProblemBuilder, TaskId};
+use crate::skeleton::{BoneId, Skeleton};
+use crate::spatial::{Matrix3, Quaternion, Vector3};
+use crate::task::Orientation;
+
+/// A bone that is held as the clip has it, or turned by a weight.
+#[derive(Debug)]
+pub(super) struct Held {
+    pub(super) bone: BoneId,
+    pub(super) task: TaskId<Orientation>,
+    pub(super) weight: f64,
+    wanted: DQuat,
+}
+
+impl Held {
+    /// Adds the task, with weight 0.
+    pub(super) fn new(skeleton: &Skeleton, bone: BoneId, builder: &mut ProblemBuilder<'_>) -> Self {
+        let at_first = Matrix3::identity();
+        Self {
+            bone,
+            task: builder.add(Orientation::new(skeleton.tail(bone), at_first)),
+            weight: 0.0,
+            wanted: DQuat::IDENTITY,
+        }
+    }
+
+    /// Sets the rotation wanted, of any length; one that is not finite or zero gets no weight.
+    pub(super) fn set(&mut self, rotation: Quat, weight: f64) {
+        let unit = DVec4::from(rotation.as_dquat()).try_normalize();
+        self.wanted = unit.map_or(DQuat::IDENTITY, DQuat::from_vec4);
+        let usable = unit.is_some() && weight > 0.0;
+        self.weight = if usable { weight.min(1.0) } else { 0.0 };
+    }
+
+    /// The clip's rotation, turned by the weight's share of the shortest arc to the one wanted.
+    pub(super) fn target(&self, clip: &Matrix3<f64>) -> Matrix3<f64> {
+        if self.weight == 0.0 {
+            return *clip;
+        }
+        let Quaternion { w, v } = Quaternion::from_matrix(clip);
+        let from = DQuat::from_xyzw(v.x, v.y, v.z, w).normalize();
+        let turn = self.wanted * from.conjugate();
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        // Not glam's slerp, which approximates the angle to 1e-4.
+        let turn = DQuat::from_scaled_axis(turn.to_scaled_axis() * self.weight);
+        let DQuat { x, y, z, w } = turn * from;
+        let v = Vector3::new(x, y, z);
+        Quaternion { w, v }.to_matrix()
+    }
+}

@@ -1,0 +1,61 @@
+//! Where single bones of a pose are, without placing all of them.
+
+use glam::{Affine3A, Quat};
+
+use crate::animation::{Armature, Pose};
+use crate::skeleton::BoneId;
+
+/// A bone in the model, or in a bone above it.
+#[derive(Clone, Copy)]
+pub(super) struct Placed {
+    pub(super) affine: Affine3A,
+    /// The turn alone; scales are left out.
+    pub(super) rotation: Quat,
+}
+
+impl Placed {
+    /// Where a bone is in its parent.
+    pub(super) fn local(pose: &Pose, bone: BoneId) -> Self {
+        let local = pose.local(bone);
+        Self {
+            affine: local.to_affine(),
+            rotation: local.rotation,
+        }
+    }
+
+    /// Where a bone is in the coordinates of a bone above it (in the model without one).
+    pub(super) fn within(
+        armature: &Armature,
+        pose: &Pose,
+        bone: Option<BoneId>,
+        above: Option<BoneId>,
+    ) -> Self {
+        let mut product = Self {
+            affine: Affine3A::IDENTITY,
+            rotation: Quat::IDENTITY,
+        };
+        let mut next = bone.filter(|bone| Some(*bone) != above);
+        while let Some(bone) = next {
+            product = Self::local(pose, bone) * product;
+            next = armature.parent(bone).filter(|bone| Some(*bone) != above);
+        }
+        product
+    }
+}
+
+impl std::ops::Mul for Placed {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self {
+            affine: self.affine * other.affine,
+            rotation: self.rotation * other.rotation,
+        }
+    }
+}
+
+/// Writes the local rotation of a bone, made of unit length.
+pub(super) fn set_rotation(pose: &mut Pose, bone: BoneId, rotation: Quat) {
+    if let Some(own) = pose.rotations.get_mut(bone.index()) {
+        *own = rotation.normalize();
+    }
+}

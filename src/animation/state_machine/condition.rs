@@ -1,0 +1,121 @@
+//! Transitions and their conditions, whose names are resolved.
+
+use super::definition::{
+    ConditionDefinition, Interruption, ParameterDefault, TransitionDefinition,
+};
+use super::error::StateMachineProblem;
+use super::lookup::{Checked, at, find, finite};
+use super::machine::StateMachine;
+use crate::animation::Easing;
+
+#[derive(Clone, Debug)]
+pub(super) struct Transition {
+    pub(super) from: Option<usize>,
+    pub(super) to: usize,
+    pub(super) seconds: f64,
+    pub(super) easing: Easing,
+    pub(super) in_step: bool,
+    pub(super) after: Option<f64>,
+    pub(super) after_seconds: Option<f64>,
+    pub(super) conditions: Vec<Condition>,
+    pub(super) interruption: Interruption,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Condition {
+    Between {
+        parameter: usize,
+        above: f32,
+        below: f32,
+    },
+    Is {
+        parameter: usize,
+        value: bool,
+    },
+    Triggered {
+        parameter: usize,
+    },
+}
+
+impl StateMachine {
+    /// Checks a transition against the states and parameters that there are.
+    pub(super) fn transition(
+        &self,
+        path: &str,
+        given: &TransitionDefinition,
+    ) -> Checked<Transition> {
+        let from = match &given.from {
+            Some(from) => Some(self.state(|| format!("{path}.from"), from)?),
+            None => None,
+        };
+        if from.is_none() && given.when.is_empty() {
+            let path = format!("{path}.when");
+            return Err(at(path, StateMachineProblem::Unconditional));
+        }
+        let durations = [
+            ("seconds", Some(given.seconds)),
+            ("after", given.after),
+            ("after_seconds", given.after_seconds),
+        ];
+        for (key, seconds) in durations {
+            if let Some(seconds) = seconds.filter(|s| !(s.is_finite() && *s >= 0.0)) {
+                let problem = StateMachineProblem::BadDuration { seconds };
+                return Err(at(format!("{path}.{key}"), problem));
+            }
+        }
+        let conditions = given.when.iter().enumerate();
+        let conditions = conditions
+            .map(|(index, condition)| self.condition(&format!("{path}.when[{index}]"), condition));
+        Ok(Transition {
+            from,
+            to: self.state(|| format!("{path}.to"), &given.to)?,
+            seconds: given.seconds,
+            easing: given.easing,
+            in_step: given.in_step,
+            after: given.after,
+            after_seconds: given.after_seconds,
+            conditions: conditions.collect::<Checked<_>>()?,
+            interruption: given.interruption,
+        })
+    }
+
+    fn condition(&self, path: &str, given: &ConditionDefinition) -> Checked<Condition> {
+        let names = self.parameters.iter().map(|(name, _)| name.as_str());
+        let name = given.parameter.as_str();
+        let parameter = find(|| format!("{path}.parameter"), "parameter", name, names)?;
+        for (key, bound) in [("above", given.above), ("below", given.below)] {
+            if let Some(bound) = bound {
+                finite(|| format!("{path}.{key}"), f64::from(bound))?;
+            }
+        }
+        if let Some((above, below)) = given.above.zip(given.below).filter(|(a, b)| a >= b) {
+            return Err(at(path, StateMachineProblem::NoNumber { above, below }));
+        }
+        let wrong = |kind, expected| {
+            let parameter = given.parameter.clone();
+            let problem = StateMachineProblem::WrongCondition {
+                parameter,
+                kind,
+                expected,
+            };
+            Err(at(path, problem))
+        };
+        let bounds = given.above.is_some() || given.below.is_some();
+        match (self.parameters[parameter].1, given.is) {
+            (ParameterDefault::Number(_), None) if bounds => Ok(Condition::Between {
+                parameter,
+                above: given.above.unwrap_or(f32::NEG_INFINITY),
+                below: given.below.unwrap_or(f32::INFINITY),
+            }),
+            (ParameterDefault::Number(_), _) => wrong("number", "`above`, `below` or both"),
+            (ParameterDefault::Flag(_), Some(value)) if !bounds => {
+                Ok(Condition::Is { parameter, value })
+            }
+            (ParameterDefault::Flag(_), _) => wrong("flag", "`is` and nothing else"),
+            (ParameterDefault::Trigger(_), None) if !bounds => {
+                Ok(Condition::Triggered { parameter })
+            }
+            (ParameterDefault::Trigger(_), _) => wrong("trigger", "neither bounds nor `is`"),
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! A state machine as data, as it stands in a JSON file.
+
+mod state;
+mod transition;
+
+pub use state::{BlendClip, BlendDefinition, MotionDefinition, StateDefinition};
+pub use transition::{ConditionDefinition, Interruption, TransitionDefinition};
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// States that play clips or blends of them, and what leads from one to another.
+///
+/// ```
+/// # use kinopt::animation::StateMachineDefinition;
+/// let definition: StateMachineDefinition = serde_json::from_str(
+///     r#"{
+///       "parameters": {"speed": 0.0, "grounded": true, "jump": "trigger"},
+///       "initial": "idle",
+///       "states": [
+///         {"name": "idle", "clip": "stand"},
+///         {"name": "move", "blend": {"parameter": "speed", "clips": [
+///           {"at": 1.4, "clip": "walk"}, {"at": 4.0, "clip": "run"}
+///         ]}},
+///         {"name": "jump", "clip": "jump", "playback": "hold"}
+///       ],
+///       "transitions": [
+///         {"from": "idle", "to": "move", "seconds": 0.2, "when": [{"parameter": "speed", "above": 0.1}]},
+///         {"from": "move", "to": "idle", "seconds": 0.3, "when": [{"parameter": "speed", "below": 0.1}],
+///          "interruption": "target"},
+///         {"to": "jump", "seconds": 0.1, "when": [{"parameter": "jump"}, {"parameter": "grounded", "is": true}]},
+///         {"from": "jump", "to": "idle", "seconds": 0.2, "after": 0.9}
+///       ]
+///     }"#,
+/// )?;
+/// assert_eq!(definition.states.len(), 3);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct StateMachineDefinition {
+    /// Named values that conditions look at, and what they are at first.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, ParameterDefault>,
+    /// The name of the state to start in.
+    pub initial: String,
+    /// At least one.
+    pub states: Vec<StateDefinition>,
+    /// In order of precedence.
+    #[serde(default)]
+    pub transitions: Vec<TransitionDefinition>,
+}
+
+/// What kind of value a parameter has, and what it is at first.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(
+    untagged,
+    expecting = "a parameter is `true` or `false`, a number, or \"trigger\""
+)]
+pub enum ParameterDefault {
+    /// A flag: `true` or `false`.
+    Flag(bool),
+    /// A number.
+    Number(f32),
+    /// `"trigger"`: set by an event, cleared by the transition that it causes.
+    Trigger(TriggerWord),
+}
+
+/// The word `"trigger"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TriggerWord {
+    /// The word.
+    Trigger,
+}

@@ -1,0 +1,34 @@
+//! Checks that say where in the data something is wrong.
+
+use super::error::{StateMachineError, StateMachineProblem};
+use crate::model::UnknownName;
+
+pub(super) type Checked<T> = Result<T, StateMachineError>;
+
+pub(super) fn at(path: impl Into<String>, problem: StateMachineProblem) -> StateMachineError {
+    StateMachineError {
+        path: path.into(),
+        problem,
+    }
+}
+
+pub(super) fn finite(path: impl FnOnce() -> String, value: f64) -> Checked<()> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(at(path(), StateMachineProblem::NotFinite { value }))
+}
+
+/// The position of a name.
+pub(super) fn find<'a>(
+    path: impl FnOnce() -> String,
+    kind: &'static str,
+    name: &str,
+    mut valid: impl Iterator<Item = &'a str> + Clone,
+) -> Checked<usize> {
+    let names = valid.clone();
+    valid.position(|own| own == name).ok_or_else(|| {
+        let unknown = UnknownName::new(kind, name, names);
+        at(path(), StateMachineProblem::Unknown(unknown))
+    })
+}

@@ -1,0 +1,146 @@
+//! What plays in a state, with its names resolved.
+
+use std::sync::Arc;
+
+use super::definition::{MotionDefinition, ParameterDefault};
+use super::error::StateMachineProblem;
+use super::lookup::{Checked, at, find, finite};
+use super::machine::StateMachine;
+use crate::animation::Clip;
+
+/// Clips along a parameter; a single clip is a blend of one.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    parameter: Option<usize>,
+    /// At least one, by rising numbers.
+    clips: Vec<(f32, Arc<Clip>)>,
+}
+
+/// The clips that play at a value of the parameter: one, and how far it goes to the next one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mix {
+    pub(super) first: usize,
+    /// Within [0, 1); above 0 there is a next one.
+    pub(super) share: f32,
+}
+
+impl Motion {
+    pub(super) fn clips(&self) -> impl ExactSizeIterator<Item = &Clip> {
+        self.clips.iter().map(|(_, clip)| &**clip)
+    }
+
+    pub(super) fn clip(&self, index: usize) -> &Clip {
+        &self.clips[index].1
+    }
+
+    /// What plays at the values of the parameters.
+    pub(super) fn mix(&self, values: &[ParameterDefault]) -> Mix {
+        let alone = |first| Mix { first, share: 0.0 };
+        let value = match self.parameter.and_then(|index| values.get(index)) {
+            Some(ParameterDefault::Number(value)) => *value,
+            _ => return alone(0),
+        };
+        let above = self.clips.partition_point(|(at, _)| *at <= value);
+        if above == 0 || above == self.clips.len() {
+            return alone(above.saturating_sub(1));
+        }
+        let [low, high, value] =
+            [self.clips[above - 1].0, self.clips[above].0, value].map(f64::from);
+        Mix {
+            first: above - 1,
+            share: ((value - low) / (high - low)) as f32,
+        }
+    }
+
+    /// The clips that play, each with its weight above 0; the weights sum to 1.
+    pub(super) fn playing(&self, mix: Mix) -> impl Iterator<Item = (&Clip, f32)> {
+        let shares = [1.0 - mix.share, mix.share].into_iter();
+        let clips = self.clips().skip(mix.first).zip(shares);
+        clips.filter(|(_, share)| *share > 0.0)
+    }
+
+    /// How long once through takes at speed 1, in seconds: the mean of the clips that last any time.
+    pub(super) fn length(&self, mix: Mix) -> f64 {
+        let timed = self.playing(mix).filter(|(clip, _)| clip.duration() > 0.0);
+        let [length, weight] = timed.fold([0.0, 0.0], |[length, sum], (clip, weight)| {
+            let weight = f64::from(weight);
+            [length + weight * clip.duration(), sum + weight]
+        });
+        if weight > 0.0 { length / weight } else { 0.0 }
+    }
+}
+
+impl StateMachine {
+    /// Checks what a state plays against the clips and parameters that there are.
+    pub(super) fn motion(
+        &self,
+        path: &str,
+        given: &MotionDefinition,
+        clips: &[Arc<Clip>],
+    ) -> Checked<Motion> {
+        let mut motion = Motion {
+            parameter: None,
+            clips: Vec::new(),
+        };
+        match given {
+            MotionDefinition::Clip(name) => {
+                let clip = self.clip(&format!("{path}.clip"), name, clips, &motion)?;
+                motion.clips.push((0.0, clip));
+            }
+            MotionDefinition::Blend(blend) => {
+                let place = || format!("{path}.blend.parameter");
+                let numbers = self.parameters.iter();
+                let numbers = numbers.filter(|(_, d)| matches!(d, ParameterDefault::Number(_)));
+                let names = numbers.map(|(name, _)| name.as_str());
+                find(place, "number", &blend.parameter, names)?;
+                let own = |(name, _): &(String, _)| *name == blend.parameter;
+                motion.parameter = self.parameters.iter().position(own);
+                for (index, given) in blend.clips.iter().enumerate() {
+                    let path = format!("{path}.blend.clips[{index}]");
+                    finite(|| format!("{path}.at"), f64::from(given.at))?;
+                    if let Some(&(before, _)) = motion.clips.last().filter(|(b, _)| *b >= given.at)
+                    {
+                        let problem = StateMachineProblem::NotRising {
+                            before,
+                            at: given.at,
+                        };
+                        return Err(at(format!("{path}.at"), problem));
+                    }
+                    let clip = self.clip(&format!("{path}.clip"), &given.clip, clips, &motion)?;
+                    motion.clips.push((given.at, clip));
+                }
+                if motion.clips.is_empty() {
+                    let path = format!("{path}.blend.clips");
+                    return Err(at(path, StateMachineProblem::EmptyBlend));
+                }
+            }
+        }
+        Ok(motion)
+    }
+
+    /// Looks a clip up, which must be of the armature of those before it.
+    fn clip(
+        &self,
+        path: &str,
+        name: &str,
+        clips: &[Arc<Clip>],
+        before: &Motion,
+    ) -> Checked<Arc<Clip>> {
+        let names = clips.iter().map(|clip| clip.name());
+        let clip = &clips[find(|| path.to_owned(), "clip", name, names)?];
+        let states = self.states.iter().map(|state| &state.motion);
+        let first = states
+            .chain([before])
+            .find_map(|motion| motion.clips().next());
+        let expected = first.unwrap_or(clip).bones();
+        if clip.bones() != expected {
+            let problem = StateMachineProblem::OtherArmature {
+                clip: name.to_owned(),
+                bones: clip.bones(),
+                expected,
+            };
+            return Err(at(path, problem));
+        }
+        Ok(Arc::clone(clip))
+    }
+}

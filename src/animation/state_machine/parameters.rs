@@ -1,0 +1,138 @@
+//! The values that a run's conditions look at.
+
+use super::condition::Condition;
+use super::definition::ParameterDefault;
+use super::run::StateMachineRun;
+use crate::model::UnknownName;
+
+/// A value for a parameter of another kind, or a parameter that does not exist.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParameterError {
+    /// No parameter of that name.
+    #[error("no {} named `{}`; there are: {}", .0.kind, .0.name, .0.valid.join(", "))]
+    Unknown(UnknownName),
+    /// A number that is not finite.
+    #[error("parameter `{parameter}`: {value} is not finite")]
+    NotFinite {
+        /// The parameter.
+        parameter: String,
+        /// The number.
+        value: f32,
+    },
+}
+
+/// A parameter's value now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterValue {
+    /// A number.
+    Number(f32),
+    /// A flag.
+    Flag(bool),
+    /// Whether a trigger is set and not yet taken.
+    Trigger(bool),
+}
+
+fn is_number(default: &ParameterDefault) -> bool {
+    matches!(default, ParameterDefault::Number(_))
+}
+
+fn is_flag(default: &ParameterDefault) -> bool {
+    matches!(default, ParameterDefault::Flag(_))
+}
+
+fn is_trigger(default: &ParameterDefault) -> bool {
+    matches!(default, ParameterDefault::Trigger(_))
+}
+
+impl StateMachineRun {
+    fn parameter(
+        &self,
+        kind: &'static str,
+        name: &str,
+        suits: fn(&ParameterDefault) -> bool,
+    ) -> Result<usize, ParameterError> {
+        let parameters = self.machine.parameters.iter();
+        let position = parameters
+            .clone()
+            .position(|(own, d)| own == name && suits(d));
+        position.ok_or_else(|| {
+            let valid = parameters
+                .filter(|(_, d)| suits(d))
+                .map(|(own, _)| own.as_str());
+            ParameterError::Unknown(UnknownName::new(kind, name, valid))
+        })
+    }
+
+    /// Sets a number.
+    ///
+    /// # Errors
+    /// No number of that name (the error lists them), or a value that is not finite.
+    pub fn set_number(&mut self, name: &str, value: f32) -> Result<(), ParameterError> {
+        let index = self.parameter("number", name, is_number)?;
+        if !value.is_finite() {
+            let parameter = name.to_owned();
+            return Err(ParameterError::NotFinite { parameter, value });
+        }
+        self.values[index] = ParameterDefault::Number(value);
+        Ok(())
+    }
+
+    /// Sets a flag.
+    ///
+    /// # Errors
+    /// No flag of that name; the error lists them.
+    pub fn set_flag(&mut self, name: &str, value: bool) -> Result<(), ParameterError> {
+        let index = self.parameter("flag", name, is_flag)?;
+        self.values[index] = ParameterDefault::Flag(value);
+        Ok(())
+    }
+
+    /// Sets a trigger, until a transition takes it.
+    ///
+    /// # Errors
+    /// No trigger of that name; the error lists them.
+    pub fn trigger(&mut self, name: &str) -> Result<(), ParameterError> {
+        let index = self.parameter("trigger", name, is_trigger)?;
+        self.triggered[index] = true;
+        Ok(())
+    }
+
+    /// Takes a trigger back that no transition has taken.
+    ///
+    /// # Errors
+    /// No trigger of that name; the error lists them.
+    pub fn clear_trigger(&mut self, name: &str) -> Result<(), ParameterError> {
+        let index = self.parameter("trigger", name, is_trigger)?;
+        self.triggered[index] = false;
+        Ok(())
+    }
+
+    /// All parameters by name, with their values now.
+    pub fn parameters(&self) -> impl Iterator<Item = (&str, ParameterValue)> {
+        let names = self.machine.parameters.iter().map(|(name, _)| &**name);
+        let values = self.values.iter().zip(&self.triggered);
+        names.zip(values.map(|(value, triggered)| match value {
+            ParameterDefault::Number(value) => ParameterValue::Number(*value),
+            ParameterDefault::Flag(value) => ParameterValue::Flag(*value),
+            ParameterDefault::Trigger(_) => ParameterValue::Trigger(*triggered),
+        }))
+    }
+
+    pub(super) fn holds(&self, condition: Condition) -> bool {
+        match condition {
+            Condition::Between {
+                parameter,
+                above,
+                below,
+            } => match self.values[parameter] {
+                ParameterDefault::Number(value) => above < value && value < below,
+                _ => false,
+            },
+            Condition::Is { parameter, value } => {
+                self.values[parameter] == ParameterDefault::Flag(value)
+            }
+            Condition::Triggered { parameter } => self.triggered[parameter],
+        }
+    }
+}

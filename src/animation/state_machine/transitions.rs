@@ -1,0 +1,119 @@
+//! Which transitions a run takes, and when.
+
+use super::condition::{Condition, Transition};
+use super::definition::Interruption;
+use super::machine::StateMachine;
+use super::playing::{Fade, MOMENT, Origin, Playing, Progress};
+use super::run::StateMachineRun;
+use crate::animation::SizeMismatch;
+
+impl StateMachineRun {
+    /// Takes the transitions of this moment: at most so many, and none of them twice, so that a ring
+    /// of them ends. Says how many.
+    pub(super) fn take_all(
+        &mut self,
+        machine: &StateMachine,
+        most: usize,
+    ) -> Result<usize, SizeMismatch> {
+        self.taken.clear();
+        while self.taken.len() < most {
+            let due = |(index, wait): &(usize, f64)| *wait <= MOMENT && !self.taken.contains(index);
+            let Some((index, _)) = self.open(machine).find(due) else {
+                break;
+            };
+            self.taken.push(index);
+            self.take(machine, &machine.transitions[index])?;
+        }
+        Ok(self.taken.len())
+    }
+
+    /// The seconds until the cross-fade ends or time opens another transition; infinite where neither
+    /// will be.
+    pub(super) fn until_change(&self, machine: &StateMachine) -> f64 {
+        let fade = self.fade.as_ref().map(|fade| fade.progress.left());
+        let waits = self.open(machine).map(|(_, wait)| wait);
+        let waits = waits.filter(|wait| *wait > MOMENT);
+        waits.chain(fade).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The transitions whose conditions hold, in order of precedence, and the seconds until each may
+    /// be taken.
+    fn open<'a>(&'a self, machine: &'a StateMachine) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let sources = self.sources().into_iter().flatten();
+        sources.flat_map(move |playing| {
+            let transitions = machine.transitions.iter().enumerate();
+            transitions
+                .filter(move |(_, own)| self.leads_away(playing, own))
+                .filter(|(_, own)| own.conditions.iter().all(|c| self.holds(*c)))
+                .map(move |(index, own)| (index, self.wait(machine, playing, own)))
+        })
+    }
+
+    /// The states whose transitions count now.
+    fn sources(&self) -> [Option<&Playing>; 2] {
+        let Some(fade) = &self.fade else {
+            return [Some(&self.current), None];
+        };
+        match fade.interruption {
+            Interruption::Never => [None, None],
+            Interruption::Source => [fade.leaving(), None],
+            Interruption::Target => [Some(&self.current), None],
+            Interruption::Either => [fade.leaving(), Some(&self.current)],
+        }
+    }
+
+    /// Whether a transition leads from a state to another one than it is going to already.
+    fn leads_away(&self, playing: &Playing, transition: &Transition) -> bool {
+        let going = self.current.state;
+        match transition.from {
+            Some(from) => from == playing.state && (self.fade.is_none() || transition.to != going),
+            None => transition.to != going,
+        }
+    }
+
+    fn take(
+        &mut self,
+        machine: &StateMachine,
+        transition: &Transition,
+    ) -> Result<(), SizeMismatch> {
+        for condition in &transition.conditions {
+            if let Condition::Triggered { parameter } = condition {
+                self.triggered[*parameter] = false;
+            }
+        }
+        let fades = transition.seconds > 0.0;
+        let broken = self.fade.is_some();
+        if broken && fades {
+            // A fade that is broken off goes on from the pose as it is now.
+            self.show()?;
+        }
+        self.fade = None;
+        let entered = match transition.in_step {
+            true => self.current.start_in_step(machine, transition.to),
+            false => Playing::start(machine, transition.to),
+        };
+        let left = std::mem::replace(&mut self.current, entered);
+        self.fade = fades.then(|| Fade {
+            from: match broken {
+                true => Origin::Still(self.pose.clone()),
+                false => Origin::State(left),
+            },
+            progress: Progress::new(transition.seconds, transition.easing),
+            interruption: transition.interruption,
+        });
+        Ok(())
+    }
+
+    /// The seconds until a state has played as long as a transition asks.
+    fn wait(&self, machine: &StateMachine, playing: &Playing, transition: &Transition) -> f64 {
+        let state = &machine.states[playing.state];
+        let mix = state.motion.mix(&self.values);
+        let played = transition
+            .after
+            .map(|times| playing.until_played(state, mix, times));
+        let stayed = transition
+            .after_seconds
+            .map(|seconds| seconds - playing.seconds);
+        played.into_iter().chain(stayed).fold(0.0, f64::max)
+    }
+}

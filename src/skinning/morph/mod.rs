@@ -1,0 +1,144 @@
+//! Morph targets (blend shapes): shapes mixed into the mesh at rest, before bones move it.
+
+mod error;
+mod target;
+
+pub use error::MorphError;
+pub use target::MorphTarget;
+
+use glam::{Vec3, Vec4};
+
+/// The morph targets of one mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MorphTargets {
+    targets: Vec<MorphTarget>,
+    vertex_count: usize,
+}
+
+impl MorphTargets {
+    /// Targets for a mesh of so many vertices.
+    ///
+    /// # Errors
+    /// A target names a vertex that does not exist.
+    pub fn new(vertex_count: usize, targets: Vec<MorphTarget>) -> Result<Self, MorphError> {
+        for target in &targets {
+            // They rise, so the last is the largest.
+            if let Some(&vertex) = target
+                .vertices
+                .last()
+                .filter(|&&v| v as usize >= vertex_count)
+            {
+                return Err(MorphError::VertexOutOfRange {
+                    target: target.name.clone(),
+                    vertex,
+                    vertices: vertex_count,
+                });
+            }
+        }
+        Ok(Self {
+            targets,
+            vertex_count,
+        })
+    }
+
+    /// The targets, in the order of the weights.
+    #[must_use]
+    pub fn targets(&self) -> &[MorphTarget] {
+        &self.targets
+    }
+
+    /// How many vertices the mesh has.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// Adds Σ_k α_k Δ_k to vertices at rest, in place; buffers that are empty are left out. Normals and
+    /// tangents that a target touches come out with unit length (zero where the sum is zero); tangents
+    /// keep their sign w.
+    ///
+    /// Weights α_k are usually 0 to 1, but any finite number is taken; 0 costs nothing. The rest has
+    /// the share 1 − Σ_k α_k, so this is the weighted mean of shapes whose weights sum to 1.
+    ///
+    /// # Errors
+    /// There is not one weight per target, one is not finite, or a buffer is neither empty nor one
+    /// entry per vertex. Nothing is changed then.
+    pub fn apply(
+        &self,
+        weights: &[f32],
+        positions: &mut [Vec3],
+        normals: &mut [Vec3],
+        tangents: &mut [Vec4],
+    ) -> Result<(), MorphError> {
+        self.check_weights(weights)?;
+        let sizes = [
+            ("positions", positions.len()),
+            ("normals", normals.len()),
+            ("tangents", tangents.len()),
+        ];
+        for (what, given) in sizes {
+            if given != 0 && given != self.vertex_count {
+                return Err(MorphError::VertexCount {
+                    what,
+                    given,
+                    vertices: self.vertex_count,
+                });
+            }
+        }
+        let active = || self.targets.iter().zip(weights).filter(|(_, w)| **w != 0.0);
+        for (target, &weight) in active() {
+            add(
+                positions,
+                &target.vertices,
+                &target.positions,
+                |p, delta| *p += delta * weight,
+            );
+            add(normals, &target.vertices, &target.normals, |n, delta| {
+                *n += delta * weight
+            });
+            add(tangents, &target.vertices, &target.tangents, |t, delta| {
+                *t += (delta * weight).extend(0.0);
+            });
+        }
+        for (target, _) in active() {
+            add(normals, &target.vertices, &target.normals, |n, _| {
+                *n = n.normalize_or_zero();
+            });
+            add(tangents, &target.vertices, &target.tangents, |t, _| {
+                *t = t.truncate().normalize_or_zero().extend(t.w);
+            });
+        }
+        Ok(())
+    }
+
+    fn check_weights(&self, weights: &[f32]) -> Result<(), MorphError> {
+        if weights.len() != self.targets.len() {
+            let names: Vec<&str> = self.targets.iter().map(MorphTarget::name).collect();
+            return Err(MorphError::WeightCount {
+                given: weights.len(),
+                targets: self.targets.len(),
+                names: names.join(", "),
+            });
+        }
+        let broken = self
+            .targets
+            .iter()
+            .zip(weights)
+            .find(|(_, w)| !w.is_finite());
+        broken.map_or(Ok(()), |(target, &weight)| {
+            Err(MorphError::NonFiniteWeight {
+                target: target.name.clone(),
+                weight,
+            })
+        })
+    }
+}
+
+/// Does something to each listed vertex of a buffer that is there, with its delta.
+fn add<T>(buffer: &mut [T], vertices: &[u32], deltas: &[Vec3], mut to: impl FnMut(&mut T, Vec3)) {
+    for (&vertex, &delta) in vertices.iter().zip(deltas) {
+        if let Some(entry) = buffer.get_mut(vertex as usize) {
+            to(entry, delta);
+        }
+    }
+}
