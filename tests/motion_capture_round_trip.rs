@@ -240,27 +240,72 @@ fn written_angles_do_not_leap() {
         Vec::new(),
     );
     let armature = armature.unwrap();
-    // Three whole turns about an axis between the three, twelve degrees a frame.
-    let axis = glam::Vec3::new(1.0, 2.0, 3.0).normalize();
     let times: Vec<f32> = (0..91).map(|k| k as f32 / 30.0).collect();
-    let turns = (0..91).map(|k| Quat::from_axis_angle(axis, k as f32 * PI / 15.0));
-    let curve = RotationCurve::slerp(times, turns.collect()).unwrap();
-    let mut builder = Clip::builder("spin", &armature);
-    let top = armature.bone("top").unwrap();
-    builder.channel(top, Channel::Rotation(curve)).unwrap();
-    let text = bvh::to_text(&armature, &builder.build(), 30.0).unwrap();
-    let frames = text.split_once("Frame Time").unwrap().1.lines().skip(1);
-    let numbers = |line: &str| line.split(' ').map(|w| w.parse::<f64>().unwrap()).collect();
-    let frames: Vec<Vec<f64>> = frames.map(numbers).collect();
-    assert_eq!(frames.len(), 91);
-    for pair in frames.windows(2) {
-        for channel in 3..6 {
-            let leap = (pair[1][channel] - pair[0][channel]).abs();
-            assert!(leap < 30.0, "{pair:?}");
+    // Three whole turns, twelve degrees a frame: about each axis, and about one between them.
+    let axes = [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 2.0, 3.0],
+    ];
+    for axis in axes.map(|axis| glam::Vec3::from(axis).normalize()) {
+        let turns = (0..91).map(|k| Quat::from_axis_angle(axis, k as f32 * PI / 15.0));
+        let curve = RotationCurve::slerp(times.clone(), turns.collect()).unwrap();
+        let mut builder = Clip::builder("spin", &armature);
+        let top = armature.bone("top").unwrap();
+        builder.channel(top, Channel::Rotation(curve)).unwrap();
+        let text = bvh::to_text(&armature, &builder.build(), 30.0).unwrap();
+        let frames = text.split_once("Frame Time").unwrap().1.lines().skip(1);
+        let numbers = |line: &str| line.split(' ').map(|w| w.parse::<f64>().unwrap()).collect();
+        let frames: Vec<Vec<f64>> = frames.map(numbers).collect();
+        assert_eq!(frames.len(), 91);
+        for pair in frames.windows(2) {
+            for channel in 3..6 {
+                let leap = (pair[1][channel] - pair[0][channel]).abs();
+                assert!(leap < 30.0, "about {axis}: {pair:?}");
+            }
         }
+        let [first, last] = [&frames[0], &frames[90]];
+        let on = (3..6).map(|channel| (last[channel] - first[channel]).abs());
+        let most = on.fold(0.0, f64::max);
+        assert!((most - 1080.0).abs() < 1e-3, "about {axis}: {most}");
     }
-    let [first, last] = [&frames[0], &frames[90]];
-    assert!((3..6).any(|channel| (last[channel] - first[channel]).abs() > 1000.0));
+}
+
+#[test]
+fn written_angles_pass_gimbal_lock() {
+    let top = vec![bone("top", None, Vec3A::ZERO, Quat::IDENTITY)];
+    let armature = Armature::new(top, Vec::new()).unwrap();
+    let top = armature.bone("top").unwrap();
+    for sign in [1.0, -1.0_f32] {
+        let turn = |x: f32| {
+            let z = Quat::from_rotation_z(40_f32.to_radians());
+            let y = Quat::from_rotation_y(-25_f32.to_radians());
+            z * Quat::from_rotation_x((sign * x).to_radians()) * y
+        };
+        let posed = |x: f32| {
+            let mut pose = armature.rest().clone();
+            let rotation = turn(x);
+            let local = LocalTransform {
+                rotation,
+                ..LocalTransform::IDENTITY
+            };
+            pose.set_local(top, local).unwrap();
+            pose
+        };
+        let bends: Vec<f32> = (0..19).map(|k| 10.0 * k as f32).collect();
+        let poses: Vec<Pose> = bends.iter().map(|&x| posed(x)).collect();
+        let text = bvh::poses_to_text(&armature, &poses, 30.0).unwrap();
+        let lines = text.split_once("Frame Time").unwrap().1.lines().skip(1);
+        for (line, x) in lines.zip(&bends) {
+            let words: Vec<f32> = line.split(' ').map(|w| w.parse().unwrap()).collect();
+            let off = [words[3] - 40.0, words[4] - sign * x, words[5] + 25.0];
+            assert!(off.iter().all(|off| off.abs() < 1e-3), "{line}, not {x}");
+        }
+        let capture = read(&text);
+        let locked = frame(&capture, 9)[0];
+        assert!(locked.abs_diff_eq(Affine3A::from_quat(turn(90.0)), 3e-6));
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Angles that run on from frame to frame.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DQuat;
 
@@ -9,10 +9,19 @@ use crate::animation::rotation::EulerOrder;
 /// How rotations are written: the order of the first files.
 pub(super) const ORDER: EulerOrder = EulerOrder::Zxy;
 
+/// So near to a quarter turn, in radians, the middle angle's rounding in single precision decides
+/// over the outer two.
+const LOCKED: f64 = 1e-6;
+
 /// The angles of a unit quaternion, in radians, that are nearest to those of the frame before: other
 /// programs run straight from angle to angle.
 pub(super) fn nearest(rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
-    let [first, middle, last] = ORDER.from_quaternion(rotation).angles;
+    let [mut first, middle, mut last] = ORDER.from_quaternion(rotation).angles;
+    if FRAC_PI_2 - middle.abs() < LOCKED {
+        // Only the sum counts, or for a quarter turn back the difference; the last stays.
+        first += (last - before[2]) * middle.signum();
+        last = before[2];
+    }
     // The two triples of a rotation, each up to whole turns.
     let both = [[first, middle, last], [first + PI, PI - middle, last + PI]];
     let [one, other] = both.map(|angles| near(angles, before));
