@@ -1,9 +1,11 @@
-//! Files: meshes (PLY, OBJ), matrices (DMAT), rigs and animation state machines (JSON).
+//! Files: meshes (PLY, OBJ), matrices (DMAT), rigs and animation state machines (JSON),
+//! motion capture (BVH).
 //!
 //! Every reader has a core that takes bytes and a name for messages, and a `read` that takes a
 //! path. A count that a file announces is checked against the file's length before anything is
 //! allocated for it.
 
+pub mod bvh;
 pub mod dmat;
 mod error;
 mod json;
