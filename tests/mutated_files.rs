@@ -13,6 +13,7 @@ mod small_rig;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use kinopt::io::bvh;
 use kinopt::io::dmat::{self, DmatEncoding};
 use kinopt::io::ply::{self, PlyEncoding};
 use kinopt::mesh::TriangleMesh;
@@ -191,6 +192,50 @@ fn damaged_ply() {
     ] {
         bombard(seed, 4000, &ply::to_bytes(&mesh, encoding), reads_ply);
     }
+}
+
+const BVH: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 9.5 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Leg
+  {
+    OFFSET 1 -4 0
+    CHANNELS 1 Xrotation
+    End Site
+    {
+      OFFSET 0 -4 0
+    }
+  }
+}
+MOTION
+Frames: 3
+Frame Time: 0.04
+0 9.25 0 10 20 30 40
+0.125 9 1 -350 21 31 41
+0.25 8.5 2 12 22 32 -170
+";
+
+#[test]
+fn damaged_bvh() {
+    bombard(10, 8000, BVH.as_bytes(), |bytes| {
+        let Ok(capture) = bvh::from_bytes(bytes, "damaged.bvh") else {
+            return false;
+        };
+        // What can be read can be written, and is the same bones when read again.
+        if (1..100).contains(&capture.frames) {
+            let (armature, rate) = (&capture.armature, 1.0 / capture.frame_time);
+            let text = bvh::to_text(armature, &capture.clip, rate).unwrap();
+            let again = bvh::from_bytes(text.as_bytes(), "again.bvh").unwrap();
+            assert_eq!(again.frames, capture.frames);
+            for (name, place) in armature.names().iter().zip(armature.rest().translations()) {
+                let bone = again.armature.bone(name).unwrap();
+                assert_eq!(again.armature.rest().local(bone).translation, *place);
+            }
+        }
+        true
+    });
 }
 
 #[test]

@@ -7,6 +7,7 @@ use kinopt::io::rig::Rig;
 use kinopt::model::{JointKind, ParameterMap};
 use kinopt::robot::Robot;
 
+use crate::animated_armature::{self, AnimatedArmature};
 use crate::failure::{Failure, Outcome};
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
@@ -48,6 +49,10 @@ impl LoadedModel {
             "urdf" => Ok(Self::of_robot(file, Robot::read(path)?)),
             "" => Err(Failure::new(format!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
+            ))),
+            _ if AnimatedArmature::is_at(path) => Err(Failure::new(format!(
+                "{file}: has no joints with limits; {} is for kinopt info and kinopt fk",
+                animated_armature::SUPPORTED
             ))),
             other => Err(Failure::new(format!(
                 "{file}: models in .{other} files are not supported; supported: {SUPPORTED}"
