@@ -69,6 +69,15 @@ impl LoadedModel {
         }
     }
 
+    /// Refuses `--clip`, which scenes have.
+    pub(crate) fn refuse_clip(&self, clip: Option<&str>) -> Outcome<()> {
+        let (file, kind) = (&self.file, self.kind());
+        clip.map_or(Ok(()), |_| {
+            let problem = format!("{file}: --clip is for scenes; this is a {kind}");
+            Err(Failure::usage(problem))
+        })
+    }
+
     /// "rig" or "robot".
     pub(crate) fn kind(&self) -> &'static str {
         match self.rig {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kinopt::io::ply::PlyEncoding;
-use kinopt::io::{obj, ply};
+use kinopt::io::{gltf, obj, ply};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
 use kinopt::skinning::{AutomaticWeights, MeshWeights, SkinningMethod, single_precision_transform};
@@ -26,13 +26,15 @@ pub(crate) enum MeshFormat {
     Obj,
     /// Stanford, little-endian binary.
     Ply,
+    /// glTF 2.0, binary.
+    Glb,
 }
 
 impl MeshFormat {
     /// The format that a path's extension stands for.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Ply]
+        [Self::Obj, Self::Ply, Self::Glb]
             .into_iter()
             .find(|format| format.extension() == extension)
     }
@@ -41,6 +43,7 @@ impl MeshFormat {
         match self {
             Self::Obj => "obj",
             Self::Ply => "ply",
+            Self::Glb => "glb",
         }
     }
 }
@@ -48,7 +51,7 @@ impl MeshFormat {
 impl MeshFile {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
-        let format = MeshFormat::of(&path).ok_or("meshes are written as .obj or .ply")?;
+        let format = MeshFormat::of(&path).ok_or("meshes are written as .obj, .ply or .glb")?;
         Ok(Self { path, format })
     }
 
@@ -66,6 +69,7 @@ impl MeshFile {
         match self.format {
             MeshFormat::Obj => obj::write(mesh, &self.path)?,
             MeshFormat::Ply => ply::write(mesh, PlyEncoding::BinaryLittleEndian, &self.path)?,
+            MeshFormat::Glb => gltf::write_mesh(mesh, &self.path)?,
         }
         Ok(())
     }

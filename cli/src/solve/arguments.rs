@@ -187,7 +187,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N")]
     pub(super) max_iterations: Option<u32>,
 
-    /// Write the mesh in the pose found, as .obj or .ply. Default: not written.
+    /// Write the mesh in the pose found, as .obj, .ply or .glb. Default: not written.
     ///
     /// It needs a rig with a mesh; where there are no skin weights, each vertex follows the bones
     /// nearest to it.
