@@ -30,7 +30,7 @@ pub(super) fn read(
 ) -> Result<Meshes, ReadError> {
     let mut own = Meshes::default();
     let mut raws: BTreeMap<usize, RawMesh> = BTreeMap::new();
-    let mut taken = BTreeSet::new();
+    let (mut taken, mut left_out) = (BTreeSet::new(), BTreeSet::new());
     // In the order of the bones, so that a scene that was written is read in the same order.
     let mut order: Vec<usize> = (0..source.root.nodes.len()).collect();
     order.sort_by_key(|&node| nodes.bone_of[node]);
@@ -54,10 +54,10 @@ pub(super) fn read(
             }
             None => {
                 let raw = primitives::read(source, mesh)?;
-                if !raw.left_out.is_empty() {
-                    let names: Vec<&str> = raw.left_out.iter().map(String::as_str).collect();
-                    let path = format!("meshes[{mesh}].primitives");
-                    notes.push(Note::left_out(path, names.join("; ")));
+                left_out.extend(raw.left_out.iter().cloned());
+                for name in &raw.dropped {
+                    let what = format!("{name}, which not every primitive has");
+                    notes.push(Note::left_out(format!("meshes[{mesh}]"), what));
                 }
                 raws.entry(mesh).or_insert(raw)
             }
@@ -72,6 +72,10 @@ pub(super) fn read(
             &mut taken,
             notes,
         )?;
+    }
+    if !left_out.is_empty() {
+        let names: Vec<String> = left_out.into_iter().collect();
+        notes.push(Note::left_out("meshes", names.join(", ")));
     }
     Ok(own)
 }

@@ -31,8 +31,10 @@ pub(super) struct RawMesh {
     /// Whether every primitive has joints.
     pub(super) is_skinned: bool,
     pub(super) targets: Vec<Deltas>,
-    /// Attributes that were not read, by name.
+    /// Attributes that nothing here is for, by name.
     pub(super) left_out: BTreeSet<String>,
+    /// Attributes that only some primitives have, by name.
+    pub(super) dropped: Vec<&'static str>,
 }
 
 /// Attributes and targets that say which vertices a primitive has.
