@@ -12,9 +12,6 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use crate::failure::{Failure, Outcome};
 use crate::frame_report::FrameReport;
 
-/// What kinds of files [`AnimatedArmature::read`] takes.
-pub(crate) const SUPPORTED: &str = ".bvh (motion capture), .glb and .gltf (scenes)";
-
 /// An armature and the clips of its file.
 #[derive(Debug)]
 pub(crate) struct AnimatedArmature {

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use kinopt::animation::PoseBridge;
+use kinopt::io::gltf::{Scene, ScenePosing};
 use kinopt::io::ply::PlyEncoding;
 use kinopt::io::{gltf, obj, ply};
 use kinopt::mesh::TriangleMesh;
@@ -77,10 +79,16 @@ impl MeshFile {
 
 /// A mesh that bones move.
 #[derive(Clone, Debug)]
-pub(crate) struct Skin<'a> {
-    skeleton: &'a Skeleton,
-    mesh: &'a TriangleMesh,
-    weights: MeshWeights,
+pub(crate) enum Skin<'a> {
+    Rig {
+        skeleton: &'a Skeleton,
+        mesh: &'a TriangleMesh,
+        weights: Box<MeshWeights>,
+    },
+    Scene {
+        scene: &'a Scene,
+        bridge: PoseBridge,
+    },
 }
 
 impl LoadedModel {
@@ -94,6 +102,13 @@ impl LoadedModel {
             ))
         };
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
+        if let Some(scene) = self.scene.as_deref() {
+            if scene.meshes.is_empty() {
+                return Err(lacks());
+            }
+            let bridge = PoseBridge::new(&rig.skeleton);
+            return Ok(Skin::Scene { scene, bridge });
+        }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;
         let weights = match &rig.weights {
             Some(weights) => weights.clone(),
@@ -109,10 +124,10 @@ impl LoadedModel {
                 weights
             }
         };
-        Ok(Skin {
+        Ok(Skin::Rig {
             skeleton: &rig.skeleton,
             mesh,
-            weights: weights.into(),
+            weights: Box::new(weights.into()),
         })
     }
 }
@@ -120,9 +135,23 @@ impl LoadedModel {
 impl Skin<'_> {
     /// The mesh for the stacked angles `q`, in radians.
     pub(crate) fn posed(&self, q: &[f64], method: SkinningMethod) -> Outcome<TriangleMesh> {
-        let pose = self.skeleton.pose(q);
-        let transforms = pose.skinning_transforms(self.skeleton);
-        let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
-        Ok(self.weights.mesh(method, self.mesh, &transforms)?)
+        match self {
+            Self::Rig {
+                skeleton,
+                mesh,
+                weights,
+            } => {
+                let pose = skeleton.pose(q);
+                let transforms = pose.skinning_transforms(skeleton);
+                let transforms = transforms.map(|t| single_precision_transform(&t));
+                let transforms: Vec<_> = transforms.collect();
+                Ok(weights.mesh(method, mesh, &transforms)?)
+            }
+            Self::Scene { scene, bridge } => {
+                let mut pose = scene.armature.rest().clone();
+                bridge.pose_of(q, &mut pose);
+                Ok(ScenePosing::new(scene, method)?.mesh(&pose)?)
+            }
+        }
     }
 }

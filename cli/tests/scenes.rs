@@ -289,3 +289,26 @@ fn what_does_not_go_together_is_said() {
         &["bad.gltf", "nodes[0].children[0]", "node 4"],
     );
 }
+
+#[test]
+fn solve_drags_the_joints_of_a_scene() {
+    let folder = Folder::new("scene-solve");
+    let (file, out) = (written(&folder), folder.file("dragged.glb"));
+    let target = "--target=hinge=0,0,1";
+    let solved = json(&["solve", &file, target, "--out", &out, "--json"]);
+    assert_eq!(solved["reached"], true);
+    let posed = gltf::read(&out).unwrap();
+    let corners = posed.meshes[0].mesh.positions();
+    // The corner at the joint of the pole stays; the far one is as far from the hinge as it was.
+    assert!(corners[0].length() < 1e-6);
+    assert!((corners[1].length() - 1.0).abs() < 1e-6);
+    assert!((corners[2].distance(Vec3::Z) - 1.0).abs() < 1e-6);
+    refused(
+        &["solve", &file, "--target=hing=0,0,1"],
+        1,
+        &["`hing`", "cloth, pole, hinge"],
+    );
+    // What no skin follows is locked.
+    let cloth = json(&["solve", &file, "--target=cloth=1,0,0", "--json"]);
+    assert_eq!(cloth["reached"], false);
+}
