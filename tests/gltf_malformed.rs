@@ -392,6 +392,6 @@ fn numbers_that_are_not_finite() {
     );
     says(
         &refused(flat, [one[0], [0.0; 4], one[0]]),
-        &["`m`", "vertex 1", "sum to 0"],
+        &["meshes[0]", "`m`", "vertex 1", "sum to 0"],
     );
 }

@@ -1,6 +1,7 @@
 //! glTF documents put together by hand: numbers go into a data URI, everything else is JSON text.
 #![allow(dead_code, clippy::unwrap_used)]
 
+use kinopt::animation::{Cursor, Playback, Pose};
 use kinopt::io::ReadError;
 use kinopt::io::gltf::{self, Scene};
 
@@ -211,4 +212,16 @@ fn base64(bytes: &[u8]) -> String {
         }
     }
     text
+}
+
+/// The pose of a clip at a time of the file, in seconds.
+pub(crate) fn at(scene: &Scene, clip: usize, time: f64) -> Pose {
+    let mut pose = scene.armature.rest().clone();
+    let mut cursor = Cursor::new();
+    let clip = &scene.clips[clip];
+    // From the start of the file's time, not of the clip.
+    let elapsed = time - f64::from(clip.span()[0]);
+    clip.sample(elapsed, Playback::Hold, &mut cursor, &mut pose)
+        .unwrap();
+    pose
 }

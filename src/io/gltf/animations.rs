@@ -1,16 +1,15 @@
 //! Animations as clips: steps, lines and cubic splines of translation, rotation, scale and morph
 //! weights.
 
-use ::gltf::json::animation::{Animation, Interpolation, Property, Sampler};
+use ::gltf::json::animation::{Animation, Property, Sampler};
 use ::gltf::json::validation::Checked;
-use glam::{Quat, Vec3A, Vec4};
+use glam::{Vec3A, Vec4};
 
 use super::accessors::Source;
+use super::keys::{Keys, curve, rotation};
 use super::meshes::Meshes;
 use super::nodes::{Nodes, label, missing_node, node_label};
 use super::note::Note;
-use crate::animation::curve::{CurveValue, KeyError, KeyedCurve};
-use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, Channel, Clip, ClipBuilder};
 use crate::io::ReadError;
 
@@ -24,17 +23,6 @@ struct Context<'a, 'b> {
     path: String,
     /// "animation `walk`".
     title: String,
-}
-
-/// The keys of a sampler.
-struct Keys<T> {
-    times: Vec<f32>,
-    /// One for each key, or with cubic splines three: arriving tangent, value, leaving tangent.
-    outputs: Vec<T>,
-    interpolation: Interpolation,
-    /// "animation `walk`, rotation of node `hip`".
-    user: String,
-    path: String,
 }
 
 pub(super) fn read(
@@ -193,92 +181,4 @@ fn property_name(property: Property) -> &'static str {
         Property::Scale => "scale",
         Property::MorphTargetWeights => "morph weights",
     }
-}
-
-impl<T: Clone> Keys<T> {
-    fn fail(&self, source: &Source<'_>, error: &KeyError) -> ReadError {
-        source.fail(self.path.as_str(), format!("{}: {error}", self.user))
-    }
-
-    /// The values of one of `width` curves that are keyed together, and with cubic splines their
-    /// arriving and leaving tangents. For each key the file lists the arriving tangents of all
-    /// curves, then their values, then the leaving tangents (section 3.11).
-    fn of(&self, place: usize, width: usize, side: usize) -> Vec<T> {
-        let sides = self.sides();
-        let own = self
-            .outputs
-            .iter()
-            .skip(side * width + place)
-            .step_by(sides * width);
-        own.cloned().collect()
-    }
-
-    fn sides(&self) -> usize {
-        match self.interpolation {
-            Interpolation::CubicSpline => 3,
-            Interpolation::Linear | Interpolation::Step => 1,
-        }
-    }
-
-    fn check(&self, source: &Source<'_>, width: usize) -> Result<(), ReadError> {
-        let (given, keys) = (self.outputs.len(), self.times.len());
-        let needed = keys.checked_mul(self.sides() * width);
-        if needed == Some(given) {
-            return Ok(());
-        }
-        let each = self.sides() * width;
-        let problem = format!(
-            "{}: {given} values for {keys} keys of {each} each",
-            self.user
-        );
-        Err(source.fail(self.path.as_str(), problem))
-    }
-}
-
-/// `width` curves that are keyed together.
-fn curve<V>(
-    source: &Source<'_>,
-    keys: Keys<V>,
-    width: usize,
-) -> Result<Vec<KeyedCurve<V>>, ReadError>
-where
-    V: CurveValue<Real = f32> + Clone,
-{
-    keys.check(source, width)?;
-    source.charge::<f32>(keys.times.len().saturating_mul(width), &keys.path)?;
-    let curves = (0..width).map(|place| {
-        let times = keys.times.clone();
-        let side = |side| keys.of(place, width, side);
-        let curve = match keys.interpolation {
-            Interpolation::Step => KeyedCurve::step(times, side(0)),
-            Interpolation::Linear => KeyedCurve::linear(times, side(0)),
-            Interpolation::CubicSpline => {
-                let tangents = side(0).into_iter().zip(side(2)).map(|(a, b)| [a, b]);
-                KeyedCurve::cubic(times, side(1), tangents.collect())
-            }
-        };
-        curve.map_err(|error| keys.fail(source, &error))
-    });
-    curves.collect()
-}
-
-fn rotation(source: &Source<'_>, keys: Keys<Vec4>) -> Result<RotationCurve, ReadError> {
-    keys.check(source, 1)?;
-    let times = keys.times.clone();
-    let rotations = |side| {
-        keys.of(0, 1, side)
-            .into_iter()
-            .map(Quat::from_vec4)
-            .collect()
-    };
-    let curve = match keys.interpolation {
-        Interpolation::Step => RotationCurve::step(times, rotations(0)),
-        Interpolation::Linear => RotationCurve::slerp(times, rotations(0)),
-        Interpolation::CubicSpline => {
-            let tangents = keys.of(0, 1, 0).into_iter().zip(keys.of(0, 1, 2));
-            let tangents = tangents.map(|(a, b)| [a, b]).collect();
-            RotationCurve::cubic(times, rotations(1), tangents)
-        }
-    };
-    curve.map_err(|error| keys.fail(source, &error))
 }

@@ -169,7 +169,7 @@ fn add(
                 source,
                 skin.value(),
                 bones,
-                (&name, raw),
+                (mesh_index, &name, raw),
                 notes,
             )?)
         }

@@ -4,7 +4,8 @@ use ::gltf::json::Skin as Entry;
 use glam::{Affine3A, Mat3A, Vec3A};
 
 use super::accessors::Source;
-use super::nodes::{affine, label, missing_node};
+use super::node_transform::affine;
+use super::nodes::{label, missing_node};
 use super::note::Note;
 use super::primitives::RawMesh;
 use super::scene::Skin;
@@ -12,12 +13,12 @@ use crate::io::ReadError;
 use crate::skeleton::BoneId;
 use crate::skinning::{SkinWeights, WeightRepair};
 
-/// The skin of a mesh that the file puts on a node.
+/// The skin of a mesh (its index, name and vertices) that the file puts on a node.
 pub(super) fn read(
     source: &Source<'_>,
     index: usize,
     bone_of: &[BoneId],
-    mesh: (&str, &RawMesh),
+    mesh: (usize, &str, &RawMesh),
     notes: &mut Vec<Note>,
 ) -> Result<Skin, ReadError> {
     let skins = &source.root.skins;
@@ -88,11 +89,16 @@ fn bound(
 
 fn weights(
     source: &Source<'_>,
-    (name, raw): (&str, &RawMesh),
+    (index, name, raw): (usize, &str, &RawMesh),
     joints: usize,
     notes: &mut Vec<Note>,
 ) -> Result<SkinWeights, ReadError> {
-    let fail = |problem: String| source.fail("meshes", format!("mesh `{name}`: {problem}"));
+    let fail = |problem: String| {
+        source.fail(
+            format!("meshes[{index}]"),
+            format!("mesh `{name}`: {problem}"),
+        )
+    };
     if !raw.is_skinned {
         let problem = "it has a skin, but not every primitive has JOINTS_0 and WEIGHTS_0";
         return Err(fail(problem.into()));

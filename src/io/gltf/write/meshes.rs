@@ -5,24 +5,16 @@ use std::collections::BTreeMap;
 use ::gltf::json::buffer::Target;
 use ::gltf::json::extras::RawValue;
 use ::gltf::json::mesh::{Mesh, Mode, MorphTarget as Entry, Primitive, Semantic};
-use ::gltf::json::scene::Node;
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Accessor, Index, skin};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
 use super::UnwritableScene;
 use super::buffer::Document;
+use super::skins::{is_same, sets, skin_entry};
 use crate::animation::Armature;
 use crate::io::gltf::morph_targets::MeshExtras;
 use crate::io::gltf::scene::{Scene, SceneMesh, Skin};
-use crate::skeleton::BoneId;
-use crate::skinning::{Influence, SkinWeights};
-
-/// How many influences an attribute has room for.
-const PLACES: usize = 4;
-
-/// The joints and weights of every vertex, four of them.
-type Set = (Vec<[u16; PLACES]>, Vec<[f32; PLACES]>);
 
 pub(super) fn add(scene: &Scene, document: &mut Document) -> Result<(), UnwritableScene> {
     let mut skins: Vec<(&Skin, Index<skin::Skin>)> = Vec::new();
@@ -53,18 +45,6 @@ pub(super) fn add(scene: &Scene, document: &mut Document) -> Result<(), Unwritab
         (node.mesh, node.skin) = (Some(entry), skin);
     }
     Ok(())
-}
-
-/// Whether two meshes may share a skin: the weights are the meshes' own.
-fn is_same(one: &Skin, other: &Skin) -> bool {
-    let parts = |skin: &Skin| {
-        (
-            skin.name.clone(),
-            skin.joints.clone(),
-            skin.joint_from_mesh.clone(),
-        )
-    };
-    parts(one) == parts(other)
 }
 
 fn entry(
@@ -167,83 +147,4 @@ fn target_names(
     let raw = serde_json::value::to_raw_value(&MeshExtras { target_names });
     raw.map(Some)
         .map_err(|error| UnwritableScene::Document(error.to_string()))
-}
-
-/// Joints and weights of every vertex, four at a time, by falling weight: some programs read the
-/// first four only.
-fn sets(weights: &SkinWeights) -> Vec<Set> {
-    let sets = weights.max_influences().div_ceil(PLACES).max(1);
-    let mut sorted: Vec<Vec<Influence>> = weights.iter().map(<[Influence]>::to_vec).collect();
-    for influences in &mut sorted {
-        influences.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    }
-    let set = |set: usize| {
-        let place = |influences: &Vec<Influence>, place: usize| {
-            let influence = influences.get(PLACES * set + place);
-            influence.map_or((0, 0.0), |i| (i.bone as u16, i.weight as f32))
-        };
-        sorted
-            .iter()
-            .map(|influences| {
-                let places: [(u16, f32); PLACES] = std::array::from_fn(|k| place(influences, k));
-                (
-                    places.map(|(joint, _)| joint),
-                    places.map(|(_, weight)| weight),
-                )
-            })
-            .unzip()
-    };
-    (0..sets).map(set).collect()
-}
-
-fn skin_entry(skin: &Skin, document: &mut Document) -> Index<skin::Skin> {
-    let matrices: Vec<[f32; 16]> = skin.joint_from_mesh.iter().map(columns).collect();
-    let matrices = (!matrices.is_empty()).then(|| document.numbers(&matrices, false, None));
-    let joints = skin.joints.iter();
-    document.root.push(skin::Skin {
-        extensions: None,
-        extras: None,
-        inverse_bind_matrices: matrices,
-        joints: joints
-            .map(|joint| Index::new(joint.index() as u32))
-            .collect(),
-        name: (!skin.name.is_empty()).then(|| skin.name.clone()),
-        skeleton: None,
-    })
-}
-
-fn columns(affine: &Affine3A) -> [f32; 16] {
-    let (m, t) = (affine.matrix3, affine.translation);
-    let columns = [(m.x_axis, 0.0), (m.y_axis, 0.0), (m.z_axis, 0.0), (t, 1.0)];
-    let columns = columns.map(|(column, last)| column.extend(last).to_array());
-    std::array::from_fn(|k| columns[k / 4][k % 4])
-}
-
-/// The armature's bones as nodes, with their rest pose.
-pub(super) fn nodes(armature: &Armature) -> Vec<Node> {
-    let mut nodes = Vec::with_capacity(armature.bones());
-    let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); armature.bones()];
-    for (index, name) in armature.names().iter().enumerate() {
-        let bone = BoneId::new(index);
-        if let Some(siblings) = armature
-            .parent(bone)
-            .and_then(|p| children.get_mut(p.index()))
-        {
-            siblings.push(Index::new(index as u32));
-        }
-        let rest = armature.rest().local(bone);
-        nodes.push(Node {
-            name: Some(name.clone()),
-            translation: Some(rest.translation.to_array()),
-            rotation: Some(::gltf::json::scene::UnitQuaternion(
-                rest.rotation.to_array(),
-            )),
-            scale: Some(rest.scale.to_array()),
-            ..Node::default()
-        });
-    }
-    for (node, children) in nodes.iter_mut().zip(children) {
-        node.children = (!children.is_empty()).then_some(children);
-    }
-    nodes
 }

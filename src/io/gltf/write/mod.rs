@@ -2,8 +2,11 @@
 
 mod animations;
 mod buffer;
+mod error;
 mod keys;
 mod meshes;
+mod nodes;
+mod skins;
 
 use std::io::{Error, ErrorKind};
 use std::path::Path;
@@ -11,9 +14,11 @@ use std::path::Path;
 use ::gltf::json;
 use ::gltf::json::Index;
 
+pub use error::UnwritableScene;
+
 use self::buffer::Document;
-use super::scene::{Scene, SceneError, SceneMesh};
-use crate::animation::{Armature, ArmatureBone, LocalTransform, SizeMismatch};
+use super::scene::{Scene, SceneMesh};
+use crate::animation::{Armature, ArmatureBone, LocalTransform};
 use crate::io::{WriteError, write_bytes};
 use crate::mesh::TriangleMesh;
 use crate::skeleton::BoneId;
@@ -37,63 +42,6 @@ impl Default for WriteOptions {
     }
 }
 
-/// Why a scene cannot be written.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum UnwritableScene {
-    /// The parts of a mesh do not go together.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A clip of another armature.
-    #[error("clip `{clip}`: {problem}")]
-    Clip {
-        /// The clip.
-        clip: String,
-        /// How it differs.
-        problem: SizeMismatch,
-    },
-    /// A mesh without vertices or triangles, which glTF does not have.
-    #[error("mesh `{mesh}`: there are no {what}")]
-    Empty {
-        /// The mesh.
-        mesh: String,
-        /// Vertices or triangles.
-        what: &'static str,
-    },
-    /// Two meshes hang on one bone, which glTF does not have.
-    #[error("bone `{bone}` has two meshes; join them, or give one a bone of its own")]
-    TwoMeshes {
-        /// The bone.
-        bone: String,
-    },
-    /// More joints than vertices can tell apart.
-    #[error("mesh `{mesh}`: {joints} joints, where there are numbers for 65536")]
-    TooManyJoints {
-        /// The mesh.
-        mesh: String,
-        /// How many joints it has.
-        joints: usize,
-    },
-    /// A number of keys a second that is none.
-    #[error("{0} keys a second; it must be a finite number above 0")]
-    BadRate(f32),
-    /// A curve so long that it would take more keys than anyone wants.
-    #[error("a curve would take {samples} keys; ask for fewer a second")]
-    TooManySamples {
-        /// How many.
-        samples: f64,
-    },
-    /// GLB counts bytes with 32 bits.
-    #[error("the file would take {bytes} bytes, beyond the 4 GiB that GLB can have")]
-    TooLong {
-        /// How many.
-        bytes: usize,
-    },
-    /// The document cannot be put into words.
-    #[error("{0}")]
-    Document(String),
-}
-
 /// The bytes of a `.glb` file of a scene. [Reading](super::from_bytes) them gives the scene again to
 /// the bit of single precision, in the order of the bones, with these exceptions:
 ///
@@ -115,7 +63,7 @@ pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, Unwrit
         mesh.check(&scene.armature)?;
     }
     let mut document = Document::new();
-    document.root.nodes = meshes::nodes(&scene.armature);
+    document.root.nodes = nodes::of(&scene.armature);
     let bones = (0..scene.armature.bones()).map(BoneId::new);
     let roots = bones.filter(|bone| scene.armature.parent(*bone).is_none());
     let roots: Vec<_> = roots.map(|bone| Index::new(bone.index() as u32)).collect();
