@@ -134,7 +134,7 @@ fn scene() -> Scene {
             vec![[0, 1, 2]],
         )
         .unwrap(),
-        tangents: Vec::new(),
+        tangents: vec![Vec4::X; 3],
         morph_targets: MorphTargets::new(
             3,
             vec![
@@ -419,4 +419,15 @@ fn what_cannot_be_written_or_posed_is_said() {
         "{error}"
     );
     assert!(posing.mesh(other.rest()).is_err());
+}
+
+#[test]
+fn morph_targets_leave_alone_what_a_mesh_does_not_have() {
+    let mut bare = scene();
+    bare.meshes[1].tangents.clear();
+    let read = again(&bare, &WriteOptions::default());
+    let [own, found] = [&bare, &read].map(|scene| &scene.meshes[1].morph_targets.targets()[0]);
+    assert_eq!(found.position_deltas(), own.position_deltas());
+    assert_eq!(own.tangent_deltas().len(), 1);
+    assert_eq!(found.tangent_deltas(), []);
 }

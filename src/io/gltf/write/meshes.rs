@@ -111,8 +111,15 @@ fn entry(
         };
         Entry {
             positions: part(target.position_deltas(), true),
-            normals: part(target.normal_deltas(), false),
-            tangents: part(target.tangent_deltas(), false),
+            // Only of what the mesh itself has (section 3.7.2.2).
+            normals: match shape.normals() {
+                [] => None,
+                _ => part(target.normal_deltas(), false),
+            },
+            tangents: match mesh.tangents.as_slice() {
+                [] => None,
+                _ => part(target.tangent_deltas(), false),
+            },
         }
     });
     let entries: Vec<Entry> = entries.collect();

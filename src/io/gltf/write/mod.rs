@@ -50,7 +50,9 @@ impl Default for WriteOptions {
 /// - A clip that starts before 0 s is moved there, as glTF has no times before it. One that lasts
 ///   beyond its keys does so by a bone that keeps its place; one that is shorter than its keys
 ///   gets their span.
-/// - Events are left out, and morph targets are called as in the armature.
+/// - Events are left out, and so is what morph targets do to normals and tangents of a mesh that has
+///   none. Morph targets are called as in the armature.
+/// - Normals are written as they are; glTF asks for unit length.
 ///
 /// # Errors
 /// An [`UnwritableScene`] naming the mesh, bone or clip.
