@@ -130,11 +130,11 @@ fn scene() -> Scene {
         bone: armature.bone_at(5).unwrap(),
         mesh: TriangleMesh::new(
             vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-            Vec::new(),
+            vec![Vec3::Z; 3],
             vec![[0, 1, 2]],
         )
         .unwrap(),
-        tangents: vec![Vec4::X; 3],
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
         morph_targets: MorphTargets::new(
             3,
             vec![
