@@ -22,18 +22,19 @@ Examples:
   kinopt fk arm.json                              the rest pose, every bone
   kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes after 1.5 s, one bone
   kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed
+  kinopt fk fox.glb --clip Run --time 0.2         a scene's clip after 0.2 s, every node
   kinopt fk walk.bvh --time 1.5 --frame Head/tip  a capture after 1.5 s, the top of the head";
 
 /// Where the frames stand for a configuration (forward kinematics).
 ///
 /// For a robot a frame is a link. For a rig it is a bone's own: its origin at the bone's tail, x
 /// towards the tip; the tip is given beside it. For motion capture it is a joint, or an End Site,
-/// called `JOINT/tip`. Without --q, --q-file and --time it is the rest
+/// called `JOINT/tip`; for a scene it is a node. Without --q, --q-file and --time it is the rest
 /// pose: all zeros, moved into the limits where they exclude zero.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf, a rig's .json or a motion capture's .bvh file.
+    /// The model: a robot's .urdf, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
@@ -55,12 +56,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", group = "configuration")]
     q_file: Option<PathBuf>,
 
-    /// Take the rig's keyframes, or the captured motion, at this time, in seconds. Default: none.
+    /// Take the rig's keyframes, the captured motion or the scene's clip at this time, in seconds. Default: none.
     ///
     /// Before the first and after the last key the pose is held, unless --loop.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, group = "configuration",
           value_parser = number_list::number)]
     time: Option<f64>,
+
+    /// With --time: which of a scene's clips. Default: the first.
+    #[arg(long, value_name = "NAME", requires = "time")]
+    clip: Option<String>,
 
     /// With --time: repeat the keyframes instead of holding the ends. Default: off.
     #[arg(long = "loop", requires = "time")]
@@ -110,6 +115,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         return run_animated(arguments, json);
     }
     let mut loaded = LoadedModel::read(&arguments.model)?;
+    loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let q = configuration(&loaded, arguments)?;
     let frames = loaded.frame_report(&arguments.frames, arguments.base.as_deref(), &q)?;
@@ -140,7 +146,10 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
         )));
     }
     let pose = match arguments.time {
-        Some(time) => animated.pose_at(time, playback(arguments))?,
+        Some(time) => {
+            let clip = animated.clip(arguments.clip.as_deref())?;
+            animated.pose_at(clip, time, playback(arguments))?
+        }
         None => animated.armature.rest().clone(),
     };
     let frames = animated.frame_report(&arguments.frames, arguments.base.as_deref(), &pose)?;

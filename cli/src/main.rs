@@ -49,6 +49,7 @@ Examples:
   kinopt fk walk.bvh --time 1.5 --frame Head/tip
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
   kinopt animate arm.json --fps 24 --out frames
+  kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results";
 

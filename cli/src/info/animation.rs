@@ -1,6 +1,9 @@
 //! What there is to say about an armature with clips, for programs and for people.
 
-use kinopt::animation::Clip;
+use std::collections::BTreeSet;
+
+use kinopt::animation::{Armature, Clip};
+use kinopt::io::gltf::{Scene, SceneMesh};
 use serde::Serialize;
 
 use crate::animated_armature::{AnimatedArmature, CapturedFrames};
@@ -18,6 +21,29 @@ pub(super) struct Document<'a> {
     /// Only of motion capture.
     #[serde(skip_serializing_if = "Option::is_none")]
     captured: Option<CapturedDocument>,
+    /// Only of scenes.
+    #[serde(flatten)]
+    scene: Option<SceneDocument<'a>>,
+}
+
+#[derive(Serialize)]
+struct SceneDocument<'a> {
+    meshes: Vec<MeshDocument<'a>>,
+    /// What reading changed or left out.
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct MeshDocument<'a> {
+    name: &'a str,
+    bone: Option<&'a str>,
+    vertices: usize,
+    triangles: usize,
+    normals: bool,
+    /// How many joints its skin has; none without a skin.
+    joints: Option<usize>,
+    max_influences: Option<usize>,
+    morph_targets: Vec<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -28,6 +54,9 @@ struct BoneDocument<'a> {
     /// Only in motion capture.
     #[serde(skip_serializing_if = "Option::is_none")]
     channels: Option<Vec<&'static str>>,
+    /// Whether a skin follows it; only in scenes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joint: Option<bool>,
 }
 
 #[derive(Serialize)]
@@ -52,6 +81,7 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
     let armature = &animated.armature;
     let names = armature.names();
     let placements = animated.placements(armature.rest())?;
+    let joints = animated.scene.as_deref().map(joints);
     let bones = names.iter().zip(&placements).enumerate();
     let bones = bones.map(|(index, (name, placement))| {
         let parent = armature
@@ -65,6 +95,7 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
             parent: parent.map(String::as_str),
             rest_position: placement.translation.to_array(),
             channels: channels.map(|channels| channels.iter().map(|c| c.name()).collect()),
+            joint: joints.as_ref().map(|joints| joints.contains(&index)),
         }
     });
     Ok(Document {
@@ -74,7 +105,38 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
         bones: bones.collect(),
         clips: animated.clips.iter().map(clip).collect(),
         captured: animated.frames.as_ref().map(captured),
+        scene: animated.scene.as_deref().map(scene),
     })
+}
+
+/// The bones that skins follow, by index.
+fn joints(scene: &Scene) -> BTreeSet<usize> {
+    let skins = scene.meshes.iter().filter_map(|mesh| mesh.skin.as_ref());
+    let joints = skins.flat_map(|skin| &skin.joints);
+    joints.map(|joint| joint.index()).collect()
+}
+
+fn scene(scene: &Scene) -> SceneDocument<'_> {
+    let armature = &scene.armature;
+    SceneDocument {
+        meshes: scene.meshes.iter().map(|own| mesh(own, armature)).collect(),
+        notes: scene.notes.iter().map(ToString::to_string).collect(),
+    }
+}
+
+fn mesh<'a>(mesh: &'a SceneMesh, armature: &'a Armature) -> MeshDocument<'a> {
+    let targets = mesh.morph_targets.targets().iter();
+    let skin = mesh.skin.as_ref();
+    MeshDocument {
+        name: &mesh.name,
+        bone: armature.names().get(mesh.bone.index()).map(String::as_str),
+        vertices: mesh.mesh.positions().len(),
+        triangles: mesh.mesh.triangles().len(),
+        normals: !mesh.mesh.normals().is_empty(),
+        joints: skin.map(|skin| skin.joints.len()),
+        max_influences: skin.map(|skin| skin.weights.max_influences()),
+        morph_targets: targets.map(|target| target.name()).collect(),
+    }
 }
 
 fn clip(clip: &Clip) -> ClipDocument<'_> {
@@ -123,6 +185,13 @@ pub(super) fn text(document: &Document) -> String {
             ),
         ]);
     }
+    let scene = document.scene.as_ref();
+    for mesh in scene.iter().flat_map(|scene| &scene.meshes) {
+        lines.push(("mesh", mesh_line(mesh)));
+    }
+    for note in scene.iter().flat_map(|scene| &scene.notes) {
+        lines.push(("note", note.clone()));
+    }
     let mut text = String::new();
     for (name, line) in lines {
         text.push_str(&format!("{name:<10}{line}\n"));
@@ -130,6 +199,25 @@ pub(super) fn text(document: &Document) -> String {
     text.push_str("\nbones\n");
     text.push_str(&bone_table(document, lengths));
     text
+}
+
+fn mesh_line(mesh: &MeshDocument) -> String {
+    let mut line = format!(
+        "{} on {}: {} vertices, {} triangles, {} normals",
+        mesh.name,
+        mesh.bone.unwrap_or("-"),
+        mesh.vertices,
+        mesh.triangles,
+        if mesh.normals { "with" } else { "without" },
+    );
+    if let (Some(joints), Some(most)) = (mesh.joints, mesh.max_influences) {
+        line.push_str(&format!(", {joints} joints, at most {most} to a vertex"));
+    }
+    if !mesh.morph_targets.is_empty() {
+        let names = mesh.morph_targets.join(", ");
+        line.push_str(&format!(", morph targets {names}"));
+    }
+    line
 }
 
 fn bone_table(document: &Document, lengths: LengthFormat) -> String {
@@ -151,7 +239,11 @@ fn bone_table(document: &Document, lengths: LengthFormat) -> String {
             x,
             y,
             z,
-            channels.map_or_else(String::new, |channels| channels.join(" ")),
+            match (channels, bone.joint) {
+                (Some(channels), _) => channels.join(" "),
+                (None, Some(true)) => "joint".to_owned(),
+                (None, _) => String::new(),
+            },
         ]);
     }
     table.text()
