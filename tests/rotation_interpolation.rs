@@ -210,6 +210,26 @@ fn kink(before: impl Fn(f32) -> Quat, after: impl Fn(f32) -> Quat) -> f32 {
     (arriving - leaving).length() / arriving.length().max(1.0)
 }
 
+/// Also where keys are nearly half a turn apart and the curve swings wide.
+#[test]
+fn squad_never_jumps() {
+    let mut random = Random::new(15);
+    for _ in 0..300 {
+        let keys: Vec<Quat> = (0..6).map(|_| rotation(&mut random)).collect();
+        let times = (0..6_u8).map(f32::from).collect();
+        let curve = RotationCurve::squad(times, keys).unwrap();
+        let steps = |each: u16| {
+            let at = move |k: u16| 2.0 + f32::from(k) / f32::from(each);
+            let curve = &curve;
+            let steps = (0..each).map(move |k| apart(curve.at(at(k)), curve.at(at(k + 1))));
+            steps.fold(0.0, f32::max)
+        };
+        // A tenth of the step goes about a tenth of the way; a jump would stay as long.
+        let [coarse, fine] = [steps(400), steps(4000)];
+        assert!(fine < 0.3 * coarse, "{fine} after {coarse}");
+    }
+}
+
 #[test]
 fn squad_has_no_kink_at_even_times() {
     let mut random = Random::new(5);

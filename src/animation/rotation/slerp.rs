@@ -28,13 +28,22 @@ pub fn nlerp(from: Quat, to: Quat, t: f32) -> Quat {
 /// are interpolated by [`nlerp`]. `from` and `to` are of unit length.
 #[must_use]
 pub fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
-    let to = nearer(to, from);
+    arc(from, nearer(to, from), t)
+}
+
+/// [`slerp`] between the quaternions as they are, even where that is the longer way round for the
+/// rotations.
+pub(super) fn arc(from: Quat, to: Quat, t: f32) -> Quat {
     let cosine = from.dot(to);
     if cosine > CLOSE {
         return (from * (1.0 - t) + to * t).normalize();
     }
     // From sine and cosine, because the arc cosine alone loses digits for small angles.
     let sine = (to - from * cosine).length();
+    if sine < f32::EPSILON {
+        // Opposite quaternions: one rotation, and every arc is as long.
+        return from;
+    }
     let angle = sine.atan2(cosine);
     let [a, b] = [1.0 - t, t].map(|share| (share * angle).sin() / sine);
     (from * a + to * b).normalize()
