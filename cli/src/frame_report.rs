@@ -1,12 +1,8 @@
 //! Where frames stand, for people and for programs.
 
-use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{FrameId, UnknownName};
 use kinopt::spatial::{Placement, Quaternion};
 use serde::{Serialize, Serializer};
 
-use crate::frame_name::BareName;
-use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits};
 use crate::table::{Align, Table};
 
@@ -33,67 +29,6 @@ impl Serialize for FrameReport {
     }
 }
 
-impl LoadedModel {
-    /// Places the named frames, or all of them, for `q` (radians and metres, within limits or not),
-    /// in the world or in the frame named `base`.
-    pub(crate) fn frame_report(
-        &self,
-        names: &[String],
-        base: Option<&str>,
-        q: &[f64],
-    ) -> Result<FrameReport, UnknownName> {
-        let names = match (&self.rig, names) {
-            (Some(rig), []) => rig
-                .skeleton
-                .bones()
-                .iter()
-                .map(|b| b.name.clone())
-                .collect(),
-            (None, []) => self.model.frames().iter().map(|f| f.name.clone()).collect(),
-            (_, names) => names.to_vec(),
-        };
-        let wanted = names
-            .into_iter()
-            .map(|name| Ok((self.frame(&name, BareName::Tail)?, name)))
-            .collect::<Result<Vec<_>, UnknownName>>()?;
-        let base = base
-            .map(|name| self.frame(name, BareName::Tail))
-            .transpose()?;
-        let placements = self.all_frames(q);
-        let world_from_base = base.and_then(|base| placements.get(base.index()));
-        let base_from_world = world_from_base.map(|placement| placement.inverse());
-        let at = |frame: FrameId| {
-            let placement = placements.get(frame.index());
-            let placement = placement.copied().unwrap_or_else(Placement::identity);
-            match base_from_world {
-                Some(base_from_world) => base_from_world * placement,
-                None => placement,
-            }
-        };
-        let report = wanted.into_iter().map(|(frame, name)| {
-            let ends = self.rig.as_ref().and_then(|rig| {
-                let (bone, _) = rig.skeleton.bone_of_frame(frame)?;
-                Some([rig.skeleton.tail(bone), rig.skeleton.tip(bone)])
-            });
-            let ends = ends.map(|ends| ends.map(|end| at(end).translation.to_array()));
-            let placed = FramePlacement {
-                tail: ends.map(|[tail, _]| tail),
-                tip: ends.map(|[_, tip]| tip),
-                ..FramePlacement::of(&at(frame))
-            };
-            (name, placed)
-        });
-        Ok(FrameReport(report.collect()))
-    }
-
-    /// world_from_frame of every frame of the model, by index; none for a `q` of the wrong length,
-    /// which the reader of `q` has ruled out.
-    pub(crate) fn all_frames(&self, q: &[f64]) -> Vec<Placement<f64>> {
-        let mut kinematics = ForwardKinematics::new(&self.model);
-        kinematics.place(q).map(<[_]>::to_vec).unwrap_or_default()
-    }
-}
-
 /// Of the two quaternions of a rotation the one with w ≥ 0.
 fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
     let Quaternion { w, v } = Quaternion::from_matrix(&placement.rotation);
@@ -103,7 +38,7 @@ fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
 }
 
 impl FramePlacement {
-    fn of(placement: &Placement<f64>) -> Self {
+    pub(crate) fn of(placement: &Placement<f64>) -> Self {
         Self {
             position: placement.translation.to_array(),
             quaternion: quaternion(placement),
@@ -111,9 +46,22 @@ impl FramePlacement {
             tip: None,
         }
     }
+
+    /// With the tail and the tip of the bone whose frame it is.
+    pub(crate) fn with_ends(self, ends: Option<[[f64; 3]; 2]>) -> Self {
+        Self {
+            tail: ends.map(|[tail, _]| tail),
+            tip: ends.map(|[_, tip]| tip),
+            ..self
+        }
+    }
 }
 
 impl FrameReport {
+    pub(crate) fn new(frames: Vec<(String, FramePlacement)>) -> Self {
+        Self(frames)
+    }
+
     /// Frames without ends.
     pub(crate) fn of_placements(frames: Vec<(String, Placement<f64>)>) -> Self {
         let frames = frames.into_iter();

@@ -22,6 +22,7 @@ mod method_choice;
 mod number_format;
 mod number_list;
 mod output;
+mod placed_frames;
 mod progress;
 mod skin_report;
 mod skinning_choice;

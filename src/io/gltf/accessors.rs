@@ -1,60 +1,14 @@
 //! Numbers out of buffers: accessors and their sparse parts, each offset checked.
 
-use std::borrow::Cow;
-use std::cell::Cell;
-
 use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::json::validation::Checked;
-use ::gltf::json::{Accessor, Index, Root};
+use ::gltf::json::{Accessor, Index};
 
 use super::run::Run;
-use crate::io::{Place, ReadError};
-
-/// What a byte of the file may decode to. Accessors may share bytes, or have none where they are
-/// all zeros; without a limit a short file could ask for any amount of memory.
-const GROWTH: usize = 256;
-/// What a file may decode to however short it is.
-const LEAST_ROOM: usize = 1 << 18;
-
-/// A document with its buffers.
-pub(super) struct Source<'a> {
-    pub(super) name: &'a str,
-    pub(super) root: &'a Root,
-    pub(super) buffers: Vec<Cow<'a, [u8]>>,
-    room: Cell<usize>,
-}
+use super::source::Source;
+use crate::io::ReadError;
 
 impl<'a> Source<'a> {
-    pub(super) fn new(
-        name: &'a str,
-        root: &'a Root,
-        json_length: usize,
-        buffers: Vec<Cow<'a, [u8]>>,
-    ) -> Self {
-        let bytes = buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
-        let room = bytes.saturating_add(json_length).saturating_mul(GROWTH);
-        Self {
-            name,
-            root,
-            buffers,
-            room: Cell::new(room.saturating_add(LEAST_ROOM)),
-        }
-    }
-
-    pub(super) fn fail(&self, path: impl Into<String>, problem: impl Into<String>) -> ReadError {
-        ReadError::malformed(self.name, Place::Json(path.into()), problem)
-    }
-
-    /// Takes so many entries of type `T` out of what the file may decode to.
-    pub(super) fn charge<T>(&self, count: usize, path: &str) -> Result<(), ReadError> {
-        let bytes = count.checked_mul(size_of::<T>());
-        let left = bytes.and_then(|bytes| self.room.get().checked_sub(bytes));
-        left.map(|left| self.room.set(left)).ok_or_else(|| {
-            let problem = "it would take memory out of proportion to the file";
-            self.fail(path, problem)
-        })
-    }
-
     /// How many entries an accessor has. `user` says who asks, for messages.
     pub(super) fn count(&self, index: Index<Accessor>, user: &str) -> Result<usize, ReadError> {
         let accessor = self.accessor(index, user)?;

@@ -5,11 +5,11 @@ use ::gltf::json::animation::{Animation, Property, Sampler};
 use ::gltf::json::validation::Checked;
 use glam::{Vec3A, Vec4};
 
-use super::accessors::Source;
 use super::keys::{Keys, curve, rotation};
 use super::meshes::Meshes;
 use super::nodes::{Nodes, label, missing_node, node_label};
 use super::note::Note;
+use super::source::Source;
 use crate::animation::{Armature, Channel, Clip, ClipBuilder};
 use crate::io::ReadError;
 

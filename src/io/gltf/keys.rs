@@ -3,7 +3,7 @@
 use ::gltf::json::animation::Interpolation;
 use glam::{Quat, Vec4};
 
-use super::accessors::Source;
+use super::source::Source;
 use crate::animation::curve::{CurveValue, KeyError, KeyedCurve};
 use crate::animation::rotation::RotationCurve;
 use crate::io::ReadError;

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::accessors::Source;
 use super::nodes::{Nodes, free_name, label, node_label};
 use super::note::Note;
-use super::primitives::{self, JointWeight, RawMesh};
+use super::primitives;
+use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::SceneMesh;
+use super::source::Source;
 use super::{morph_targets, skins};
 use crate::io::{Place, ReadError};
 use crate::mesh::TriangleMesh;

@@ -46,9 +46,11 @@ mod nodes;
 mod note;
 mod posing;
 mod primitives;
+mod raw_mesh;
 mod run;
 mod scene;
 mod skins;
+mod source;
 mod sparse;
 mod triangles;
 mod write;
@@ -62,7 +64,7 @@ use std::path::Path;
 
 use ::gltf::json::Root;
 
-use self::accessors::Source;
+use self::source::Source;
 use super::{ReadError, read_bytes};
 use crate::animation::{Armature, Clip};
 use crate::model::UnknownName;

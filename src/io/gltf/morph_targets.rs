@@ -7,7 +7,7 @@ use ::gltf::json::mesh::MorphTarget as Entry;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::accessors::Source;
+use super::source::Source;
 use crate::io::ReadError;
 use crate::skinning::{MorphError, MorphTarget};
 

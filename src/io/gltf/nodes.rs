@@ -5,9 +5,9 @@ use std::collections::{BTreeSet, BinaryHeap};
 
 use ::gltf::json::Node;
 
-use super::accessors::Source;
 use super::node_transform::{Local, local};
 use super::note::Note;
+use super::source::Source;
 use crate::animation::ArmatureBone;
 use crate::io::ReadError;
 use crate::skeleton::BoneId;

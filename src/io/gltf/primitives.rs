@@ -7,36 +7,12 @@ use ::gltf::json::validation::Checked;
 use ::gltf::json::{Accessor, Index};
 use glam::{Vec3, Vec4};
 
-use super::accessors::Source;
 use super::morph_targets::{self, Deltas};
 use super::nodes::label;
+use super::raw_mesh::{JointWeight, RawMesh};
+use super::source::Source;
 use super::triangles;
 use crate::io::ReadError;
-
-/// One joint's share in a vertex, as the file has it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct JointWeight {
-    pub(super) vertex: u32,
-    pub(super) joint: u32,
-    pub(super) weight: f64,
-}
-
-/// A mesh before it meets a skin.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RawMesh {
-    pub(super) positions: Vec<Vec3>,
-    pub(super) normals: Vec<Vec3>,
-    pub(super) tangents: Vec<Vec4>,
-    pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) joints: Vec<JointWeight>,
-    /// Whether every primitive has joints.
-    pub(super) is_skinned: bool,
-    pub(super) targets: Vec<Deltas>,
-    /// Attributes that nothing here is for, by name.
-    pub(super) left_out: BTreeSet<String>,
-    /// Attributes that only some primitives have, by name.
-    pub(super) dropped: Vec<&'static str>,
-}
 
 /// Attributes and targets that say which vertices a primitive has.
 type VertexKey = (Vec<(String, usize)>, Vec<[Option<usize>; 3]>);

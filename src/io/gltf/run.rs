@@ -4,7 +4,7 @@ use ::gltf::json::Index;
 use ::gltf::json::accessor::ComponentType;
 use ::gltf::json::buffer::View;
 
-use super::accessors::Source;
+use super::source::Source;
 use crate::io::{Place, ReadError};
 
 /// One run of numbers in a buffer.

@@ -3,12 +3,12 @@
 use ::gltf::json::Skin as Entry;
 use glam::{Affine3A, Mat3A, Vec3A};
 
-use super::accessors::Source;
 use super::node_transform::affine;
 use super::nodes::{label, missing_node};
 use super::note::Note;
-use super::primitives::RawMesh;
+use super::raw_mesh::RawMesh;
 use super::scene::Skin;
+use super::source::Source;
 use crate::io::ReadError;
 use crate::skeleton::BoneId;
 use crate::skinning::{SkinWeights, WeightRepair};

@@ -4,8 +4,8 @@ use ::gltf::json::accessor::sparse::Sparse;
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Accessor, Index};
 
-use super::accessors::Source;
 use super::run::Run;
+use super::source::Source;
 use crate::io::ReadError;
 
 /// The entries that differ from zero or from the accessor's buffer view.

@@ -3,8 +3,8 @@
 use ::gltf::json::mesh::{Mode, Primitive};
 use ::gltf::json::validation::Checked;
 
-use super::accessors::Source;
-use super::primitives::RawMesh;
+use super::raw_mesh::RawMesh;
+use super::source::Source;
 use crate::io::ReadError;
 
 /// Appends the triangles over vertices that start at `first`, `count` of them.
