@@ -157,7 +157,9 @@ impl SkinWeightsBuilder {
 }
 
 fn sum(influences: &[Influence]) -> f64 {
-    influences.iter().map(|influence| influence.weight).sum()
+    // From 0: the sum of nothing by itself is −0, which would be shown.
+    let weights = influences.iter().map(|influence| influence.weight);
+    weights.fold(0.0, |sum, weight| sum + weight)
 }
 
 /// Asked this way round, so that a sum that overflowed to NaN is none.
