@@ -411,6 +411,26 @@ fn bad_channels_are_named_errors() {
             targets: 2
         }
     );
+    // Keys that the builder makes curves of are named by what they move.
+    let mut keyed = Clip::builder("keyed", &armature);
+    let nan = keyed.morph_weights(&[0.0, 1.0], &[0.0, 0.0, 0.5, f32::NAN]);
+    let nan = nan.unwrap_err().to_string();
+    assert!(nan.contains("`frown`") && nan.contains("key 1"), "{nan}");
+    // Two times that single precision cannot tell apart.
+    let key = |time| EulerKey {
+        time,
+        angles: [0.0; 3],
+    };
+    let track = EulerTrack {
+        bone: other,
+        keys: vec![key(1.0), key(1.0 + 1e-12)],
+    };
+    let clip = EulerClip::new(vec![track]).unwrap();
+    let same = keyed.euler_clip(&clip).unwrap_err().to_string();
+    assert!(
+        same.contains("`bone 1`") && same.contains("key 1"),
+        "{same}"
+    );
     assert!(
         builder
             .event(f32::NAN, "step")
