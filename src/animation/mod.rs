@@ -28,7 +28,7 @@ pub use euler_interpolation::EulerInterpolation;
 pub use euler_sampling::SampleError;
 pub use ik_layer::{
     Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseBridge,
-    ReachLayer,
+    ReachError, ReachLayer,
 };
 pub use plane_affine::{PlaneDecomposition, interpolate_plane_affine};
 pub use playback::Playback;
