@@ -170,6 +170,15 @@ fn what_is_not_rigid_is_refused_by_name() {
         DualQuaternionBlend::stretched(&weights, &flat, &pivots).unwrap_err(),
         SkinningError::Mirrored { bone: 1 }
     );
+    let still = with(Affine3A::IDENTITY);
+    assert_eq!(
+        DualQuaternionBlend::stretched(&weights, &still, &pivots[..1]).unwrap_err(),
+        SkinningError::PivotCount { given: 1, bones: 2 }
+    );
+    assert_eq!(
+        DualQuaternionBlend::stretched(&weights, &still, &[Vec3::ZERO, Vec3::NAN]).unwrap_err(),
+        SkinningError::NonFinitePivot { bone: 1 }
+    );
     let unknown = with(Affine3A::from_translation(Vec3::new(f32::NAN, 0.0, 0.0)));
     for method in SkinningMethod::ALL {
         let mesh = kinopt::mesh::TriangleMesh::new(vec![Vec3::ONE], vec![], vec![]).unwrap();
