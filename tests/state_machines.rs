@@ -4,7 +4,10 @@
 
 mod support;
 
-use kinopt::animation::StateMachineRun;
+use std::sync::Arc;
+
+use kinopt::animation::{Armature, Clip, StateMachineRun};
+use kinopt::io::state_machine;
 use support::state_machines::{hips, machine, run_of};
 
 const MACHINE: &str = r#"{
@@ -267,6 +270,21 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         r#""when": []"#,
         &["transitions[0].when"],
     );
+    // Which of two clips is meant is not guessed; one given twice is one, and others do not matter.
+    let armature = Armature::new(Vec::new(), Vec::new()).unwrap();
+    let clip = |name: &str| Arc::new(Clip::builder(name, &armature).build());
+    let named = |clips: &[Arc<Clip>]| {
+        let data = br#"{"initial": "idle", "states": [{"name": "idle", "clip": "stand"}]}"#;
+        state_machine::from_bytes(data, "machine.json", clips).map(|_| ())
+    };
+    let (stand, walk) = (clip("stand"), clip("walk"));
+    let error = named(&[stand.clone(), clip("stand")]).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("states[0].clip") && error.contains("2 clips are named `stand`"),
+        "{error}"
+    );
+    assert!(named(&[stand.clone(), stand, walk, clip("walk")]).is_ok());
     let empty = machine(r#"{"initial": "idle", "states": []}"#)
         .unwrap_err()
         .to_string();

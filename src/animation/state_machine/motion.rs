@@ -128,6 +128,14 @@ impl StateMachine {
     ) -> Checked<Arc<Clip>> {
         let names = clips.iter().map(|clip| clip.name());
         let clip = &clips[find(|| path.to_owned(), "clip", name, names)?];
+        let namesakes = clips.iter().filter(|other| other.name() == name);
+        if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
+            let problem = StateMachineProblem::AmbiguousClip {
+                clip: name.to_owned(),
+                clips: namesakes.count(),
+            };
+            return Err(at(path, problem));
+        }
         let states = self.states.iter().map(|state| &state.motion);
         let first = states
             .chain([before])
