@@ -124,6 +124,77 @@ fn a_fade_is_broken_off_only_where_that_is_allowed() {
     assert!((y - (shown + 30.0) / 2.0).abs() < 1e-3, "{y}");
 }
 
+/// Halfway from standing to walking, something leads from the one and from the other: which of them is
+/// heard is what the fade says.
+#[test]
+fn a_fade_is_broken_off_by_the_states_that_may() {
+    let after = |interruption: &str, trigger: &str| {
+        let mut run = run_of(&format!(
+            r#"{{
+              "parameters": {{"go": "trigger", "of source": "trigger", "of target": "trigger"}},
+              "initial": "stand",
+              "states": [{{"name": "stand", "clip": "stand"}}, {{"name": "walk", "clip": "walk"}},
+                         {{"name": "run", "clip": "run"}}, {{"name": "jump", "clip": "jump"}}],
+              "transitions": [
+                {{"from": "stand", "to": "walk", "seconds": 1, "when": [{{"parameter": "go"}}],
+                  "interruption": "{interruption}"}},
+                {{"from": "stand", "to": "run", "when": [{{"parameter": "of source"}}]}},
+                {{"from": "walk", "to": "jump", "when": [{{"parameter": "of target"}}]}}
+              ]
+            }}"#
+        ));
+        run.trigger("go").unwrap();
+        step(&mut run, 0.5);
+        run.trigger(trigger).unwrap();
+        step(&mut run, 0.0);
+        run.state().to_owned()
+    };
+    for (interruption, states) in [
+        ("never", ["walk", "walk"]),
+        ("source", ["run", "walk"]),
+        ("target", ["walk", "jump"]),
+        ("either", ["run", "jump"]),
+    ] {
+        let entered = ["of source", "of target"].map(|trigger| after(interruption, trigger));
+        assert_eq!(entered, states, "{interruption}");
+    }
+}
+
+/// While one state fades into another, an event counts as much as its state at that moment, however
+/// long the step is.
+#[test]
+fn events_have_the_weight_of_their_state() {
+    for steps in [1_u8, 7, 50] {
+        let mut run = run_of(
+            r#"{
+              "parameters": {"go": "trigger"},
+              "initial": "stand",
+              "states": [{"name": "stand", "clip": "stand"}, {"name": "jump", "clip": "jump"}],
+              "transitions": [{"from": "stand", "to": "jump", "seconds": 1, "when": [{"parameter": "go"}]}]
+            }"#,
+        );
+        run.trigger("go").unwrap();
+        let mut heard = Vec::new();
+        for _ in 0..steps {
+            run.update(0.95 / f64::from(steps), |fired| {
+                heard.push((fired.event.name.clone(), fired.weight));
+            })
+            .unwrap();
+        }
+        heard.sort_by(|a, b| (&a.0, a.1).partial_cmp(&(&b.0, b.1)).unwrap());
+        let expected = [
+            ("jump half", 0.25),
+            ("jump half", 0.75),
+            ("stand half", 0.5),
+        ];
+        assert_eq!(heard.len(), expected.len(), "{heard:?}");
+        for ((name, weight), expected) in heard.iter().zip(expected) {
+            assert_eq!(name, expected.0);
+            assert!((weight - expected.1).abs() < 1e-6, "{heard:?}");
+        }
+    }
+}
+
 #[test]
 fn events_are_those_of_the_state_s_clip() {
     let mut run = run();
@@ -238,6 +309,11 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         r#""above": 0.5, "below": 2.0"#,
         r#""above": 2.0, "below": 0.5"#,
         &["transitions[4].when[0]", "above 2", "below 0.5"],
+    );
+    refused(
+        r#""above": 0.5, "below": 2.0"#,
+        r#""above": 2.0, "below": 2.0"#,
+        &["transitions[4].when[0]", "above 2", "below 2"],
     );
     refused(
         r#"{"parameter": "jump"}"#,
