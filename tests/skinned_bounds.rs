@@ -102,4 +102,8 @@ fn nothing_has_no_box_and_wrong_sizes_are_errors() {
         BoneBoxes::new(&empty, &[Vec3::ONE]),
         Err(SkinningError::VertexCount { given: 1, .. })
     ));
+    // A box of NaN would hold nothing and hide that.
+    let weights = weights(&mut Random::new(7), 2, 1, 1);
+    let broken = BoneBoxes::new(&weights, &[Vec3::ONE, Vec3::NAN]).unwrap_err();
+    assert_eq!(broken, SkinningError::NonFinitePosition { vertex: 1 });
 }

@@ -30,6 +30,12 @@ pub enum SkinningError {
         /// Which bone, from 0.
         bone: usize,
     },
+    /// A position at rest is NaN or infinite.
+    #[error("vertex {vertex}: the position at rest is not finite")]
+    NonFinitePosition {
+        /// Which vertex, from 0.
+        vertex: usize,
+    },
     /// The pivots are for another number of bones than the weights.
     #[error("{given} pivots for weights of {bones} bones")]
     PivotCount {
