@@ -48,8 +48,8 @@
 //!
 //! # Features
 //!
-//! None is on by default: `urdf` (robots from URDF), `rayon` (batches over threads), `argmin` (the
-//! bridge to argmin).
+//! None is on by default: `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `rayon`
+//! (batches over threads), `argmin` (the bridge to argmin).
 
 pub mod animation;
 #[cfg(feature = "argmin")]

@@ -6,11 +6,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(unsafe_code)] // A counting allocator cannot be written without it.
 
+#[cfg(feature = "gltf")]
+mod gltf_text;
 mod small_rig;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use kinopt::io::bvh;
 use kinopt::io::dmat::{self, DmatEncoding};
 use kinopt::io::ply::{self, PlyEncoding};
 use kinopt::mesh::TriangleMesh;
@@ -191,6 +194,50 @@ fn damaged_ply() {
     }
 }
 
+const BVH: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 9.5 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Leg
+  {
+    OFFSET 1 -4 0
+    CHANNELS 1 Xrotation
+    End Site
+    {
+      OFFSET 0 -4 0
+    }
+  }
+}
+MOTION
+Frames: 3
+Frame Time: 0.04
+0 9.25 0 10 20 30 40
+0.125 9 1 -350 21 31 41
+0.25 8.5 2 12 22 32 -170
+";
+
+#[test]
+fn damaged_bvh() {
+    bombard(10, 8000, BVH.as_bytes(), |bytes| {
+        let Ok(capture) = bvh::from_bytes(bytes, "damaged.bvh") else {
+            return false;
+        };
+        // What can be read can be written, and is the same bones when read again.
+        if (1..100).contains(&capture.frames) {
+            let (armature, rate) = (&capture.armature, 1.0 / capture.frame_time);
+            let text = bvh::to_text(armature, &capture.clip, rate).unwrap();
+            let again = bvh::from_bytes(text.as_bytes(), "again.bvh").unwrap();
+            assert_eq!(again.frames, capture.frames);
+            for (name, place) in armature.names().iter().zip(armature.rest().translations()) {
+                let bone = again.armature.bone(name).unwrap();
+                assert_eq!(again.armature.rest().local(bone).translation, *place);
+            }
+        }
+        true
+    });
+}
+
 #[test]
 fn damaged_dmat() {
     let table = dmat::from_bytes(small_rig::DMAT.as_bytes(), "good").unwrap();
@@ -262,4 +309,58 @@ fn damaged_rig() {
             ..SmallRig::with_json(small_rig::JSON)
         })
     });
+}
+
+/// Reads a scene, poses it in every way and writes it; whatever fails must say so.
+#[cfg(feature = "gltf")]
+fn reads_gltf(bytes: &[u8]) -> bool {
+    use kinopt::animation::{Cursor, Playback};
+    use kinopt::io::gltf::{self, ScenePosing, WriteOptions};
+    use kinopt::skinning::SkinningMethod;
+
+    let Ok(scene) = gltf_text::read(bytes) else {
+        return false;
+    };
+    let mut pose = scene.armature.rest().clone();
+    for method in SkinningMethod::ALL {
+        let mut posing = ScenePosing::new(&scene, method).unwrap();
+        for clip in &scene.clips {
+            for share in [-1.0, 0.0, 0.3, 1.0, 2.0] {
+                let time = share * clip.duration();
+                clip.sample(time, Playback::Loop, &mut Cursor::new(), &mut pose)
+                    .unwrap();
+                let _ = posing.mesh(&pose);
+            }
+        }
+    }
+    for mesh in &scene.meshes {
+        check_mesh(&mesh.mesh);
+        let _ = gltf::mesh_to_bytes(&mesh.mesh);
+    }
+    // What was read can be written and read again, except for what the format does not allow.
+    if let Ok(bytes) = gltf::to_bytes(&scene, &WriteOptions::default()) {
+        let again = gltf_text::read(&bytes).unwrap();
+        assert_eq!(again.armature, scene.armature);
+        assert_eq!(again.clips.len(), scene.clips.len());
+    }
+    true
+}
+
+#[cfg(feature = "gltf")]
+#[test]
+fn damaged_gltf() {
+    let (numbers, rest) = gltf_text::small();
+    bombard(10, 12_000, numbers.document(&rest).as_bytes(), reads_gltf);
+    bombard(11, 12_000, &numbers.glb(&rest), reads_gltf);
+}
+
+#[cfg(feature = "gltf")]
+#[test]
+fn gltf_cut_off_anywhere() {
+    let (numbers, rest) = gltf_text::small();
+    for file in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
+        for length in 0..file.len() {
+            assert!(!reads_gltf(&file[..length]), "{length}");
+        }
+    }
 }

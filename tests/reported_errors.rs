@@ -211,3 +211,22 @@ fn solutions_tell_the_truth() {
         "both outcomes must occur: {seen:?}"
     );
 }
+
+#[test]
+fn lengths_are_told_in_the_models_own_unit() {
+    let rig = kinopt::io::rig::Rig::read("models/humanoid/humanoid.json").unwrap();
+    let hand = rig.skeleton.tip(rig.skeleton.bone("left_hand").unwrap());
+    let mut builder = Problem::builder(rig.skeleton.model());
+    builder.add(Point::new(hand, [0.0, 50.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let rest = rig.skeleton.model().neutral();
+    let text = kinopt::Solver::default().solve_once(&problem, &rest);
+    let text = text.unwrap().explain();
+    assert!(text.contains(" units.") && !text.contains(" m."), "{text}");
+
+    let asked = ask(1, false);
+    let start = asked.tree.model.neutral();
+    let text = kinopt::Solver::default().solve_once(&asked.problem, &start);
+    let text = text.unwrap().explain();
+    assert!(text.contains(" m") && !text.contains("units"), "{text}");
+}

@@ -340,6 +340,11 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         r#""jump": "event""#,
         &["parameters", "`true` or `false`", "\"trigger\""],
     );
+    refused(
+        r#""grounded": true"#,
+        r#""grounded": true, "speed": 1.0"#,
+        &["parameters", "`speed` is given twice"],
+    );
     refused(r#""speed": 2.0"#, r#""speed": 1e999"#, &["machine.json"]);
     refused(
         r#""when": [{"parameter": "jump"}, {"parameter": "grounded", "is": true}]"#,

@@ -6,7 +6,8 @@ use clap::Args;
 use kinopt::animation::Playback;
 use serde::Serialize;
 
-use crate::failure::Outcome;
+use crate::animated_armature::AnimatedArmature;
+use crate::failure::{Failure, Outcome};
 use crate::frame_report::FrameReport;
 use crate::interpolation_choice::InterpolationChoice;
 use crate::loaded_model::LoadedModel;
@@ -20,17 +21,20 @@ Examples:
                                                   a robot's tool, for joint angles in degrees
   kinopt fk arm.json                              the rest pose, every bone
   kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes after 1.5 s, one bone
-  kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed";
+  kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed
+  kinopt fk fox.glb --clip Run --time 0.2         a scene's clip after 0.2 s, every node
+  kinopt fk walk.bvh --time 1.5 --frame Head/tip  a capture after 1.5 s, the top of the head";
 
 /// Where the frames stand for a configuration (forward kinematics).
 ///
 /// For a robot a frame is a link. For a rig it is a bone's own: its origin at the bone's tail, x
-/// towards the tip; the tip is given beside it. Without --q, --q-file and --time it is the rest
+/// towards the tip; the tip is given beside it. For motion capture it is a joint, or an End Site,
+/// called `JOINT/tip`; for a scene it is a node. Without --q, --q-file and --time it is the rest
 /// pose: all zeros, moved into the limits where they exclude zero.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf or a rig's .json file.
+    /// The model: a robot's .urdf, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
@@ -52,12 +56,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", group = "configuration")]
     q_file: Option<PathBuf>,
 
-    /// Take the rig's keyframes at this time, in seconds. Default: none.
+    /// Take the rig's keyframes, the captured motion or the scene's clip at this time, in seconds. Default: none.
     ///
     /// Before the first and after the last key the pose is held, unless --loop.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, group = "configuration",
           value_parser = number_list::number)]
     time: Option<f64>,
+
+    /// With --time: which of a scene's clips. Default: the first.
+    #[arg(long, value_name = "NAME", requires = "time")]
+    clip: Option<String>,
 
     /// With --time: repeat the keyframes instead of holding the ends. Default: off.
     // Not `requires` alone: clap waives that for what conflicts with an argument given.
@@ -75,7 +83,7 @@ pub(crate) struct Arguments {
     /// A frame to report; repeat it for several. Default: all of them.
     ///
     /// In a robot it is a link's name. In a rig `bone/3` or a bone's name is the bone at its tail,
-    /// `bone/3/tip` at its tip.
+    /// `bone/3/tip` at its tip. In motion capture it is a joint's name, `NAME/tip` its End Site.
     #[arg(long = "frame", value_name = "NAME")]
     frames: Vec<String>,
 
@@ -97,8 +105,19 @@ struct Document<'a> {
     frames: &'a FrameReport,
 }
 
+#[derive(Serialize)]
+struct AnimatedDocument<'a> {
+    /// In seconds; none at rest.
+    time: Option<f64>,
+    frames: &'a FrameReport,
+}
+
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    if AnimatedArmature::is_at(&arguments.model) {
+        return run_animated(arguments, json);
+    }
     let mut loaded = LoadedModel::read(&arguments.model)?;
+    loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let q = configuration(&loaded, arguments)?;
     let frames = loaded.frame_report(&arguments.frames, arguments.base.as_deref(), &q)?;
@@ -115,6 +134,43 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     output::result(&frames.text(LengthFormat::of_size(loaded.size())))
 }
 
+fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let given = [
+        ("--q", arguments.q.is_some()),
+        ("--q-file", arguments.q_file.is_some()),
+        ("--interpolation", arguments.interpolation.is_some()),
+    ];
+    let animated = AnimatedArmature::read(&arguments.model)?;
+    if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+        let (file, kind) = (&animated.file, animated.kind);
+        return Err(Failure::usage(format!(
+            "{file}: {option} is for robots and rigs; {kind} is posed by --time"
+        )));
+    }
+    let pose = match arguments.time {
+        Some(time) => {
+            let clip = animated.clip(arguments.clip.as_deref())?;
+            animated.pose_at(clip, time, playback(arguments))?
+        }
+        None => animated.armature.rest().clone(),
+    };
+    let frames = animated.frame_report(&arguments.frames, arguments.base.as_deref(), &pose)?;
+    if json {
+        let time = arguments.time;
+        let frames = &frames;
+        return output::json(&AnimatedDocument { time, frames });
+    }
+    output::result(&frames.text(LengthFormat::of_size(animated.size()?)))
+}
+
+fn playback(arguments: &Arguments) -> Playback {
+    if arguments.looped {
+        Playback::Loop
+    } else {
+        Playback::Hold
+    }
+}
+
 fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64>> {
     if let Some(Numbers(numbers)) = &arguments.q {
         return loaded.typed_configuration(numbers, arguments.degrees, "--q");
@@ -122,13 +178,8 @@ fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64
     if let Some(path) = &arguments.q_file {
         return loaded.configuration_file(path);
     }
-    let playback = if arguments.looped {
-        Playback::Loop
-    } else {
-        Playback::Hold
-    };
     match arguments.time {
-        Some(time) => loaded.keyframes_at(time, playback),
+        Some(time) => loaded.keyframes_at(time, playback(arguments)),
         None => Ok(loaded.rest()),
     }
 }

@@ -91,6 +91,7 @@ mod tests {
                 clip: EulerClip::default(),
                 constrained: Vec::new(),
             })),
+            scene: None,
             robot: None,
         }
     }

@@ -76,12 +76,10 @@ impl LoadedModel {
                 Some([rig.skeleton.tail(bone), rig.skeleton.tip(bone)])
             });
             let ends = ends.map(|ends| ends.map(|end| at(end).translation.to_array()));
-            let placement = at(frame);
             let placed = FramePlacement {
-                position: placement.translation.to_array(),
-                quaternion: quaternion(&placement),
                 tail: ends.map(|[tail, _]| tail),
                 tip: ends.map(|[_, tip]| tip),
+                ..FramePlacement::of(&at(frame))
             };
             (name, placed)
         });
@@ -104,7 +102,25 @@ fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
     quaternion.map(|c| if w < 0.0 { -c + 0.0 } else { c + 0.0 })
 }
 
+impl FramePlacement {
+    fn of(placement: &Placement<f64>) -> Self {
+        Self {
+            position: placement.translation.to_array(),
+            quaternion: quaternion(placement),
+            tail: None,
+            tip: None,
+        }
+    }
+}
+
 impl FrameReport {
+    /// Frames without ends.
+    pub(crate) fn of_placements(frames: Vec<(String, Placement<f64>)>) -> Self {
+        let frames = frames.into_iter();
+        let placed = frames.map(|(name, placement)| (name, FramePlacement::of(&placement)));
+        Self(placed.collect())
+    }
+
     /// An aligned table.
     pub(crate) fn text(&self, format: LengthFormat) -> String {
         let rigs = self.0.iter().any(|(_, placement)| placement.tip.is_some());

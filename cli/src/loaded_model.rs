@@ -1,16 +1,21 @@
 //! Whatever file a model comes from, as one thing.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use kinopt::Model;
+use kinopt::animation::EulerClip;
+use kinopt::io::gltf::{self, Scene};
 use kinopt::io::rig::Rig;
-use kinopt::model::{JointKind, ParameterMap};
+use kinopt::model::{JointKind, Limits, ParameterMap};
 use kinopt::robot::Robot;
+use kinopt::skeleton::BoneId;
 
+use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
-const SUPPORTED: &str = ".urdf (a robot), .json (a rig)";
+const SUPPORTED: &str = ".urdf (a robot), .json (a rig), .glb and .gltf (a scene)";
 
 /// Rigs count as reached within this share of their size; an angle within as many radians.
 const RIG_TOLERANCE: f64 = 1e-9;
@@ -24,8 +29,10 @@ pub(crate) struct LoadedModel {
     pub(crate) file: String,
     /// What problems are stated on.
     pub(crate) model: Model,
-    /// The rest of a rig; `None` for a robot.
+    /// The rest of a rig, or a scene's bones as one; `None` for a robot.
     pub(crate) rig: Option<Box<Rig>>,
+    /// The meshes of a scene.
+    pub(crate) scene: Option<Box<Scene>>,
     /// A robot with its mimic joints; `None` for a rig.
     pub(crate) robot: Option<Box<Robot>>,
 }
@@ -42,12 +49,17 @@ impl LoadedModel {
                     file,
                     model: rig.skeleton.model().clone(),
                     rig: Some(Box::new(rig)),
+                    scene: None,
                     robot: None,
                 })
             }
+            "glb" | "gltf" => Self::of_scene(file, gltf::read(path)?),
             "urdf" => Ok(Self::of_robot(file, Robot::read(path)?)),
             "" => Err(Failure::new(format!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
+            ))),
+            _ if AnimatedArmature::is_at(path) => Err(Failure::new(format!(
+                "{file}: motion capture has no joints with limits; it is for kinopt info and kinopt fk"
             ))),
             other => Err(Failure::new(format!(
                 "{file}: models in .{other} files are not supported; supported: {SUPPORTED}"
@@ -55,20 +67,57 @@ impl LoadedModel {
         }
     }
 
+    /// A scene's bones, each free to turn about where it stands. Where there are skins, only their
+    /// joints are.
+    fn of_scene(file: String, scene: Scene) -> Outcome<Self> {
+        let skins = scene.meshes.iter().filter_map(|mesh| mesh.skin.as_ref());
+        let joints: BTreeSet<BoneId> = skins.flat_map(|skin| &skin.joints).copied().collect();
+        let limits = |bone: BoneId| match joints.is_empty() || joints.contains(&bone) {
+            true => [Limits::UNBOUNDED; 3],
+            false => [Limits::new(0.0, 0.0); 3],
+        };
+        let skeleton = scene.armature.skeleton(file.clone(), limits);
+        let skeleton = skeleton.map_err(|error| Failure::new(format!("{file}: {error}")))?;
+        Ok(Self {
+            file,
+            model: skeleton.model().clone(),
+            rig: Some(Box::new(Rig {
+                skeleton,
+                mesh: None,
+                weights: None,
+                clip: EulerClip::default(),
+                constrained: Vec::new(),
+            })),
+            scene: Some(Box::new(scene)),
+            robot: None,
+        })
+    }
+
     fn of_robot(file: String, robot: Robot) -> Self {
         Self {
             file,
             model: robot.model().clone(),
             rig: None,
+            scene: None,
             robot: Some(Box::new(robot)),
         }
     }
 
-    /// "rig" or "robot".
+    /// Refuses `--clip`, which scenes have.
+    pub(crate) fn refuse_clip(&self, clip: Option<&str>) -> Outcome<()> {
+        let (file, kind) = (&self.file, self.kind());
+        clip.map_or(Ok(()), |_| {
+            let problem = format!("{file}: --clip is for scenes; this is a {kind}");
+            Err(Failure::usage(problem))
+        })
+    }
+
+    /// "rig", "scene" or "robot".
     pub(crate) fn kind(&self) -> &'static str {
-        match self.rig {
-            Some(_) => "rig",
-            None => "robot",
+        match (&self.rig, &self.scene) {
+            (_, Some(_)) => "scene",
+            (Some(_), None) => "rig",
+            (None, None) => "robot",
         }
     }
 
@@ -177,7 +226,6 @@ impl LoadedModel {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use kinopt::model::Limits;
     use kinopt::spatial::{Placement, Vector3};
 
     use super::*;

@@ -4,6 +4,7 @@
 //! one-line reason on standard error, 2 wrong usage.
 
 mod animate;
+mod animated_armature;
 mod bench;
 mod configuration;
 mod countdown;
@@ -45,8 +46,10 @@ Examples:
   kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0
   kinopt solve robot.urdf --tip tool --targets poses.json --json
   kinopt fk arm.json --time 1.5 --frame bone/6
+  kinopt fk walk.bvh --time 1.5 --frame Head/tip
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
   kinopt animate arm.json --fps 24 --out frames
+  kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results";
 

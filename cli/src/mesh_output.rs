@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use kinopt::animation::PoseBridge;
+use kinopt::io::gltf::{Scene, ScenePosing};
 use kinopt::io::ply::PlyEncoding;
-use kinopt::io::{obj, ply};
+use kinopt::io::{gltf, obj, ply};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
 use kinopt::skinning::{AutomaticWeights, MeshWeights, SkinningMethod, single_precision_transform};
@@ -26,13 +28,15 @@ pub(crate) enum MeshFormat {
     Obj,
     /// Stanford, little-endian binary.
     Ply,
+    /// glTF 2.0, binary.
+    Glb,
 }
 
 impl MeshFormat {
     /// The format that a path's extension stands for.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Ply]
+        [Self::Obj, Self::Ply, Self::Glb]
             .into_iter()
             .find(|format| format.extension() == extension)
     }
@@ -41,6 +45,7 @@ impl MeshFormat {
         match self {
             Self::Obj => "obj",
             Self::Ply => "ply",
+            Self::Glb => "glb",
         }
     }
 }
@@ -48,7 +53,7 @@ impl MeshFormat {
 impl MeshFile {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
-        let format = MeshFormat::of(&path).ok_or("meshes are written as .obj or .ply")?;
+        let format = MeshFormat::of(&path).ok_or("meshes are written as .obj, .ply or .glb")?;
         Ok(Self { path, format })
     }
 
@@ -66,6 +71,7 @@ impl MeshFile {
         match self.format {
             MeshFormat::Obj => obj::write(mesh, &self.path)?,
             MeshFormat::Ply => ply::write(mesh, PlyEncoding::BinaryLittleEndian, &self.path)?,
+            MeshFormat::Glb => gltf::write_mesh(mesh, &self.path)?,
         }
         Ok(())
     }
@@ -73,10 +79,16 @@ impl MeshFile {
 
 /// A mesh that bones move.
 #[derive(Clone, Debug)]
-pub(crate) struct Skin<'a> {
-    skeleton: &'a Skeleton,
-    mesh: &'a TriangleMesh,
-    weights: MeshWeights,
+pub(crate) enum Skin<'a> {
+    Rig {
+        skeleton: &'a Skeleton,
+        mesh: &'a TriangleMesh,
+        weights: Box<MeshWeights>,
+    },
+    Scene {
+        scene: &'a Scene,
+        bridge: PoseBridge,
+    },
 }
 
 impl LoadedModel {
@@ -90,6 +102,13 @@ impl LoadedModel {
             ))
         };
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
+        if let Some(scene) = self.scene.as_deref() {
+            if scene.meshes.is_empty() {
+                return Err(lacks());
+            }
+            let bridge = PoseBridge::new(&rig.skeleton);
+            return Ok(Skin::Scene { scene, bridge });
+        }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;
         let weights = match &rig.weights {
             Some(weights) => weights.clone(),
@@ -105,10 +124,10 @@ impl LoadedModel {
                 weights
             }
         };
-        Ok(Skin {
+        Ok(Skin::Rig {
             skeleton: &rig.skeleton,
             mesh,
-            weights: weights.into(),
+            weights: Box::new(weights.into()),
         })
     }
 }
@@ -116,9 +135,23 @@ impl LoadedModel {
 impl Skin<'_> {
     /// The mesh for the stacked angles `q`, in radians.
     pub(crate) fn posed(&self, q: &[f64], method: SkinningMethod) -> Outcome<TriangleMesh> {
-        let pose = self.skeleton.pose(q);
-        let transforms = pose.skinning_transforms(self.skeleton);
-        let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
-        Ok(self.weights.mesh(method, self.mesh, &transforms)?)
+        match self {
+            Self::Rig {
+                skeleton,
+                mesh,
+                weights,
+            } => {
+                let pose = skeleton.pose(q);
+                let transforms = pose.skinning_transforms(skeleton);
+                let transforms = transforms.map(|t| single_precision_transform(&t));
+                let transforms: Vec<_> = transforms.collect();
+                Ok(weights.mesh(method, mesh, &transforms)?)
+            }
+            Self::Scene { scene, bridge } => {
+                let mut pose = scene.armature.rest().clone();
+                bridge.pose_of(q, &mut pose);
+                Ok(ScenePosing::new(scene, method)?.mesh(&pose)?)
+            }
+        }
     }
 }

@@ -49,6 +49,7 @@ impl Arm {
         let turns = |id: JointId| serial.model.joints()[id.index()].kind != JointKind::Prismatic;
         let names = Names {
             model: serial.model.name().to_owned(),
+            length_unit: serial.model.length_unit(),
             variables: leaders.clone().map(|c| joint(&leader(c))).collect(),
             variable_is_angle: leaders.map(|c| turns(leader(c))).collect(),
             tasks: vec![format!("pose of `{tip}`")],

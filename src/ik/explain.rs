@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{BoundKind, Side, Solution};
+use crate::model::LengthUnit;
 use crate::solver::Termination;
 use crate::task::Role;
 
@@ -14,6 +15,11 @@ impl Solution {
         // Writing to a String cannot fail.
         let _ = self.write_explanation(&mut text);
         text
+    }
+
+    fn length_unit(&self) -> LengthUnit {
+        let names = self.names.as_deref();
+        names.map_or_else(LengthUnit::default, |names| names.length_unit)
     }
 
     fn write_explanation(&self, text: &mut String) -> std::fmt::Result {
@@ -42,7 +48,7 @@ impl Solution {
             for (k, rows) in misses.enumerate() {
                 let joiner = if k > 0 { " and " } else { "" };
                 write!(text, "{joiner}{}", Significant(rows.error))?;
-                let unit = rows.quantity.unit();
+                let unit = rows.quantity.unit(self.length_unit());
                 if !unit.is_empty() {
                     write!(text, " {unit}")?;
                 }
@@ -82,7 +88,7 @@ impl Solution {
                 if limit.is_angle {
                     write!(text, "rad ({}°)", Significant(limit.value.to_degrees()))?;
                 } else {
-                    text.push('m');
+                    text.push_str(self.length_unit().symbol());
                 }
                 write!(text, " of `{}`", limit.joint)?;
             }

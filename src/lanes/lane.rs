@@ -7,7 +7,7 @@
 
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
-use super::trigonometry;
+use crate::scalar::trigonometry::{reduced_sin_cos, turned};
 use crate::scalar::{Mask, Scalar};
 
 /// `L` numbers side by side; `FMA` picks fused multiply-add.
@@ -124,7 +124,12 @@ impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        trigonometry::sin_cos(self)
+        let (rounded, sin, cos) = reduced_sin_cos(self);
+        let (mut s, mut c) = ([0.0; L], [0.0; L]);
+        for i in 0..L {
+            (s[i], c[i]) = turned(rounded.0[i], sin.0[i], cos.0[i]);
+        }
+        (Self(s), Self(c))
     }
 
     #[inline(always)]

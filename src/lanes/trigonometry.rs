@@ -1,25 +1,10 @@
-//! Sine and cosine over lanes, and a rough arctangent.
+//! How far sines and cosines of lanes are right, and a rough arctangent.
 
-use super::lane::Lanes;
 use crate::scalar::Scalar;
 pub(crate) use crate::scalar::trigonometry::ROUNDER;
-use crate::scalar::trigonometry::{reduced_sin_cos, turned};
 
-/// The largest |angle| in radians for which [`sin_cos`] keeps its accuracy.
+/// The largest |angle| in radians for which the sine and cosine of lanes keep their accuracy.
 pub const MAX_ANGLE: f64 = crate::scalar::trigonometry::MAX_ANGLE;
-
-/// Sine and cosine of angles in radians, |x| ≤ [`MAX_ANGLE`].
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub fn sin_cos<const L: usize, const FMA: bool>(
-    x: Lanes<L, FMA>,
-) -> (Lanes<L, FMA>, Lanes<L, FMA>) {
-    let (rounded, sin, cos) = reduced_sin_cos(x);
-    let (mut s, mut c) = ([0.0; L], [0.0; L]);
-    for i in 0..L {
-        (s[i], c[i]) = turned(rounded.0[i], sin.0[i], cos.0[i]);
-    }
-    (Lanes(s), Lanes(c))
-}
 
 /// Angle of the point (x, y) in radians, to 1e-7: for seeds, not for results.
 ///

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Frame, FrameId, Joint, JointId, JointKind, Limits, Model, ModelError};
+use super::{Frame, FrameId, Joint, JointId, JointKind, LengthUnit, Limits, Model, ModelError};
 use crate::spatial::{Placement, Vector3};
 
 /// How far RᵀR of a placement may stand from the identity, entry by entry.
@@ -30,6 +30,7 @@ const MOST: usize = u32::MAX as usize;
 #[derive(Clone, Debug)]
 pub struct ModelBuilder {
     name: String,
+    length_unit: LengthUnit,
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     configuration_order: Option<Vec<JointId>>,
@@ -41,6 +42,7 @@ impl ModelBuilder {
     pub fn new(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
+            length_unit: LengthUnit::default(),
             joints: Vec::new(),
             frames: Vec::new(),
             configuration_order: None,
@@ -53,10 +55,16 @@ impl ModelBuilder {
     pub fn from_model(model: &Model) -> Self {
         Self {
             name: model.name.clone(),
+            length_unit: model.length_unit,
             joints: model.joints.clone(),
             frames: model.frames.clone(),
             configuration_order: Some(model.moving.clone()),
         }
+    }
+
+    /// Says what lengths are counted in, for what is told to people. Metres if it is not said.
+    pub fn length_unit(&mut self, unit: LengthUnit) {
+        self.length_unit = unit;
     }
 
     /// Says in which order a configuration holds the moving joints, where the order of the joints
@@ -217,6 +225,7 @@ impl ModelBuilder {
 
         Ok(Model {
             name: self.name,
+            length_unit: self.length_unit,
             joints: self.joints,
             frames: self.frames,
             moving,

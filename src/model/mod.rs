@@ -4,6 +4,7 @@ mod builder;
 mod error;
 mod id;
 mod joint;
+mod length_unit;
 mod parameter_map;
 mod path;
 mod random_configuration;
@@ -14,6 +15,7 @@ pub use builder::ModelBuilder;
 pub use error::{ModelError, UnknownName};
 pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
+pub use length_unit::LengthUnit;
 pub use parameter_map::{ParameterMap, ParameterMapBuilder, Source};
 
 use crate::spatial::Placement;
@@ -37,6 +39,7 @@ pub struct Frame {
 #[derive(Clone, Debug)]
 pub struct Model {
     name: String,
+    length_unit: LengthUnit,
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     /// Coordinate k of a configuration moves joint `moving[k]`.
@@ -52,6 +55,12 @@ impl Model {
     #[must_use]
     pub fn builder(name: impl Into<String>) -> ModelBuilder {
         ModelBuilder::new(name)
+    }
+
+    /// What its lengths are counted in.
+    #[must_use]
+    pub fn length_unit(&self) -> LengthUnit {
+        self.length_unit
     }
 
     /// The model's name.

@@ -153,6 +153,7 @@ impl<'m> ProblemBuilder<'m> {
             .collect();
         let names = Names {
             model: model.name().to_owned(),
+            length_unit: model.length_unit(),
             variables: (variables.clone())
                 .map(|v| leading_joint(v).name.clone())
                 .collect(),

@@ -1,9 +1,12 @@
 //! The names that reports need, shared with every solution.
 
+use crate::model::LengthUnit;
+
 /// Names of a problem's parts, by index.
 #[derive(Debug)]
 pub(crate) struct Names {
     pub(crate) model: String,
+    pub(crate) length_unit: LengthUnit,
     /// The joint that each variable moves directly.
     pub(crate) variables: Vec<String>,
     /// Whether that joint turns, rather than slides.

@@ -20,7 +20,7 @@ pub use builder::SkeletonBuilder;
 pub use error::SkeletonError;
 pub use pose::{BonePlacements, Posing};
 
-use crate::model::{FrameId, JointId, Limits, Model, UnknownName};
+use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
 /// The angles of one bone, in the order of the stacked vector.
@@ -182,6 +182,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
     let about_x = Vector3::new(1.0, 0.0, 0.0);
     let about_z = Vector3::new(0.0, 0.0, 1.0);
     let mut builder = Model::builder(name);
+    builder.length_unit(LengthUnit::Own);
     let mut order = Vec::with_capacity(ANGLES_PER_BONE * bones.len());
     let mut last_joint: Vec<JointId> = Vec::with_capacity(bones.len());
     for bone in bones {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::model::LengthUnit;
+
 /// The unit of a residual row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
@@ -21,16 +23,18 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The unit's symbol.
+    /// The unit's symbol, for a model that counts lengths so.
     #[must_use]
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Metres => "m",
-            Self::Radians => "rad",
-            Self::Pixels => "px",
-            Self::JointUnits => "rad or m",
-            Self::JointUnitsPerSecond => "rad/s or m/s",
-            Self::Ratio => "",
+    pub fn unit(self, length: LengthUnit) -> &'static str {
+        match (self, length) {
+            (Self::Metres, length) => length.symbol(),
+            (Self::Radians, _) => "rad",
+            (Self::Pixels, _) => "px",
+            (Self::JointUnits, LengthUnit::Metres) => "rad or m",
+            (Self::JointUnits, LengthUnit::Own) => "rad or units",
+            (Self::JointUnitsPerSecond, LengthUnit::Metres) => "rad/s or m/s",
+            (Self::JointUnitsPerSecond, LengthUnit::Own) => "rad/s or units/s",
+            (Self::Ratio, _) => "",
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `kinopt animate`: from keyframes to posed meshes.
+//! `kinopt animate`: from keyframes and clips to posed meshes.
 
 mod frames;
 
@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
 use kinopt::animation::Playback;
+use kinopt::io::gltf::ScenePosing;
+use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::SkinningMethod;
 use serde::Serialize;
 
 use self::frames::Frames;
+use crate::animated_armature::AnimatedArmature;
 use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::InterpolationChoice;
@@ -21,26 +24,33 @@ const EXAMPLES: &str = "\
 Examples:
   kinopt animate arm.json --time 1.5 --out posed.obj    the mesh after 1.5 s
   kinopt animate arm.json --fps 24 --out frames         a file for each frame of all keyframes
+  kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
+                                                        a scene's clip after 0.2 s
   kinopt animate arm.json --fps 60 --from 1 --to 2 --format ply --skinning dqs --out frames
                                                         one second of them";
 
-/// Pose a rig's mesh by its keyframes, at one time or frame by frame.
+/// Pose a rig's mesh by its keyframes, or a scene's meshes by one of its clips, at one time or frame
+/// by frame.
 ///
-/// Keys are interpolated over their own times, by Catmull-Rom splines unless the file or
+/// A scene's meshes are written as one, where they stand in the scene. A rig's keys are interpolated over their own times, by Catmull-Rom splines unless the file or
 /// --interpolation says otherwise; lengths are in the rig's own unit. One time makes one file; frames are numbered from 0 in a folder, which is made where there
 /// is none: frame-0000.obj, frame-0001.obj, …
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 #[command(group = ArgGroup::new("moments").args(["time", "fps"]).required(true))]
 pub(crate) struct Arguments {
-    /// The rig's .json file, with keyframes and a mesh. Where it has no skin weights, each vertex
-    /// follows the bones nearest to it.
-    #[arg(value_name = "RIG")]
-    rig: PathBuf,
+    /// The rig's .json file, with keyframes and a mesh, or a scene's .glb or .gltf file. Where a rig has
+    /// no skin weights, each vertex follows the bones nearest to it.
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
 
-    /// Where to write: with --time a .obj or .ply file, with --fps a folder.
+    /// Where to write: with --time a .obj, .ply or .glb file, with --fps a folder.
     #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
+
+    /// Which of a scene's clips. Default: the first.
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
 
     /// Pose the mesh at this time, in seconds. Default: none.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true,
@@ -95,21 +105,67 @@ struct FrameDocument<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let mut loaded = LoadedModel::read(&arguments.rig)?;
+    match AnimatedArmature::is_at(&arguments.model) {
+        true => run_scene(arguments, json),
+        false => run_rig(arguments, json),
+    }
+}
+
+fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let mut loaded = LoadedModel::read(&arguments.model)?;
+    loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let clip = loaded.keyframes("animate")?;
     let skin = loaded.skin()?;
-    let files = files(arguments, clip.time_span().unwrap_or([0.0; 2]))?;
+    let span = clip.time_span().unwrap_or([0.0; 2]);
+    let mut q = vec![0.0; loaded.model.degrees_of_freedom()];
+    write_frames(arguments, json, span, |time, playback| {
+        clip.sample(time, playback, &mut q)?;
+        skin.posed(&q, arguments.skinning)
+    })
+}
+
+fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let animated = AnimatedArmature::read(&arguments.model)?;
+    let (file, kind) = (&animated.file, animated.kind);
+    if arguments.interpolation.is_some() {
+        let problem = format!(
+            "{file}: --interpolation is for rigs; a {kind} says itself what is between keys"
+        );
+        return Err(Failure::usage(problem));
+    }
+    let scene = animated.scene.as_deref();
+    let scene = scene
+        .filter(|scene| !scene.meshes.is_empty())
+        .ok_or_else(|| {
+            let problem = format!("{file}: --out needs a mesh, and the {kind} has none");
+            Failure::new(problem)
+        })?;
+    let clip = animated.clip(arguments.clip.as_deref())?;
+    let mut posing = ScenePosing::new(scene, arguments.skinning)?;
+    let span = clip.span().map(f64::from);
+    write_frames(arguments, json, span, |time, playback| {
+        let pose = animated.pose_at(clip, time, playback)?;
+        Ok(posing.mesh(&pose)?)
+    })
+}
+
+/// Writes the meshes at the times that are asked for and says what was written.
+fn write_frames(
+    arguments: &Arguments,
+    json: bool,
+    span: [f64; 2],
+    mut posed: impl FnMut(f64, Playback) -> Outcome<TriangleMesh>,
+) -> Outcome<()> {
+    let files = files(arguments, span)?;
     let playback = match arguments.looped {
         true => Playback::Loop,
         false => Playback::Hold,
     };
     let countdown = Countdown::new(files.len(), "frames");
-    let mut q = vec![0.0; loaded.model.degrees_of_freedom()];
     let mut vertices = 0;
     for (time, file) in &files {
-        clip.sample(*time, playback, &mut q)?;
-        let mesh = skin.posed(&q, arguments.skinning)?;
+        let mesh = posed(*time, playback)?;
         file.write(&mesh)?;
         vertices = mesh.positions().len();
         countdown.one_more();
@@ -140,7 +196,7 @@ fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>>
     };
     if MeshFormat::of(out).is_some() && !out.is_dir() {
         return Err(Failure::usage(format!(
-            "--out {}: with --fps it is a folder; choose obj or ply by --format",
+            "--out {}: with --fps it is a folder; choose obj, ply or glb by --format",
             out.display()
         )));
     }

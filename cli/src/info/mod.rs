@@ -1,5 +1,6 @@
 //! `kinopt info`: what a model has.
 
+mod animation;
 mod document;
 mod robot;
 mod text;
@@ -8,6 +9,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
@@ -16,22 +18,34 @@ const EXAMPLES: &str = "\
 Examples:
   kinopt info robot.urdf         the tree of links and joints, limits in degrees and metres
   kinopt info arm.json           for people: limits in degrees and in radians
-  kinopt info arm.json --json    for programs: limits in radians, null where there is none";
+  kinopt info arm.json --json    for programs: limits in radians, null where there is none
+  kinopt info walk.bvh           motion capture: bones, frames, time and channels
+  kinopt info fox.glb            a scene: nodes and joints, clips, meshes, morph targets";
 
 /// What a model has: joints with their limits, frames, degrees of freedom and which of them are
 /// free; for a robot the tree of its links, its tips and the joints that follow others; for a rig
-/// its mesh, skin weights, keyframes and pinned tips.
+/// its mesh, skin weights, keyframes and pinned tips; for motion capture its bones, frames and
+/// channels; for a scene its nodes, clips, meshes and morph targets, and what was left out.
 ///
 /// The column q says where in a configuration a joint's value stands; fixed joints have none.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf or a rig's .json file.
+    /// The model: a robot's .urdf, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    if AnimatedArmature::is_at(&arguments.model) {
+        let animated = AnimatedArmature::read(&arguments.model)?;
+        let document = animation::document(&animated)?;
+        return if json {
+            output::json(&document)
+        } else {
+            output::result(&animation::text(&document))
+        };
+    }
     let loaded = LoadedModel::read(&arguments.model)?;
     let document = document::document(&loaded);
     if json {

@@ -39,6 +39,8 @@ Examples:
         two hands at once, nothing pinned
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1,1,0,0,0 --out posed.obj
         a whole pose (quaternion w,x,y,z), and the skinned mesh
+  kinopt solve fox.glb --target b_LeftHand_011=10,15,30 --out dragged.glb
+        a scene's joint, and its skinned meshes
   kinopt solve arm.json --ray bone/6=0,0.5,3:0.2,0.5,0 --json
         a tip onto the viewing ray through two points
 
@@ -50,7 +52,8 @@ target misses by and which limits hold it back (--json: \"reached\": false). The
 /// One --target of a robot, and its --targets, go through the arm's front door: the lane engine with
 /// numbered attempts, always the same answer for the same question. Several --target, --ray, rigs
 /// and anything with --solver go through the general solvers. In a rig the other tips that the file
-/// pins (ik_constraints) are held where they are at the start, unless --free.
+/// pins (ik_constraints) are held where they are at the start, unless --free. In a scene all joints
+/// of skins turn freely; their tips are where they stand.
 ///
 /// In the output q lists all moving joints in the order of the file (for a robot their names are
 /// beside it under "joints"), those that cannot matter at their start.
@@ -60,7 +63,7 @@ target misses by and which limits hold it back (--json: \"reached\": false). The
     group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file"])
 )]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf or a rig's .json file.
+    /// The model: a robot's .urdf, a rig's .json or a scene's .glb or .gltf file.
     #[arg(value_name = "MODEL")]
     pub(super) model: PathBuf,
 
@@ -187,7 +190,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N")]
     pub(super) max_iterations: Option<u32>,
 
-    /// Write the mesh in the pose found, as .obj or .ply. Default: not written.
+    /// Write the mesh in the pose found, as .obj, .ply or .glb. Default: not written.
     ///
     /// It needs a rig with a mesh; where there are no skin weights, each vertex follows the bones
     /// nearest to it.

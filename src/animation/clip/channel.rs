@@ -33,6 +33,12 @@ pub struct EulerCurve {
 }
 
 impl EulerCurve {
+    /// The rotation at a time in seconds.
+    #[must_use]
+    pub fn at(&self, time: f32) -> Quat {
+        self.rotation(self.angles.at(time))
+    }
+
     /// The rotation of these angles.
     pub(super) fn rotation(&self, angles: Vec3A) -> Quat {
         let axes = self.order.axes().map(|axis| glam::Vec3::AXES[axis]);
@@ -55,7 +61,7 @@ impl Channel {
     }
 
     /// The property's name in messages.
-    pub(super) fn property(&self) -> Property {
+    pub(crate) fn property(&self) -> Property {
         match self {
             Self::Translation(_) => Property::Translation,
             Self::Rotation(_) | Self::Euler(_) => Property::Rotation,

@@ -44,6 +44,10 @@ impl<C> Curved<C> {
         self.tracks.len()
     }
 
+    pub(super) fn tracks(&self) -> &[Track<C>] {
+        &self.tracks
+    }
+
     pub(super) fn start(&self) -> CurveSegments {
         CurveSegments {
             progress: Progress::default(),

@@ -3,6 +3,7 @@
 mod arcs;
 mod builder;
 mod channel;
+mod channels;
 mod cursor;
 mod curved;
 mod error;

@@ -85,6 +85,17 @@ impl Slerps {
         self.bones.len()
     }
 
+    /// The tracks again.
+    pub(super) fn tracks(&self) -> impl Iterator<Item = Track<RotationCurve>> + '_ {
+        let bones = self.bones.iter().zip(self.timelines.by_track(&self.keys));
+        bones.filter_map(|(&bone, (times, keys))| {
+            // They passed the same check before.
+            let curve = RotationCurve::slerp(times, keys).ok()?;
+            let target = bone as usize;
+            Some(Track { target, curve })
+        })
+    }
+
     pub(super) fn start(&self) -> SlerpSegments {
         SlerpSegments {
             progress: Progress::default(),

@@ -197,6 +197,27 @@ impl Timelines {
         }
     }
 
+    /// The key times of each track, and out of values [in order](Self::in_order) its own.
+    pub(super) fn by_track<V: Copy>(&self, values: &[V]) -> Vec<(Vec<f32>, Vec<V>)> {
+        let timelines = self.timelines.iter();
+        let tracks = timelines.flat_map(|timeline| {
+            let TimelineKey {
+                time,
+                values: first,
+                tracks,
+                ..
+            } = timeline.first;
+            let (first, tracks) = (first as usize, tracks as usize);
+            let times = &self.times[time as usize..time as usize + timeline.keys];
+            let own = &values[first..first + timeline.keys * tracks];
+            (0..tracks).map(move |track| {
+                let keys = own.iter().skip(track).step_by(tracks).copied();
+                (times.to_vec(), keys.collect())
+            })
+        });
+        tracks.collect()
+    }
+
     /// Puts the keys of tracks that were [arranged](Self::arrange) in the order that
     /// [`Segment::values`] counts in: those of one moment side by side.
     pub(super) fn in_order<'a, V: Copy + 'a>(&self, keys: impl Fn(usize) -> &'a [V]) -> Vec<V> {

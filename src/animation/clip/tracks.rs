@@ -66,6 +66,24 @@ impl Tracks {
         }
     }
 
+    /// The curves again.
+    pub(super) fn curves(&self) -> Curves {
+        let vectors = |straight: &Vectors, curved: &Curved<KeyedCurve<Vec3A>>| {
+            straight
+                .tracks()
+                .chain(curved.tracks().iter().cloned())
+                .collect()
+        };
+        let curved = self.curved_rotations.tracks().iter().cloned();
+        Curves {
+            translations: vectors(&self.translations, &self.curved_translations),
+            scales: vectors(&self.scales, &self.curved_scales),
+            rotations: self.slerps.tracks().chain(curved).collect(),
+            eulers: self.eulers.tracks().to_vec(),
+            morphs: self.morphs.tracks().to_vec(),
+        }
+    }
+
     /// What a cursor keeps, before its first look.
     pub(super) fn start(&self) -> Segments {
         Segments {

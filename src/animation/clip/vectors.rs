@@ -64,6 +64,17 @@ impl Vectors {
         self.bones.len()
     }
 
+    /// The tracks again.
+    pub(super) fn tracks(&self) -> impl Iterator<Item = Track<KeyedCurve<Vec3A>>> + '_ {
+        let bones = self.bones.iter().zip(self.timelines.by_track(&self.keys));
+        bones.filter_map(|(&bone, (times, keys))| {
+            // They passed the same check before.
+            let curve = KeyedCurve::linear(times, keys).ok()?;
+            let target = bone as usize;
+            Some(Track { target, curve })
+        })
+    }
+
     pub(super) fn start(&self) -> VectorSegments {
         VectorSegments {
             progress: Progress::default(),

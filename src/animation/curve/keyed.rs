@@ -206,6 +206,12 @@ impl<V: CurveValue> KeyedCurve<V> {
         }
     }
 
+    /// What it does between keys.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn between(&self) -> &Between<V> {
+        &self.between
+    }
+
     /// Whether it runs straight from key to key.
     pub(crate) fn is_linear(&self) -> bool {
         matches!(self.between, Between::Linear)

@@ -15,6 +15,8 @@ pub use bezier::CubicBezier;
 pub use catmull_rom::{Knots, catmull_rom, catmull_rom_at_knots};
 pub use handle::BezierHandle;
 pub use hermite::Hermite;
+#[cfg(feature = "gltf")]
+pub(crate) use keyed::Between;
 pub use keyed::KeyedCurve;
 pub use keys::{KeyError, KeyRepair, repair_keys};
 pub(crate) use keys::{check_count, check_times};

@@ -2,6 +2,7 @@
 //! optimiser for everything else.
 
 mod aim;
+mod armature_skeleton;
 mod bridge;
 mod held;
 mod limb;

@@ -114,6 +114,17 @@ impl Armature {
         Ok(own)
     }
 
+    /// The same, with these weights of the morph targets at rest instead of zeros.
+    ///
+    /// # Errors
+    /// There is not one weight for each morph target.
+    pub fn with_rest_morph_weights(mut self, weights: &[f32]) -> Result<Self, SizeMismatch> {
+        let targets = self.morph_targets.len();
+        SizeMismatch::check("morph weights", weights.len(), targets)?;
+        self.rest.morph_weights.copy_from_slice(weights);
+        Ok(self)
+    }
+
     /// The bones of a skeleton, with the same ids: at rest each stands where its angles are zero. Morph
     /// targets are added by [`with_morph_targets`](Self::with_morph_targets).
     #[must_use]
@@ -200,7 +211,8 @@ impl Armature {
         usize::try_from(parent).ok().map(BoneId::new)
     }
 
-    /// The pose at rest; all morph weights are zero.
+    /// The pose at rest; all morph weights are zero unless they were
+    /// [set](Self::with_rest_morph_weights).
     #[must_use]
     pub fn rest(&self) -> &Pose {
         &self.rest

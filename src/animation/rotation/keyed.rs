@@ -155,6 +155,12 @@ impl RotationCurve {
         &self.rotations
     }
 
+    /// What it does between keys.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn between(&self) -> &BetweenRotations {
+        &self.between
+    }
+
     /// Whether it runs by slerp from key to key.
     pub(crate) fn is_slerp(&self) -> bool {
         self.between == BetweenRotations::Slerp
@@ -221,6 +227,11 @@ fn unit(key: usize, q: Quat) -> Result<(Quat, f32), KeyError> {
     // In double precision, where the square of no single-precision number vanishes.
     if length == 0.0 {
         return Err(KeyError::ZeroRotation { key });
+    }
+    // What rounding to single precision leaves is of unit length already: its bits stay.
+    const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
+    if (length - 1.0).abs() <= ROUNDING {
+        return Ok((q.as_quat(), 1.0));
     }
     Ok(((q / length).as_quat(), (1.0 / length) as f32))
 }

@@ -10,6 +10,8 @@ mod squad;
 pub use axis_angle::AxisAngle;
 pub use euler::{EulerAngles, EulerOrder};
 pub use hermite::{RotationHermite, mean_rates};
+#[cfg(feature = "gltf")]
+pub(crate) use keyed::BetweenRotations;
 pub use keyed::RotationCurve;
 pub use slerp::{nearer, nlerp, slerp, slerp_vectors};
 pub use squad::{squad, squad_control};

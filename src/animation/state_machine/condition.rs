@@ -4,8 +4,7 @@ use super::definition::{
     ConditionDefinition, Interruption, ParameterDefault, TransitionDefinition,
 };
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, at, find, finite};
-use super::machine::StateMachine;
+use super::lookup::{Checked, Names, at, finite};
 use crate::animation::Easing;
 
 #[derive(Clone, Debug)]
@@ -37,15 +36,15 @@ pub(super) enum Condition {
     },
 }
 
-impl StateMachine {
+impl Transition {
     /// Checks a transition against the states and parameters that there are.
-    pub(super) fn transition(
-        &self,
+    pub(super) fn new(
         path: &str,
         given: &TransitionDefinition,
-    ) -> Checked<Transition> {
+        names: &Names<'_>,
+    ) -> Checked<Self> {
         let from = match &given.from {
-            Some(from) => Some(self.state(|| format!("{path}.from"), from)?),
+            Some(from) => Some(names.state(|| format!("{path}.from"), from)?),
             None => None,
         };
         if from.is_none() && given.when.is_empty() {
@@ -65,10 +64,10 @@ impl StateMachine {
         }
         let conditions = given.when.iter().enumerate();
         let conditions = conditions
-            .map(|(index, condition)| self.condition(&format!("{path}.when[{index}]"), condition));
-        Ok(Transition {
+            .map(|(index, given)| Condition::new(&format!("{path}.when[{index}]"), given, names));
+        Ok(Self {
             from,
-            to: self.state(|| format!("{path}.to"), &given.to)?,
+            to: names.state(|| format!("{path}.to"), &given.to)?,
             seconds: given.seconds,
             easing: given.easing,
             in_step: given.in_step,
@@ -78,11 +77,12 @@ impl StateMachine {
             interruption: given.interruption,
         })
     }
+}
 
-    fn condition(&self, path: &str, given: &ConditionDefinition) -> Checked<Condition> {
-        let names = self.parameters.iter().map(|(name, _)| name.as_str());
-        let name = given.parameter.as_str();
-        let parameter = find(|| format!("{path}.parameter"), "parameter", name, names)?;
+impl Condition {
+    fn new(path: &str, given: &ConditionDefinition, names: &Names<'_>) -> Checked<Self> {
+        let place = || format!("{path}.parameter");
+        let (parameter, default) = names.parameter(place, &given.parameter)?;
         for (key, bound) in [("above", given.above), ("below", given.below)] {
             if let Some(bound) = bound {
                 finite(|| format!("{path}.{key}"), f64::from(bound))?;
@@ -101,20 +101,18 @@ impl StateMachine {
             Err(at(path, problem))
         };
         let bounds = given.above.is_some() || given.below.is_some();
-        match (self.parameters[parameter].1, given.is) {
-            (ParameterDefault::Number(_), None) if bounds => Ok(Condition::Between {
+        match (default, given.is) {
+            (ParameterDefault::Number(_), None) if bounds => Ok(Self::Between {
                 parameter,
                 above: given.above.unwrap_or(f32::NEG_INFINITY),
                 below: given.below.unwrap_or(f32::INFINITY),
             }),
             (ParameterDefault::Number(_), _) => wrong("number", "`above`, `below` or both"),
             (ParameterDefault::Flag(_), Some(value)) if !bounds => {
-                Ok(Condition::Is { parameter, value })
+                Ok(Self::Is { parameter, value })
             }
             (ParameterDefault::Flag(_), _) => wrong("flag", "`is` and nothing else"),
-            (ParameterDefault::Trigger(_), None) if !bounds => {
-                Ok(Condition::Triggered { parameter })
-            }
+            (ParameterDefault::Trigger(_), None) if !bounds => Ok(Self::Triggered { parameter }),
             (ParameterDefault::Trigger(_), _) => wrong("trigger", "neither bounds nor `is`"),
         }
     }

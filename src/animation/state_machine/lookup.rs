@@ -1,5 +1,6 @@
 //! Checks that say where in the data something is wrong.
 
+use super::definition::ParameterDefault;
 use super::error::{StateMachineError, StateMachineProblem};
 use crate::model::UnknownName;
 
@@ -31,4 +32,26 @@ pub(super) fn find<'a>(
         let unknown = UnknownName::new(kind, name, names);
         at(path(), StateMachineProblem::Unknown(unknown))
     })
+}
+
+/// The names that transitions may use.
+pub(super) struct Names<'a> {
+    pub(super) parameters: &'a [(String, ParameterDefault)],
+    pub(super) states: Vec<&'a str>,
+}
+
+impl Names<'_> {
+    pub(super) fn state(&self, path: impl FnOnce() -> String, name: &str) -> Checked<usize> {
+        find(path, "state", name, self.states.iter().copied())
+    }
+
+    pub(super) fn parameter(
+        &self,
+        path: impl FnOnce() -> String,
+        name: &str,
+    ) -> Checked<(usize, ParameterDefault)> {
+        let names = self.parameters.iter().map(|(name, _)| name.as_str());
+        let index = find(path, "parameter", name, names)?;
+        Ok((index, self.parameters[index].1))
+    }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::condition::Transition;
 use super::definition::{ParameterDefault, StateMachineDefinition};
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, at, find, finite};
+use super::lookup::{Checked, Names, at, finite};
 use super::motion::Motion;
 use crate::animation::{Clip, Playback};
 
@@ -35,48 +35,48 @@ impl StateMachine {
     /// does not exist (the error lists those that do) or that several clips have, a duration or number that is out of range, a
     /// condition that does not suit its parameter, or clips of different armatures.
     pub fn new(definition: &StateMachineDefinition, clips: &[Arc<Clip>]) -> Checked<Self> {
-        let mut own = Self {
-            parameters: Vec::new(),
-            initial: 0,
-            states: Vec::new(),
-            transitions: Vec::new(),
-        };
+        let mut parameters = Vec::new();
         for (name, default) in &definition.parameters {
             if let ParameterDefault::Number(value) = default {
                 finite(|| format!("parameters.{name}"), f64::from(*value))?;
             }
-            own.parameters.push((name.clone(), *default));
+            parameters.push((name.clone(), *default));
         }
+        let mut states: Vec<State> = Vec::new();
+        let mut bones = None;
         for (index, state) in definition.states.iter().enumerate() {
-            let path = |key: &str| format!("states[{index}].{key}");
-            if own.states.iter().any(|other| other.name == state.name) {
+            let path = format!("states[{index}]");
+            if states.iter().any(|other| other.name == state.name) {
                 let name = state.name.clone();
                 let problem = StateMachineProblem::DuplicateState { name };
-                return Err(at(path("name"), problem));
+                return Err(at(format!("{path}.name"), problem));
             }
-            let motion = own.motion(&format!("states[{index}]"), &state.motion, clips)?;
-            finite(|| path("speed"), state.speed)?;
-            own.states.push(State {
+            let motion = Motion::new(&path, &state.motion, clips, &parameters, &mut bones)?;
+            finite(|| format!("{path}.speed"), state.speed)?;
+            states.push(State {
                 name: state.name.clone(),
                 motion,
                 playback: state.playback,
                 speed: state.speed,
             });
         }
-        if own.states.is_empty() {
+        if states.is_empty() {
             return Err(at("states", StateMachineProblem::NoStates));
         }
-        own.initial = own.state(|| "initial".to_owned(), &definition.initial)?;
-        for (index, transition) in definition.transitions.iter().enumerate() {
-            let transition = own.transition(&format!("transitions[{index}]"), transition)?;
-            own.transitions.push(transition);
-        }
-        Ok(own)
-    }
-
-    pub(super) fn state(&self, path: impl FnOnce() -> String, name: &str) -> Checked<usize> {
-        let states = self.states.iter().map(|state| state.name.as_str());
-        find(path, "state", name, states)
+        let names = Names {
+            parameters: &parameters,
+            states: states.iter().map(|state| state.name.as_str()).collect(),
+        };
+        let initial = names.state(|| "initial".to_owned(), &definition.initial)?;
+        let transitions = definition.transitions.iter().enumerate();
+        let transitions = transitions
+            .map(|(index, given)| Transition::new(&format!("transitions[{index}]"), given, &names));
+        Ok(Self {
+            transitions: transitions.collect::<Checked<_>>()?,
+            initial,
+            parameters,
+            states,
+        })
     }
 
     /// The states' names.

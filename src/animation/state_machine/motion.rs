@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::definition::{MotionDefinition, ParameterDefault};
 use super::error::StateMachineProblem;
 use super::lookup::{Checked, at, find, finite};
-use super::machine::StateMachine;
 use crate::animation::Clip;
 
 /// Clips along a parameter; a single clip is a blend of one.
@@ -70,31 +69,33 @@ impl Motion {
     }
 }
 
-impl StateMachine {
-    /// Checks what a state plays against the clips and parameters that there are.
-    pub(super) fn motion(
-        &self,
+impl Motion {
+    /// Checks what a state plays against the clips and parameters that there are. `bones` is how many
+    /// the clips before it have.
+    pub(super) fn new(
         path: &str,
         given: &MotionDefinition,
         clips: &[Arc<Clip>],
-    ) -> Checked<Motion> {
-        let mut motion = Motion {
+        parameters: &[(String, ParameterDefault)],
+        bones: &mut Option<usize>,
+    ) -> Checked<Self> {
+        let mut motion = Self {
             parameter: None,
             clips: Vec::new(),
         };
         match given {
             MotionDefinition::Clip(name) => {
-                let clip = self.clip(&format!("{path}.clip"), name, clips, &motion)?;
+                let clip = look_up(&format!("{path}.clip"), name, clips, bones)?;
                 motion.clips.push((0.0, clip));
             }
             MotionDefinition::Blend(blend) => {
                 let place = || format!("{path}.blend.parameter");
-                let numbers = self.parameters.iter();
+                let numbers = parameters.iter();
                 let numbers = numbers.filter(|(_, d)| matches!(d, ParameterDefault::Number(_)));
                 let names = numbers.map(|(name, _)| name.as_str());
                 find(place, "number", &blend.parameter, names)?;
                 let own = |(name, _): &(String, _)| *name == blend.parameter;
-                motion.parameter = self.parameters.iter().position(own);
+                motion.parameter = parameters.iter().position(own);
                 for (index, given) in blend.clips.iter().enumerate() {
                     let path = format!("{path}.blend.clips[{index}]");
                     finite(|| format!("{path}.at"), f64::from(given.at))?;
@@ -106,7 +107,7 @@ impl StateMachine {
                         };
                         return Err(at(format!("{path}.at"), problem));
                     }
-                    let clip = self.clip(&format!("{path}.clip"), &given.clip, clips, &motion)?;
+                    let clip = look_up(&format!("{path}.clip"), &given.clip, clips, bones)?;
                     motion.clips.push((given.at, clip));
                 }
                 if motion.clips.is_empty() {
@@ -117,38 +118,33 @@ impl StateMachine {
         }
         Ok(motion)
     }
+}
 
-    /// Looks a clip up, which must be of the armature of those before it.
-    fn clip(
-        &self,
-        path: &str,
-        name: &str,
-        clips: &[Arc<Clip>],
-        before: &Motion,
-    ) -> Checked<Arc<Clip>> {
-        let names = clips.iter().map(|clip| clip.name());
-        let clip = &clips[find(|| path.to_owned(), "clip", name, names)?];
-        let namesakes = clips.iter().filter(|other| other.name() == name);
-        if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
-            let problem = StateMachineProblem::AmbiguousClip {
-                clip: name.to_owned(),
-                clips: namesakes.count(),
-            };
-            return Err(at(path, problem));
-        }
-        let states = self.states.iter().map(|state| &state.motion);
-        let first = states
-            .chain([before])
-            .find_map(|motion| motion.clips().next());
-        let expected = first.unwrap_or(clip).bones();
-        if clip.bones() != expected {
-            let problem = StateMachineProblem::OtherArmature {
-                clip: name.to_owned(),
-                bones: clip.bones(),
-                expected,
-            };
-            return Err(at(path, problem));
-        }
-        Ok(Arc::clone(clip))
+/// Looks a clip up, which must be of the armature of those before it.
+fn look_up(
+    path: &str,
+    name: &str,
+    clips: &[Arc<Clip>],
+    bones: &mut Option<usize>,
+) -> Checked<Arc<Clip>> {
+    let names = clips.iter().map(|clip| clip.name());
+    let clip = &clips[find(|| path.to_owned(), "clip", name, names)?];
+    let namesakes = clips.iter().filter(|other| other.name() == name);
+    if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
+        let problem = StateMachineProblem::AmbiguousClip {
+            clip: name.to_owned(),
+            clips: namesakes.count(),
+        };
+        return Err(at(path, problem));
     }
+    let expected = *bones.get_or_insert(clip.bones());
+    if clip.bones() != expected {
+        let problem = StateMachineProblem::OtherArmature {
+            clip: name.to_owned(),
+            bones: clip.bones(),
+            expected,
+        };
+        return Err(at(path, problem));
+    }
+    Ok(Arc::clone(clip))
 }

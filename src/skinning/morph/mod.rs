@@ -47,6 +47,12 @@ impl MorphTargets {
         &self.targets
     }
 
+    /// How many vertices the mesh has.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
     /// Adds Σ_k α_k Δ_k to vertices at rest, in place; buffers that are empty are left out. Normals and
     /// tangents that a target touches come out with unit length (zero where the sum is zero); tangents
     /// keep their sign w.

@@ -157,7 +157,7 @@ impl SkinWeightsBuilder {
 }
 
 fn sum(influences: &[Influence]) -> f64 {
-    // From 0: the sum of nothing by itself is −0, which would be shown.
+    // Not `sum`, which makes −0 of nothing.
     let weights = influences.iter().map(|influence| influence.weight);
     weights.fold(0.0, |sum, weight| sum + weight)
 }

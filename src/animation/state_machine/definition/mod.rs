@@ -7,8 +7,10 @@ pub use state::{BlendClip, BlendDefinition, MotionDefinition, StateDefinition};
 pub use transition::{ConditionDefinition, Interruption, TransitionDefinition};
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// States that play clips or blends of them, and what leads from one to another.
 ///
@@ -41,7 +43,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct StateMachineDefinition {
     /// Named values that conditions look at, and what they are at first.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "each_once")]
     pub parameters: BTreeMap<String, ParameterDefault>,
     /// The name of the state to start in.
     pub initial: String,
@@ -73,4 +75,30 @@ pub enum ParameterDefault {
 pub enum TriggerWord {
     /// The word.
     Trigger,
+}
+
+/// A map in which a name that is given twice is an error, not the last one's.
+fn each_once<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<BTreeMap<String, ParameterDefault>, D::Error> {
+    struct Each;
+    impl<'de> Visitor<'de> for Each {
+        type Value = BTreeMap<String, ParameterDefault>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("parameters by name")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
+            let mut map = BTreeMap::new();
+            while let Some((name, default)) = entries.next_entry::<String, _>()? {
+                if map.contains_key(&name) {
+                    return Err(A::Error::custom(format_args!("`{name}` is given twice")));
+                }
+                map.insert(name, default);
+            }
+            Ok(map)
+        }
+    }
+    from.deserialize_map(Each)
 }

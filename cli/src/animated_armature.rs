@@ -1,0 +1,178 @@
+//! A model that is an armature with clips, and no joints with limits: what files of animation hold.
+
+use std::path::Path;
+
+use kinopt::animation::{Armature, Clip, Cursor, Playback, Pose};
+use kinopt::io::bvh::{self, BvhChannel, MotionCapture};
+use kinopt::io::gltf::{self, Scene, ScenePosing};
+use kinopt::model::UnknownName;
+use kinopt::skinning::SkinningMethod;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+
+use crate::failure::{Failure, Outcome};
+use crate::frame_report::FrameReport;
+
+/// An armature and the clips of its file.
+#[derive(Debug)]
+pub(crate) struct AnimatedArmature {
+    /// The file, as typed.
+    pub(crate) file: String,
+    /// "motion capture" or "scene".
+    pub(crate) kind: &'static str,
+    pub(crate) armature: Armature,
+    pub(crate) clips: Vec<Clip>,
+    /// How the motion was captured, where it was.
+    pub(crate) frames: Option<CapturedFrames>,
+    /// The meshes of a scene, with the same armature and clips.
+    pub(crate) scene: Option<Box<Scene>>,
+}
+
+/// Frames of motion capture, an even time apart.
+#[derive(Debug)]
+pub(crate) struct CapturedFrames {
+    pub(crate) count: usize,
+    /// In seconds.
+    pub(crate) time: f64,
+    /// Of each bone.
+    pub(crate) channels: Vec<Vec<BvhChannel>>,
+}
+
+impl AnimatedArmature {
+    /// Whether a path is of a file of animation, by its extension.
+    pub(crate) fn is_at(path: &Path) -> bool {
+        matches!(extension(path).as_str(), "bvh" | "glb" | "gltf")
+    }
+
+    /// Reads a file of animation.
+    pub(crate) fn read(path: &Path) -> Outcome<Self> {
+        let file = path.display().to_string();
+        Ok(match extension(path).as_str() {
+            "bvh" => Self::of_capture(file, bvh::read(path)?),
+            _ => Self::of_scene(file, gltf::read(path)?),
+        })
+    }
+
+    fn of_capture(file: String, capture: MotionCapture) -> Self {
+        let MotionCapture {
+            armature,
+            clip,
+            frames,
+            frame_time,
+            channels,
+        } = capture;
+        Self {
+            file,
+            kind: "motion capture",
+            armature,
+            clips: vec![clip],
+            frames: Some(CapturedFrames {
+                count: frames,
+                time: frame_time,
+                channels,
+            }),
+            scene: None,
+        }
+    }
+
+    fn of_scene(file: String, scene: Scene) -> Self {
+        Self {
+            file,
+            kind: "scene",
+            armature: scene.armature.clone(),
+            clips: scene.clips.clone(),
+            frames: None,
+            scene: Some(Box::new(scene)),
+        }
+    }
+
+    /// The clip of a name, or the first.
+    pub(crate) fn clip(&self, name: Option<&str>) -> Outcome<&Clip> {
+        let names = || self.clips.iter().map(Clip::name);
+        match name {
+            Some(name) => {
+                let found = self.clips.iter().find(|clip| clip.name() == name);
+                Ok(found.ok_or_else(|| UnknownName::new("clip", name, names()))?)
+            }
+            None => self
+                .clips
+                .first()
+                .ok_or_else(|| Failure::new(format!("{}: there is no clip", self.file))),
+        }
+    }
+
+    /// The pose at a time of a clip, in seconds as the file counts them.
+    pub(crate) fn pose_at(&self, clip: &Clip, time: f64, playback: Playback) -> Outcome<Pose> {
+        let mut pose = self.armature.rest().clone();
+        let elapsed = time - f64::from(clip.span()[0]);
+        clip.sample(elapsed, playback, &mut Cursor::new(), &mut pose)?;
+        Ok(pose)
+    }
+
+    /// Where the bones are in the model, by index.
+    pub(crate) fn placements(&self, pose: &Pose) -> Outcome<Vec<Placement<f64>>> {
+        // As many places as there are bones; what is in them does not matter.
+        let mut model_from_bone = self.armature.rest_from_model().to_vec();
+        self.armature.local_to_model(pose, &mut model_from_bone)?;
+        let placements = model_from_bone.iter().map(|bone| {
+            let [x, y, z] = [bone.x_axis, bone.y_axis, bone.z_axis]
+                .map(|axis| Vector3::from(axis.as_dvec3().normalize_or_zero().to_array()));
+            let origin = Vector3::from(bone.translation.as_dvec3().to_array());
+            Placement::new(Matrix3::from_columns(x, y, z), origin)
+        });
+        Ok(placements.collect())
+    }
+
+    /// Places the named bones, or all of them, in the model or in the bone named `base`.
+    pub(crate) fn frame_report(
+        &self,
+        names: &[String],
+        base: Option<&str>,
+        pose: &Pose,
+    ) -> Outcome<FrameReport> {
+        let placements = self.placements(pose)?;
+        let names = match names {
+            [] => self.armature.names(),
+            names => names,
+        };
+        let at = |name: &str| -> Result<Placement<f64>, UnknownName> {
+            let bone = self.armature.bone(name)?.index();
+            let placement = placements.get(bone).copied();
+            Ok(placement.unwrap_or_else(Placement::identity))
+        };
+        let base_from_model = base.map(at).transpose()?.map(Placement::inverse);
+        let placed = names.iter().map(|name| {
+            let placement = at(name)?;
+            let placement = base_from_model.map_or(placement, |base| base * placement);
+            Ok((name.clone(), placement))
+        });
+        let placed: Result<Vec<_>, UnknownName> = placed.collect();
+        Ok(FrameReport::of_placements(placed?))
+    }
+
+    /// The length across a scene's meshes at rest, or without any across all bones, in the file's
+    /// unit.
+    pub(crate) fn size(&self) -> Outcome<f64> {
+        if let Some(scene) = &self.scene {
+            let mut posing = ScenePosing::new(scene, SkinningMethod::LinearBlend)?;
+            let size = posing.mesh(self.armature.rest())?.size();
+            if size > 0.0 {
+                return Ok(size);
+            }
+        }
+        let placements = self.placements(self.armature.rest())?;
+        let corner = |pick: fn(f64, f64) -> f64, from: f64| {
+            let points = placements.iter().map(|place| place.translation.to_array());
+            points.fold([from; 3], |corner, point| {
+                std::array::from_fn(|axis| pick(corner[axis], point[axis]))
+            })
+        };
+        let low = Vector3::from(corner(f64::min, f64::INFINITY));
+        let high = Vector3::from(corner(f64::max, f64::NEG_INFINITY));
+        Ok((high - low).norm())
+    }
+}
+
+fn extension(path: &Path) -> String {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.unwrap_or("").to_ascii_lowercase()
+}

@@ -1,0 +1,250 @@
+//! What there is to say about an armature with clips, for programs and for people.
+
+use std::collections::BTreeSet;
+
+use kinopt::animation::{Armature, Clip};
+use kinopt::io::gltf::{Scene, SceneMesh};
+use serde::Serialize;
+
+use crate::animated_armature::{AnimatedArmature, CapturedFrames};
+use crate::failure::Outcome;
+use crate::number_format::LengthFormat;
+use crate::table::{Align, Table};
+
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    file: &'a str,
+    kind: &'static str,
+    size: f64,
+    bones: Vec<BoneDocument<'a>>,
+    clips: Vec<ClipDocument<'a>>,
+    /// Only of motion capture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    captured: Option<CapturedDocument>,
+    /// Only of scenes.
+    #[serde(flatten)]
+    scene: Option<SceneDocument<'a>>,
+}
+
+#[derive(Serialize)]
+struct SceneDocument<'a> {
+    meshes: Vec<MeshDocument<'a>>,
+    /// What reading changed or left out.
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct MeshDocument<'a> {
+    name: &'a str,
+    bone: Option<&'a str>,
+    vertices: usize,
+    triangles: usize,
+    normals: bool,
+    /// How many joints its skin has; none without a skin.
+    joints: Option<usize>,
+    max_influences: Option<usize>,
+    morph_targets: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+struct BoneDocument<'a> {
+    name: &'a str,
+    parent: Option<&'a str>,
+    rest_position: [f64; 3],
+    /// Only in motion capture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    channels: Option<Vec<&'static str>>,
+    /// Whether a skin follows it; only in scenes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joint: Option<bool>,
+}
+
+#[derive(Serialize)]
+struct ClipDocument<'a> {
+    name: &'a str,
+    /// In seconds.
+    start: f32,
+    end: f32,
+}
+
+#[derive(Serialize)]
+struct CapturedDocument {
+    frames: usize,
+    /// In seconds.
+    frame_time: f64,
+    /// Numbers in a frame.
+    channels: usize,
+}
+
+/// Everything there is to say about an armature with clips.
+pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
+    let armature = &animated.armature;
+    let names = armature.names();
+    let placements = animated.placements(armature.rest())?;
+    let joints = animated.scene.as_deref().map(joints);
+    let bones = names.iter().zip(&placements).enumerate();
+    let bones = bones.map(|(index, (name, placement))| {
+        let parent = armature
+            .bone_at(index)
+            .and_then(|bone| armature.parent(bone));
+        let parent = parent.and_then(|parent| names.get(parent.index()));
+        let captured = animated.frames.as_ref();
+        let channels = captured.and_then(|frames| frames.channels.get(index));
+        BoneDocument {
+            name,
+            parent: parent.map(String::as_str),
+            rest_position: placement.translation.to_array(),
+            channels: channels.map(|channels| channels.iter().map(|c| c.name()).collect()),
+            joint: joints.as_ref().map(|joints| joints.contains(&index)),
+        }
+    });
+    Ok(Document {
+        file: &animated.file,
+        kind: animated.kind,
+        size: animated.size()?,
+        bones: bones.collect(),
+        clips: animated.clips.iter().map(clip).collect(),
+        captured: animated.frames.as_ref().map(captured),
+        scene: animated.scene.as_deref().map(scene),
+    })
+}
+
+/// The bones that skins follow, by index.
+fn joints(scene: &Scene) -> BTreeSet<usize> {
+    let skins = scene.meshes.iter().filter_map(|mesh| mesh.skin.as_ref());
+    let joints = skins.flat_map(|skin| &skin.joints);
+    joints.map(|joint| joint.index()).collect()
+}
+
+fn scene(scene: &Scene) -> SceneDocument<'_> {
+    let armature = &scene.armature;
+    SceneDocument {
+        meshes: scene.meshes.iter().map(|own| mesh(own, armature)).collect(),
+        notes: scene.notes.iter().map(ToString::to_string).collect(),
+    }
+}
+
+fn mesh<'a>(mesh: &'a SceneMesh, armature: &'a Armature) -> MeshDocument<'a> {
+    let targets = mesh.morph_targets.targets().iter();
+    let skin = mesh.skin.as_ref();
+    MeshDocument {
+        name: &mesh.name,
+        bone: armature.names().get(mesh.bone.index()).map(String::as_str),
+        vertices: mesh.mesh.positions().len(),
+        triangles: mesh.mesh.triangles().len(),
+        normals: !mesh.mesh.normals().is_empty(),
+        joints: skin.map(|skin| skin.joints.len()),
+        max_influences: skin.map(|skin| skin.weights.max_influences()),
+        morph_targets: targets.map(|target| target.name()).collect(),
+    }
+}
+
+fn clip(clip: &Clip) -> ClipDocument<'_> {
+    let [start, end] = clip.span();
+    let name = clip.name();
+    ClipDocument { name, start, end }
+}
+
+fn captured(frames: &CapturedFrames) -> CapturedDocument {
+    CapturedDocument {
+        frames: frames.count,
+        frame_time: frames.time,
+        channels: frames.channels.iter().map(Vec::len).sum(),
+    }
+}
+
+/// The document as text with an aligned table.
+pub(super) fn text(document: &Document) -> String {
+    let lengths = LengthFormat::of_size(document.size);
+    let size = lengths.number(document.size);
+    let mut lines = vec![
+        ("model", format!("{} ({})", document.file, document.kind)),
+        ("bones", document.bones.len().to_string()),
+        ("size", format!("{size} in the file's unit of length")),
+    ];
+    for ClipDocument { name, start, end } in &document.clips {
+        lines.push(("clip", format!("{name}, {start} s to {end} s")));
+    }
+    if let Some(captured) = &document.captured {
+        let CapturedDocument {
+            frames,
+            frame_time,
+            channels,
+        } = captured;
+        let moving = document.bones.iter();
+        let moving = moving.filter(|bone| bone.channels.as_ref().is_some_and(|c| !c.is_empty()));
+        let rate = 1.0 / frame_time;
+        lines.extend([
+            (
+                "frames",
+                format!("{frames}, one every {frame_time} s ({rate:.3} a second)"),
+            ),
+            (
+                "channels",
+                format!("{channels} on {} bones", moving.count()),
+            ),
+        ]);
+    }
+    let scene = document.scene.as_ref();
+    for mesh in scene.iter().flat_map(|scene| &scene.meshes) {
+        lines.push(("mesh", mesh_line(mesh)));
+    }
+    for note in scene.iter().flat_map(|scene| &scene.notes) {
+        lines.push(("note", note.clone()));
+    }
+    let mut text = String::new();
+    for (name, line) in lines {
+        text.push_str(&format!("{name:<10}{line}\n"));
+    }
+    text.push_str("\nbones\n");
+    text.push_str(&bone_table(document, lengths));
+    text
+}
+
+fn mesh_line(mesh: &MeshDocument) -> String {
+    let mut line = format!(
+        "{} on {}: {} vertices, {} triangles, {} normals",
+        mesh.name,
+        mesh.bone.unwrap_or("-"),
+        mesh.vertices,
+        mesh.triangles,
+        if mesh.normals { "with" } else { "without" },
+    );
+    if let (Some(joints), Some(most)) = (mesh.joints, mesh.max_influences) {
+        line.push_str(&format!(", {joints} joints, at most {most} to a vertex"));
+    }
+    if !mesh.morph_targets.is_empty() {
+        let names = mesh.morph_targets.join(", ");
+        line.push_str(&format!(", morph targets {names}"));
+    }
+    line
+}
+
+fn bone_table(document: &Document, lengths: LengthFormat) -> String {
+    let (left, right) = (Align::Left, Align::Right);
+    let mut table = Table::new([
+        ("name", left),
+        ("parent", left),
+        ("rest x", right),
+        ("y", right),
+        ("z", right),
+        ("", left),
+    ]);
+    for bone in &document.bones {
+        let [x, y, z] = lengths.vector(bone.rest_position);
+        let channels = bone.channels.as_ref();
+        table.row([
+            bone.name.to_owned(),
+            bone.parent.unwrap_or("-").to_owned(),
+            x,
+            y,
+            z,
+            match (channels, bone.joint) {
+                (Some(channels), _) => channels.join(" "),
+                (None, Some(true)) => "joint".to_owned(),
+                (None, _) => String::new(),
+            },
+        ]);
+    }
+    table.text()
+}

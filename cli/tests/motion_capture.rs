@@ -1,0 +1,168 @@
+//! Promise: `info` says what a motion capture file holds, and `fk` where its joints are at rest and at
+//! any time of it.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod forked_rig;
+
+use forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
+use serde_json::json;
+
+const WAVE: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 4 Xposition Yposition Zposition Yrotation
+  JOINT Upper Arm
+  {
+    OFFSET 0 4 0
+    CHANNELS 2 Zrotation Xrotation
+    End Site
+    {
+      OFFSET 3 0 0
+    }
+  }
+}
+MOTION
+Frames: 3
+Frame Time: 0.25
+1 2 3 0 0 0
+1 2 5 90 90 0
+1 2 5 90 90 0
+";
+
+fn wave(folder: &Folder) -> String {
+    let path = folder.file("wave.bvh");
+    std::fs::write(&path, WAVE).unwrap();
+    path
+}
+
+#[test]
+fn info_lists_bones_frames_and_channels() {
+    let folder = Folder::new("capture-info");
+    let file = wave(&folder);
+    let info = json(&["info", &file, "--json"]);
+    assert_eq!(
+        (&info["file"], &info["kind"]),
+        (&json!(file), &json!("motion capture"))
+    );
+    assert_eq!(info["size"], 5.0);
+    assert_eq!(
+        info["clips"],
+        json!([{"name": "wave", "start": 0.0, "end": 0.5}])
+    );
+    let captured = json!({"frames": 3, "frame_time": 0.25, "channels": 6});
+    assert_eq!(info["captured"], captured);
+    let arm = json!({
+        "name": "Upper Arm",
+        "parent": "Hips",
+        "rest_position": [0.0, 4.0, 0.0],
+        "channels": ["Zrotation", "Xrotation"],
+    });
+    assert_eq!(info["bones"][1], arm);
+    assert_eq!(info["bones"][2]["name"], "Upper Arm/tip");
+    assert_eq!(info["bones"][2]["channels"], json!([]));
+
+    let output = kinopt(&["info", &file]);
+    for words in [
+        "wave.bvh (motion capture)",
+        "wave, 0 s to 0.5 s",
+        "3, one every 0.25 s (4.000 a second)",
+        "6 on 2 bones",
+        "Zrotation Xrotation",
+        "Upper Arm/tip",
+    ] {
+        assert!(
+            stdout(&output).contains(words),
+            "{words}: {}",
+            stdout(&output)
+        );
+    }
+}
+
+#[test]
+fn fk_places_joints_at_rest_and_in_time() {
+    let folder = Folder::new("capture-fk");
+    let file = wave(&folder);
+    let tip = |more: &[&str], expected: [f64; 3]| {
+        let fk = json(&[&["fk", &file, "--frame=Upper Arm/tip", "--json"], more].concat());
+        let frames = fk["frames"].as_object().unwrap();
+        assert_eq!(frames.len(), 1);
+        let at = numbers(&frames["Upper Arm/tip"]["position"]);
+        assert!(distance(&at, &expected) < 1e-5, "{more:?}: {at:?}");
+    };
+    let half = 4.5_f64.sqrt();
+    tip(&[], [3.0, 4.0, 0.0]);
+    tip(&["--time=0"], [4.0, 6.0, 3.0]);
+    // The hips' quarter turn about y leaves the arm's, upwards, as it is.
+    tip(&["--time=0.25"], [1.0, 9.0, 5.0]);
+    tip(&["--time=7"], [1.0, 9.0, 5.0]);
+    // One half of the loop further on, and half way there.
+    tip(
+        &["--time=0.625", "--loop"],
+        [1.0 + 1.5, 6.0 + half, 4.0 - 1.5],
+    );
+    // Seen from the arm the tip never moves.
+    tip(&["--time=0.1", "--base=Upper Arm"], [3.0, 0.0, 0.0]);
+
+    let fk = json(&["fk", &file, "--time=0.25", "--json"]);
+    assert_eq!(fk["time"], 0.25);
+    let turned = numbers(&fk["frames"]["Hips"]["quaternion"]);
+    let half = 0.5_f64.sqrt();
+    assert!(
+        distance(&turned, &[half, 0.0, half, 0.0]) < 1e-6,
+        "{turned:?}"
+    );
+
+    let output = kinopt(&["fk", &file, "--time", "0.25"]);
+    let rows: Vec<&str> = stdout(&output).lines().map(str::trim_start).collect();
+    assert_eq!(rows.len(), 4, "{rows:?}");
+    let row = rows
+        .iter()
+        .find(|row| row.starts_with("Upper Arm "))
+        .unwrap();
+    let words: Vec<&str> = row.split_whitespace().skip(2).take(3).collect();
+    assert_eq!(words, ["1.000000", "6.000000", "5.000000"]);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let folder = Folder::new("capture-errors");
+    let file = wave(&folder);
+    let refused = |arguments: &[&str], code: i32, words: &[&str]| {
+        let output = kinopt(arguments);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+        assert_eq!(stdout(&output), "");
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    };
+    refused(
+        &["fk", &file, "--frame=Hand"],
+        1,
+        &["`Hand`", "Upper Arm/tip"],
+    );
+    refused(&["fk", &file, "--base=Hand"], 1, &["`Hand`", "Upper Arm"]);
+    refused(
+        &["fk", &file, "--q=1,2,3"],
+        2,
+        &["wave.bvh: --q ", "--time"],
+    );
+    let spline = "--interpolation=linear";
+    refused(
+        &["fk", &file, "--time=0", spline],
+        2,
+        &["--interpolation", "--time"],
+    );
+    let target = "--target=Hips=1,2,3";
+    refused(
+        &["solve", &file, target],
+        1,
+        &["wave.bvh: ", "kinopt info and kinopt fk"],
+    );
+    let broken = folder.file("broken.BVH");
+    std::fs::write(&broken, WAVE.replace("5 90", "5 NaN")).unwrap();
+    refused(
+        &["info", &broken],
+        1,
+        &["broken.BVH: line 20: ", "`Hips` in frame 2", "`NaN`"],
+    );
+}

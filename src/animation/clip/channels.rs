@@ -1,0 +1,90 @@
+//! A clip's channels again, as they were added.
+
+use super::{Channel, Clip};
+use crate::animation::curve::KeyedCurve;
+use crate::animation::rotation::RotationCurve;
+use crate::animation::{Armature, SizeMismatch};
+use crate::skeleton::BoneId;
+
+impl Clip {
+    /// What it moves and how: a channel for each property of a bone that is not at rest all the time,
+    /// by bone. One that does not move has a single key at the clip's start. Added to a builder with
+    /// the clip's span they give the clip again.
+    ///
+    /// # Errors
+    /// The armature is not of the clip's size.
+    pub fn channels(&self, armature: &Armature) -> Result<Vec<(BoneId, Channel)>, SizeMismatch> {
+        self.check_armature(armature)?;
+        let curves = self.tracks.curves();
+        let mut own = Vec::new();
+        let bone = BoneId::new;
+        for track in curves.translations {
+            own.push((bone(track.target), Channel::Translation(track.curve)));
+        }
+        for track in curves.rotations {
+            own.push((bone(track.target), Channel::Rotation(track.curve)));
+        }
+        for track in curves.eulers {
+            own.push((bone(track.target), Channel::Euler(track.curve)));
+        }
+        for track in curves.scales {
+            own.push((bone(track.target), Channel::Scale(track.curve)));
+        }
+        let moving: std::collections::BTreeSet<_> = own
+            .iter()
+            .map(|(bone, channel)| (*bone, channel.property()))
+            .collect();
+        let at = || vec![self.span[0]];
+        let (still, rest) = (&self.constant, armature.rest());
+        for index in 0..still.bones() {
+            let (now, then) = (still.local(bone(index)), rest.local(bone(index)));
+            // Finite values at one finite time always make a curve.
+            let translation = KeyedCurve::step(at(), vec![now.translation]).ok();
+            let rotation = RotationCurve::step(at(), vec![now.rotation]).ok();
+            let scale = KeyedCurve::step(at(), vec![now.scale]).ok();
+            let each = [
+                (
+                    now.translation != then.translation,
+                    translation.map(Channel::Translation),
+                ),
+                (
+                    now.rotation != then.rotation,
+                    rotation.map(Channel::Rotation),
+                ),
+                (now.scale != then.scale, scale.map(Channel::Scale)),
+            ];
+            let changed = each.into_iter().filter(|(changed, _)| *changed);
+            for channel in changed.filter_map(|(_, channel)| channel) {
+                if !moving.contains(&(bone(index), channel.property())) {
+                    own.push((bone(index), channel));
+                }
+            }
+        }
+        own.sort_by_key(|(bone, channel)| (*bone, channel.property()));
+        Ok(own)
+    }
+
+    /// As [`channels`](Self::channels), for the weights of morph targets, by target.
+    ///
+    /// # Errors
+    /// The armature is not of the clip's size.
+    pub fn morph_channels(
+        &self,
+        armature: &Armature,
+    ) -> Result<Vec<(usize, KeyedCurve<f32>)>, SizeMismatch> {
+        self.check_armature(armature)?;
+        let tracks = self.tracks.curves().morphs.into_iter();
+        let mut own: Vec<(usize, KeyedCurve<f32>)> =
+            tracks.map(|track| (track.target, track.curve)).collect();
+        let weights = self.constant.morph_weights().iter();
+        let still = weights.zip(armature.rest().morph_weights()).enumerate();
+        for (target, (&now, &then)) in still {
+            if now != then && own.iter().all(|(moving, _)| *moving != target) {
+                let curve = KeyedCurve::step(vec![self.span[0]], vec![now]);
+                own.extend(curve.ok().map(|curve| (target, curve)));
+            }
+        }
+        own.sort_by_key(|(target, _)| *target);
+        Ok(own)
+    }
+}

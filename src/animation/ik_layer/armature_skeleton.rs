@@ -1,0 +1,74 @@
+//! An armature as a skeleton, so that the optimiser can pose characters from files of animation.
+
+use glam::{Affine3A, DMat3, DQuat};
+
+use crate::animation::Armature;
+use crate::model::Limits;
+use crate::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton, SkeletonError};
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// How far a bone's scales may differ, as a share of the largest.
+const UNIFORM_WITHIN: f32 = 1e-4;
+
+impl Armature {
+    /// The skeleton with the same bones and ids, at rest where the armature is: what
+    /// [`ReachLayer`](super::ReachLayer) and problems are stated on, while
+    /// [`PoseBridge`](super::PoseBridge) takes its angles to this armature's poses. An armature does
+    /// not say where bones end, so tips are where their bones stand: the tip of a hand is the wrist.
+    /// `limits` gives the ranges of a bone's first twist, bend and second twist about the bone's own
+    /// x, z and x, in radians.
+    ///
+    /// # Errors
+    /// A [`SkeletonError`] naming the bone: one with children scales by different numbers along its
+    /// axes or mirrors, or limits are no interval.
+    pub fn skeleton(
+        &self,
+        name: impl Into<String>,
+        limits: impl Fn(BoneId) -> [Limits; ANGLES_PER_BONE],
+    ) -> Result<Skeleton, SkeletonError> {
+        let mut placed: Vec<(Affine3A, DQuat)> = Vec::with_capacity(self.bones());
+        let mut bones = Vec::with_capacity(self.bones());
+        for (index, name) in self.names().iter().enumerate() {
+            let bone = BoneId::new(index);
+            let local = self.rest().local(bone);
+            let parent = self.parent(bone);
+            let (above, turned) = parent
+                .and_then(|parent| placed.get(parent.index()).copied())
+                .unwrap_or((Affine3A::IDENTITY, DQuat::IDENTITY));
+            if let Some(parent) = parent.filter(|parent| !self.scales_evenly(*parent)) {
+                return Err(SkeletonError::BadRest {
+                    bone: self
+                        .names()
+                        .get(parent.index())
+                        .cloned()
+                        .unwrap_or_default(),
+                    problem: "it scales its children by different numbers along its axes, or mirrors",
+                });
+            }
+            let model_from_bone = above * local.to_affine();
+            let rotation = (turned * local.rotation.as_dquat()).normalize();
+            placed.push((model_from_bone, rotation));
+            let columns = DMat3::from_quat(rotation)
+                .to_cols_array_2d()
+                .map(Vector3::from);
+            let origin = model_from_bone.translation.as_dvec3().to_array();
+            bones.push(Bone {
+                name: name.clone(),
+                parent,
+                length: 0.0,
+                model_from_rest: Placement::new(
+                    Matrix3::from_columns(columns[0], columns[1], columns[2]),
+                    Vector3::from(origin),
+                ),
+                limits: limits(bone),
+            });
+        }
+        Skeleton::new(name, bones)
+    }
+
+    fn scales_evenly(&self, bone: BoneId) -> bool {
+        let scale = self.rest().local(bone).scale;
+        let (least, most) = (scale.min_element(), scale.max_element());
+        least > 0.0 && most - least <= UNIFORM_WITHIN * most
+    }
+}

@@ -1,0 +1,212 @@
+//! The HIERARCHY of a BVH file: joints, where they hang, and what moves them.
+
+use std::collections::BTreeMap;
+
+use super::LONGEST;
+use super::channel::BvhChannel;
+use super::lexer::{Lexer, Word};
+use crate::io::ReadError;
+
+/// A joint or an End Site, in the order of the file: parents before children.
+#[derive(Debug)]
+pub(super) struct Joint {
+    pub(super) name: String,
+    pub(super) parent: Option<usize>,
+    /// From the parent, in the file's unit.
+    pub(super) offset: [f64; 3],
+    /// In the order of the file.
+    pub(super) channels: Vec<BvhChannel>,
+}
+
+/// A block whose brace is open.
+#[derive(Debug)]
+struct Open {
+    joint: usize,
+    is_end_site: bool,
+    has_offset: bool,
+    has_channels: bool,
+    joints: usize,
+    end_sites: usize,
+}
+
+/// Reads up to and with the word `MOTION`.
+pub(super) fn read(lexer: &mut Lexer) -> Result<Vec<Joint>, ReadError> {
+    lexer.expect("HIERARCHY")?;
+    let mut reader = Reader::default();
+    loop {
+        let word = lexer.word();
+        let Some(open) = reader.open.last_mut() else {
+            match word {
+                Some(word) if word.is("ROOT") => reader.joint(lexer, word)?,
+                Some(word) if word.is("MOTION") && !reader.joints.is_empty() => {
+                    return Ok(reader.joints);
+                }
+                _ if reader.joints.is_empty() => return Err(lexer.unexpected("`ROOT`", word)),
+                _ => return Err(lexer.unexpected("`ROOT` or `MOTION`", word)),
+            }
+            continue;
+        };
+        let joint = &mut reader.joints[open.joint];
+        match word {
+            Some(word) if word.is("OFFSET") => {
+                once(lexer, word, open, open.has_offset)?;
+                open.has_offset = true;
+                joint.offset = offset(lexer, &joint.name)?;
+            }
+            Some(word) if word.is("CHANNELS") && !open.is_end_site => {
+                once(lexer, word, open, open.has_channels)?;
+                open.has_channels = true;
+                joint.channels = channels(lexer, &joint.name)?;
+            }
+            Some(word) if !open.has_offset => {
+                return Err(lexer.unexpected("`OFFSET`", Some(word)));
+            }
+            Some(word) if word.is("}") => {
+                reader.open.pop();
+            }
+            Some(word) if word.is("JOINT") && !open.is_end_site => {
+                open.joints += 1;
+                reader.joint(lexer, word)?;
+            }
+            Some(word) if word.is("End") && !open.is_end_site => {
+                open.end_sites += 1;
+                reader.end_site(lexer, word)?;
+            }
+            word if open.is_end_site => return Err(lexer.unexpected("`}`", word)),
+            word => {
+                let expected = "`OFFSET`, `CHANNELS`, `JOINT`, `End Site` or `}`";
+                return Err(lexer.unexpected(expected, word));
+            }
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+struct Reader {
+    joints: Vec<Joint>,
+    /// The blocks that are open, from a root inwards.
+    open: Vec<Open>,
+    /// On which line each name was given.
+    lines: BTreeMap<String, usize>,
+}
+
+impl Reader {
+    /// `ROOT name {` or `JOINT name {`, whose first word was read.
+    fn joint(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
+        let Some(name) = lexer.name() else {
+            let problem = format!("expected a name after `{}`", keyword.text);
+            return Err(lexer.error(keyword.line, problem));
+        };
+        self.enter(lexer, keyword, name, false)
+    }
+
+    /// `End Site {`, whose first word was read.
+    fn end_site(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
+        lexer.expect("Site")?;
+        let name = match self.open.last() {
+            Some(open) => end_site_name(&self.joints[open.joint].name, open.end_sites),
+            None => String::new(),
+        };
+        self.enter(lexer, keyword, name, true)
+    }
+
+    fn enter(
+        &mut self,
+        lexer: &mut Lexer,
+        keyword: Word,
+        name: String,
+        is_end_site: bool,
+    ) -> Result<(), ReadError> {
+        lexer.expect("{")?;
+        if let Some(first) = self.lines.insert(name.clone(), keyword.line) {
+            let problem = format!("the name `{name}` is taken by the joint on line {first}");
+            return Err(lexer.error(keyword.line, problem));
+        }
+        let parent = self.open.last().map(|open| open.joint);
+        self.open.push(Open {
+            joint: self.joints.len(),
+            is_end_site,
+            has_offset: false,
+            has_channels: false,
+            joints: 0,
+            end_sites: 0,
+        });
+        self.joints.push(Joint {
+            name,
+            parent,
+            offset: [0.0; 3],
+            channels: Vec::new(),
+        });
+        Ok(())
+    }
+}
+
+/// What the bone at a joint's End Site is called; `number` counts the joint's End Sites from 1.
+pub(super) fn end_site_name(joint: &str, number: usize) -> String {
+    match number {
+        1 => format!("{joint}/tip"),
+        _ => format!("{joint}/tip/{number}"),
+    }
+}
+
+/// Checks that a line stands once in its block, and before what hangs on the joint: the order of the
+/// channels is that of the joints.
+fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> Result<(), ReadError> {
+    let problem = match (is_second, open.joints + open.end_sites) {
+        (false, 0) => return Ok(()),
+        (true, _) => format!("a second `{}` of one joint", word.text),
+        (false, _) => format!("`{}` must come before the joint's children", word.text),
+    };
+    Err(lexer.error(word.line, problem))
+}
+
+fn offset(lexer: &mut Lexer, joint: &str) -> Result<[f64; 3], ReadError> {
+    let mut offset = [0.0; 3];
+    for (number, axis) in offset.iter_mut().zip(["x", "y", "z"]) {
+        *number = lexer.number(|| format!("{axis} of the OFFSET of `{joint}`"))?;
+        if number.abs() > LONGEST {
+            let problem = format!("an OFFSET must be within ±{LONGEST:e}, not {number:e}");
+            return Err(lexer.error(lexer.line(), problem));
+        }
+    }
+    Ok(offset)
+}
+
+fn channels(lexer: &mut Lexer, joint: &str) -> Result<Vec<BvhChannel>, ReadError> {
+    let number = lexer.count("the number of CHANNELS")?;
+    if number > 6 {
+        let problem = format!("a joint has at most 6 CHANNELS, not {number}");
+        return Err(lexer.error(lexer.line(), problem));
+    }
+    let mut channels: Vec<BvhChannel> = Vec::new();
+    let mut turns: Vec<BvhChannel> = Vec::new();
+    for _ in 0..number {
+        let word = lexer.word();
+        let named = word.and_then(|word| BvhChannel::of_name(word.text));
+        let Some(channel) = named else {
+            let expected = "a channel: Xposition, Yposition, Zposition, Xrotation, Yrotation or \
+                            Zrotation";
+            return Err(lexer.unexpected(expected, word));
+        };
+        // Twice about one axis, with another turn between, is an order of Euler angles.
+        let is_taken = if channel.is_rotation() {
+            turns.last() == Some(&channel)
+        } else {
+            channels.contains(&channel)
+        };
+        if channel.is_rotation() {
+            turns.push(channel);
+        }
+        let name = channel.name();
+        if is_taken || turns.len() > 3 {
+            let problem = if is_taken {
+                format!("`{joint}` has {name} twice")
+            } else {
+                format!("`{joint}` has more than three rotations")
+            };
+            return Err(lexer.error(lexer.line(), problem));
+        }
+        channels.push(channel);
+    }
+    Ok(channels)
+}

@@ -1,0 +1,153 @@
+//! The words of a BVH file and the lines they stand on.
+
+use crate::io::{Place, ReadError};
+
+/// A word longer than this is cut in messages.
+const SHOWN: usize = 40;
+
+/// Takes words off the front of a text.
+#[derive(Debug)]
+pub(super) struct Lexer<'a> {
+    file: &'a str,
+    rest: &'a str,
+    line: usize,
+}
+
+/// A brace, or a run of anything but white space and braces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Word<'a> {
+    pub(super) text: &'a str,
+    /// Counted from 1.
+    pub(super) line: usize,
+}
+
+impl Word<'_> {
+    /// Whether it is this keyword, in capitals or not.
+    pub(super) fn is(&self, keyword: &str) -> bool {
+        self.text.eq_ignore_ascii_case(keyword)
+    }
+}
+
+impl<'a> Lexer<'a> {
+    /// `file` is for messages.
+    pub(super) fn new(bytes: &'a [u8], file: &'a str) -> Result<Self, ReadError> {
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let before = bytes.get(..error.valid_up_to()).unwrap_or(&[]);
+            let place = Place::Line(1 + line_ends(before));
+            ReadError::malformed(file, place, "is not UTF-8 text")
+        })?;
+        Ok(Self {
+            file,
+            rest: text.strip_prefix('\u{feff}').unwrap_or(text),
+            line: 1,
+        })
+    }
+
+    pub(super) fn file(&self) -> &'a str {
+        self.file
+    }
+
+    /// How many bytes are left.
+    pub(super) fn left(&self) -> usize {
+        self.rest.len()
+    }
+
+    fn skip_space(&mut self) {
+        let bytes = self.rest.as_bytes();
+        let space = bytes.iter().position(|byte| !byte.is_ascii_whitespace());
+        let (space, rest) = self.rest.split_at(space.unwrap_or(bytes.len()));
+        self.line += line_ends(space.as_bytes());
+        self.rest = rest;
+    }
+
+    /// The next word; `None` at the end of the text.
+    pub(super) fn word(&mut self) -> Option<Word<'a>> {
+        self.skip_space();
+        let bytes = self.rest.as_bytes();
+        let is_end = |byte: &u8| byte.is_ascii_whitespace() || matches!(byte, b'{' | b'}');
+        let length = match bytes.first()? {
+            b'{' | b'}' => 1,
+            _ => bytes.iter().position(is_end).unwrap_or(bytes.len()),
+        };
+        let (text, rest) = self.rest.split_at(length);
+        self.rest = rest;
+        let line = self.line;
+        Some(Word { text, line })
+    }
+
+    /// What follows on this line before a brace, with single spaces between its words.
+    pub(super) fn name(&mut self) -> Option<String> {
+        let end = self.rest.find(['\n', '\r', '{', '}']);
+        let (name, rest) = self.rest.split_at(end.unwrap_or(self.rest.len()));
+        self.rest = rest;
+        let words: Vec<&str> = name.split_whitespace().collect();
+        (!words.is_empty()).then(|| words.join(" "))
+    }
+
+    /// One given word.
+    pub(super) fn expect(&mut self, keyword: &str) -> Result<Word<'a>, ReadError> {
+        let word = self.word();
+        word.filter(|word| word.is(keyword))
+            .ok_or_else(|| self.unexpected(&format!("`{keyword}`"), word))
+    }
+
+    /// Words with a colon after the last, which need not stand apart from what follows it.
+    pub(super) fn label(&mut self, words: &[&str]) -> Result<(), ReadError> {
+        for keyword in words {
+            self.skip_space();
+            let start = self.rest.get(..keyword.len());
+            if !start.is_some_and(|start| start.eq_ignore_ascii_case(keyword)) {
+                let found = self.word();
+                return Err(self.unexpected(&format!("`{}:`", words.join(" ")), found));
+            }
+            self.rest = &self.rest[keyword.len()..];
+        }
+        self.skip_space();
+        self.rest = self.rest.strip_prefix(':').unwrap_or(self.rest);
+        Ok(())
+    }
+
+    /// A finite number; `what` it should be is for messages.
+    pub(super) fn number(&mut self, what: impl Fn() -> String) -> Result<f64, ReadError> {
+        let word = self.word();
+        let number = word.and_then(|word| word.text.parse().ok());
+        number
+            .filter(|number: &f64| number.is_finite())
+            .ok_or_else(|| self.unexpected(&format!("{}, a finite number", what()), word))
+    }
+
+    /// A whole number.
+    pub(super) fn count(&mut self, what: &str) -> Result<usize, ReadError> {
+        let word = self.word();
+        let count = word.and_then(|word| word.text.parse().ok());
+        count.ok_or_else(|| self.unexpected(&format!("{what}, a whole number"), word))
+    }
+
+    /// The error of a word that is not what it should be.
+    pub(super) fn unexpected(&self, expected: &str, found: Option<Word>) -> ReadError {
+        let Some(Word { text, line }) = found else {
+            return self.error(self.line, format!("expected {expected}, but the file ends"));
+        };
+        let shown: String = text.chars().take(SHOWN).collect();
+        let more = if shown.len() < text.len() { "…" } else { "" };
+        self.error(line, format!("expected {expected}, found `{shown}{more}`"))
+    }
+
+    pub(super) fn error(&self, line: usize, problem: impl Into<String>) -> ReadError {
+        ReadError::malformed(self.file, Place::Line(line), problem)
+    }
+
+    /// The line that the last word stands on.
+    pub(super) fn line(&self) -> usize {
+        self.line
+    }
+}
+
+/// How many lines end here: at a line feed, a carriage return, or both.
+fn line_ends(bytes: &[u8]) -> usize {
+    let next = bytes.iter().skip(1).map(Some).chain([None]);
+    let pairs = bytes.iter().zip(next);
+    let ends =
+        pairs.filter(|&(&byte, next)| byte == b'\n' || (byte == b'\r' && next != Some(&b'\n')));
+    ends.count()
+}

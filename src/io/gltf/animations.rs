@@ -1,0 +1,184 @@
+//! Animations as clips: steps, lines and cubic splines of translation, rotation, scale and morph
+//! weights.
+
+use ::gltf::json::animation::{Animation, Property, Sampler};
+use ::gltf::json::validation::Checked;
+use glam::{Vec3A, Vec4};
+
+use super::accessors::Source;
+use super::keys::{Keys, curve, rotation};
+use super::meshes::Meshes;
+use super::nodes::{Nodes, label, missing_node, node_label};
+use super::note::Note;
+use crate::animation::{Armature, Channel, Clip, ClipBuilder};
+use crate::io::ReadError;
+
+/// What the channels of one animation are for.
+struct Context<'a, 'b> {
+    source: &'a Source<'b>,
+    nodes: &'a Nodes,
+    meshes: &'a Meshes,
+    animation: &'a Animation,
+    /// `animations[3]`.
+    path: String,
+    /// "animation `walk`".
+    title: String,
+}
+
+pub(super) fn read(
+    source: &Source<'_>,
+    nodes: &Nodes,
+    meshes: &Meshes,
+    armature: &Armature,
+    notes: &mut Vec<Note>,
+) -> Result<Vec<Clip>, ReadError> {
+    let animations = source.root.animations.iter().enumerate();
+    let clips = animations.map(|(index, animation)| {
+        let context = Context {
+            source,
+            nodes,
+            meshes,
+            animation,
+            path: format!("animations[{index}]"),
+            title: label("animation", index, animation.name.as_ref()),
+        };
+        let name = match &animation.name {
+            Some(name) if !name.is_empty() => name.clone(),
+            _ => format!("animation/{index}"),
+        };
+        let mut builder = Clip::builder(name, armature);
+        for channel in 0..animation.channels.len() {
+            context.channel(channel, &mut builder, notes)?;
+        }
+        Ok(builder.build())
+    });
+    clips.collect()
+}
+
+impl Context<'_, '_> {
+    fn channel(
+        &self,
+        number: usize,
+        builder: &mut ClipBuilder<'_>,
+        notes: &mut Vec<Note>,
+    ) -> Result<(), ReadError> {
+        let source = self.source;
+        let channel = &self.animation.channels[number];
+        let path = format!("{}.channels[{number}]", self.path);
+        let node = channel.target.node.value();
+        let Some(&bone) = self.nodes.bone_of.get(node) else {
+            return Err(missing_node(source, format!("{path}.target.node"), node));
+        };
+        let of = format!("of {}", node_label(&source.root.nodes, node));
+        let samplers = &self.animation.samplers;
+        let sampler = samplers.get(channel.sampler.value()).ok_or_else(|| {
+            let problem = format!(
+                "{}: sampler {} does not exist; there are {}",
+                self.title,
+                channel.sampler.value(),
+                samplers.len()
+            );
+            source.fail(format!("{path}.sampler"), problem)
+        })?;
+        let Checked::Valid(property) = channel.target.path else {
+            notes.push(Note::left_out(
+                format!("{path}.target.path"),
+                format!(
+                    "{}: a channel {of} that is none of translation, rotation, scale and weights",
+                    self.title
+                ),
+            ));
+            return Ok(());
+        };
+        let (what, at) = (property_name(property), channel.sampler.value());
+        let user = format!("{}, {what} {of}", self.title);
+        let at = format!("{}.samplers[{at}]", self.path);
+        let vec3 = |v: [f64; 3]| Vec3A::from_array(v.map(|number| number as f32));
+        let read = match property {
+            Property::Translation => {
+                let keys = self.keys(sampler, at, user.clone(), vec3)?;
+                Channel::Translation(curve(source, keys, 1)?.swap_remove(0))
+            }
+            Property::Scale => {
+                let keys = self.keys(sampler, at, user.clone(), vec3)?;
+                Channel::Scale(curve(source, keys, 1)?.swap_remove(0))
+            }
+            Property::Rotation => {
+                let vec4 = |v: [f64; 4]| Vec4::from_array(v.map(|number| number as f32));
+                let keys = self.keys(sampler, at, user.clone(), vec4)?;
+                Channel::Rotation(rotation(source, keys)?)
+            }
+            Property::MorphTargetWeights => {
+                return self.weights(sampler, at, user, node, builder, notes);
+            }
+        };
+        let added = builder.channel(bone, read);
+        added.map_err(|error| source.fail(path, format!("{user}: {error}")))?;
+        Ok(())
+    }
+
+    fn weights(
+        &self,
+        sampler: &Sampler,
+        path: String,
+        user: String,
+        node: usize,
+        builder: &mut ClipBuilder<'_>,
+        notes: &mut Vec<Note>,
+    ) -> Result<(), ReadError> {
+        let mesh = self.meshes.of_node.get(&node);
+        let Some(mesh) = mesh.and_then(|&mesh| self.meshes.meshes.get(mesh)) else {
+            notes.push(Note::left_out(
+                path,
+                format!("{user}, which carries no mesh here"),
+            ));
+            return Ok(());
+        };
+        let first = mesh.first_morph_weight;
+        let targets = mesh.morph_targets.targets().len();
+        if targets == 0 {
+            let problem = format!("{user}: mesh `{}` has no morph targets", mesh.name);
+            return Err(self.source.fail(path, problem));
+        }
+        let keys = self.keys(sampler, path.clone(), user.clone(), |[weight]: [f64; 1]| {
+            weight as f32
+        })?;
+        for (target, curve) in curve(self.source, keys, targets)?.into_iter().enumerate() {
+            let added = builder.morph_weight(first + target, curve);
+            added.map_err(|error| self.source.fail(path.as_str(), format!("{user}: {error}")))?;
+        }
+        Ok(())
+    }
+
+    fn keys<const N: usize, T: Clone>(
+        &self,
+        sampler: &Sampler,
+        path: String,
+        user: String,
+        of: impl Fn([f64; N]) -> T,
+    ) -> Result<Keys<T>, ReadError> {
+        let Checked::Valid(interpolation) = sampler.interpolation else {
+            let problem = format!("{user}: is none of STEP, LINEAR and CUBICSPLINE");
+            return Err(self.source.fail(format!("{path}.interpolation"), problem));
+        };
+        let input = format!("{user}, times");
+        Ok(Keys {
+            times: self
+                .source
+                .read(sampler.input, &input, |[time]: [f64; 1]| time as f32)?,
+            outputs: self.source.read(sampler.output, &user, of)?,
+            interpolation,
+            user,
+            path,
+        })
+    }
+}
+
+fn property_name(property: Property) -> &'static str {
+    match property {
+        Property::Translation => "translation",
+        Property::Rotation => "rotation",
+        Property::Scale => "scale",
+        Property::MorphTargetWeights => "morph weights",
+    }
+}

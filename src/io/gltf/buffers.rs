@@ -1,0 +1,96 @@
+//! The bytes of a document's buffers: the binary chunk, data URIs and other files.
+
+use std::borrow::Cow;
+
+use ::gltf::json::Root;
+use base64::Engine;
+use base64::alphabet;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+
+use crate::io::{Place, ReadError, ReadProblem};
+
+/// Padding is left out by some writers.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The bytes of every buffer, as long as announced. `open` gets the contents of another file.
+pub(super) fn load<'a>(
+    root: &Root,
+    binary: Option<&'a [u8]>,
+    name: &str,
+    mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
+    let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
+        let place = |key: &str| Place::Json(format!("buffers[{index}].{key}"));
+        let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
+            (None, Some(binary)) if index == 0 => binary.into(),
+            (None, _) => {
+                let problem = "there is no uri, and no binary chunk for it";
+                return Err(ReadError::malformed(name, place("uri"), problem));
+            }
+            (Some(uri), _) => match data(uri) {
+                Some(data) => data
+                    .map_err(|problem| ReadError::malformed(name, place("uri"), problem))?
+                    .into(),
+                None => {
+                    let path = path(uri)
+                        .map_err(|problem| ReadError::malformed(name, place("uri"), problem))?;
+                    let opened = open(&path).map_err(|error| {
+                        let problem = ReadProblem::Referenced(Box::new(error));
+                        ReadError::new(name, place("uri"), problem)
+                    });
+                    opened?.into()
+                }
+            },
+        };
+        let announced = buffer.byte_length.0;
+        if announced > bytes.len() as u64 {
+            let (what, place) = ("the buffer's bytes".to_owned(), place("byteLength"));
+            let (needed, left) = (u128::from(announced), bytes.len());
+            return Err(ReadError::truncated(name, place, what, needed, left));
+        }
+        Ok(bytes)
+    });
+    buffers.collect()
+}
+
+/// What a data URI holds; `None` for another kind of URI.
+fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
+    let (heading, data) = match uri.strip_prefix("data:")?.split_once(',') {
+        Some(parts) => parts,
+        None => return Some(Err("the data URI has no comma before its data".into())),
+    };
+    if !heading.ends_with(";base64") {
+        return Some(Err("the data URI is not in base64".into()));
+    }
+    let decoded = BASE64.decode(data);
+    Some(decoded.map_err(|error| format!("the data URI is not in base64: {error}")))
+}
+
+/// A relative URI as the path of a file, `%20` and the like decoded.
+fn path(uri: &str) -> Result<String, String> {
+    if uri.contains("://") {
+        return Err(format!(
+            "`{uri}` is not beside the file; nothing is fetched"
+        ));
+    }
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, after @ ..] = rest {
+        let code = after.get(..2).filter(|_| *first == b'%');
+        let code = code.and_then(|code| std::str::from_utf8(code).ok());
+        match code.and_then(|code| u8::from_str_radix(code, 16).ok()) {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = after.get(2..).unwrap_or(&[]);
+            }
+            None => {
+                bytes.push(*first);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8(bytes).map_err(|_| format!("`{uri}` is not Unicode"))
+}

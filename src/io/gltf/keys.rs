@@ -1,0 +1,108 @@
+//! The keys of an animation's sampler as curves.
+
+use ::gltf::json::animation::Interpolation;
+use glam::{Quat, Vec4};
+
+use super::accessors::Source;
+use crate::animation::curve::{CurveValue, KeyError, KeyedCurve};
+use crate::animation::rotation::RotationCurve;
+use crate::io::ReadError;
+
+/// The keys of a sampler.
+pub(super) struct Keys<T> {
+    pub(super) times: Vec<f32>,
+    /// One for each key, or with cubic splines three: arriving tangent, value, leaving tangent.
+    pub(super) outputs: Vec<T>,
+    pub(super) interpolation: Interpolation,
+    /// "animation `walk`, rotation of node `hip`".
+    pub(super) user: String,
+    pub(super) path: String,
+}
+
+impl<T: Clone> Keys<T> {
+    fn fail(&self, source: &Source<'_>, error: &KeyError) -> ReadError {
+        source.fail(self.path.as_str(), format!("{}: {error}", self.user))
+    }
+
+    /// The values of one of `width` curves that are keyed together, and with cubic splines their
+    /// arriving and leaving tangents. For each key the file lists the arriving tangents of all
+    /// curves, then their values, then the leaving tangents (section 3.11).
+    fn of(&self, place: usize, width: usize, side: usize) -> Vec<T> {
+        let sides = self.sides();
+        let own = self
+            .outputs
+            .iter()
+            .skip(side * width + place)
+            .step_by(sides * width);
+        own.cloned().collect()
+    }
+
+    fn sides(&self) -> usize {
+        match self.interpolation {
+            Interpolation::CubicSpline => 3,
+            Interpolation::Linear | Interpolation::Step => 1,
+        }
+    }
+
+    fn check(&self, source: &Source<'_>, width: usize) -> Result<(), ReadError> {
+        let (given, keys) = (self.outputs.len(), self.times.len());
+        let needed = keys.checked_mul(self.sides() * width);
+        if needed == Some(given) {
+            return Ok(());
+        }
+        let each = self.sides() * width;
+        let problem = format!(
+            "{}: {given} values for {keys} keys of {each} each",
+            self.user
+        );
+        Err(source.fail(self.path.as_str(), problem))
+    }
+}
+
+/// `width` curves that are keyed together.
+pub(super) fn curve<V>(
+    source: &Source<'_>,
+    keys: Keys<V>,
+    width: usize,
+) -> Result<Vec<KeyedCurve<V>>, ReadError>
+where
+    V: CurveValue<Real = f32> + Clone,
+{
+    keys.check(source, width)?;
+    source.charge::<f32>(keys.times.len().saturating_mul(width), &keys.path)?;
+    let curves = (0..width).map(|place| {
+        let times = keys.times.clone();
+        let side = |side| keys.of(place, width, side);
+        let curve = match keys.interpolation {
+            Interpolation::Step => KeyedCurve::step(times, side(0)),
+            Interpolation::Linear => KeyedCurve::linear(times, side(0)),
+            Interpolation::CubicSpline => {
+                let tangents = side(0).into_iter().zip(side(2)).map(|(a, b)| [a, b]);
+                KeyedCurve::cubic(times, side(1), tangents.collect())
+            }
+        };
+        curve.map_err(|error| keys.fail(source, &error))
+    });
+    curves.collect()
+}
+
+pub(super) fn rotation(source: &Source<'_>, keys: Keys<Vec4>) -> Result<RotationCurve, ReadError> {
+    keys.check(source, 1)?;
+    let times = keys.times.clone();
+    let rotations = |side| {
+        keys.of(0, 1, side)
+            .into_iter()
+            .map(Quat::from_vec4)
+            .collect()
+    };
+    let curve = match keys.interpolation {
+        Interpolation::Step => RotationCurve::step(times, rotations(0)),
+        Interpolation::Linear => RotationCurve::slerp(times, rotations(0)),
+        Interpolation::CubicSpline => {
+            let tangents = keys.of(0, 1, 0).into_iter().zip(keys.of(0, 1, 2));
+            let tangents = tangents.map(|(a, b)| [a, b]).collect();
+            RotationCurve::cubic(times, rotations(1), tangents)
+        }
+    };
+    curve.map_err(|error| keys.fail(source, &error))
+}

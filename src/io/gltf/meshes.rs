@@ -1,0 +1,195 @@
+//! The meshes of the scene that is shown, each on its node, and the morph targets of all of them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::accessors::Source;
+use super::nodes::{Nodes, free_name, label, node_label};
+use super::note::Note;
+use super::primitives::{self, JointWeight, RawMesh};
+use super::scene::SceneMesh;
+use super::{morph_targets, skins};
+use crate::io::{Place, ReadError};
+use crate::mesh::TriangleMesh;
+use crate::skinning::MorphTargets;
+
+/// What the nodes carry.
+#[derive(Default)]
+pub(super) struct Meshes {
+    pub(super) meshes: Vec<SceneMesh>,
+    /// The names of all morph targets, and their weights at rest.
+    pub(super) target_names: Vec<String>,
+    pub(super) target_weights: Vec<f32>,
+    /// Where the mesh of each node is in the list.
+    pub(super) of_node: BTreeMap<usize, usize>,
+}
+
+pub(super) fn read(
+    source: &Source<'_>,
+    nodes: &Nodes,
+    notes: &mut Vec<Note>,
+) -> Result<Meshes, ReadError> {
+    let mut own = Meshes::default();
+    let mut raws: BTreeMap<usize, RawMesh> = BTreeMap::new();
+    let (mut taken, mut left_out) = (BTreeSet::new(), BTreeSet::new());
+    // In the order of the bones, so that a scene that was written is read in the same order.
+    let mut order: Vec<usize> = (0..source.root.nodes.len()).collect();
+    order.sort_by_key(|&node| nodes.bone_of[node]);
+    for index in order {
+        let node = &source.root.nodes[index];
+        let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else {
+            continue;
+        };
+        if !nodes.in_scene[index] {
+            let what = format!(
+                "{} is in no scene that is shown: its mesh",
+                node_label(&source.root.nodes, index)
+            );
+            notes.push(Note::left_out(format!("nodes[{index}].mesh"), what));
+            continue;
+        }
+        let raw = match raws.get(&mesh) {
+            Some(raw) => {
+                charge_again(source, raw, index)?;
+                raw
+            }
+            None => {
+                let raw = primitives::read(source, mesh)?;
+                left_out.extend(raw.left_out.iter().cloned());
+                for name in &raw.dropped {
+                    let what = format!("{name}, which not every primitive has");
+                    notes.push(Note::left_out(format!("meshes[{mesh}]"), what));
+                }
+                raws.entry(mesh).or_insert(raw)
+            }
+        };
+        own.of_node.insert(index, own.meshes.len());
+        add(
+            source,
+            (index, mesh),
+            raw,
+            nodes,
+            &mut own,
+            &mut taken,
+            notes,
+        )?;
+    }
+    if !left_out.is_empty() {
+        let names: Vec<String> = left_out.into_iter().collect();
+        notes.push(Note::left_out("meshes", names.join(", ")));
+    }
+    Ok(own)
+}
+
+/// A mesh that several nodes carry takes memory for each.
+fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> Result<(), ReadError> {
+    let path = format!("nodes[{node}].mesh");
+    source.charge::<[f32; 10]>(raw.positions.len(), &path)?;
+    source.charge::<[u32; 3]>(raw.triangles.len(), &path)?;
+    source.charge::<JointWeight>(raw.joints.len(), &path)
+}
+
+fn add(
+    source: &Source<'_>,
+    (node_index, mesh_index): (usize, usize),
+    raw: &RawMesh,
+    nodes: &Nodes,
+    own: &mut Meshes,
+    taken: &mut BTreeSet<String>,
+    notes: &mut Vec<Note>,
+) -> Result<(), ReadError> {
+    let (node, entry) = (
+        &source.root.nodes[node_index],
+        &source.root.meshes[mesh_index],
+    );
+    let title = label("mesh", mesh_index, entry.name.as_ref());
+    let fail = |problem: String| {
+        source.fail(
+            format!("meshes[{mesh_index}]"),
+            format!("{title}: {problem}"),
+        )
+    };
+    let mesh = TriangleMesh::new(
+        raw.positions.clone(),
+        raw.normals.clone(),
+        raw.triangles.clone(),
+    );
+    let mesh = mesh.map_err(|error| fail(error.to_string()))?;
+    let name = match &entry.name {
+        Some(name) if !name.is_empty() => name.clone(),
+        _ => format!("mesh/{mesh_index}"),
+    };
+    let bone = nodes.bone_of[node_index];
+    let first_morph_weight = own.target_names.len();
+    let mut targets = Vec::with_capacity(raw.targets.len());
+    let names = morph_targets::names(entry, raw.targets.len());
+    for (deltas, plain) in raw.targets.iter().zip(names) {
+        // Another mesh, or the same one on another node, may have the name.
+        let unique = match taken.contains(&plain) {
+            true => {
+                let node = &nodes.bones[bone.index()].name;
+                free_name(format!("{node}/{plain}"), taken)
+            }
+            false => free_name(plain, taken),
+        };
+        targets.push(
+            deltas
+                .target(&unique)
+                .map_err(|error| fail(error.to_string()))?,
+        );
+        own.target_names.push(unique);
+    }
+    let path = || match node.weights {
+        Some(_) => format!("nodes[{node_index}].weights"),
+        None => format!("meshes[{mesh_index}].weights"),
+    };
+    match node.weights.as_ref().or(entry.weights.as_ref()) {
+        None => own.target_weights.resize(own.target_names.len(), 0.0),
+        Some(weights) if weights.len() == targets.len() => {
+            if weights.iter().any(|weight| !weight.is_finite()) {
+                return Err(source.fail(path(), format!("{title}: a weight is not finite")));
+            }
+            own.target_weights.extend_from_slice(weights);
+        }
+        Some(weights) => {
+            let problem = format!(
+                "{title}: {} weights for {} targets",
+                weights.len(),
+                targets.len()
+            );
+            return Err(source.fail(path(), problem));
+        }
+    }
+    let vertices = mesh.positions().len();
+    let morph_targets =
+        MorphTargets::new(vertices, targets).map_err(|error| fail(error.to_string()))?;
+    let skin = match node.skin {
+        Some(skin) => {
+            let bones = &nodes.bone_of;
+            Some(skins::read(
+                source,
+                skin.value(),
+                bones,
+                (mesh_index, &name, raw),
+                notes,
+            )?)
+        }
+        None => {
+            if raw.is_skinned {
+                let place = Place::Json(format!("nodes[{node_index}]"));
+                let what = format!("{title} has joints, but the node has no skin: its weights");
+                notes.push(Note::LeftOut { place, what });
+            }
+            None
+        }
+    };
+    own.meshes.push(SceneMesh {
+        name,
+        bone,
+        mesh,
+        tangents: raw.tangents.clone(),
+        morph_targets,
+        first_morph_weight,
+        skin,
+    });
+    Ok(())
+}

@@ -1,0 +1,93 @@
+//! Morph targets: what each moves, and what they are called.
+
+use std::collections::BTreeMap;
+
+use ::gltf::json::Mesh;
+use ::gltf::json::mesh::MorphTarget as Entry;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::accessors::Source;
+use crate::io::ReadError;
+use crate::skinning::{MorphError, MorphTarget};
+
+/// A target of a mesh of several primitives.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Deltas {
+    /// By vertex the deltas of position, normal and tangent.
+    vertices: BTreeMap<u32, [Vec3; 3]>,
+    has_normals: bool,
+    has_tangents: bool,
+}
+
+/// The names of a mesh's targets, as most programs write them.
+#[derive(Default, Deserialize, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct MeshExtras {
+    #[serde(default)]
+    pub(super) target_names: Vec<String>,
+}
+
+/// Adds a primitive's part of a target; the primitive's vertices start at `first`.
+pub(super) fn append(
+    source: &Source<'_>,
+    target: &Entry,
+    [first, count]: [usize; 2],
+    user: &str,
+    deltas: &mut Deltas,
+) -> Result<(), ReadError> {
+    let parts = [
+        ("POSITION", target.positions),
+        ("NORMAL", target.normals),
+        ("TANGENT", target.tangents),
+    ];
+    deltas.has_normals |= target.normals.is_some();
+    deltas.has_tangents |= target.tangents.is_some();
+    for (place, (what, index)) in parts.into_iter().enumerate() {
+        let Some(index) = index else {
+            continue;
+        };
+        let user = format!("{user}, {what}");
+        let vec3 = |[x, y, z]: [f64; 3]| Vec3::new(x as f32, y as f32, z as f32);
+        for (vertex, delta) in source.deltas(index, count, &user, vec3)? {
+            let own = deltas.vertices.entry(first as u32 + vertex).or_default();
+            if let Some(part) = own.get_mut(place) {
+                *part = delta;
+            }
+        }
+    }
+    Ok(())
+}
+
+impl Deltas {
+    pub(super) fn target(&self, name: &str) -> Result<MorphTarget, MorphError> {
+        let part = |part: fn(&[Vec3; 3]) -> Vec3| self.vertices.values().map(part).collect();
+        let positions = part(|[position, _, _]| *position);
+        let normals = match self.has_normals {
+            true => part(|[_, normal, _]| *normal),
+            false => Vec::new(),
+        };
+        let tangents = match self.has_tangents {
+            true => part(|[_, _, tangent]| *tangent),
+            false => Vec::new(),
+        };
+        let vertices = self.vertices.keys().copied().collect();
+        MorphTarget::new(name, vertices, positions, normals, tangents)
+    }
+}
+
+/// What the targets of a mesh are called: by the mesh's `extras`, or by their numbers.
+pub(super) fn names(mesh: &Mesh, targets: usize) -> Vec<String> {
+    let extras = mesh.extras.as_ref().map(|extras| extras.get());
+    // Extras are for any program to use: what is no list of names here is someone else's.
+    let extras = extras.and_then(|extras| serde_json::from_str::<MeshExtras>(extras).ok());
+    let given = extras.unwrap_or_default().target_names;
+    (0..targets)
+        .map(
+            |index| match given.get(index).filter(|name| !name.is_empty()) {
+                Some(name) => name.clone(),
+                None => format!("target/{index}"),
+            },
+        )
+        .collect()
+}

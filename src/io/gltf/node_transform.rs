@@ -1,0 +1,105 @@
+//! Where a node stands in its parent: by translation, rotation and scale, or by a matrix that is
+//! taken apart.
+
+use ::gltf::json::Node;
+use glam::{DAffine3, DMat3, DVec3, Quat, Vec3A};
+
+use crate::animation::{Decomposition, LocalTransform};
+
+/// How far a node's matrix may stand from translation · rotation · scale, as a share of its largest
+/// scale: files with five digits pass.
+const SHEAR_WITHIN: f64 = 1e-4;
+
+/// A node's place, and what had to be put right.
+pub(super) struct Local {
+    pub(super) rest: LocalTransform,
+    pub(super) repair: Option<String>,
+}
+
+/// Where a node is in its parent, or the key that is wrong and why.
+pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
+    let rest = match &node.matrix {
+        Some(matrix) => decomposed(matrix).map_err(|problem| ("matrix", problem))?,
+        None => {
+            let [x, y, z, w] = node.rotation.unwrap_or_default().0;
+            LocalTransform {
+                translation: Vec3A::from(node.translation.unwrap_or([0.0; 3])),
+                rotation: Quat::from_xyzw(x, y, z, w),
+                scale: Vec3A::from(node.scale.unwrap_or([1.0; 3])),
+            }
+        }
+    };
+    let not_finite = |key| Err((key, "is not finite in single precision".into()));
+    if !rest.translation.is_finite() {
+        return not_finite("translation");
+    }
+    if !rest.scale.is_finite() {
+        return not_finite("scale");
+    }
+    if !rest.rotation.is_finite() {
+        return not_finite("rotation");
+    }
+    if rest.rotation.is_normalized() {
+        return Ok(Local { rest, repair: None });
+    }
+    // In double precision, where the square of no single-precision number vanishes.
+    let rotation = rest.rotation.as_dquat();
+    let length = rotation.length();
+    if length == 0.0 {
+        return Err((
+            "rotation",
+            "the quaternion is zero and stands for no rotation".into(),
+        ));
+    }
+    let rotation = (rotation / length).as_quat();
+    let repair = Some(format!(
+        "the quaternion's length was {length}, and is 1 now"
+    ));
+    let rest = LocalTransform { rotation, ..rest };
+    Ok(Local { rest, repair })
+}
+
+/// A matrix by columns as translation · rotation · scale.
+fn decomposed(matrix: &[f32; 16]) -> Result<LocalTransform, String> {
+    let affine = affine(matrix)?;
+    let parts = Decomposition::new(&affine).map_err(|error| error.to_string())?;
+    let stretch = parts.stretch;
+    let scale = DVec3::new(stretch.x_axis.x, stretch.y_axis.y, stretch.z_axis.z);
+    let apart = stretch - DMat3::from_diagonal(scale);
+    let most = |m: DMat3| {
+        m.to_cols_array()
+            .into_iter()
+            .fold(0.0, |most: f64, x| most.max(x.abs()))
+    };
+    if most(apart) > SHEAR_WITHIN * most(stretch) {
+        return Err("shears, which no translation, rotation and scale do".into());
+    }
+    Ok(LocalTransform {
+        translation: parts.translation.as_vec3a(),
+        rotation: parts.rotation.as_quat().normalize(),
+        scale: scale.as_vec3a(),
+    })
+}
+
+/// A matrix by columns whose last row is 0 0 0 1.
+pub(super) fn affine(matrix: &[f32; 16]) -> Result<DAffine3, String> {
+    let row = [matrix[3], matrix[7], matrix[11], matrix[15]];
+    if row != [0.0, 0.0, 0.0, 1.0] {
+        return Err(format!("the last row is {row:?}, not 0 0 0 1"));
+    }
+    let column = |at: usize| {
+        DVec3::new(
+            matrix[at].into(),
+            matrix[at + 1].into(),
+            matrix[at + 2].into(),
+        )
+    };
+    let affine = DAffine3 {
+        matrix3: DMat3::from_cols(column(0), column(4), column(8)),
+        translation: column(12),
+    };
+    match affine.is_finite() {
+        true => Ok(affine),
+        false => Err("has an entry that is not finite in single precision".into()),
+    }
+}

@@ -1,0 +1,185 @@
+//! Nodes as bones: parents before children, each with a name of its own.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
+
+use ::gltf::json::Node;
+
+use super::accessors::Source;
+use super::node_transform::{Local, local};
+use super::note::Note;
+use crate::animation::ArmatureBone;
+use crate::io::ReadError;
+use crate::skeleton::BoneId;
+
+/// The bones of a document.
+pub(super) struct Nodes {
+    pub(super) bones: Vec<ArmatureBone>,
+    /// The bone of each node, by the node's index.
+    pub(super) bone_of: Vec<BoneId>,
+    /// Whether each node is in the scene that is shown.
+    pub(super) in_scene: Vec<bool>,
+}
+
+/// How messages call a thing with an optional name.
+pub(super) fn label(kind: &str, index: usize, name: Option<&String>) -> String {
+    match name.filter(|name| !name.is_empty()) {
+        Some(name) => format!("{kind} `{name}`"),
+        None => format!("{kind} {index}"),
+    }
+}
+
+pub(super) fn node_label(nodes: &[Node], index: usize) -> String {
+    label(
+        "node",
+        index,
+        nodes.get(index).and_then(|node| node.name.as_ref()),
+    )
+}
+
+pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> Result<Nodes, ReadError> {
+    let nodes = &source.root.nodes;
+    let parents = parents(source)?;
+    let order = order(source, &parents)?;
+    let names = names(nodes, notes);
+    let mut place = vec![0; nodes.len()];
+    let mut bones = Vec::with_capacity(nodes.len());
+    for (at, &index) in order.iter().enumerate() {
+        place[index] = at;
+        let rest = local(&nodes[index]).map_err(|(key, problem)| {
+            let problem = format!("{}: {problem}", node_label(nodes, index));
+            source.fail(format!("nodes[{index}].{key}"), problem)
+        })?;
+        let Local { rest, repair } = rest;
+        if let Some(repair) = repair {
+            notes.push(Note::repaired(format!("nodes[{index}].rotation"), repair));
+        }
+        bones.push(ArmatureBone {
+            name: names[index].clone(),
+            parent: parents[index].map(|parent| place[parent]),
+            rest,
+        });
+    }
+    Ok(Nodes {
+        bones,
+        bone_of: place.into_iter().map(BoneId::new).collect(),
+        in_scene: in_scene(source)?,
+    })
+}
+
+/// The node above each node.
+fn parents(source: &Source<'_>) -> Result<Vec<Option<usize>>, ReadError> {
+    let nodes = &source.root.nodes;
+    let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
+    for (index, node) in nodes.iter().enumerate() {
+        for (at, child) in node.children.iter().flatten().enumerate() {
+            let path = || format!("nodes[{index}].children[{at}]");
+            let Some(parent) = parents.get_mut(child.value()) else {
+                return Err(missing_node(source, path(), child.value()));
+            };
+            if let Some(other) = parent.replace(index) {
+                let [child, other, own] =
+                    [child.value(), other, index].map(|index| node_label(nodes, index));
+                let problem = format!("{child} is a child of {other} and of {own}");
+                return Err(source.fail(path(), problem));
+            }
+        }
+    }
+    Ok(parents)
+}
+
+pub(super) fn missing_node(source: &Source<'_>, path: String, node: usize) -> ReadError {
+    let problem = match source.root.nodes.len() {
+        0 => format!("node {node} does not exist; there are none"),
+        nodes => format!("node {node} does not exist; nodes are 0 to {}", nodes - 1),
+    };
+    source.fail(path, problem)
+}
+
+/// Parents before children; the file's own order where that is so already.
+fn order(source: &Source<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>, ReadError> {
+    let nodes = &source.root.nodes;
+    let roots = (0..nodes.len()).filter(|&index| parents[index].is_none());
+    let mut ready: BinaryHeap<Reverse<usize>> = roots.map(Reverse).collect();
+    let mut order = Vec::with_capacity(nodes.len());
+    let mut done = vec![false; nodes.len()];
+    while let Some(Reverse(index)) = ready.pop() {
+        order.push(index);
+        done[index] = true;
+        let children = nodes[index].children.iter().flatten();
+        ready.extend(children.map(|child| Reverse(child.value())));
+    }
+    match done.iter().position(|done| !done) {
+        None => Ok(order),
+        Some(index) => {
+            let problem = format!("{} is below itself", node_label(nodes, index));
+            Err(source.fail(format!("nodes[{index}].children"), problem))
+        }
+    }
+}
+
+/// The nodes' own names where they have any; the first of several that share one keeps it.
+fn names(nodes: &[Node], notes: &mut Vec<Note>) -> Vec<String> {
+    let given = |node: &Node| node.name.clone().filter(|name| !name.is_empty());
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let keeps: Vec<Option<String>> = nodes
+        .iter()
+        .map(|node| given(node).filter(|name| taken.insert(name.clone())))
+        .collect();
+    let named = keeps.into_iter().zip(nodes).enumerate();
+    named
+        .map(|(index, (kept, node))| {
+            kept.unwrap_or_else(|| {
+                let stem = given(node).unwrap_or_else(|| "node".into());
+                let name = free_name(format!("{stem}/{index}"), &mut taken);
+                notes.push(Note::Named {
+                    node: index,
+                    name: name.clone(),
+                });
+                name
+            })
+        })
+        .collect()
+}
+
+/// The name, or with a mark at its end where it is taken; taken from now on.
+pub(super) fn free_name(mut name: String, taken: &mut BTreeSet<String>) -> String {
+    while !taken.insert(name.clone()) {
+        name.push('\'');
+    }
+    name
+}
+
+/// The nodes of the scene that is shown: the one the file names, else its first, else all nodes.
+fn in_scene(source: &Source<'_>) -> Result<Vec<bool>, ReadError> {
+    let (nodes, scenes) = (&source.root.nodes, &source.root.scenes);
+    let shown = source.root.scene.map_or(0, |scene| scene.value());
+    let Some(scene) = scenes.get(shown) else {
+        if source.root.scene.is_some() {
+            let problem = format!("scene {shown} does not exist; there are {}", scenes.len());
+            return Err(source.fail("scene", problem));
+        }
+        return Ok(vec![true; nodes.len()]);
+    };
+    let mut seen = vec![false; nodes.len()];
+    let mut stack = Vec::new();
+    for (at, root) in scene.nodes.iter().enumerate() {
+        if root.value() >= nodes.len() {
+            let path = format!("scenes[{shown}].nodes[{at}]");
+            return Err(missing_node(source, path, root.value()));
+        }
+        stack.push(root.value());
+    }
+    while let Some(index) = stack.pop() {
+        if !std::mem::replace(&mut seen[index], true) {
+            stack.extend(
+                nodes[index]
+                    .children
+                    .iter()
+                    .flatten()
+                    .map(|child| child.value()),
+            );
+        }
+    }
+    Ok(seen)
+}

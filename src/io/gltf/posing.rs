@@ -1,0 +1,229 @@
+//! The meshes of a scene in a pose.
+
+use glam::{Affine3A, Vec3};
+
+use super::{Scene, SceneError, SceneMesh, Skin};
+use crate::animation::{Pose, SizeMismatch};
+use crate::mesh::{MeshError, TriangleMesh};
+use crate::skinning::{
+    MeshWeights, MorphError, SkinWeights, SkinningError, SkinningMethod, WeightsError,
+};
+
+/// Poses the meshes of one scene again and again: their weights in the fast form, and memory.
+#[derive(Clone, Debug)]
+pub struct ScenePosing<'a> {
+    scene: &'a Scene,
+    method: SkinningMethod,
+    /// One for each mesh.
+    weights: Vec<MeshWeights>,
+    model_from_bone: Vec<Affine3A>,
+    posed_from_mesh: Vec<Affine3A>,
+}
+
+/// Why a scene cannot be posed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PosingError {
+    /// The parts of a mesh do not go together.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The pose is of another armature.
+    #[error(transparent)]
+    Pose(#[from] SizeMismatch),
+    /// The morph targets of a mesh.
+    #[error("mesh `{mesh}`: {problem}")]
+    Morph {
+        /// The mesh.
+        mesh: String,
+        /// What is wrong.
+        problem: MorphError,
+    },
+    /// The skin of a mesh; bones are the skin's joints.
+    #[error("mesh `{mesh}`: {problem}")]
+    Skinning {
+        /// The mesh.
+        mesh: String,
+        /// What is wrong.
+        problem: SkinningError,
+    },
+    /// The weights that tie a mesh to its bone.
+    #[error("mesh `{mesh}`: {problem}")]
+    Weights {
+        /// The mesh.
+        mesh: String,
+        /// What is wrong.
+        problem: WeightsError,
+    },
+    /// The posed vertices are not finite.
+    #[error("mesh `{mesh}`: {problem}")]
+    Mesh {
+        /// The mesh.
+        mesh: String,
+        /// What is wrong.
+        problem: MeshError,
+    },
+}
+
+impl<'a> ScenePosing<'a> {
+    /// Memory for posing `scene`. Skins move by `method`, with dual quaternions stretching each joint
+    /// about where it was bound; meshes without one move with their bones, scale and all.
+    ///
+    /// # Errors
+    /// The parts of a mesh are of different sizes, or not of the scene's armature.
+    pub fn new(scene: &'a Scene, method: SkinningMethod) -> Result<Self, PosingError> {
+        let mut weights = Vec::with_capacity(scene.meshes.len());
+        for mesh in &scene.meshes {
+            mesh.check(&scene.armature)?;
+            weights.push(match &mesh.skin {
+                Some(skin) => weights_of(skin),
+                None => all_of_one_bone(mesh)?.into(),
+            });
+        }
+        Ok(Self {
+            scene,
+            method,
+            weights,
+            model_from_bone: vec![Affine3A::IDENTITY; scene.armature.bones()],
+            posed_from_mesh: Vec::new(),
+        })
+    }
+
+    /// The meshes in a pose of the scene's armature, in the scene's coordinates: morph targets first,
+    /// then Σ_j w_j W_j B_j⁻¹ over the joints of a skin, or the bone that the mesh hangs on. Where
+    /// that bone mirrors, triangles turn round, so that the outside stays outside.
+    ///
+    /// # Errors
+    /// The pose is of another armature, a number in it is not finite, or dual quaternions meet a
+    /// joint that mirrors or flattens space.
+    pub fn meshes(&mut self, pose: &Pose) -> Result<Vec<TriangleMesh>, PosingError> {
+        let armature = &self.scene.armature;
+        armature.rest().check_same_size(pose)?;
+        armature.local_to_model(pose, &mut self.model_from_bone)?;
+        let scene = self.scene;
+        let meshes = scene.meshes.iter().enumerate();
+        meshes
+            .map(|(index, mesh)| self.posed(index, mesh, pose))
+            .collect()
+    }
+
+    /// As [`meshes`](Self::meshes), joined to one: the vertices of all meshes in their order.
+    /// It has normals where all of them have.
+    ///
+    /// # Errors
+    /// As [`meshes`](Self::meshes).
+    pub fn mesh(&mut self, pose: &Pose) -> Result<TriangleMesh, PosingError> {
+        let meshes = self.meshes(pose)?;
+        let with_normals = meshes
+            .iter()
+            .all(|mesh| mesh.positions().len() == mesh.normals().len());
+        let (mut positions, mut normals, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+        for mesh in &meshes {
+            let first = positions.len() as u32;
+            positions.extend_from_slice(mesh.positions());
+            if with_normals {
+                normals.extend_from_slice(mesh.normals());
+            }
+            triangles.extend(
+                mesh.triangles()
+                    .iter()
+                    .map(|t| t.map(|index| first + index)),
+            );
+        }
+        let joined = TriangleMesh::new(positions, normals, triangles);
+        joined.map_err(|problem| PosingError::Mesh {
+            mesh: "all".into(),
+            problem,
+        })
+    }
+
+    fn posed(
+        &mut self,
+        index: usize,
+        mesh: &SceneMesh,
+        pose: &Pose,
+    ) -> Result<TriangleMesh, PosingError> {
+        let name = || mesh.name.clone();
+        let place = |bone: usize| self.model_from_bone.get(bone).copied().unwrap_or_default();
+        self.posed_from_mesh.clear();
+        match &mesh.skin {
+            Some(skin) => {
+                let joints = skin.joints.iter().zip(&skin.joint_from_mesh);
+                let moved = joints.map(|(joint, bound)| place(joint.index()) * *bound);
+                self.posed_from_mesh.extend(moved);
+            }
+            None => self.posed_from_mesh.push(place(mesh.bone.index())),
+        }
+        let morphed = morphed(mesh, pose)?;
+        let rest = morphed.as_ref().unwrap_or(&mesh.mesh);
+        let method = match mesh.skin {
+            Some(_) => self.method,
+            None => SkinningMethod::LinearBlend,
+        };
+        let moved = self.weights[index].mesh(method, rest, &self.posed_from_mesh);
+        let moved = moved.map_err(|problem| PosingError::Skinning {
+            mesh: name(),
+            problem,
+        })?;
+        let mirrors = |bone: &Affine3A| bone.matrix3.determinant() < 0.0;
+        if mesh.skin.is_some() || !self.posed_from_mesh.iter().any(mirrors) {
+            return Ok(moved);
+        }
+        let turned = moved.triangles().iter().map(|&[a, b, c]| [a, c, b]);
+        let (positions, normals) = (moved.positions().to_vec(), moved.normals().to_vec());
+        TriangleMesh::new(positions, normals, turned.collect()).map_err(|problem| {
+            let mesh = name();
+            PosingError::Mesh { mesh, problem }
+        })
+    }
+}
+
+/// Joints may scale: each stretches about where it was bound.
+fn weights_of(skin: &Skin) -> MeshWeights {
+    let weights = MeshWeights::from(skin.weights.clone());
+    let bound = skin.joint_from_mesh.iter();
+    let pivots: Vec<Vec3> = bound
+        .map(|joint| joint.inverse().translation.into())
+        .collect();
+    match pivots.iter().all(|pivot| pivot.is_finite()) {
+        true => weights.with_pivots(pivots),
+        false => weights,
+    }
+}
+
+/// The mesh with its morph targets mixed in; `None` where no weight is other than 0.
+fn morphed(mesh: &SceneMesh, pose: &Pose) -> Result<Option<TriangleMesh>, PosingError> {
+    let weights = pose
+        .morph_weights()
+        .get(mesh.morph_weights())
+        .unwrap_or(&[]);
+    if weights.iter().all(|&weight| weight == 0.0) {
+        return Ok(None);
+    }
+    let mut positions: Vec<Vec3> = mesh.mesh.positions().to_vec();
+    let mut normals: Vec<Vec3> = mesh.mesh.normals().to_vec();
+    let name = || mesh.name.clone();
+    let applied = mesh
+        .morph_targets
+        .apply(weights, &mut positions, &mut normals, &mut []);
+    applied.map_err(|problem| PosingError::Morph {
+        mesh: name(),
+        problem,
+    })?;
+    let morphed = mesh.mesh.with_vertices(positions, normals);
+    morphed.map(Some).map_err(|problem| PosingError::Mesh {
+        mesh: name(),
+        problem,
+    })
+}
+
+/// Weights of a mesh that moves with one bone.
+fn all_of_one_bone(mesh: &SceneMesh) -> Result<SkinWeights, PosingError> {
+    let vertices = mesh.mesh.positions().len();
+    let mut builder = SkinWeights::builder(vertices, 1);
+    let added = (0..vertices).try_for_each(|vertex| builder.add(vertex, 0, 1.0));
+    let built = added.and_then(|()| builder.build());
+    built.map_err(|problem| PosingError::Weights {
+        mesh: mesh.name.clone(),
+        problem,
+    })
+}

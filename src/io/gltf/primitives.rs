@@ -1,0 +1,239 @@
+//! A mesh's primitives as one list of vertices and one of triangles.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use ::gltf::json::mesh::{Primitive, Semantic};
+use ::gltf::json::validation::Checked;
+use ::gltf::json::{Accessor, Index};
+use glam::{Vec3, Vec4};
+
+use super::accessors::Source;
+use super::morph_targets::{self, Deltas};
+use super::nodes::label;
+use super::triangles;
+use crate::io::ReadError;
+
+/// One joint's share in a vertex, as the file has it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointWeight {
+    pub(super) vertex: u32,
+    pub(super) joint: u32,
+    pub(super) weight: f64,
+}
+
+/// A mesh before it meets a skin.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RawMesh {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) tangents: Vec<Vec4>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) joints: Vec<JointWeight>,
+    /// Whether every primitive has joints.
+    pub(super) is_skinned: bool,
+    pub(super) targets: Vec<Deltas>,
+    /// Attributes that nothing here is for, by name.
+    pub(super) left_out: BTreeSet<String>,
+    /// Attributes that only some primitives have, by name.
+    pub(super) dropped: Vec<&'static str>,
+}
+
+/// Attributes and targets that say which vertices a primitive has.
+type VertexKey = (Vec<(String, usize)>, Vec<[Option<usize>; 3]>);
+
+/// A primitive's attributes by what they are.
+#[derive(Default)]
+struct Attributes {
+    positions: Option<Index<Accessor>>,
+    normals: Option<Index<Accessor>>,
+    tangents: Option<Index<Accessor>>,
+    joints: BTreeMap<u32, Index<Accessor>>,
+    weights: BTreeMap<u32, Index<Accessor>>,
+}
+
+/// How many primitives have an attribute that is kept only if all have it.
+#[derive(Default)]
+struct Having {
+    normals: usize,
+    tangents: usize,
+    joints: usize,
+    blocks: usize,
+}
+
+pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadError> {
+    let Some(mesh) = source.root.meshes.get(index) else {
+        let problem = format!("does not exist; there are {}", source.root.meshes.len());
+        return Err(source.fail(format!("meshes[{index}]"), problem));
+    };
+    let name = label("mesh", index, mesh.name.as_ref());
+    let mut raw = RawMesh::default();
+    let mut having = Having::default();
+    let mut blocks: BTreeMap<VertexKey, (u32, usize)> = BTreeMap::new();
+    let target_count = |primitive: &Primitive| primitive.targets.as_ref().map_or(0, Vec::len);
+    let targets = mesh.primitives.first().map_or(0, target_count);
+    raw.targets = vec![Deltas::default(); targets];
+    for (number, primitive) in mesh.primitives.iter().enumerate() {
+        let path = format!("meshes[{index}].primitives[{number}]");
+        let user = format!("{name}, primitive {number}");
+        if target_count(primitive) != targets {
+            let problem = format!(
+                "{name}: {} morph targets, but the first primitive has {targets}",
+                target_count(primitive)
+            );
+            return Err(source.fail(format!("{path}.targets"), problem));
+        }
+        let key = vertex_key(primitive);
+        let (first, count) = match blocks.get(&key) {
+            Some(block) => *block,
+            None => {
+                let first = raw.positions.len() as u32;
+                let count = vertices(source, primitive, &path, &user, &mut raw, &mut having)?;
+                blocks.insert(key, (first, count));
+                (first, count)
+            }
+        };
+        triangles::append(
+            source,
+            primitive,
+            &path,
+            &user,
+            [first as usize, count],
+            &mut raw,
+        )?;
+    }
+    keep_what_all_have(&having, &mut raw);
+    Ok(raw)
+}
+
+fn vertex_key(primitive: &Primitive) -> VertexKey {
+    let attributes = primitive.attributes.iter();
+    let attributes = attributes.map(|(semantic, index)| (semantic.to_string(), index.value()));
+    let targets = primitive.targets.iter().flatten().map(|target| {
+        let parts = [&target.positions, &target.normals, &target.tangents];
+        parts.map(|index| index.as_ref().map(Index::value))
+    });
+    (attributes.collect(), targets.collect())
+}
+
+/// Appends a primitive's vertices; how many there are.
+fn vertices(
+    source: &Source<'_>,
+    primitive: &Primitive,
+    path: &str,
+    user: &str,
+    raw: &mut RawMesh,
+    having: &mut Having,
+) -> Result<usize, ReadError> {
+    let attributes = attributes(primitive, &mut raw.left_out);
+    let of = |what: &str| format!("{user}, {what}");
+    let Some(positions) = attributes.positions else {
+        let path = format!("{path}.attributes");
+        return Err(source.fail(path, format!("{user}: has no POSITION")));
+    };
+    let count = source.count(positions, &of("POSITION"))?;
+    let first = raw.positions.len();
+    let end = first.checked_add(count);
+    if end.is_none_or(|end| u32::try_from(end).is_err()) {
+        return Err(source.fail(
+            path,
+            format!("{user}: has more vertices than can be counted"),
+        ));
+    }
+    let same = |index: Index<Accessor>, what: &str| match source.count(index, &of(what))? {
+        given if given == count => Ok(of(what)),
+        given => {
+            let problem = format!("{user}: {given} entries for {count} vertices");
+            Err(source.fail(format!("{path}.attributes.{what}"), problem))
+        }
+    };
+    let vec3 = |[x, y, z]: [f64; 3]| Vec3::new(x as f32, y as f32, z as f32);
+    raw.positions
+        .extend(source.read(positions, &of("POSITION"), vec3)?);
+    having.blocks += 1;
+    if let Some(normals) = attributes.normals {
+        let user = same(normals, "NORMAL")?;
+        raw.normals.extend(source.read(normals, &user, vec3)?);
+        having.normals += 1;
+    }
+    if let Some(tangents) = attributes.tangents {
+        let user = same(tangents, "TANGENT")?;
+        let vec4 = |v: [f64; 4]| Vec4::from_array(v.map(|number| number as f32));
+        let read = source.read(tangents, &user, vec4)?;
+        if let Some(vertex) = read.iter().position(|tangent| !tangent.is_finite()) {
+            let problem = format!("{user}: vertex {vertex}: the tangent is not finite");
+            return Err(source.fail(format!("{path}.attributes.TANGENT"), problem));
+        }
+        raw.tangents.extend(read);
+        having.tangents += 1;
+    }
+    if !attributes.joints.keys().eq(attributes.weights.keys()) {
+        let problem = format!("{user}: there must be as many JOINTS_n as WEIGHTS_n");
+        return Err(source.fail(format!("{path}.attributes"), problem));
+    }
+    having.joints += usize::from(!attributes.joints.is_empty());
+    for (set, joints) in &attributes.joints {
+        let user = same(*joints, &format!("JOINTS_{set}"))?;
+        let joints: Vec<[u32; 4]> = source.read_indices(*joints, &user)?;
+        let Some(weights) = attributes.weights.get(set) else {
+            continue;
+        };
+        let user = same(*weights, &format!("WEIGHTS_{set}"))?;
+        let weights = source.read(*weights, &user, |weights: [f64; 4]| weights)?;
+        source.charge::<JointWeight>(4 * count, path)?;
+        for (vertex, (joints, weights)) in (first as u32..).zip(joints.iter().zip(&weights)) {
+            // A joint without weight may be any number.
+            let used = joints
+                .iter()
+                .zip(weights)
+                .filter(|(_, weight)| **weight != 0.0);
+            raw.joints.extend(used.map(|(&joint, &weight)| JointWeight {
+                vertex,
+                joint,
+                weight,
+            }));
+        }
+    }
+    for (number, target) in primitive.targets.iter().flatten().enumerate() {
+        let user = format!("{user}, morph target {number}");
+        if let Some(deltas) = raw.targets.get_mut(number) {
+            morph_targets::append(source, target, [first, count], &user, deltas)?;
+        }
+    }
+    Ok(count)
+}
+
+fn attributes(primitive: &Primitive, left_out: &mut BTreeSet<String>) -> Attributes {
+    let mut own = Attributes::default();
+    for (semantic, &index) in &primitive.attributes {
+        match semantic {
+            Checked::Valid(Semantic::Positions) => own.positions = Some(index),
+            Checked::Valid(Semantic::Normals) => own.normals = Some(index),
+            Checked::Valid(Semantic::Tangents) => own.tangents = Some(index),
+            Checked::Valid(Semantic::Joints(set)) => {
+                own.joints.insert(*set, index);
+            }
+            Checked::Valid(Semantic::Weights(set)) => {
+                own.weights.insert(*set, index);
+            }
+            other => {
+                left_out.insert(other.to_string());
+            }
+        }
+    }
+    own
+}
+
+/// Normals and tangents of some primitives only are of no use to a mesh of all.
+fn keep_what_all_have(having: &Having, raw: &mut RawMesh) {
+    if having.normals != having.blocks && !raw.normals.is_empty() {
+        raw.normals.clear();
+        raw.left_out
+            .insert("NORMAL, as not every primitive has it".into());
+    }
+    if having.tangents != having.blocks && !raw.tangents.is_empty() {
+        raw.tangents.clear();
+        raw.left_out
+            .insert("TANGENT, as not every primitive has it".into());
+    }
+    raw.is_skinned = having.blocks > 0 && having.joints == having.blocks;
+}

@@ -1,0 +1,112 @@
+//! Runs of numbers in a buffer: views and offsets, each checked.
+
+use ::gltf::json::Index;
+use ::gltf::json::accessor::ComponentType;
+use ::gltf::json::buffer::View;
+
+use super::accessors::Source;
+use crate::io::{Place, ReadError};
+
+/// One run of numbers in a buffer.
+pub(super) struct Run<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    component: ComponentType,
+    pub(super) normalized: bool,
+}
+
+impl Source<'_> {
+    /// The bytes of `count` entries, wherever the view puts them.
+    pub(super) fn run<const N: usize>(
+        &self,
+        view: Index<View>,
+        offset: u64,
+        count: usize,
+        component: ComponentType,
+        path: &str,
+        user: &str,
+    ) -> Result<Run<'_>, ReadError> {
+        let views = &self.root.buffer_views;
+        let own = views.get(view.value()).ok_or_else(|| {
+            let problem = format!(
+                "{user}: view {} of {} does not exist",
+                view.value(),
+                views.len()
+            );
+            self.fail(path, problem)
+        })?;
+        let at = |key: &str| format!("bufferViews[{}].{key}", view.value());
+        let buffer = self.buffers.get(own.buffer.value()).ok_or_else(|| {
+            let buffers = self.buffers.len();
+            let problem = format!(
+                "{user}: buffer {} of {buffers} does not exist",
+                own.buffer.value()
+            );
+            self.fail(at("buffer"), problem)
+        })?;
+        let start = own.byte_offset.map_or(0, |offset| offset.0);
+        let viewed = slice(buffer, start, u128::from(own.byte_length.0)).ok_or_else(|| {
+            let needed = u128::from(start) + u128::from(own.byte_length.0);
+            let what = format!("{user}: the view's bytes");
+            let place = Place::Json(at("byteLength"));
+            ReadError::truncated(self.name, place, what, needed, buffer.len())
+        })?;
+        let size = N * component.size();
+        let stride = own.byte_stride.map_or(size, |stride| stride.0);
+        if stride < size {
+            let problem = format!("{user}: {stride} is less than the {size} bytes of an entry");
+            return Err(self.fail(at("byteStride"), problem));
+        }
+        let needed = (count as u128 - 1) * stride as u128 + size as u128;
+        let bytes = slice(viewed, offset, needed).ok_or_else(|| {
+            let what = format!("{user}: {count} entries from byte {offset} of the view");
+            ReadError::truncated(
+                self.name,
+                Place::Json(path.into()),
+                what,
+                needed,
+                viewed.len(),
+            )
+        })?;
+        Ok(Run {
+            bytes,
+            stride,
+            component,
+            normalized: false,
+        })
+    }
+}
+
+fn slice(bytes: &[u8], start: u64, length: u128) -> Option<&[u8]> {
+    let end = usize::try_from(u128::from(start).checked_add(length)?).ok()?;
+    bytes.get(usize::try_from(start).ok()?..end)
+}
+
+impl Run<'_> {
+    pub(super) fn entry<const N: usize>(&self, index: usize) -> [f64; N] {
+        let size = self.component.size();
+        std::array::from_fn(|place| {
+            let start = index * self.stride + place * size;
+            let bytes = self.bytes.get(start..start + size).unwrap_or(&[0; 4]);
+            self.number(bytes)
+        })
+    }
+
+    fn number(&self, bytes: &[u8]) -> f64 {
+        let [a, b, c, d] = std::array::from_fn(|at| bytes.get(at).copied().unwrap_or(0));
+        let (short, word) = ([a, b], [a, b, c, d]);
+        let (number, most) = match self.component {
+            ComponentType::I8 => (f64::from(a as i8), 127.0),
+            ComponentType::U8 => (f64::from(a), 255.0),
+            ComponentType::I16 => (f64::from(i16::from_le_bytes(short)), 32767.0),
+            ComponentType::U16 => (f64::from(u16::from_le_bytes(short)), 65535.0),
+            ComponentType::U32 => (f64::from(u32::from_le_bytes(word)), f64::from(u32::MAX)),
+            ComponentType::F32 => return f64::from(f32::from_le_bytes(word)),
+        };
+        match self.normalized {
+            // Section 3.6.2.2: the lowest signed integer stands for −1 as well.
+            true => (number / most).max(-1.0),
+            false => number,
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Skins: which bones are joints, where they were bound, and how strongly they move each vertex.
+
+use ::gltf::json::Skin as Entry;
+use glam::{Affine3A, Mat3A, Vec3A};
+
+use super::accessors::Source;
+use super::node_transform::affine;
+use super::nodes::{label, missing_node};
+use super::note::Note;
+use super::primitives::RawMesh;
+use super::scene::Skin;
+use crate::io::ReadError;
+use crate::skeleton::BoneId;
+use crate::skinning::{SkinWeights, WeightRepair};
+
+/// The skin of a mesh (its index, name and vertices) that the file puts on a node.
+pub(super) fn read(
+    source: &Source<'_>,
+    index: usize,
+    bone_of: &[BoneId],
+    mesh: (usize, &str, &RawMesh),
+    notes: &mut Vec<Note>,
+) -> Result<Skin, ReadError> {
+    let skins = &source.root.skins;
+    let Some(entry) = skins.get(index) else {
+        let problem = format!("does not exist; there are {}", skins.len());
+        return Err(source.fail(format!("skins[{index}]"), problem));
+    };
+    let user = label("skin", index, entry.name.as_ref());
+    let mut joints = Vec::with_capacity(entry.joints.len());
+    for (at, joint) in entry.joints.iter().enumerate() {
+        let bone = bone_of.get(joint.value()).ok_or_else(|| {
+            missing_node(
+                source,
+                format!("skins[{index}].joints[{at}]"),
+                joint.value(),
+            )
+        })?;
+        joints.push(*bone);
+    }
+    if joints.is_empty() {
+        let problem = format!("{user}: has no joints");
+        return Err(source.fail(format!("skins[{index}].joints"), problem));
+    }
+    Ok(Skin {
+        name: entry.name.clone().unwrap_or_default(),
+        joint_from_mesh: bound(source, entry, index, &user)?,
+        weights: weights(source, mesh, joints.len(), notes)?,
+        joints,
+    })
+}
+
+/// The inverse bind matrices, one for each joint; identities where the file has none.
+fn bound(
+    source: &Source<'_>,
+    entry: &Entry,
+    index: usize,
+    user: &str,
+) -> Result<Vec<Affine3A>, ReadError> {
+    let joints = entry.joints.len();
+    let Some(matrices) = entry.inverse_bind_matrices else {
+        return Ok(vec![Affine3A::IDENTITY; joints]);
+    };
+    let user = format!("{user}, inverse bind matrices");
+    let matrices = source.read(matrices, &user, |matrix: [f64; 16]| {
+        matrix.map(|number| number as f32)
+    })?;
+    let path = format!("skins[{index}].inverseBindMatrices");
+    if matrices.len() < joints {
+        let problem = format!("{user}: {} for {joints} joints", matrices.len());
+        return Err(source.fail(path, problem));
+    }
+    let checked = matrices
+        .iter()
+        .take(joints)
+        .enumerate()
+        .map(|(joint, matrix)| {
+            let problem =
+                |problem| source.fail(path.as_str(), format!("{user}: joint {joint}: {problem}"));
+            affine(matrix).map_err(problem)?;
+            let column = |at: usize| Vec3A::new(matrix[at], matrix[at + 1], matrix[at + 2]);
+            Ok(Affine3A {
+                matrix3: Mat3A::from_cols(column(0), column(4), column(8)),
+                translation: column(12),
+            })
+        });
+    checked.collect()
+}
+
+fn weights(
+    source: &Source<'_>,
+    (index, name, raw): (usize, &str, &RawMesh),
+    joints: usize,
+    notes: &mut Vec<Note>,
+) -> Result<SkinWeights, ReadError> {
+    let fail = |problem: String| {
+        source.fail(
+            format!("meshes[{index}]"),
+            format!("mesh `{name}`: {problem}"),
+        )
+    };
+    if !raw.is_skinned {
+        let problem = "it has a skin, but not every primitive has JOINTS_0 and WEIGHTS_0";
+        return Err(fail(problem.into()));
+    }
+    let mut shares = raw.joints.clone();
+    shares.sort_by_key(|share| (share.vertex, share.joint));
+    let given = shares.len();
+    shares.dedup_by(|second, first| {
+        let same = (second.vertex, second.joint) == (first.vertex, first.joint);
+        if same {
+            first.weight += second.weight;
+        }
+        same
+    });
+    let merged = given - shares.len();
+    let mut builder = SkinWeights::builder(raw.positions.len(), joints);
+    for share in shares {
+        let added = builder.add(share.vertex as usize, share.joint as usize, share.weight);
+        added.map_err(|error| fail(error.to_string()))?;
+    }
+    let (weights, repair) = builder
+        .build_repaired()
+        .map_err(|error| fail(error.to_string()))?;
+    if repair != WeightRepair::default() || merged > 0 {
+        notes.push(Note::Weights {
+            mesh: name.to_owned(),
+            repair,
+            merged,
+        });
+    }
+    Ok(weights)
+}

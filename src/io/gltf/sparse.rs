@@ -1,0 +1,110 @@
+//! Sparse accessors: the entries that differ from zero, or from those of a buffer view.
+
+use ::gltf::json::accessor::sparse::Sparse;
+use ::gltf::json::validation::Checked;
+use ::gltf::json::{Accessor, Index};
+
+use super::accessors::Source;
+use super::run::Run;
+use crate::io::ReadError;
+
+/// The entries that differ from zero or from the accessor's buffer view.
+pub(super) struct SparseRuns<'a> {
+    count: usize,
+    indices: Run<'a>,
+    pub(super) values: Run<'a>,
+}
+
+impl Source<'_> {
+    /// The entries of an accessor that are not zero, by place. Those that a sparse accessor without
+    /// a buffer view lists are given even where they are zero.
+    pub(super) fn deltas<T: Clone>(
+        &self,
+        index: Index<Accessor>,
+        count: usize,
+        user: &str,
+        of: impl Fn([f64; 3]) -> T,
+    ) -> Result<Vec<(u32, T)>, ReadError> {
+        let path = format!("accessors[{}]", index.value());
+        let given = self.count(index, user)?;
+        if given != count {
+            let problem = format!("{user}: {given} entries for {count} vertices");
+            return Err(self.fail(path, problem));
+        }
+        match (
+            self.base::<3>(index, count, user)?,
+            self.sparse::<3>(index, user)?,
+        ) {
+            (None, Some(sparse)) => {
+                self.charge::<(u32, T)>(sparse.count, &path)?;
+                let places = self.places(&sparse, count, &path, user)?.into_iter();
+                let entries = places
+                    .zip(0..)
+                    .map(|(place, entry)| (place, of(sparse.values.entry(entry))));
+                Ok(entries.collect())
+            }
+            (None, None) => Ok(Vec::new()),
+            (Some(_), _) => {
+                let all = self.read(index, user, |entry: [f64; 3]| entry)?;
+                let moved = (0..).zip(all).filter(|(_, entry)| *entry != [0.0; 3]);
+                Ok(moved.map(|(place, entry)| (place, of(entry))).collect())
+            }
+        }
+    }
+
+    pub(super) fn sparse<const N: usize>(
+        &self,
+        index: Index<Accessor>,
+        user: &str,
+    ) -> Result<Option<SparseRuns<'_>>, ReadError> {
+        let accessor = self.accessor(index, user)?;
+        let Some(Sparse {
+            count,
+            indices,
+            values,
+            ..
+        }) = &accessor.sparse
+        else {
+            return Ok(None);
+        };
+        let at = |key: &str| format!("accessors[{}].sparse.{key}", index.value());
+        let count = usize::try_from(count.0).ok().filter(|&count| count > 0);
+        let count = count.ok_or_else(|| self.fail(at("count"), format!("{user}: is no count")))?;
+        let Checked::Valid(kind) = indices.component_type else {
+            let problem = format!("{user}: is none of 5121, 5123 and 5125");
+            return Err(self.fail(at("indices.componentType"), problem));
+        };
+        let (view, offset) = (indices.buffer_view, indices.byte_offset.0);
+        let path = at("indices.bufferView");
+        let indices = self.run::<1>(view, offset, count, kind.0, &path, user)?;
+        let component = self.component(accessor, index, user)?;
+        let (view, offset) = (values.buffer_view, values.byte_offset.0);
+        let path = at("values.bufferView");
+        let mut values = self.run::<N>(view, offset, count, component, &path, user)?;
+        values.normalized = accessor.normalized;
+        Ok(Some(SparseRuns {
+            count,
+            indices,
+            values,
+        }))
+    }
+
+    /// Which entries a sparse accessor lists: rising, below `count`.
+    pub(super) fn places(
+        &self,
+        sparse: &SparseRuns<'_>,
+        count: usize,
+        path: &str,
+        user: &str,
+    ) -> Result<Vec<u32>, ReadError> {
+        self.charge::<u32>(sparse.count, path)?;
+        let places = (0..sparse.count).map(|entry| sparse.indices.entry::<1>(entry)[0] as u32);
+        let places: Vec<u32> = places.collect();
+        let rise = places.windows(2).all(|pair| pair[0] < pair[1]);
+        if !rise || places.last().is_some_and(|&last| last as usize >= count) {
+            let problem = format!("{user}: do not rise, or are beyond the {count} entries");
+            return Err(self.fail(format!("{path}.sparse.indices"), problem));
+        }
+        Ok(places)
+    }
+}

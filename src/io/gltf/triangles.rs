@@ -1,0 +1,77 @@
+//! The triangles of a primitive: indexed or not, strips and fans taken apart.
+
+use ::gltf::json::mesh::{Mode, Primitive};
+use ::gltf::json::validation::Checked;
+
+use super::accessors::Source;
+use super::primitives::RawMesh;
+use crate::io::ReadError;
+
+/// Appends the triangles over vertices that start at `first`, `count` of them.
+pub(super) fn append(
+    source: &Source<'_>,
+    primitive: &Primitive,
+    path: &str,
+    user: &str,
+    [first, count]: [usize; 2],
+    raw: &mut RawMesh,
+) -> Result<(), ReadError> {
+    let mode = match primitive.mode {
+        Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
+        other => {
+            let what = match other {
+                Checked::Valid(mode) => format!("{mode:?}"),
+                Checked::Invalid => "an unknown mode".into(),
+            };
+            let problem = format!(
+                "{user}: is drawn as {what}; Triangles, TriangleStrip and TriangleFan are read"
+            );
+            return Err(source.fail(format!("{path}.mode"), problem));
+        }
+    };
+    let indices: Vec<u32> = match primitive.indices {
+        Some(indices) => {
+            let user = format!("{user}, indices");
+            let read: Vec<[u32; 1]> = source.read_indices(indices, &user)?;
+            read.into_iter().flatten().collect()
+        }
+        None => {
+            source.charge::<u32>(count, path)?;
+            (0..count as u32).collect()
+        }
+    };
+    if let Some(index) = indices.iter().find(|&&index| index as usize >= count) {
+        let problem = format!("{user}: index {index} is out of range; there are {count} vertices");
+        return Err(source.fail(format!("{path}.indices"), problem));
+    }
+    if mode == Mode::Triangles && !indices.len().is_multiple_of(3) {
+        let problem = format!("{user}: {} corners make no triangles", indices.len());
+        return Err(source.fail(format!("{path}.indices"), problem));
+    }
+    source.charge::<[u32; 3]>(indices.len(), path)?;
+    let moved = |triangle: [u32; 3]| triangle.map(|index| index + first as u32);
+    let corners = |window: &[u32]| <[u32; 3]>::try_from(window).unwrap_or_default();
+    match mode {
+        Mode::Triangles => {
+            raw.triangles
+                .extend(indices.chunks_exact(3).map(corners).map(moved));
+        }
+        // Section 3.7.2.1; strips are stitched by triangles without area.
+        Mode::TriangleStrip => {
+            let windows = indices.windows(3).map(corners).enumerate();
+            let turned = windows.map(|(number, [a, b, c])| match number % 2 {
+                0 => [a, b, c],
+                _ => [a, c, b],
+            });
+            let solid = turned.filter(|[a, b, c]| a != b && b != c && c != a);
+            raw.triangles.extend(solid.map(moved));
+        }
+        _ => {
+            let hub = indices.first().copied().unwrap_or(0);
+            let rim = indices.get(1..).unwrap_or(&[]).windows(2);
+            let fan = rim.filter_map(|pair| Some([*pair.first()?, *pair.last()?, hub]));
+            raw.triangles.extend(fan.map(moved));
+        }
+    }
+    Ok(())
+}

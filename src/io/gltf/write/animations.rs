@@ -1,0 +1,226 @@
+//! Clips into the document.
+
+use ::gltf::json::Index;
+use ::gltf::json::animation::{
+    Animation, Channel as Entry, Interpolation, Property as Path, Sampler, Target,
+};
+use ::gltf::json::validation::Checked;
+
+use super::UnwritableScene;
+use super::buffer::Document;
+use super::keys::{ChannelKeys, Keys, exact, of_channel, sample_times};
+use crate::animation::curve::KeyedCurve;
+use crate::animation::{Armature, Channel, Clip, Property};
+use crate::io::gltf::scene::{Scene, SceneMesh};
+use crate::skeleton::BoneId;
+
+/// An animation that grows.
+struct Growing<'a> {
+    document: &'a mut Document,
+    animation: Animation,
+    /// Added to all times, as glTF has none before 0.
+    shift: f32,
+}
+
+pub(super) fn add(
+    scene: &Scene,
+    clip: &Clip,
+    rate: f32,
+    document: &mut Document,
+) -> Result<(), UnwritableScene> {
+    let armature = &scene.armature;
+    let wrong = |problem| UnwritableScene::Clip {
+        clip: clip.name().to_owned(),
+        problem,
+    };
+    let channels = clip.channels(armature).map_err(wrong)?;
+    let morphs = clip.morph_channels(armature).map_err(wrong)?;
+    let times = channels.iter().map(|(_, channel)| times(channel));
+    let times = times.chain(morphs.iter().map(|(_, curve)| curve.times()));
+    let ends = times.filter_map(|times| Some([*times.first()?, *times.last()?]));
+    let keyed = ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)]);
+    let [start, end] = clip.span();
+    let [first, last] = keyed.map_or([start, end], |[s, e]| [s.min(start), e.max(end)]);
+    let mut growing = Growing {
+        document,
+        animation: Animation {
+            extensions: None,
+            extras: None,
+            channels: Vec::new(),
+            name: Some(clip.name().to_owned()),
+            samplers: Vec::new(),
+        },
+        shift: (-first).max(0.0),
+    };
+    for (bone, channel) in &channels {
+        let path = match channel {
+            Channel::Translation(_) => Path::Translation,
+            Channel::Rotation(_) | Channel::Euler(_) => Path::Rotation,
+            Channel::Scale(_) => Path::Scale,
+        };
+        match of_channel(channel, rate)? {
+            ChannelKeys::Vectors(keys) => growing.channel(*bone, path, &keys),
+            ChannelKeys::Rotations(keys) => growing.channel(*bone, path, &keys),
+        }
+    }
+    for mesh in &scene.meshes {
+        if let Some(keys) = weights(mesh, &morphs, armature, rate)? {
+            growing.channel(mesh.bone, Path::MorphTargetWeights, &keys);
+        }
+    }
+    if keyed != Some([first, last]) {
+        growing.hold(armature, &channels, [first, last]);
+    }
+    let animation = growing.animation;
+    if !animation.channels.is_empty() {
+        document.root.animations.push(animation);
+    }
+    Ok(())
+}
+
+fn times(channel: &Channel) -> &[f32] {
+    match channel {
+        Channel::Translation(curve) | Channel::Scale(curve) => curve.times(),
+        Channel::Rotation(curve) => curve.times(),
+        Channel::Euler(curve) => curve.angles.times(),
+    }
+}
+
+impl Growing<'_> {
+    fn channel<const N: usize>(&mut self, bone: BoneId, path: Path, keys: &Keys<N>) {
+        let times: Vec<f32> = keys.times.iter().map(|time| time + self.shift).collect();
+        let sampler = Sampler {
+            extensions: None,
+            extras: None,
+            input: self.document.times(&times),
+            interpolation: Checked::Valid(keys.interpolation),
+            output: self.document.numbers(&keys.outputs, false, None),
+        };
+        let sampler = Index::push(&mut self.animation.samplers, sampler);
+        self.animation.channels.push(Entry {
+            sampler,
+            target: Target {
+                extensions: None,
+                extras: None,
+                node: Index::new(bone.index() as u32),
+                path: Checked::Valid(path),
+            },
+            extensions: None,
+            extras: None,
+        });
+    }
+
+    /// A clip may last beyond its keys, a glTF animation may not: a bone that keeps its place over
+    /// the whole span makes it last.
+    fn hold(&mut self, armature: &Armature, channels: &[(BoneId, Channel)], span: [f32; 2]) {
+        let moves = |bone: BoneId| {
+            let mut own = channels.iter().filter(|(other, _)| *other == bone);
+            own.any(|(_, channel)| channel.property() == Property::Translation)
+        };
+        let mut bones = (0..armature.bones()).map(BoneId::new);
+        let Some(bone) = bones.find(|bone| !moves(*bone)) else {
+            return;
+        };
+        let place = armature.rest().local(bone).translation.to_array();
+        let mut times = span.to_vec();
+        times.dedup();
+        let keys = Keys {
+            outputs: vec![place; times.len()],
+            times,
+            interpolation: Interpolation::Step,
+        };
+        self.channel(bone, Path::Translation, &keys);
+    }
+}
+
+/// The weights of a mesh's morph targets, keyed together as glTF has them: as they are where their
+/// curves are of one kind and have the same keys, else lines through samples.
+fn weights(
+    mesh: &SceneMesh,
+    morphs: &[(usize, KeyedCurve<f32>)],
+    armature: &Armature,
+    rate: f32,
+) -> Result<Option<Keys<1>>, UnwritableScene> {
+    let range = mesh.morph_weights();
+    let own: Vec<_> = range
+        .clone()
+        .map(|target| curve_of(target, morphs))
+        .collect();
+    let moving = || {
+        own.iter()
+            .flatten()
+            .filter(|curve| curve.values().len() > 1)
+    };
+    let Some(first) = moving().next().or_else(|| own.iter().flatten().next()) else {
+        return Ok(None);
+    };
+    let rest = armature.rest().morph_weights().get(range).unwrap_or(&[]);
+    let still = |place: usize| rest.get(place).copied().unwrap_or(0.0);
+    let exact_first = exact(*first);
+    let alike = exact_first.filter(|(kind, _)| {
+        moving().all(|curve| {
+            curve.times() == first.times() && exact(*curve).is_some_and(|(other, _)| other == *kind)
+        })
+    });
+    let Some((interpolation, _)) = alike else {
+        let mut keys: Vec<f32> = moving().flat_map(|curve| curve.times()).copied().collect();
+        keys.sort_by(f32::total_cmp);
+        keys.dedup();
+        let lines = moving().all(|curve| curve.is_linear());
+        let times = match lines {
+            true => keys,
+            false => sample_times(&keys, rate)?,
+        };
+        let at = |time: f32| {
+            own.iter()
+                .enumerate()
+                .map(move |(place, curve)| [curve.map_or(still(place), |curve| curve.at(time))])
+        };
+        return Ok(Some(Keys {
+            outputs: times.iter().flat_map(|&time| at(time)).collect(),
+            times,
+            interpolation: Interpolation::Linear,
+        }));
+    };
+    let sides = match interpolation {
+        Interpolation::CubicSpline => 3,
+        Interpolation::Linear | Interpolation::Step => 1,
+    };
+    let mut outputs = Vec::new();
+    let columns = own.iter().enumerate().map(|(place, curve)| {
+        let moving = curve.filter(|curve| {
+            curve.values().len() > 1 || sides == 1 && curve.values().len() == first.values().len()
+        });
+        match moving.and_then(exact) {
+            Some((_, outputs)) => outputs,
+            None => {
+                // Constant: a value, and tangents of zero around it.
+                let value = curve.and_then(|curve| curve.values().first().copied());
+                let value = value.unwrap_or(still(place));
+                let key = |_| match sides {
+                    3 => vec![0.0, value, 0.0],
+                    _ => vec![value],
+                };
+                (0..first.times().len()).flat_map(key).collect()
+            }
+        }
+    });
+    let columns: Vec<Vec<f32>> = columns.collect();
+    for row in 0..first.times().len() * sides {
+        outputs.extend(
+            columns
+                .iter()
+                .map(|column| [column.get(row).copied().unwrap_or(0.0)]),
+        );
+    }
+    Ok(Some(Keys {
+        times: first.times().to_vec(),
+        outputs,
+        interpolation,
+    }))
+}
+
+fn curve_of(target: usize, morphs: &[(usize, KeyedCurve<f32>)]) -> Option<&KeyedCurve<f32>> {
+    let found = morphs.iter().find(|(other, _)| *other == target);
+    found.map(|(_, curve)| curve)
+}

@@ -1,0 +1,247 @@
+//! The document that grows while a scene is written, and the binary chunk beside it.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use ::gltf::json::accessor::{
+    ComponentType, GenericComponentType, IndexComponentType, Type, sparse,
+};
+use ::gltf::json::buffer::{Buffer, Target, View};
+use ::gltf::json::validation::{Checked, USize64};
+use ::gltf::json::{Accessor, Index, Root, Value};
+use ::gltf::{Glb, binary::Header};
+
+use super::UnwritableScene;
+
+/// A document and its only buffer.
+pub(super) struct Document {
+    pub(super) root: Root,
+    bytes: Vec<u8>,
+    /// Key times that are in the buffer already, by their bits: most channels share them.
+    times: BTreeMap<Vec<u32>, Index<Accessor>>,
+}
+
+/// What the entries of an accessor are.
+struct Shape {
+    kind: Type,
+    component: ComponentType,
+    count: usize,
+    bounds: Option<[Value; 2]>,
+}
+
+impl Document {
+    pub(super) fn new() -> Self {
+        let mut root = Root::default();
+        root.asset.generator = Some(concat!("kinopt ", env!("CARGO_PKG_VERSION")).into());
+        Self {
+            root,
+            bytes: Vec::new(),
+            times: BTreeMap::new(),
+        }
+    }
+
+    /// Vectors or single numbers. `bounded` adds their least and largest, which positions and key
+    /// times must have.
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        values: &[[f32; N]],
+        bounded: bool,
+        target: Option<Target>,
+    ) -> Index<Accessor> {
+        let view = self.view(bytemuck::cast_slice(values.as_flattened()), target);
+        self.accessor(
+            Some(view),
+            Shape {
+                kind: kind::<N>(),
+                component: ComponentType::F32,
+                count: values.len(),
+                bounds: bounded.then(|| bounds(values.iter())),
+            },
+            None,
+        )
+    }
+
+    /// Key times, shared with those that are there already.
+    pub(super) fn times(&mut self, times: &[f32]) -> Index<Accessor> {
+        let bits: Vec<u32> = times.iter().map(|time| time.to_bits()).collect();
+        if let Some(known) = self.times.get(&bits) {
+            return *known;
+        }
+        let values: Vec<[f32; 1]> = times.iter().map(|&time| [time]).collect();
+        let index = self.numbers(&values, true, None);
+        self.times.insert(bits, index);
+        index
+    }
+
+    /// The corners of triangles.
+    pub(super) fn triangles(&mut self, triangles: &[[u32; 3]]) -> Index<Accessor> {
+        let corners = triangles.as_flattened();
+        let view = self.view(
+            bytemuck::cast_slice(corners),
+            Some(Target::ElementArrayBuffer),
+        );
+        self.integers(view, Type::Scalar, ComponentType::U32, corners.len())
+    }
+
+    /// Four joints for each vertex.
+    pub(super) fn joints(&mut self, joints: &[[u16; 4]]) -> Index<Accessor> {
+        let bytes = bytemuck::cast_slice(joints.as_flattened());
+        let view = self.view(bytes, Some(Target::ArrayBuffer));
+        self.integers(view, Type::Vec4, ComponentType::U16, joints.len())
+    }
+
+    fn integers(
+        &mut self,
+        view: Index<View>,
+        kind: Type,
+        component: ComponentType,
+        count: usize,
+    ) -> Index<Accessor> {
+        let shape = Shape {
+            kind,
+            component,
+            count,
+            bounds: None,
+        };
+        self.accessor(Some(view), shape, None)
+    }
+
+    /// The differences at some of `count` vertices; zero elsewhere. Sparse, unless every vertex has
+    /// one that is not zero.
+    pub(super) fn deltas(
+        &mut self,
+        count: usize,
+        vertices: &[u32],
+        deltas: &[[f32; 3]],
+        bounded: bool,
+    ) -> Index<Accessor> {
+        if vertices.len() == count && deltas.iter().all(|delta| *delta != [0.0; 3]) {
+            return self.numbers(deltas, bounded, Some(Target::ArrayBuffer));
+        }
+        let zero = [[0.0; 3]];
+        let rest = zero.iter().filter(|_| vertices.len() < count);
+        let shape = Shape {
+            kind: Type::Vec3,
+            component: ComponentType::F32,
+            count,
+            bounds: bounded.then(|| bounds(deltas.iter().chain(rest))),
+        };
+        if vertices.is_empty() {
+            return self.accessor(None, shape, None);
+        }
+        let indices = self.view(bytemuck::cast_slice(vertices), None);
+        let values = self.view(bytemuck::cast_slice(deltas.as_flattened()), None);
+        let sparse = sparse::Sparse {
+            count: vertices.len().into(),
+            indices: sparse::Indices {
+                buffer_view: indices,
+                byte_offset: USize64(0),
+                component_type: Checked::Valid(IndexComponentType(ComponentType::U32)),
+                extensions: None,
+                extras: None,
+            },
+            values: sparse::Values {
+                buffer_view: values,
+                byte_offset: USize64(0),
+                extensions: None,
+                extras: None,
+            },
+            extensions: None,
+            extras: None,
+        };
+        self.accessor(None, shape, Some(sparse))
+    }
+
+    fn accessor(
+        &mut self,
+        view: Option<Index<View>>,
+        shape: Shape,
+        sparse: Option<sparse::Sparse>,
+    ) -> Index<Accessor> {
+        let [min, max] = match shape.bounds {
+            Some([min, max]) => [Some(min), Some(max)],
+            None => [None, None],
+        };
+        self.root.push(Accessor {
+            buffer_view: view,
+            byte_offset: None,
+            count: shape.count.into(),
+            component_type: Checked::Valid(GenericComponentType(shape.component)),
+            extensions: None,
+            extras: None,
+            type_: Checked::Valid(shape.kind),
+            min,
+            max,
+            name: None,
+            normalized: false,
+            sparse,
+        })
+    }
+
+    fn view(&mut self, bytes: &[u8], target: Option<Target>) -> Index<View> {
+        // Every entry is a multiple of four bytes, so every view starts at one.
+        let offset = self.bytes.len();
+        self.bytes.extend_from_slice(bytes);
+        self.root.push(View {
+            buffer: Index::new(0),
+            byte_length: bytes.len().into(),
+            byte_offset: Some(offset.into()),
+            byte_stride: None,
+            name: None,
+            target: target.map(Checked::Valid),
+            extensions: None,
+            extras: None,
+        })
+    }
+
+    /// The document as GLB.
+    pub(super) fn finish(mut self) -> Result<Vec<u8>, UnwritableScene> {
+        if !self.bytes.is_empty() {
+            self.root.push(Buffer {
+                byte_length: self.bytes.len().into(),
+                name: None,
+                uri: None,
+                extensions: None,
+                extras: None,
+            });
+        }
+        let json = serde_json::to_vec(&self.root);
+        let json = json.map_err(|error| UnwritableScene::Document(error.to_string()))?;
+        // The header's length is of 32 bits and counts itself, two chunk headers and the padding.
+        let length = json.len() + self.bytes.len() + 64;
+        if u32::try_from(length).is_err() {
+            return Err(UnwritableScene::TooLong { bytes: length });
+        }
+        let glb = Glb {
+            // Filled in by the crate.
+            header: Header {
+                magic: *b"glTF",
+                version: 2,
+                length: 0,
+            },
+            json: Cow::Owned(json),
+            bin: (!self.bytes.is_empty()).then_some(Cow::Owned(self.bytes)),
+        };
+        let bytes = glb.to_vec();
+        bytes.map_err(|error| UnwritableScene::Document(error.to_string()))
+    }
+}
+
+fn kind<const N: usize>() -> Type {
+    match N {
+        1 => Type::Scalar,
+        2 => Type::Vec2,
+        3 => Type::Vec3,
+        4 => Type::Vec4,
+        _ => Type::Mat4,
+    }
+}
+
+fn bounds<'a, const N: usize>(values: impl Iterator<Item = &'a [f32; N]>) -> [Value; 2] {
+    let (mut low, mut high) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N]);
+    for value in values {
+        low = std::array::from_fn(|k| low[k].min(value[k]));
+        high = std::array::from_fn(|k| high[k].max(value[k]));
+    }
+    [low, high].map(|bound| bound.iter().copied().collect())
+}

@@ -1,0 +1,141 @@
+//! Curves as the keys that glTF has: steps, lines and cubic splines. Other curves become lines
+//! through samples.
+
+use ::gltf::json::animation::Interpolation;
+use glam::{Quat, Vec3A};
+
+use super::UnwritableScene;
+use crate::animation::curve::{Between, CurveValue, KeyedCurve};
+use crate::animation::rotation::{BetweenRotations, RotationCurve};
+use crate::animation::{Channel, EulerCurve};
+
+/// More samples of one curve than this are a slip.
+const MOST_SAMPLES: f64 = 4e6;
+
+/// The keys of a channel, N numbers each; with cubic splines three outputs for each key.
+pub(super) struct Keys<const N: usize> {
+    pub(super) times: Vec<f32>,
+    pub(super) outputs: Vec<[f32; N]>,
+    pub(super) interpolation: Interpolation,
+}
+
+/// Translation and scale have three numbers, rotations four.
+pub(super) enum ChannelKeys {
+    Vectors(Keys<3>),
+    Rotations(Keys<4>),
+}
+
+pub(super) fn of_channel(channel: &Channel, rate: f32) -> Result<ChannelKeys, UnwritableScene> {
+    Ok(match channel {
+        Channel::Translation(curve) | Channel::Scale(curve) => {
+            ChannelKeys::Vectors(vectors(curve, rate)?)
+        }
+        Channel::Rotation(curve) => ChannelKeys::Rotations(rotations(curve, rate)?),
+        Channel::Euler(curve) => ChannelKeys::Rotations(euler(curve, rate)?),
+    })
+}
+
+fn vectors(curve: &KeyedCurve<Vec3A>, rate: f32) -> Result<Keys<3>, UnwritableScene> {
+    match exact(curve) {
+        Some((interpolation, outputs)) => Ok(Keys {
+            times: curve.times().to_vec(),
+            outputs: outputs.into_iter().map(|value| value.to_array()).collect(),
+            interpolation,
+        }),
+        None => sampled(curve.times(), rate, |time| curve.at(time).to_array()),
+    }
+}
+
+/// The outputs of a curve that glTF has; `None` for another.
+pub(super) fn exact<V: CurveValue>(curve: &KeyedCurve<V>) -> Option<(Interpolation, Vec<V>)> {
+    let values = curve.values();
+    match curve.between() {
+        // Cubic splines have two keys at least (section 3.11).
+        _ if values.len() == 1 => Some((Interpolation::Step, values.to_vec())),
+        Between::Step => Some((Interpolation::Step, values.to_vec())),
+        Between::Linear => Some((Interpolation::Linear, values.to_vec())),
+        Between::Cubic(rates) => {
+            let keys = rates.iter().zip(values);
+            let outputs =
+                keys.flat_map(|([arriving, leaving], value)| [*arriving, *value, *leaving]);
+            Some((Interpolation::CubicSpline, outputs.collect()))
+        }
+        Between::Eased(_) | Between::Bezier(_) => None,
+    }
+}
+
+fn rotations(curve: &RotationCurve, rate: f32) -> Result<Keys<4>, UnwritableScene> {
+    let values = || curve.rotations().iter().map(|q| q.to_array());
+    let (interpolation, outputs) = match curve.between() {
+        BetweenRotations::Step => (Interpolation::Step, values().collect()),
+        _ if curve.rotations().len() == 1 => (Interpolation::Step, values().collect()),
+        BetweenRotations::Slerp => (Interpolation::Linear, values().collect()),
+        BetweenRotations::Cubic(rates) => {
+            let keys = rates.iter().zip(values());
+            let outputs = keys.flat_map(|([arriving, leaving], value)| {
+                [arriving.to_array(), value, leaving.to_array()]
+            });
+            (Interpolation::CubicSpline, outputs.collect())
+        }
+        BetweenRotations::Eased(_) | BetweenRotations::Squad(_) | BetweenRotations::Hermite(_) => {
+            return sampled(curve.times(), rate, |time| curve.at(time).to_array());
+        }
+    };
+    Ok(Keys {
+        times: curve.times().to_vec(),
+        outputs,
+        interpolation,
+    })
+}
+
+fn euler(curve: &EulerCurve, rate: f32) -> Result<Keys<4>, UnwritableScene> {
+    let mut previous = Quat::IDENTITY;
+    sampled(curve.angles.times(), rate, |time| {
+        // On one side, for programs that do not look for the shorter arc.
+        let own = curve.at(time);
+        previous = if own.dot(previous) < 0.0 { -own } else { own };
+        previous.to_array()
+    })
+}
+
+/// Lines through samples at the rate and at the keys themselves.
+fn sampled<const N: usize>(
+    keys: &[f32],
+    rate: f32,
+    mut at: impl FnMut(f32) -> [f32; N],
+) -> Result<Keys<N>, UnwritableScene> {
+    let times = sample_times(keys, rate)?;
+    Ok(Keys {
+        outputs: times.iter().map(|&time| at(time)).collect(),
+        times,
+        interpolation: match keys.len() {
+            1 => Interpolation::Step,
+            _ => Interpolation::Linear,
+        },
+    })
+}
+
+/// The key times, which rise, and between the first and the last so many each second.
+pub(super) fn sample_times(keys: &[f32], rate: f32) -> Result<Vec<f32>, UnwritableScene> {
+    let (Some(&first), Some(&last)) = (keys.first(), keys.last()) else {
+        return Ok(Vec::new());
+    };
+    let (start, rate) = (f64::from(first), f64::from(rate));
+    let samples = (f64::from(last) - start) * rate;
+    if samples > MOST_SAMPLES {
+        return Err(UnwritableScene::TooManySamples { samples });
+    }
+    let grid = (1..samples.ceil() as usize).map(|sample| (start + sample as f64 / rate) as f32);
+    // A sample that all but falls on a key is left to the key.
+    let near = (1e-3 / rate) as f32;
+    let is_apart = |time: &f32| {
+        let after = keys.partition_point(|key| key < time);
+        let around = [after.checked_sub(1), Some(after)].into_iter().flatten();
+        let mut around = around.filter_map(|key| keys.get(key));
+        around.all(|key| (key - time).abs() > near)
+    };
+    let mut times: Vec<f32> = keys.iter().copied().chain(grid.filter(is_apart)).collect();
+    times.sort_by(f32::total_cmp);
+    times.dedup();
+    Ok(times)
+}

@@ -1,0 +1,144 @@
+//! Writing scenes and posed meshes as `.glb` files.
+
+mod animations;
+mod buffer;
+mod error;
+mod keys;
+mod meshes;
+mod nodes;
+mod skins;
+
+use std::io::{Error, ErrorKind};
+use std::path::Path;
+
+use ::gltf::json;
+use ::gltf::json::Index;
+
+pub use error::UnwritableScene;
+
+use self::buffer::Document;
+use super::scene::{Scene, SceneMesh};
+use crate::animation::{Armature, ArmatureBone, LocalTransform};
+use crate::io::{WriteError, write_bytes};
+use crate::mesh::TriangleMesh;
+use crate::skeleton::BoneId;
+use crate::skinning::MorphTargets;
+
+/// How scenes are written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WriteOptions {
+    /// How many keys a second stand for a curve that glTF does not have: eased and Bézier curves,
+    /// squad, Hermite rotations, Euler angles, and morph weights that are not keyed together. They
+    /// become lines through these and the curve's own keys.
+    pub keys_per_second: f32,
+}
+
+impl Default for WriteOptions {
+    /// 30 keys a second.
+    fn default() -> Self {
+        Self {
+            keys_per_second: 30.0,
+        }
+    }
+}
+
+/// The bytes of a `.glb` file of a scene. [Reading](super::from_bytes) them gives the scene again to
+/// the bit of single precision, in the order of the bones, with these exceptions:
+///
+/// - Weights are written in single precision.
+/// - Curves that glTF does not have are [sampled](WriteOptions::keys_per_second).
+/// - A clip that starts before 0 s is moved there, as glTF has no times before it. One that lasts
+///   beyond its keys does so by a bone that keeps its place; one that is shorter than its keys
+///   gets their span.
+/// - Events are left out, and so is what morph targets do to normals and tangents of a mesh that has
+///   none. Morph targets are called as in the armature.
+/// - Normals are written as they are; glTF asks for unit length.
+///
+/// # Errors
+/// An [`UnwritableScene`] naming the mesh, bone or clip.
+pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, UnwritableScene> {
+    let rate = options.keys_per_second;
+    if !(rate.is_finite() && rate > 0.0) {
+        return Err(UnwritableScene::BadRate(rate));
+    }
+    for mesh in &scene.meshes {
+        mesh.check(&scene.armature)?;
+    }
+    let mut document = Document::new();
+    document.root.nodes = nodes::of(&scene.armature);
+    let bones = (0..scene.armature.bones()).map(BoneId::new);
+    let roots = bones.filter(|bone| scene.armature.parent(*bone).is_none());
+    let roots: Vec<_> = roots.map(|bone| Index::new(bone.index() as u32)).collect();
+    if !roots.is_empty() {
+        let shown = document.root.push(json::Scene {
+            extensions: None,
+            extras: None,
+            name: None,
+            nodes: roots,
+        });
+        document.root.scene = Some(shown);
+    }
+    meshes::add(scene, &mut document)?;
+    for clip in &scene.clips {
+        animations::add(scene, clip, rate, &mut document)?;
+    }
+    document.finish()
+}
+
+/// Writes [`to_bytes`] to a file, which should end in `.glb`.
+///
+/// # Errors
+/// A [`WriteError`] naming the file: it cannot be written, or as [`to_bytes`].
+pub fn write(
+    scene: &Scene,
+    options: &WriteOptions,
+    path: impl AsRef<Path>,
+) -> Result<(), WriteError> {
+    written(to_bytes(scene, options), path.as_ref())
+}
+
+/// The bytes of a `.glb` file of a mesh that does not move, such as a posed one.
+///
+/// # Errors
+/// The mesh has no vertices or no triangles, or takes 4 GiB.
+pub fn mesh_to_bytes(mesh: &TriangleMesh) -> Result<Vec<u8>, UnwritableScene> {
+    let document = |error: String| UnwritableScene::Document(error);
+    let bone = ArmatureBone {
+        name: "mesh".into(),
+        parent: None,
+        rest: LocalTransform::IDENTITY,
+    };
+    let armature = Armature::new(vec![bone], Vec::new());
+    let targets = MorphTargets::new(mesh.positions().len(), Vec::new());
+    let scene = Scene {
+        armature: armature.map_err(|error| document(error.to_string()))?,
+        meshes: vec![SceneMesh {
+            name: "mesh".into(),
+            bone: BoneId::new(0),
+            mesh: mesh.clone(),
+            tangents: Vec::new(),
+            morph_targets: targets.map_err(|error| document(error.to_string()))?,
+            first_morph_weight: 0,
+            skin: None,
+        }],
+        clips: Vec::new(),
+        notes: Vec::new(),
+    };
+    to_bytes(&scene, &WriteOptions::default())
+}
+
+/// Writes [`mesh_to_bytes`] to a file, which should end in `.glb`.
+///
+/// # Errors
+/// A [`WriteError`] naming the file: it cannot be written, or as [`mesh_to_bytes`].
+pub fn write_mesh(mesh: &TriangleMesh, path: impl AsRef<Path>) -> Result<(), WriteError> {
+    written(mesh_to_bytes(mesh), path.as_ref())
+}
+
+fn written(bytes: Result<Vec<u8>, UnwritableScene>, path: &Path) -> Result<(), WriteError> {
+    let bytes = bytes.map_err(|error| WriteError {
+        file: path.display().to_string(),
+        problem: Error::new(ErrorKind::InvalidInput, error),
+    })?;
+    write_bytes(path, &bytes)
+}

@@ -1,0 +1,76 @@
+//! Skins and weights into the document.
+
+use ::gltf::json::{Index, skin};
+use glam::Affine3A;
+
+use super::buffer::Document;
+use crate::io::gltf::scene::Skin;
+use crate::skinning::{Influence, SkinWeights};
+
+/// How many influences an attribute has room for.
+const PLACES: usize = 4;
+
+/// The joints and weights of every vertex, four of them.
+type Set = (Vec<[u16; PLACES]>, Vec<[f32; PLACES]>);
+
+/// Whether two meshes may share a skin: the weights are the meshes' own.
+pub(super) fn is_same(one: &Skin, other: &Skin) -> bool {
+    let parts = |skin: &Skin| {
+        (
+            skin.name.clone(),
+            skin.joints.clone(),
+            skin.joint_from_mesh.clone(),
+        )
+    };
+    parts(one) == parts(other)
+}
+
+/// Joints and weights of every vertex, four at a time, by falling weight: some programs read the
+/// first four only.
+pub(super) fn sets(weights: &SkinWeights) -> Vec<Set> {
+    let sets = weights.max_influences().div_ceil(PLACES).max(1);
+    let mut sorted: Vec<Vec<Influence>> = weights.iter().map(<[Influence]>::to_vec).collect();
+    for influences in &mut sorted {
+        influences.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    }
+    let set = |set: usize| {
+        let place = |influences: &Vec<Influence>, place: usize| {
+            let influence = influences.get(PLACES * set + place);
+            influence.map_or((0, 0.0), |i| (i.bone as u16, i.weight as f32))
+        };
+        sorted
+            .iter()
+            .map(|influences| {
+                let places: [(u16, f32); PLACES] = std::array::from_fn(|k| place(influences, k));
+                (
+                    places.map(|(joint, _)| joint),
+                    places.map(|(_, weight)| weight),
+                )
+            })
+            .unzip()
+    };
+    (0..sets).map(set).collect()
+}
+
+pub(super) fn skin_entry(skin: &Skin, document: &mut Document) -> Index<skin::Skin> {
+    let matrices: Vec<[f32; 16]> = skin.joint_from_mesh.iter().map(columns).collect();
+    let matrices = (!matrices.is_empty()).then(|| document.numbers(&matrices, false, None));
+    let joints = skin.joints.iter();
+    document.root.push(skin::Skin {
+        extensions: None,
+        extras: None,
+        inverse_bind_matrices: matrices,
+        joints: joints
+            .map(|joint| Index::new(joint.index() as u32))
+            .collect(),
+        name: (!skin.name.is_empty()).then(|| skin.name.clone()),
+        skeleton: None,
+    })
+}
+
+fn columns(affine: &Affine3A) -> [f32; 16] {
+    let (m, t) = (affine.matrix3, affine.translation);
+    let columns = [(m.x_axis, 0.0), (m.y_axis, 0.0), (m.z_axis, 0.0), (t, 1.0)];
+    let columns = columns.map(|(column, last)| column.extend(last).to_array());
+    std::array::from_fn(|k| columns[k / 4][k % 4])
+}

@@ -1,0 +1,123 @@
+//! Promise: the skeleton of an armature stands where the armature stands, moves as it moves, and lets
+//! the optimiser drag its bones.
+#![allow(clippy::unwrap_used)]
+
+use glam::{Affine3A, EulerRot, Quat, Vec3A};
+use kinopt::Solver;
+use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose, PoseBridge, ReachLayer};
+use kinopt::model::Limits;
+use kinopt::spatial::Vector3;
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+
+const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
+
+fn armature(bones: usize, random: &mut StdRng) -> Armature {
+    let mut number = |most: f32| random.random_range(-most..most);
+    let mut made: Vec<ArmatureBone> = Vec::new();
+    for index in 0..bones {
+        let turn = [3.0, 1.5, 3.0].map(&mut number);
+        made.push(ArmatureBone {
+            name: format!("bone {index}"),
+            parent: index.checked_sub(1 + index % 2),
+            rest: LocalTransform {
+                translation: Vec3A::from_array([1.0; 3].map(&mut number)),
+                rotation: Quat::from_euler(EulerRot::ZYX, turn[0], turn[1], turn[2]),
+                // Even along the axes, as files in other units have it.
+                scale: Vec3A::splat(1.0 + number(0.5)),
+            },
+        });
+    }
+    Armature::new(made, Vec::new()).unwrap()
+}
+
+fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+    let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
+    armature.local_to_model(pose, &mut model_from_bone).unwrap();
+    model_from_bone
+}
+
+#[test]
+fn both_stand_at_the_same_places() {
+    let random = &mut StdRng::seed_from_u64(3);
+    for _ in 0..20 {
+        let armature = armature(12, random);
+        let skeleton = armature.skeleton("one", |_| FREE).unwrap();
+        let bridge = PoseBridge::new(&skeleton);
+        let mut pose = armature.rest().clone();
+        for round in 0..5 {
+            let turn = f64::from(round.min(1)) * 3.0;
+            let q: Vec<f64> = (0..skeleton.angles())
+                .map(|_| random.random_range(-1.0..1.0) * turn)
+                .collect();
+            bridge.pose_of(&q, &mut pose);
+            let placed = skeleton.pose(&q);
+            for (bone, ours) in skeleton.bone_ids().zip(places(&armature, &pose)) {
+                let apart =
+                    ours.translation.as_dvec3() - glam::DVec3::from(placed.tail(bone).to_array());
+                assert!(apart.length() < 1e-4, "{apart}");
+                assert_eq!(placed.tail(bone), placed.tip(&skeleton, bone));
+            }
+        }
+        // Scales and translations are left alone.
+        assert_eq!(pose.scales(), armature.rest().scales());
+        assert_eq!(pose.translations(), armature.rest().translations());
+    }
+}
+
+#[test]
+fn a_hand_is_dragged() {
+    let random = &mut StdRng::seed_from_u64(4);
+    for _ in 0..10 {
+        let armature = armature(8, random);
+        let skeleton = armature.skeleton("one", |_| FREE).unwrap();
+        let hand = skeleton.bone_at(7).unwrap();
+        let mut layer = ReachLayer::new(&skeleton, &[hand], Solver::default()).unwrap();
+        // Where another pose has it, so it can be reached.
+        let q: Vec<f64> = (0..skeleton.angles())
+            .map(|_| random.random_range(-1.0..1.0))
+            .collect();
+        let target = skeleton.pose(&q).tip(&skeleton, hand);
+        layer.set_goal(hand, target, 1.0).unwrap();
+        let mut pose = armature.rest().clone();
+        assert!(layer.apply(&mut pose).unwrap().unwrap().reached);
+        let found = places(&armature, &pose)[7]
+            .translation
+            .as_dvec3()
+            .to_array();
+        assert!((Vector3::from(found) - target).norm() < 1e-4);
+    }
+}
+
+#[test]
+fn uneven_scales_with_children_are_refused() {
+    let with = |scale: [f32; 3], children: bool| {
+        let bone = |name: &str, parent, scale: [f32; 3]| ArmatureBone {
+            name: name.into(),
+            parent,
+            rest: LocalTransform {
+                scale: Vec3A::from_array(scale),
+                ..LocalTransform::IDENTITY
+            },
+        };
+        let mut bones = vec![bone("root", None, [1.0; 3]), bone("wide", Some(0), scale)];
+        if children {
+            bones.push(bone("child", Some(1), [1.0; 3]));
+        }
+        Armature::new(bones, Vec::new())
+            .unwrap()
+            .skeleton("one", |_| FREE)
+    };
+    for scale in [[1.0, 2.0, 1.0], [-1.0; 3], [0.0; 3]] {
+        let error = with(scale, true).unwrap_err().to_string();
+        assert!(
+            error.contains("`wide`") && error.contains("scales"),
+            "{error}"
+        );
+        assert!(with(scale, false).is_ok());
+    }
+    assert!(with([2.0; 3], true).is_ok());
+    let backwards = |_| [Limits::new(1.0, -1.0); 3];
+    let armature = armature(2, &mut StdRng::seed_from_u64(5));
+    assert!(armature.skeleton("one", backwards).is_err());
+}

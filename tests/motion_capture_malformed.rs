@@ -1,0 +1,361 @@
+//! Promise: a damaged motion capture file is an error that names the file, the line and the problem,
+//! or it is read as what it says; never a panic, and nothing is allocated for what is only announced.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::ops::Range;
+
+use kinopt::animation::{Cursor, Playback};
+use kinopt::io::bvh::{self, MotionCapture};
+use kinopt::io::{Place, ReadProblem};
+
+static GOOD: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 9 0.5
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Chest
+  {
+    OFFSET 0 5 0.25
+    CHANNELS 3 Zrotation Yrotation Xrotation
+    End Site
+    {
+      OFFSET 0 3 0
+    }
+  }
+  JOINT Leg
+  {
+    OFFSET 1 -4 0.125
+    CHANNELS 1 Xrotation
+    End Site
+    {
+      OFFSET 0 -4 0
+    }
+  }
+}
+MOTION
+Frames: 2
+Frame Time: 0.04
+1.5 9.25 2 10 20 30 40 50 60 70
+1.25 9 3 11 21 31 41 51 61 71
+";
+
+/// Reads damaged text: an error opens with the file's name and a line of it; a capture can be played
+/// and holds finite numbers only.
+fn read(text: &str) -> Result<MotionCapture, String> {
+    match bvh::from_bytes(text.as_bytes(), "damaged.bvh") {
+        Ok(capture) => {
+            let mut pose = capture.armature.rest().clone();
+            let mut cursor = Cursor::new();
+            for frame in 0..capture.frames.min(3) {
+                let seconds = frame as f64 * capture.frame_time;
+                (capture.clip)
+                    .sample(seconds, Playback::Hold, &mut cursor, &mut pose)
+                    .unwrap();
+                assert!(pose.translations().iter().all(|place| place.is_finite()));
+                assert!(pose.rotations().iter().all(|turn| turn.is_normalized()));
+            }
+            Ok(capture)
+        }
+        Err(error) => {
+            let lines = 1..=1 + text.matches('\n').count();
+            assert!(matches!(&error.place, Place::Line(line) if lines.contains(line)));
+            let message = error.to_string();
+            assert!(message.starts_with("damaged.bvh: line "), "{message}");
+            Err(message)
+        }
+    }
+}
+
+fn refused(text: &str, parts: &[&str]) {
+    let message = read(text).map(|_| text).unwrap_err();
+    for part in parts {
+        assert!(message.contains(part), "no `{part}` in: {message}");
+    }
+}
+
+/// Where each word is.
+fn words() -> Vec<Range<usize>> {
+    let start = |word: &str| word.as_ptr() as usize - GOOD.as_ptr() as usize;
+    let words = GOOD.split_whitespace();
+    words
+        .map(|word| start(word)..start(word) + word.len())
+        .collect()
+}
+
+fn with(range: &Range<usize>, new: &str) -> String {
+    format!("{}{new}{}", &GOOD[..range.start], &GOOD[range.end..])
+}
+
+fn line_of(range: &Range<usize>) -> usize {
+    1 + GOOD[..range.start].matches('\n').count()
+}
+
+/// Names may be anything, and a number of `OFFSET` or of a frame any other.
+fn is_name(range: &Range<usize>) -> bool {
+    matches!(&GOOD[range.clone()], "Hips" | "Chest" | "Leg")
+}
+
+fn is_value(range: &Range<usize>) -> bool {
+    let number = GOOD[range.clone()].parse::<f64>().is_ok();
+    let before = GOOD[..range.start].split_whitespace().last();
+    number && !matches!(before, Some("CHANNELS" | "Frames:" | "Time:"))
+}
+
+#[test]
+fn the_good_file_is_read() {
+    let capture = read(GOOD).unwrap();
+    let names = ["Hips", "Chest", "Chest/tip", "Leg", "Leg/tip"];
+    assert_eq!(
+        (capture.armature.names(), capture.frames),
+        (&names.map(String::from)[..], 2)
+    );
+}
+
+#[test]
+fn each_word_is_deleted() {
+    for word in words() {
+        let damaged = read(&with(&word, ""));
+        assert!(
+            damaged.is_err(),
+            "without `{}` of line {}",
+            &GOOD[word.clone()],
+            line_of(&word)
+        );
+    }
+}
+
+#[test]
+fn each_word_is_doubled() {
+    let mut names = 0;
+    for word in words() {
+        let text = &GOOD[word.clone()];
+        let damaged = read(&with(&word, &format!("{text} {text}")));
+        // `ROOT ROOT Hips` and `JOINT Leg Leg` are names with a space.
+        if is_name(&word) || matches!(text, "ROOT" | "JOINT") {
+            names += 1;
+            let doubled = damaged.unwrap().armature.names().concat();
+            assert!(doubled.contains(&format!("{text} ")), "{doubled}");
+        } else {
+            assert!(
+                damaged.is_err(),
+                "`{text}` twice on line {}",
+                line_of(&word)
+            );
+        }
+    }
+    assert_eq!(names, 6);
+}
+
+#[test]
+fn each_word_is_replaced() {
+    let good = read(GOOD).unwrap();
+    for word in words() {
+        for new in [
+            "NaN", "-1", "1e400", "-inf", "1e39", "{", "}", "0x1", "1,5", "Stop", "Å",
+        ] {
+            let text = with(&word, new);
+            let is_brace = matches!(new, "{" | "}");
+            let case = format!(
+                "`{}` of line {}: `{new}`",
+                &GOOD[word.clone()],
+                line_of(&word)
+            );
+            match read(&text) {
+                Ok(_) if is_name(&word) && !is_brace => (),
+                // Angles may be any number, lengths only such as single precision holds.
+                Ok(capture) if is_value(&word) && matches!(new, "-1" | "1e39") => {
+                    assert_ne!(capture, good, "{case}");
+                }
+                Ok(_) => assert_eq!(new, &GOOD[word.clone()], "{case}"),
+                // One too many or too few may only show on a later line.
+                Err(message) if !is_brace => {
+                    let line = format!("line {}: ", line_of(&word));
+                    assert!(message.contains(&line), "{case}: {message}");
+                }
+                Err(_) => (),
+            }
+        }
+    }
+}
+
+#[test]
+fn each_end_is_cut_off() {
+    for end in 0..GOOD.trim_end().len() - 1 {
+        refused(&GOOD[..end], &[]);
+    }
+}
+
+#[test]
+fn errors_say_what_was_expected_where() {
+    let edit = |old: &str, new: &str| {
+        assert_eq!(GOOD.matches(old).count(), 1, "{old}");
+        GOOD.replace(old, new)
+    };
+    refused("", &["line 1: expected `HIERARCHY`, but the file ends"]);
+    refused("HIERARCHY MOTION", &["expected `ROOT`, found `MOTION`"]);
+    refused(
+        &edit("ROOT Hips", "ROOT"),
+        &["line 2: expected a name after `ROOT`"],
+    );
+    refused(
+        &edit("Hips\n{", "Hips\n"),
+        &["line 4: expected `{`, found `OFFSET`"],
+    );
+    refused(
+        &edit("OFFSET 0 9 0.5", "OFFSET 0 9"),
+        &["line 5: expected z of the OFFSET of `Hips`, a finite number, found `CHANNELS`"],
+    );
+    refused(
+        &edit("OFFSET 0 9 0.5", "OFFSET 0 9 -1e31"),
+        &["line 4: an OFFSET must be within ±1e30, not -1e31"],
+    );
+    refused(
+        &edit("    OFFSET 0 5 0.25\n", ""),
+        &["line 9: expected `OFFSET`, found `End`"],
+    );
+    let moved = edit("  JOINT Leg\n", "  OFFSET 1 2 3\n  JOINT Leg\n");
+    refused(&moved, &["line 15: a second `OFFSET` of one joint"]);
+    let channels = "    CHANNELS 1 Xrotation\n";
+    let late =
+        edit(channels, "").replace("0 -4 0\n    }\n", &format!("0 -4 0\n    }}\n{channels}"));
+    refused(
+        &late,
+        &["line 22: `CHANNELS` must come before the joint's children"],
+    );
+    refused(
+        &edit("CHANNELS 1 X", "CHANNELS 7 X"),
+        &["line 18: a joint has at most 6 CHANNELS"],
+    );
+    refused(
+        &edit("1 Xrotation", "1 Xrot"),
+        &[
+            "line 18: expected a channel: Xposition",
+            "Zrotation, found `Xrot`",
+        ],
+    );
+    refused(
+        &edit("1 Xrotation", "2 Xrotation Xrotation"),
+        &["line 18: `Leg` has Xrotation twice"],
+    );
+    refused(
+        &edit("1 Xrotation", "2 Xposition Xposition"),
+        &["line 18: `Leg` has Xposition twice"],
+    );
+    refused(
+        &edit("1 Xrotation", "4 Xrotation Yrotation Zrotation Xrotation"),
+        &["line 18: `Leg` has more than three rotations"],
+    );
+    refused(
+        &edit("JOINT Leg", "JOINT Chest"),
+        &["line 15: the name `Chest`", "on line 6"],
+    );
+    refused(
+        &edit("JOINT Leg", "JOINT Chest/tip"),
+        &["line 15: ", "`Chest/tip`", "on line 10"],
+    );
+    refused(
+        &edit("OFFSET 0 3 0\n", "OFFSET 0 3 0 CHANNELS 0\n"),
+        &["line 12: expected `}`"],
+    );
+    refused(
+        &edit("}\nMOTION", "MOTION"),
+        &["line 24: expected `OFFSET`", "`}`, found `MOTION`"],
+    );
+    refused(
+        &edit("}\nMOTION", "}}\nMOTION"),
+        &["line 24: expected `ROOT` or `MOTION`, found `}`"],
+    );
+    refused(
+        &edit("Frames:", "Count:"),
+        &["line 26: expected `Frames:`, found `Count:`"],
+    );
+    refused(
+        &edit("Frames: 2", "Frames: 2.5"),
+        &["line 26: ", "a whole number, found `2.5`"],
+    );
+    for time in ["0", "-0.04", "1e-50"] {
+        let text = edit("Time: 0.04", &format!("Time: {time}"));
+        refused(&text, &["line 27: the frame time must be more than 0 s"]);
+    }
+    refused(
+        &edit("Time: 0.04", "Time: 1e39"),
+        &["line 27: ", "not finite"],
+    );
+    refused(
+        &edit("51 61", "NaN 61"),
+        &["line 29: expected Yrotation of `Chest` in frame 2, a finite number, found `NaN`"],
+    );
+    refused(
+        &edit("9.25 2", "9.25e30 2"),
+        &["line 28: Yposition of `Hips` in frame 1", "±1e30"],
+    );
+    refused(
+        &edit(" 61 71\n", "\n"),
+        &[
+            "line 30: expected ",
+            " in frame 2, a finite number, but the file ends",
+        ],
+    );
+    refused(
+        &edit("61 71\n", "61 71\n\n5"),
+        &["line 31: expected the end of the file after 2 frames of 10 numbers, found `5`"],
+    );
+    let long = format!("HIERARCHY {}", "ä".repeat(1000));
+    assert!(read(&long).unwrap_err().len() < 200);
+}
+
+#[test]
+fn announced_frames_are_not_allocated() {
+    for frames in ["400", "1000000000000", "18446744073709551615"] {
+        let text = GOOD.replace("Frames: 2", &format!("Frames: {frames}"));
+        let error = bvh::from_bytes(text.as_bytes(), "long.bvh").unwrap_err();
+        assert_eq!(error.place, Place::Line(26));
+        assert!(
+            matches!(error.problem, ReadProblem::Truncated { .. }),
+            "{error}"
+        );
+    }
+    // Without channels there is nothing to announce.
+    let still = "HIERARCHY ROOT a\n{OFFSET 0 0 0} MOTION Frames: 1000000000000 Frame Time: 0.5";
+    let capture = read(still).unwrap();
+    assert_eq!(
+        (capture.frames, capture.clip.span()[1]),
+        (1_000_000_000_000, 5e11)
+    );
+}
+
+#[test]
+fn times_that_meet_in_single_precision_are_refused() {
+    // The smallest number is 1.4e-45, and 1e-45 and 2e-45 both round to it.
+    let text = GOOD
+        .replace("0.04", "1e-45")
+        .replace("Frames: 2", "Frames: 3");
+    let text = format!("{text}0 0 0 0 0 0 0 0 0 0");
+    refused(&text, &["line 27: key 2: ", "not after the key before it"]);
+}
+
+#[test]
+fn nesting_has_no_limit() {
+    let depth = 50_000;
+    let joints: String = (0..depth)
+        .map(|k| format!("JOINT j{k}\n{{OFFSET 0 0 0 "))
+        .collect();
+    let (body, close) = (&joints[5..], "}".repeat(depth));
+    let text = format!("HIERARCHY ROOT{body}{close} MOTION Frames: 0 Frame Time: 1");
+    assert_eq!(read(&text).unwrap().armature.bones(), depth);
+    refused(
+        &text.replace("}}", ""),
+        &["expected `OFFSET`", "found `MOTION`"],
+    );
+}
+
+#[test]
+fn bytes_that_are_no_text_are_refused() {
+    let mut bytes = GOOD.as_bytes().to_vec();
+    let at = GOOD.find("Leg").unwrap();
+    bytes[at] = 0xE9;
+    let error = bvh::from_bytes(&bytes, "latin.bvh").unwrap_err();
+    assert_eq!(error.to_string(), "latin.bvh: line 15: is not UTF-8 text");
+    let error = bvh::read("no such.bvh").unwrap_err().to_string();
+    assert!(error.starts_with("no such.bvh: "), "{error}");
+}
