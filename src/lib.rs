@@ -36,6 +36,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! What moves over time is in [`animation`], what follows it in [`skinning`]; poses and meshes there
+//! are of [`glam`]'s types, tables of weights of [`nalgebra`]'s.
+//!
 //! # Conventions
 //!
 //! Metres (a rig's own unit for rigs), radians, seconds. Right-handed, column vectors; a placement
@@ -69,6 +72,10 @@ pub mod skinning;
 pub mod solver;
 pub mod spatial;
 pub mod task;
+
+// Their types are in the interface: a caller's own copy of another version would not fit.
+pub use glam;
+pub use nalgebra;
 
 pub use arm::Arm;
 pub use ik::{Solution, Solver, Workspace};

@@ -128,6 +128,27 @@ fn from_a_muzzle_the_line_goes_through_the_target() {
 }
 
 #[test]
+fn a_scaled_bone_points_from_its_muzzle_too() {
+    for (armature, hand, mut pose, _, mut random) in cases(100) {
+        // One scale above the bone and one of its own.
+        for bone in [armature.bone("hips").unwrap(), hand] {
+            let mut local = pose.local(bone);
+            local.scale = Vec3A::splat(random.within(0.3, 3.0) as f32);
+            pose.set_local(bone, local).unwrap();
+        }
+        let before = model_by_ancestors(&armature, &pose)[hand.index()];
+        let (forward, muzzle) = (direction(&mut random), vector(&mut random, 0.1));
+        let target = before.translation + direction(&mut random) * 4.0;
+        let aim = Aim::new(&armature, hand, forward).unwrap();
+        let aim = aim.with_muzzle(muzzle).unwrap();
+        let (_, after) = turned(&aim, &armature, &pose, &AimGoal::at(target)).unwrap();
+        let way = target - after.transform_point3a(muzzle);
+        let points = after.transform_vector3a(forward).normalize();
+        assert!(points.cross(way).length() < 2e-5 && points.dot(way) > 0.0);
+    }
+}
+
+#[test]
 fn weight_zero_and_nonsense_change_nothing() {
     for (armature, hand, pose, before, _) in cases(10) {
         let aim = Aim::new(&armature, hand, Vec3A::X).unwrap();

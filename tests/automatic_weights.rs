@@ -2,6 +2,8 @@
 //! over its edges, and are the same every time.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
@@ -63,6 +65,31 @@ fn smoothing_evens_them_out_and_keeps_the_sums() {
         assert!((sum - 1.0).abs() < 1e-12 && influences.iter().all(|i| i.weight > 0.0));
     }
     assert_eq!(with(10), with(10));
+}
+
+#[test]
+fn one_smoothing_step_is_the_documented_mean() {
+    let (mesh, bones) = tube();
+    let with = |smoothing_steps| {
+        let own = AutomaticWeights {
+            smoothing_steps,
+            falloff: 12.0,
+            ..AutomaticWeights::default()
+        };
+        own.for_segments(&mesh, &bones).unwrap().to_table()
+    };
+    let [before, after] = [with(0), with(1)];
+    let mut moved = 0;
+    for vertex in (0..mesh.positions().len() as u32).step_by(211) {
+        let around = mesh.triangles().iter().filter(|t| t.contains(&vertex));
+        let others: BTreeSet<u32> = around.flatten().copied().filter(|v| *v != vertex).collect();
+        let sum: f64 = others.iter().map(|v| before[(*v as usize, 1)]).sum();
+        let own = before[(vertex as usize, 1)];
+        let expected = 0.5 * own + 0.5 * sum / others.len() as f64;
+        assert!((after[(vertex as usize, 1)] - expected).abs() < 1e-12);
+        moved += usize::from((expected - own).abs() > 1e-6);
+    }
+    assert!(moved > 5, "{moved}");
 }
 
 #[test]

@@ -117,3 +117,15 @@ fn a_time_that_is_not_finite_does_not_move() {
     assert_eq!(names(&clip, Playback::Loop, &mut head, f64::INFINITY), "");
     assert_eq!(head.elapsed(), 0.5);
 }
+
+#[test]
+fn so_far_on_that_cycles_cannot_be_counted_it_ends() {
+    let clip = clip();
+    for playback in [Playback::Loop, Playback::PingPong] {
+        for far in [1e300, -1e300] {
+            let passage = Playhead::starting_at(far).advance(0.0);
+            let fired = clip.fired(playback, passage).take(1000).count();
+            assert!(fired < 1000, "{playback:?} at {far} s");
+        }
+    }
+}

@@ -227,6 +227,25 @@ fn captured_clip(armature: &Armature, random: &mut Random) -> Clip {
     builder.build()
 }
 
+/// A span that is set counts, not the keys': beyond them the ends are held until it loops.
+#[test]
+fn a_span_that_is_set_is_the_clip_s() {
+    let armature = armature(1, &mut Random::new(70));
+    let bone = armature.bone_at(0).unwrap();
+    let curve = KeyedCurve::linear(vec![0.0, 1.0], vec![Vec3A::ZERO, Vec3A::X]).unwrap();
+    let mut builder = Clip::builder("late", &armature);
+    builder.channel(bone, Channel::Translation(curve)).unwrap();
+    builder.span(-1.0, 5.0).unwrap();
+    let clip = builder.build();
+    assert_eq!((clip.span(), clip.duration()), ([-1.0, 5.0], 6.0));
+    let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
+    for (elapsed, x) in [(0.0, 0.0), (1.5, 0.5), (4.0, 1.0), (6.5, 0.0), (7.25, 0.25)] {
+        clip.sample(elapsed, Playback::Loop, &mut cursor, &mut pose)
+            .unwrap();
+        assert_eq!(pose.translations()[0], Vec3A::X * x, "{elapsed} s");
+    }
+}
+
 #[test]
 fn playback_in_small_steps_either_way_gives_the_bits_of_a_search() {
     let mut random = Random::new(65);
@@ -410,6 +429,26 @@ fn bad_channels_are_named_errors() {
             keys: 1,
             targets: 2
         }
+    );
+    // Keys that the builder makes curves of are named by what they move.
+    let mut keyed = Clip::builder("keyed", &armature);
+    let nan = keyed.morph_weights(&[0.0, 1.0], &[0.0, 0.0, 0.5, f32::NAN]);
+    let nan = nan.unwrap_err().to_string();
+    assert!(nan.contains("`frown`") && nan.contains("key 1"), "{nan}");
+    // Two times that single precision cannot tell apart.
+    let key = |time| EulerKey {
+        time,
+        angles: [0.0; 3],
+    };
+    let track = EulerTrack {
+        bone: other,
+        keys: vec![key(1.0), key(1.0 + 1e-12)],
+    };
+    let clip = EulerClip::new(vec![track]).unwrap();
+    let same = keyed.euler_clip(&clip).unwrap_err().to_string();
+    assert!(
+        same.contains("`bone 1`") && same.contains("key 1"),
+        "{same}"
     );
     assert!(
         builder

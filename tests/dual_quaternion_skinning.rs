@@ -4,10 +4,10 @@
 
 use std::f32::consts::PI;
 
-use glam::{Affine3A, Mat3A, Quat, Vec3};
+use glam::{Affine3A, Mat3, Mat3A, Quat, Vec3};
 use kinopt::skinning::{
-    Deformation, DualQuaternion, DualQuaternionBlend, LinearBlend, SkinWeights, SkinningError,
-    SkinningMethod,
+    Deformation, DualQuaternion, DualQuaternionBlend, LinearBlend, PackedDualQuaternionBlend,
+    PackedWeights, SkinWeights, SkinningError, SkinningMethod,
 };
 
 /// One vertex per row of weights.
@@ -75,7 +75,7 @@ fn blended_turns_about_an_axis_keep_the_distance_from_it() {
 
 #[test]
 fn signs_of_quaternions_do_not_matter() {
-    // 200° one way is 160° the other: both bones' quaternions lie on opposite hemispheres.
+    // 200° one way is 160° the other.
     let weights = weights(&[&[0.6, 0.4], &[0.4, 0.6]]);
     let turn = |degrees: f32| Affine3A::from_quat(Quat::from_rotation_y(degrees.to_radians()));
     let rest = [Vec3::X, Vec3::X];
@@ -170,6 +170,15 @@ fn what_is_not_rigid_is_refused_by_name() {
         DualQuaternionBlend::stretched(&weights, &flat, &pivots).unwrap_err(),
         SkinningError::Mirrored { bone: 1 }
     );
+    let still = with(Affine3A::IDENTITY);
+    assert_eq!(
+        DualQuaternionBlend::stretched(&weights, &still, &pivots[..1]).unwrap_err(),
+        SkinningError::PivotCount { given: 1, bones: 2 }
+    );
+    assert_eq!(
+        DualQuaternionBlend::stretched(&weights, &still, &[Vec3::ZERO, Vec3::NAN]).unwrap_err(),
+        SkinningError::NonFinitePivot { bone: 1 }
+    );
     let unknown = with(Affine3A::from_translation(Vec3::new(f32::NAN, 0.0, 0.0)));
     for method in SkinningMethod::ALL {
         let mesh = kinopt::mesh::TriangleMesh::new(vec![Vec3::ONE], vec![], vec![]).unwrap();
@@ -203,4 +212,34 @@ fn methods_have_names() {
     }
     let unknown = "dq".parse::<SkinningMethod>().unwrap_err();
     assert!(unknown.to_string().contains("lbs") && unknown.to_string().contains("dqs"));
+}
+
+/// Half turns about (1, −0.99, 0) and about (−0.99, 1, 0) are nearly one rotation. A matrix gives the
+/// quaternion whose largest part is positive, so those of the two lie on opposite sides, and their
+/// plain sum is next to nothing.
+#[test]
+fn quaternions_on_opposite_sides_are_blended_on_one() {
+    let weights = weights(&[&[0.5, 0.5]]);
+    let packed = PackedWeights::new(&weights).unwrap();
+    let turns = [[1.0, -0.99], [-0.99, 1.0]].map(|[x, y]| {
+        let axis = Vec3::new(x, y, 0.0).normalize();
+        Affine3A::from_mat3(Mat3::from_axis_angle(axis, PI))
+    });
+    let [a, b] = turns.map(|turn| Quat::from_mat3a(&turn.matrix3));
+    assert!(a.dot(b) < -0.99);
+    let rest = [Vec3::new(3.0, 1.0, 0.5)];
+    let blends: [&dyn Deformation; 2] = [
+        &DualQuaternionBlend::new(&weights, &turns).unwrap(),
+        &PackedDualQuaternionBlend::new(&packed, &turns).unwrap(),
+    ];
+    for blend in blends {
+        let mut posed = [Vec3::ZERO];
+        blend.positions(&rest, &mut posed).unwrap();
+        // The half turn about (1, −1, 0): p → 2 (a·p) a − p.
+        let [posed] = posed;
+        assert!(
+            (posed - Vec3::new(-1.0, -3.0, -0.5)).length() < 1e-5,
+            "{posed}"
+        );
+    }
 }

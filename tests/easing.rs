@@ -169,3 +169,13 @@ fn handles_that_run_backwards_are_refused() {
         assert!(BezierEasing::new([0.0, 0.0], handle).is_err());
     }
 }
+
+/// With both handles on the ends the curve is a straight line whose parameter stands still there.
+#[test]
+fn handles_on_the_ends_leave_the_speed_one() {
+    let line = Easing::from(BezierEasing::new([0.0, 0.0], [1.0, 1.0]).unwrap());
+    for time in [0.0_f64, 1e-3, 0.3, 1.0] {
+        assert!((line.at(time) - time).abs() < 1e-9, "{time}");
+        assert!((line.rate(time) - 1.0).abs() < 1e-6, "{time}");
+    }
+}

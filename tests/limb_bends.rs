@@ -119,6 +119,17 @@ fn a_twist_turns_the_limb_about_the_way_to_its_target() {
         let elbow = before.root + about * (untwisted.mid - before.root);
         assert!((twisted.mid - elbow).length() < 1e-4);
         assert!((twisted.end - plain.target).length() < 2e-5);
+        // Half the weight is half the twist, about the way to where the end is then.
+        let half = LimbGoal {
+            weight: 0.5,
+            ..plain
+        };
+        let [untwisted_half, twisted_half] =
+            [0.0, twist].map(|twist| reached(&LimbGoal { twist, ..half }));
+        let way = (untwisted_half.end - before.root).normalize();
+        let about = Quat::from_axis_angle(way.into(), 0.5 * twist);
+        let elbow = before.root + about * (untwisted_half.mid - before.root);
+        assert!((twisted_half.mid - elbow).length() < 1e-4);
         let ignored = reached(&LimbGoal {
             twist: f32::NAN,
             ..plain

@@ -5,7 +5,10 @@
 mod support;
 
 use glam::{Affine3A, Quat, Vec3A};
-use kinopt::animation::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform};
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{
+    Armature, ArmatureBone, ArmatureError, Clip, Cursor, LocalError, LocalTransform, Playback,
+};
 use support::armatures::{armature, model_by_ancestors, pose};
 use support::bones::RandomRig;
 use support::random::Random;
@@ -157,6 +160,33 @@ fn a_skeleton_s_bones_rest_where_they_rest() {
         assert_eq!(armature.parent(id), bone.parent);
         assert_eq!(armature.bone(&bone.name).unwrap(), id);
     }
+}
+
+/// A rig's keyframes turn its bones while its face smiles.
+#[test]
+fn a_skeleton_s_armature_takes_morph_targets() {
+    let skeleton = RandomRig::new(61).skeleton;
+    let bare = Armature::of_skeleton(&skeleton);
+    let names = || vec!["smile".to_owned(), "frown".to_owned()];
+    let armature = bare.clone().with_morph_targets(names()).unwrap();
+    assert_eq!(armature.morph_targets(), names());
+    assert_eq!(armature.rest().rotations(), bare.rest().rotations());
+    let mut builder = Clip::builder("face", &armature);
+    let weights = KeyedCurve::linear(vec![0.0, 2.0], vec![0.0, 1.0]).unwrap();
+    let frown = armature.morph_target("frown").unwrap();
+    builder.morph_weight(frown, weights).unwrap();
+    let mut pose = armature.rest().clone();
+    assert_eq!(pose.morph_weights(), [0.0, 0.0]);
+    let clip = builder.build();
+    clip.sample(0.5, Playback::Hold, &mut Cursor::new(), &mut pose)
+        .unwrap();
+    assert_eq!(pose.morph_weights(), [0.0, 0.25]);
+    // Poses of the armature without them are another size.
+    assert!(pose.cross_fade(bare.rest(), 0.5).is_err());
+    // None again, and no two of a name.
+    assert_eq!(armature.with_morph_targets(Vec::new()).unwrap(), bare);
+    let twice = bare.with_morph_targets(vec!["smile".to_owned(); 2]);
+    assert!(twice.unwrap_err().to_string().contains("`smile`"));
 }
 
 /// B_j⁻¹ takes a point of the skin at rest to its bone, W_j from there to where it is now.

@@ -6,7 +6,10 @@ mod support;
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::Solver;
-use kinopt::animation::{Armature, Pose, PoseBridge, ReachLayer};
+use kinopt::animation::{
+    Armature, ArmatureBone, LocalTransform, Pose, PoseBridge, ReachError, ReachLayer,
+};
+use kinopt::problem::ProblemError;
 use kinopt::skeleton::BoneId;
 use support::armatures::{apart, difference, model_by_ancestors};
 use support::bones::RandomRig;
@@ -182,4 +185,61 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
         }
     }
     assert!(reached.iter().all(|&count| count >= 6), "{reached:?} of 8");
+}
+
+#[test]
+fn what_cannot_be_reached_for_is_refused_or_left_alone() {
+    let rig = RandomRig::new(300);
+    let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+    let armature = Armature::of_skeleton(skeleton);
+    let target = skeleton
+        .pose(&skeleton.model().neutral())
+        .tip(skeleton, bone);
+
+    // A pose of another armature.
+    let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
+    layer.set_goal(bone, target, 1.0).unwrap();
+    let small = Armature::new(Vec::new(), Vec::new()).unwrap();
+    let error = layer.apply(&mut small.rest().clone()).unwrap_err();
+    assert!(matches!(error, ReachError::Size(_)), "{error}");
+    assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
+
+    // A target that is not finite leaves the tip to the clip, like a rotation that is none.
+    for bad in [f64::NAN, f64::INFINITY] {
+        layer.set_goal(bone, [bad, 0.0, 0.0].into(), 1.0).unwrap();
+        let mut pose = armature.rest().clone();
+        assert!(layer.apply(&mut pose).unwrap().is_none());
+        assert_eq!(&pose, armature.rest());
+    }
+
+    // A bone named twice is one task, which its goal moves.
+    let mut twice = ReachLayer::holding(skeleton, &[bone; 2], &[bone; 2], Solver::default());
+    let mut once = ReachLayer::holding(skeleton, &[bone], &[bone], Solver::default());
+    let poses = [&mut twice, &mut once].map(|layer| {
+        let layer = layer.as_mut().unwrap();
+        let near = target.to_array().map(|x| x * 0.99);
+        layer.set_goal(bone, near.into(), 1.0).unwrap();
+        let mut pose = armature.rest().clone();
+        layer.apply(&mut pose).unwrap();
+        pose
+    });
+    let [twice, once] = poses;
+    assert_eq!(twice, once);
+
+    // A bone of another skeleton is said to be one.
+    let stranger = Armature::new(
+        (0..skeleton.bones().len() + 1)
+            .map(|index| ArmatureBone {
+                name: format!("bone {index}"),
+                parent: None,
+                rest: LocalTransform::IDENTITY,
+            })
+            .collect(),
+        Vec::new(),
+    );
+    let stranger = stranger.unwrap().bone_at(skeleton.bones().len()).unwrap();
+    for (tips, held) in [([stranger], [bone]), ([bone], [stranger])] {
+        let error = ReachLayer::holding(skeleton, &tips, &held, Solver::default()).unwrap_err();
+        assert!(matches!(error, ProblemError::ForeignId { .. }), "{error}");
+    }
 }

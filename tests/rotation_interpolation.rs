@@ -4,7 +4,7 @@
 
 mod support;
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec3, Vec4};
 use kinopt::animation::rotation::{
     EulerOrder, RotationCurve, RotationHermite, mean_rates, nlerp, slerp, slerp_vectors, squad,
     squad_control,
@@ -290,5 +290,28 @@ fn rotation_hermites_have_no_kink_at_uneven_times() {
                 assert!(off < 0.03, "{off}");
             }
         }
+    }
+}
+
+/// Tangents go with the quaternions they belong to, also where those are made of unit length.
+#[test]
+fn a_cubic_through_long_quaternions_is_that_through_unit_ones() {
+    let keys = [0.0, 0.9, 0.3].map(Quat::from_rotation_y);
+    let rates = [0.4, -1.0, 0.7].map(|x| [Vec4::new(x, 0.3, -x, 0.1), Vec4::new(0.2, x, 0.5, -x)]);
+    let times = vec![0.0, 0.7, 1.5];
+    let plain = RotationCurve::cubic(times.clone(), keys.to_vec(), rates.to_vec()).unwrap();
+    let scales = [3.0, 0.2, 50.0];
+    let long = keys.iter().zip(scales).map(|(q, scale)| *q * scale);
+    let long_rates = rates
+        .iter()
+        .zip(scales)
+        .map(|(pair, scale)| pair.map(|rate| rate * scale));
+    let scaled = RotationCurve::cubic(times, long.collect(), long_rates.collect()).unwrap();
+    for step in 0..=30 {
+        let time = 0.05 * step as f32;
+        assert!(
+            plain.at(time).abs_diff_eq(scaled.at(time), 1e-5),
+            "{time} s"
+        );
     }
 }

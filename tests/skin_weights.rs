@@ -85,6 +85,8 @@ fn invalid_weights_are_refused_by_name() {
             sum: 0.0
         })
     );
+    let none = builder.clone().build().unwrap_err().to_string();
+    assert!(none.contains("sum to 0,"), "{none}");
     builder.add(1, 1, 0.5).unwrap();
     builder.add(1, 1, 0.5).unwrap();
     assert_eq!(

@@ -51,6 +51,32 @@ fn every_vertex_is_inside() {
     }
 }
 
+/// With weights −0.009 and 1.009 a vertex goes beyond both of its bones, and the box with it, but by
+/// little more.
+#[test]
+fn a_vertex_beyond_all_its_bones_is_inside() {
+    let mut builder = SkinWeights::builder(1, 2);
+    builder.add(0, 0, -0.009).unwrap();
+    builder.add(0, 1, 1.009).unwrap();
+    let weights = builder.build().unwrap();
+    let rest = [Vec3::new(1.0, 2.0, 3.0)];
+    let boxes = BoneBoxes::new(&weights, &rest).unwrap();
+    for far in [10.0, -10.0] {
+        let transforms = [
+            Affine3A::IDENTITY,
+            Affine3A::from_translation(Vec3::X * far),
+        ];
+        let mut posed = rest;
+        let blend = LinearBlend::new(&weights, &transforms).unwrap();
+        blend.positions(&rest, &mut posed).unwrap();
+        assert!((posed[0].x - (1.0 + 1.009 * far)).abs() < 1e-5);
+        let bounds = boxes.linear_blend(&transforms).unwrap().unwrap();
+        inside(&posed, bounds);
+        let [low, high] = bounds;
+        assert!((high - low).x < 1.05 * 10.0 && (high - low).y < 0.01);
+    }
+}
+
 #[test]
 fn one_bone_at_rest_has_the_exact_box_but_for_rounding() {
     let mut random = Random::new(6);
@@ -76,4 +102,8 @@ fn nothing_has_no_box_and_wrong_sizes_are_errors() {
         BoneBoxes::new(&empty, &[Vec3::ONE]),
         Err(SkinningError::VertexCount { given: 1, .. })
     ));
+    // A box of NaN would hold nothing and hide that.
+    let weights = weights(&mut Random::new(7), 2, 1, 1);
+    let broken = BoneBoxes::new(&weights, &[Vec3::ONE, Vec3::NAN]).unwrap_err();
+    assert_eq!(broken, SkinningError::NonFinitePosition { vertex: 1 });
 }

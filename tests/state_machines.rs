@@ -4,7 +4,10 @@
 
 mod support;
 
-use kinopt::animation::StateMachineRun;
+use std::sync::Arc;
+
+use kinopt::animation::{Armature, Clip, StateMachineRun};
+use kinopt::io::state_machine;
 use support::state_machines::{hips, machine, run_of};
 
 const MACHINE: &str = r#"{
@@ -119,6 +122,77 @@ fn a_fade_is_broken_off_only_where_that_is_allowed() {
     assert!((y - shown).abs() < 1e-4, "no jump in the pose: {y}");
     let [_, y] = step(&mut second, 0.125);
     assert!((y - (shown + 30.0) / 2.0).abs() < 1e-3, "{y}");
+}
+
+/// Halfway from standing to walking, something leads from the one and from the other: which of them is
+/// heard is what the fade says.
+#[test]
+fn a_fade_is_broken_off_by_the_states_that_may() {
+    let after = |interruption: &str, trigger: &str| {
+        let mut run = run_of(&format!(
+            r#"{{
+              "parameters": {{"go": "trigger", "of source": "trigger", "of target": "trigger"}},
+              "initial": "stand",
+              "states": [{{"name": "stand", "clip": "stand"}}, {{"name": "walk", "clip": "walk"}},
+                         {{"name": "run", "clip": "run"}}, {{"name": "jump", "clip": "jump"}}],
+              "transitions": [
+                {{"from": "stand", "to": "walk", "seconds": 1, "when": [{{"parameter": "go"}}],
+                  "interruption": "{interruption}"}},
+                {{"from": "stand", "to": "run", "when": [{{"parameter": "of source"}}]}},
+                {{"from": "walk", "to": "jump", "when": [{{"parameter": "of target"}}]}}
+              ]
+            }}"#
+        ));
+        run.trigger("go").unwrap();
+        step(&mut run, 0.5);
+        run.trigger(trigger).unwrap();
+        step(&mut run, 0.0);
+        run.state().to_owned()
+    };
+    for (interruption, states) in [
+        ("never", ["walk", "walk"]),
+        ("source", ["run", "walk"]),
+        ("target", ["walk", "jump"]),
+        ("either", ["run", "jump"]),
+    ] {
+        let entered = ["of source", "of target"].map(|trigger| after(interruption, trigger));
+        assert_eq!(entered, states, "{interruption}");
+    }
+}
+
+/// While one state fades into another, an event counts as much as its state at that moment, however
+/// long the step is.
+#[test]
+fn events_have_the_weight_of_their_state() {
+    for steps in [1_u8, 7, 50] {
+        let mut run = run_of(
+            r#"{
+              "parameters": {"go": "trigger"},
+              "initial": "stand",
+              "states": [{"name": "stand", "clip": "stand"}, {"name": "jump", "clip": "jump"}],
+              "transitions": [{"from": "stand", "to": "jump", "seconds": 1, "when": [{"parameter": "go"}]}]
+            }"#,
+        );
+        run.trigger("go").unwrap();
+        let mut heard = Vec::new();
+        for _ in 0..steps {
+            run.update(0.95 / f64::from(steps), |fired| {
+                heard.push((fired.event.name.clone(), fired.weight));
+            })
+            .unwrap();
+        }
+        heard.sort_by(|a, b| (&a.0, a.1).partial_cmp(&(&b.0, b.1)).unwrap());
+        let expected = [
+            ("jump half", 0.25),
+            ("jump half", 0.75),
+            ("stand half", 0.5),
+        ];
+        assert_eq!(heard.len(), expected.len(), "{heard:?}");
+        for ((name, weight), expected) in heard.iter().zip(expected) {
+            assert_eq!(name, expected.0);
+            assert!((weight - expected.1).abs() < 1e-6, "{heard:?}");
+        }
+    }
 }
 
 #[test]
@@ -237,6 +311,11 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         &["transitions[4].when[0]", "above 2", "below 0.5"],
     );
     refused(
+        r#""above": 0.5, "below": 2.0"#,
+        r#""above": 2.0, "below": 2.0"#,
+        &["transitions[4].when[0]", "above 2", "below 2"],
+    );
+    refused(
         r#"{"parameter": "jump"}"#,
         r#"{"parameter": "jump", "above": 0}"#,
         &["trigger"],
@@ -272,6 +351,21 @@ fn data_that_makes_no_sense_is_refused_with_its_place() {
         r#""when": []"#,
         &["transitions[0].when"],
     );
+    // Which of two clips is meant is not guessed; one given twice is one, and others do not matter.
+    let armature = Armature::new(Vec::new(), Vec::new()).unwrap();
+    let clip = |name: &str| Arc::new(Clip::builder(name, &armature).build());
+    let named = |clips: &[Arc<Clip>]| {
+        let data = br#"{"initial": "idle", "states": [{"name": "idle", "clip": "stand"}]}"#;
+        state_machine::from_bytes(data, "machine.json", clips).map(|_| ())
+    };
+    let (stand, walk) = (clip("stand"), clip("walk"));
+    let error = named(&[stand.clone(), clip("stand")]).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("states[0].clip") && error.contains("2 clips are named `stand`"),
+        "{error}"
+    );
+    assert!(named(&[stand.clone(), stand, walk, clip("walk")]).is_ok());
     let empty = machine(r#"{"initial": "idle", "states": []}"#)
         .unwrap_err()
         .to_string();

@@ -68,14 +68,16 @@ pub(crate) struct Arguments {
     clip: Option<String>,
 
     /// With --time: repeat the keyframes instead of holding the ends. Default: off.
-    #[arg(long = "loop", requires = "time")]
+    // Not `requires` alone: clap waives that for what conflicts with an argument given.
+    #[arg(long = "loop", requires = "time", conflicts_with_all = ["q", "q_file"])]
     looped: bool,
 
     /// With --time: what runs between keys, whatever the file says: `linear`, `catmull-rom` or
     /// `kochanek-bartels:T,C,B`. Default: as the file says, else catmull-rom.
     ///
     /// T, C and B are tension, continuity and bias at every key, usually within −1 and 1.
-    #[arg(long, value_name = "NAME", requires = "time", value_parser = InterpolationChoice::parse)]
+    #[arg(long, value_name = "NAME", requires = "time", conflicts_with_all = ["q", "q_file"],
+          value_parser = InterpolationChoice::parse)]
     interpolation: Option<InterpolationChoice>,
 
     /// A frame to report; repeat it for several. Default: all of them.
@@ -91,7 +93,7 @@ pub(crate) struct Arguments {
     base: Option<String>,
 
     /// The angles of --q are in degrees. Default: radians.
-    #[arg(long, requires = "q")]
+    #[arg(long, requires = "q", conflicts_with_all = ["time", "q_file"])]
     degrees: bool,
 }
 

@@ -64,7 +64,8 @@ struct Command {
 
     /// Print one JSON document, in radians and metres. Default: text for people.
     ///
-    /// For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z].
+    /// For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z]. What is in degrees is
+    /// called so.
     #[arg(long, global = true)]
     json: bool,
 }

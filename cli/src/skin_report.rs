@@ -71,6 +71,11 @@ struct Kept {
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let Numbers(twists) = &arguments.twists;
+    if twists.is_empty() {
+        return Err(Failure::usage(
+            "--twists: at least one is needed".to_owned(),
+        ));
+    }
     if let Some(beyond) = twists.iter().find(|twist| twist.abs() > 180.0) {
         return Err(Failure::usage(format!(
             "--twists: {beyond} degrees is beyond half a turn, where dual quaternions turn the other way"

@@ -133,7 +133,19 @@ fn what_cannot_be_animated_is_said() {
     let folder = Folder::new("animate-refused");
     let (rig_file, out) = (folder.rig(), folder.file("frames"));
     let file = folder.file("posed.obj");
-    refused(&["animate", &rig_file, "--out", &out], 2, &["--time"]);
+    refused(
+        &["animate", &rig_file, "--out", &out],
+        2,
+        &["--time", "--fps"],
+    );
+    // What only frames have is not silently left out for one time.
+    for option in ["--from=1", "--to=1", "--format=ply"] {
+        refused(
+            &["animate", &rig_file, "--time=1", option, "--out", &file],
+            2,
+            &[option.split_once('=').unwrap().0, "--time"],
+        );
+    }
     refused(
         &["animate", &rig_file, "--time=1", "--fps=2", "--out", &out],
         2,

@@ -105,6 +105,19 @@ fn wrong_usage_is_two() {
     refused(&["fk", &rig, "--q", "1,two"], 2, &["`two`"]);
     refused(&["fk", &rig, "--q=1", "--time=1"], 2, &["--time"]);
     refused(&["fk", &rig, "--loop"], 2, &["--time"]);
+    // An option is not silently left out beside one that takes its place.
+    refused(&["fk", &rig, "--q=1", "--loop"], 2, &["--loop"]);
+    refused(
+        &["fk", &rig, "--q=1", "--interpolation=linear"],
+        2,
+        &["--interpolation"],
+    );
+    refused(&["fk", &rig, "--time=1", "--degrees"], 2, &["--degrees"]);
+    refused(
+        &["solve", &rig, "--targets=poses.json", "--skinning=dqs"],
+        2,
+        &["--skinning"],
+    );
 }
 
 #[test]

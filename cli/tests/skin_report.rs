@@ -50,6 +50,7 @@ fn wrong_usage_is_refused() {
     for (arguments, word) in [
         (["--twists", "0,190"], "190"),
         (["--twists", "a"], "`a`"),
+        (["--twists", ","], "at least one"),
         (["--out", "twist.png"], ".svg"),
     ] {
         let output = kinopt(&["skin-report", arguments[0], arguments[1]]);

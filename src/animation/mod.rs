@@ -1,4 +1,50 @@
 //! Motion over time: keyframes, what is between them, and poses.
+//!
+//! - Bones: an [`Armature`], made of bones or [of a skeleton](Armature::of_skeleton), and its
+//!   [`Pose`]s, which it carries from bone to bone into the model and to skinning transforms.
+//! - Between keys: [`curve`] (Hermite, Bézier, Catmull-Rom, Kochanek-Bartels, glTF's three, easing)
+//!   and [`rotation`] (slerp, squad and other splines, Euler angles, axis and angle). Keys of doubtful
+//!   origin are put right by [`curve::repair_keys`].
+//! - Over time: a [`Clip`] of [`Channel`]s and [`Event`]s, sampled with a [`Cursor`]; a [`Playhead`]
+//!   says where playback is and which events it passes.
+//! - Together: [`Pose::cross_fade`], [`blend_poses`], [`Layer`]s under a [`BoneMask`], and a
+//!   [`StateMachine`] from JSON, which each character runs by its own [`StateMachineRun`].
+//! - Over the pose: [`Limb`] and [`Aim`] in closed form, [`ReachLayer`] by the optimiser.
+//! - Many of them: a [`Crowd`].
+//! - A skeleton's stacked angles: an [`EulerClip`], as rig files have it. Affine maps:
+//!   [`interpolate_affine`].
+//!
+//! From keys to skin:
+//!
+//! ```
+//! use kinopt::animation::{Armature, Clip, Cursor, Playback};
+//! use kinopt::glam::Affine3A;
+//! use kinopt::io::rig::Rig;
+//! use kinopt::skinning::{MeshWeights, SkinningMethod};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let rig = Rig::read("models/humanoid/humanoid.json")?;
+//! let (mesh, weights) = rig.mesh.zip(rig.weights).ok_or("a rig without a skin")?;
+//! let (weights, lost) = weights.pruned(4);
+//! assert!(lost.largest_lost < 0.1);
+//! let weights = MeshWeights::from(weights);
+//! let armature = Armature::of_skeleton(&rig.skeleton);
+//! let mut builder = Clip::builder("keys", &armature);
+//! builder.euler_clip(&rig.clip)?;
+//! let clip = builder.build();
+//!
+//! // Each frame, in the same memory.
+//! let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
+//! let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
+//! let mut posed_from_rest = model_from_bone.clone();
+//! clip.sample(0.5, Playback::Loop, &mut cursor, &mut pose)?;
+//! armature.local_to_model(&pose, &mut model_from_bone)?;
+//! armature.skinning_transforms(&model_from_bone, &mut posed_from_rest)?;
+//! let posed = weights.mesh(SkinningMethod::DualQuaternion, &mesh, &posed_from_rest)?;
+//! assert_eq!(posed.triangles(), mesh.triangles());
+//! # Ok(())
+//! # }
+//! ```
 
 mod affine;
 mod blend;
@@ -28,7 +74,7 @@ pub use euler_interpolation::EulerInterpolation;
 pub use euler_sampling::SampleError;
 pub use ik_layer::{
     Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseBridge,
-    ReachLayer,
+    ReachError, ReachLayer,
 };
 pub use plane_affine::{PlaneDecomposition, interpolate_plane_affine};
 pub use playback::Playback;

@@ -27,7 +27,7 @@ pub struct AutomaticWeights {
     pub falloff: f64,
     /// How often weights are evened out over the mesh's edges.
     pub smoothing_steps: u32,
-    /// The most influences a vertex keeps, at least 1.
+    /// The most influences a vertex keeps; 0 counts as 1.
     pub most: usize,
 }
 

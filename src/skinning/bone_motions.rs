@@ -62,10 +62,8 @@ impl BoneMotions {
     ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
         if pivots.len() != bones {
-            return Err(SkinningError::TransformCount {
-                given: pivots.len(),
-                bones,
-            });
+            let given = pivots.len();
+            return Err(SkinningError::PivotCount { given, bones });
         }
         let (old, old_stretches) = (self.rigid.len(), self.stretches.len());
         for (bone, (transform, pivot)) in transforms.iter().zip(pivots).enumerate() {
@@ -108,7 +106,7 @@ fn two_phases(
     pivot: Vec3,
 ) -> Result<(Affine3A, Affine3A), fn(usize) -> SkinningError> {
     if !pivot.is_finite() {
-        return Err(|bone| SkinningError::NonFiniteTransform { bone });
+        return Err(|bone| SkinningError::NonFinitePivot { bone });
     }
     let Some((rotation, stretch)) = polar(&transform.matrix3) else {
         return Err(|bone| SkinningError::Mirrored { bone });

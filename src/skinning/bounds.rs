@@ -21,7 +21,7 @@ impl BoneBoxes {
     /// The boxes of a mesh's positions at rest.
     ///
     /// # Errors
-    /// There is not one position per vertex of the weights.
+    /// There is not one position per vertex of the weights, or one is not finite.
     pub fn new(weights: &SkinWeights, rest: &[Vec3]) -> Result<Self, SkinningError> {
         if rest.len() != weights.vertex_count() {
             return Err(SkinningError::VertexCount {
@@ -29,6 +29,9 @@ impl BoneBoxes {
                 given: rest.len(),
                 vertices: weights.vertex_count(),
             });
+        }
+        if let Some(vertex) = rest.iter().position(|p| !p.is_finite()) {
+            return Err(SkinningError::NonFinitePosition { vertex });
         }
         let mut boxes = vec![None; weights.bone_count()];
         let mut excess = 0.0_f64;

@@ -30,6 +30,26 @@ pub enum SkinningError {
         /// Which bone, from 0.
         bone: usize,
     },
+    /// A position at rest is NaN or infinite.
+    #[error("vertex {vertex}: the position at rest is not finite")]
+    NonFinitePosition {
+        /// Which vertex, from 0.
+        vertex: usize,
+    },
+    /// The pivots are for another number of bones than the weights.
+    #[error("{given} pivots for weights of {bones} bones")]
+    PivotCount {
+        /// How many were given.
+        given: usize,
+        /// How many bones the weights know.
+        bones: usize,
+    },
+    /// A bone's pivot is NaN or infinite.
+    #[error("bone {bone}: the pivot is not finite")]
+    NonFinitePivot {
+        /// Which bone, from 0.
+        bone: usize,
+    },
     /// Dual quaternions hold rotations and translations only.
     #[error(
         "bone {bone}: the transform scales, shears or mirrors, which a dual quaternion cannot say; \

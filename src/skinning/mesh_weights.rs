@@ -9,7 +9,8 @@ use super::{
 use crate::mesh::TriangleMesh;
 
 /// Skin weights made ready once for many poses: packed where no vertex follows more than four
-/// bones, as they are otherwise. Both give the same vertices to rounding.
+/// bones, as they are otherwise. Both give the same vertices to rounding. Nothing is pruned unasked:
+/// weights of more influences become fast by [`SkinWeights::pruned`] first, which says what is lost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshWeights {
     form: Form,

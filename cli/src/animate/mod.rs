@@ -4,7 +4,7 @@ mod frames;
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use kinopt::animation::Playback;
 use kinopt::io::gltf::ScenePosing;
 use kinopt::mesh::TriangleMesh;
@@ -37,6 +37,7 @@ Examples:
 /// is none: frame-0000.obj, frame-0001.obj, …
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
+#[command(group = ArgGroup::new("moments").args(["time", "fps"]).required(true))]
 pub(crate) struct Arguments {
     /// The rig's .json file, with keyframes and a mesh, or a scene's .glb or .gltf file. Where a rig has
     /// no skin weights, each vertex follows the bones nearest to it.
@@ -53,20 +54,20 @@ pub(crate) struct Arguments {
 
     /// Pose the mesh at this time, in seconds. Default: none.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true,
-          value_parser = number_list::number, required_unless_present = "fps")]
+          value_parser = number_list::number)]
     time: Option<f64>,
 
     /// Pose it this many times a second. Default: none.
-    #[arg(long, value_name = "N", value_parser = number_list::positive, conflicts_with = "time")]
+    #[arg(long, value_name = "N", value_parser = number_list::positive)]
     fps: Option<f64>,
 
     /// With --fps: the time of the first frame, in seconds. Default: the first key's.
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, requires = "fps",
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, conflicts_with = "time",
           value_parser = number_list::number)]
     from: Option<f64>,
 
     /// With --fps: no frame after this time, in seconds. Default: the last key's.
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, requires = "fps",
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, conflicts_with = "time",
           value_parser = number_list::number)]
     to: Option<f64>,
 
@@ -82,7 +83,7 @@ pub(crate) struct Arguments {
     interpolation: Option<InterpolationChoice>,
 
     /// With --fps: what to write. Default: obj.
-    #[arg(long, value_enum, requires = "fps", hide_default_value = true)]
+    #[arg(long, value_enum, conflicts_with = "time", hide_default_value = true)]
     format: Option<MeshFormat>,
 
     /// How the bones move the skin.

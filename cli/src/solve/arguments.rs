@@ -198,7 +198,7 @@ pub(crate) struct Arguments {
     pub(super) out: Option<MeshFile>,
 
     /// With --out: how the bones move the skin.
-    #[arg(long, value_name = "METHOD", requires = "out", default_value_t,
+    #[arg(long, value_name = "METHOD", requires = "out", conflicts_with = "file", default_value_t,
           value_parser = skinning_choice::parser())]
     pub(super) skinning: SkinningMethod,
 }

@@ -30,7 +30,8 @@ impl BoneMask {
         }
     }
 
-    /// Sets one bone's share, taken into [0, 1]; NaN counts as 0.
+    /// Sets one bone's share, taken into [0, 1]; NaN counts as 0. A bone of another armature, which
+    /// this one does not have, changes nothing.
     #[must_use]
     pub fn with_bone(mut self, bone: BoneId, share: f32) -> Self {
         if let Some(own) = self.bones.get_mut(bone.index()) {
@@ -56,7 +57,8 @@ impl BoneMask {
         self
     }
 
-    /// Sets one morph target's share, taken into [0, 1]; NaN counts as 0.
+    /// Sets one morph target's share, taken into [0, 1]; NaN counts as 0. A target that the armature
+    /// does not have changes nothing.
     #[must_use]
     pub fn with_morph_target(mut self, target: usize, share: f32) -> Self {
         if let Some(own) = self.morph_targets.get_mut(target) {

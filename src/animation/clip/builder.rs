@@ -9,7 +9,7 @@ use super::events::Event;
 use super::timelines::Track;
 use super::tracks::{Curves, Tracks};
 use super::{Channel, ChannelError, Clip, Property};
-use crate::animation::curve::KeyedCurve;
+use crate::animation::curve::{KeyError, KeyedCurve};
 use crate::animation::rotation::EulerOrder;
 use crate::animation::{Armature, EulerClip, EulerCurve, Pose};
 use crate::skeleton::BoneId;
@@ -106,9 +106,13 @@ impl<'a> ClipBuilder<'a> {
                 targets,
             });
         }
-        for target in 0..targets {
+        for (target, name) in self.armature.morph_targets().iter().enumerate() {
             let own = weights.iter().skip(target).step_by(targets);
-            let curve = KeyedCurve::linear(times.to_vec(), own.copied().collect())?;
+            let curve = KeyedCurve::linear(times.to_vec(), own.copied().collect());
+            let curve = curve.map_err(|problem| ChannelError::TargetKeys {
+                target: name.clone(),
+                problem,
+            })?;
             self.morph_weight(target, curve)?;
         }
         Ok(self)
@@ -129,7 +133,8 @@ impl<'a> ClipBuilder<'a> {
             });
             let angles = clip
                 .interpolation(track.bone)
-                .curve(times, values.collect())?;
+                .curve(times, values.collect())
+                .map_err(|problem| self.keys_of(track.bone, problem))?;
             let curve = EulerCurve {
                 order: EulerOrder::Xzx,
                 before: self.armature.rest().local(track.bone).rotation,
@@ -138,6 +143,17 @@ impl<'a> ClipBuilder<'a> {
             self.channel(track.bone, Channel::Euler(curve))?;
         }
         Ok(self)
+    }
+
+    /// What is wrong with a bone's keys, by the bone's name where it has one.
+    fn keys_of(&self, bone: BoneId, problem: KeyError) -> ChannelError {
+        match self.armature.names().get(bone.index()) {
+            Some(bone) => ChannelError::BoneKeys {
+                bone: bone.clone(),
+                problem,
+            },
+            None => ChannelError::Keys(problem),
+        }
     }
 
     /// Adds an event; one outside the clip's span never fires.

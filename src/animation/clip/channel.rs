@@ -5,7 +5,8 @@ use glam::{Quat, Vec3A};
 use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::{EulerOrder, RotationCurve};
 
-/// A curve for one property of one bone, or for one morph target. Times are in seconds.
+/// A curve for one property of one bone; times are in seconds. Weights of morph targets go to
+/// [`ClipBuilder::morph_weight`](super::ClipBuilder::morph_weight), because they hang on no bone.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Channel {

@@ -50,6 +50,24 @@ pub enum ChannelError {
     /// The keys of a channel.
     #[error(transparent)]
     Keys(#[from] KeyError),
+    /// The keys of a bone's angles.
+    #[error("bone `{bone}`: {problem}")]
+    BoneKeys {
+        /// The bone.
+        bone: String,
+        /// What is wrong with them.
+        #[source]
+        problem: KeyError,
+    },
+    /// The keys of a morph target's weight.
+    #[error("morph target `{target}`: {problem}")]
+    TargetKeys {
+        /// The target.
+        target: String,
+        /// What is wrong with them.
+        #[source]
+        problem: KeyError,
+    },
     /// The rotation before an Euler channel's angles is not one.
     #[error("bone `{bone}`: the rotation before the angles is not of unit length")]
     BadRotation {

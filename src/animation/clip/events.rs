@@ -1,5 +1,7 @@
 //! Events at times of a clip, each fired exactly once as playback passes.
 
+use std::iter::successors;
+
 use super::{Clip, Passage};
 use crate::animation::Playback;
 
@@ -31,7 +33,8 @@ impl Clip {
     /// The events that a passage of playback goes by, in the order in which it meets them. In a
     /// chain of passages, such as a [`Playhead`](super::Playhead) makes, each event fires exactly
     /// once each time it is passed: at any lengths of steps, over the ends of loops, and on the way
-    /// back of ping-pong (once at its turning points).
+    /// back of ping-pong (once at its turning points). They are found as they are asked for: a passage
+    /// of a million loops has a million times the events.
     pub fn fired(&self, playback: Playback, passage: Passage) -> impl Iterator<Item = Fired<'_>> {
         let [start, end] = self.span().map(f64::from);
         let length = end - start;
@@ -59,11 +62,12 @@ impl Clip {
             false => [0.0, 0.0],
         };
         let forwards = passage.to >= passage.from;
-        let cycles = (0..).map(move |k| match forwards {
-            true => first + f64::from(k),
-            false => last - f64::from(k),
+        let step = if forwards { 1.0 } else { -1.0 };
+        let cycles = successors(Some(if forwards { first } else { last }), move |k| {
+            let next = k + step;
+            // Beyond 2^53 cycles the next one is the same number.
+            (next != *k && (first..=last).contains(&next)).then_some(next)
         });
-        let cycles = cycles.take_while(move |k: &f64| (first..=last).contains(k));
         cycles.flat_map(move |k| {
             // The same expression for the same event and cycle always, so that passages which meet
             // at a time agree on which side of it an event is.

@@ -67,6 +67,9 @@ impl<V: CurveValue> KeyedCurve<V> {
     /// No points, one that is not finite, or, unless the knots are uniform, two neighbours in one
     /// place.
     pub fn through(points: Vec<V>, knots: Knots) -> Result<Self, KeyError> {
+        if let Some(key) = points.iter().position(|point| !point.all_finite()) {
+            return Err(KeyError::NonFiniteValue { key, what: "point" });
+        }
         let mut at = V::Real::from(0.0);
         let steps = points.windows(2).map(|pair| {
             at = at + knots.between(pair[0], pair[1]);
@@ -79,7 +82,10 @@ impl<V: CurveValue> KeyedCurve<V> {
             .chain(steps)
             .collect();
         // Checks what the tangents below rely on.
-        let straight = Self::linear(times, points)?;
+        let straight = Self::linear(times, points).map_err(|error| match error {
+            KeyError::NotIncreasing { key: point, .. } => KeyError::SamePlace { point },
+            other => other,
+        })?;
         let (times, points) = (straight.times(), straight.values());
         let slope = |from: usize, to: usize| {
             let one = V::Real::from(1.0);

@@ -45,6 +45,14 @@ pub enum KeyError {
         /// The time of the key before it.
         previous: f64,
     },
+    /// A point is where the one before it is, so that the distance says nothing about time.
+    #[error(
+        "point {point} is where the one before it is; knots by distance need points apart, uniform knots do not"
+    )]
+    SamePlace {
+        /// Which point, from 0.
+        point: usize,
+    },
     /// A Bézier handle that would let the curve run backwards in time.
     #[error(
         "key {key}: the {side} handle is {time} s from its key; it must be within the {room} s to the key on that side"

@@ -45,7 +45,7 @@ impl Held {
         let from = DQuat::from_xyzw(v.x, v.y, v.z, w).normalize();
         let turn = self.wanted * from.conjugate();
         let turn = if turn.w < 0.0 { -turn } else { turn };
-        // Not glam's slerp, which approximates the angle to 1e-4.
+        // Not glam's slerp, whose arc cosine loses half the digits of small angles.
         let turn = DQuat::from_scaled_axis(turn.to_scaled_axis() * self.weight);
         let DQuat { x, y, z, w } = turn * from;
         let v = Vector3::new(x, y, z);

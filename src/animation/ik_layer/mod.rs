@@ -12,4 +12,4 @@ mod reach;
 pub use aim::{Aim, AimError, AimGoal};
 pub use bridge::PoseBridge;
 pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
-pub use reach::{NoEffector, ReachLayer};
+pub use reach::{NoEffector, ReachError, ReachLayer};

@@ -7,7 +7,7 @@ use glam::Quat;
 
 use super::bridge::PoseBridge;
 use super::held::Held;
-use crate::animation::Pose;
+use crate::animation::{Pose, SizeMismatch};
 use crate::ik::{Solution, SolveError, Solver, Workspace};
 use crate::problem::{Problem, ProblemError, TaskId};
 use crate::skeleton::{BoneId, Posing, Skeleton};
@@ -54,11 +54,24 @@ pub struct NoEffector {
     pub effectors: Vec<String>,
 }
 
+/// Why a layer leaves a pose as it is.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReachError {
+    /// The pose is of another armature than the skeleton's.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+    /// The search did not start.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
 impl ReachLayer {
-    /// A layer for the tips of these bones, all with weight 0 at first.
+    /// A layer for the tips of these bones, all with weight 0 at first. A bone named twice counts once.
     ///
     /// # Errors
-    /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build).
+    /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build): no bones, or one of another
+    /// skeleton.
     pub fn new(skeleton: &Skeleton, tips: &[BoneId], solver: Solver) -> Result<Self, ProblemError> {
         Self::holding(skeleton, tips, &[], solver)
     }
@@ -77,8 +90,10 @@ impl ReachLayer {
         let rest = skeleton.model().neutral();
         let at_rest = skeleton.pose(&rest);
         let mut builder = Problem::builder(skeleton.model());
-        let effectors = tips.iter().map(|&bone| {
-            let target = at_rest.tip(skeleton, bone);
+        let effectors = once(tips).map(|bone| {
+            // Without a place of a stranger's, the builder says that it is one.
+            let own = skeleton.bones().get(bone.index());
+            let target = own.map_or(Vector3::zero(), |_| at_rest.tip(skeleton, bone));
             Effector {
                 bone,
                 task: builder.add(Point::new(skeleton.tip(bone), target)),
@@ -87,9 +102,7 @@ impl ReachLayer {
             }
         });
         let effectors = effectors.collect();
-        let turned = held
-            .iter()
-            .map(|&bone| Held::new(skeleton, bone, &mut builder));
+        let turned = once(held).map(|bone| Held::new(skeleton, bone, &mut builder));
         let turned = turned.collect();
         let size = skeleton.size();
         if size > 0.0 {
@@ -110,7 +123,8 @@ impl ReachLayer {
     }
 
     /// Sets where a bone's tip should be, in model coordinates, and how much of the way it goes: from
-    /// 0, where the clip has it, to 1, the target. The weight is taken into [0, 1]; NaN counts as 0.
+    /// 0, where the clip has it, to 1, the target. The weight is taken into [0, 1]; NaN counts as 0. A
+    /// target that is not finite leaves the tip where the clip has it.
     ///
     /// # Errors
     /// A bone that is none of the layer's; the error lists them.
@@ -122,8 +136,11 @@ impl ReachLayer {
     ) -> Result<(), NoEffector> {
         let own = self.effectors.iter_mut().find(|own| own.bone == bone);
         if let Some(own) = own {
-            own.target = target;
-            own.weight = if weight > 0.0 { weight.min(1.0) } else { 0.0 };
+            let finite = target.to_array().into_iter().all(f64::is_finite);
+            // A share of none of NaN would still be NaN.
+            own.target = if finite { target } else { Vector3::zero() };
+            let usable = finite && weight > 0.0;
+            own.weight = if usable { weight.min(1.0) } else { 0.0 };
             return Ok(());
         }
         let effectors = self.effectors.iter().map(|own| own.bone);
@@ -169,9 +186,14 @@ impl ReachLayer {
     /// all are, also outside the limits.
     ///
     /// # Errors
-    /// A target that is not finite, as [`Solver::solve`] says. Missing a target is no error; the
+    /// The pose has another number of bones than the skeleton. Missing a target is no error; the
     /// solution says by how much.
-    pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, SolveError> {
+    pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, ReachError> {
+        SizeMismatch::check(
+            "bones in the pose",
+            pose.bones(),
+            self.skeleton.bones().len(),
+        )?;
         let weights = self.effectors.iter().map(|own| own.weight);
         let mut weights = weights.chain(self.held.iter().map(|own| own.weight));
         if weights.all(|weight| weight == 0.0) {
@@ -201,6 +223,12 @@ impl ReachLayer {
         }
         Ok(Some(solution))
     }
+}
+
+/// Each bone once, in the order in which they are first named.
+fn once(bones: &[BoneId]) -> impl Iterator<Item = BoneId> {
+    let mut seen = BTreeSet::new();
+    bones.iter().copied().filter(move |bone| seen.insert(*bone))
 }
 
 /// The bones given and all that they hang on.

@@ -1,6 +1,6 @@
 //! The bones that poses are about: names, parents and the rest pose.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use glam::{Affine3A, Quat, Vec3A};
 
@@ -82,7 +82,7 @@ impl Armature {
         if given > most {
             return Err(ArmatureError::TooMany { given, most });
         }
-        let mut seen = BTreeMap::new();
+        let mut seen = BTreeSet::new();
         for (index, bone) in bones.iter().enumerate() {
             let name = || bone.name.clone();
             if bone.parent.is_some_and(|parent| parent >= index) {
@@ -91,18 +91,12 @@ impl Armature {
             if !bone.rest.is_valid() {
                 return Err(ArmatureError::BadRest { bone: name() });
             }
-            if seen.insert(bone.name.as_str(), ()).is_some() {
+            if !seen.insert(bone.name.as_str()) {
                 let (kind, name) = ("bone", name());
                 return Err(ArmatureError::DuplicateName { kind, name });
             }
         }
-        seen.clear();
-        for name in &morph_targets {
-            if seen.insert(name, ()).is_some() {
-                let (kind, name) = ("morph target", name.clone());
-                return Err(ArmatureError::DuplicateName { kind, name });
-            }
-        }
+        check_targets(&morph_targets)?;
         let locals: Vec<LocalTransform> = bones.iter().map(|bone| bone.rest).collect();
         let parents = bones.iter().map(|b| b.parent.map_or(-1, |p| p as i32));
         let mut own = Self {
@@ -131,7 +125,8 @@ impl Armature {
         Ok(self)
     }
 
-    /// The bones of a skeleton, with the same ids: at rest each stands where its angles are zero.
+    /// The bones of a skeleton, with the same ids: at rest each stands where its angles are zero. Morph
+    /// targets are added by [`with_morph_targets`](Self::with_morph_targets).
     #[must_use]
     pub fn of_skeleton(skeleton: &Skeleton) -> Self {
         let bones = skeleton.bones();
@@ -154,6 +149,19 @@ impl Armature {
             rest: Pose::new(&locals, 0),
             rest_from_model: inverses.collect(),
         }
+    }
+
+    /// The same bones with these morph targets instead of those that it had: for a skeleton's armature,
+    /// which has none by itself. Their weights are zero at rest. Clips and poses are made for the
+    /// armature as it is then.
+    ///
+    /// # Errors
+    /// Two targets share a name.
+    pub fn with_morph_targets(mut self, names: Vec<String>) -> Result<Self, ArmatureError> {
+        check_targets(&names)?;
+        self.rest.morph_weights = vec![0.0; names.len()];
+        self.morph_targets = names;
+        Ok(self)
     }
 
     /// How many bones there are.
@@ -271,6 +279,18 @@ impl Armature {
                 Err(_) => parent_from_bone,
             };
         }
+    }
+}
+
+/// Refuses two morph targets of one name.
+fn check_targets(names: &[String]) -> Result<(), ArmatureError> {
+    let mut seen = BTreeSet::new();
+    match names.iter().find(|name| !seen.insert(name.as_str())) {
+        Some(name) => Err(ArmatureError::DuplicateName {
+            kind: "morph target",
+            name: name.clone(),
+        }),
+        None => Ok(()),
     }
 }
 

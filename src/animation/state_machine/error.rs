@@ -20,6 +20,14 @@ pub enum StateMachineProblem {
     /// A state, parameter or clip that does not exist.
     #[error("no {} named `{}`; there are: {}", .0.kind, .0.name, .0.valid.join(", "))]
     Unknown(UnknownName),
+    /// A name that several of the clips given have.
+    #[error("{clips} clips are named `{clip}`")]
+    AmbiguousClip {
+        /// The name.
+        clip: String,
+        /// How many clips have it.
+        clips: usize,
+    },
     /// There are no states.
     #[error("there are no states")]
     NoStates,

@@ -32,7 +32,7 @@ impl StateMachine {
     ///
     /// # Errors
     /// A [`StateMachineError`](super::StateMachineError) with the path of what is wrong: a name that
-    /// does not exist (the error lists those that do), a duration or number that is out of range, a
+    /// does not exist (the error lists those that do) or that several clips have, a duration or number that is out of range, a
     /// condition that does not suit its parameter, or clips of different armatures.
     pub fn new(definition: &StateMachineDefinition, clips: &[Arc<Clip>]) -> Checked<Self> {
         let mut parameters = Vec::new();

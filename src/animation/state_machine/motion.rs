@@ -129,6 +129,14 @@ fn look_up(
 ) -> Checked<Arc<Clip>> {
     let names = clips.iter().map(|clip| clip.name());
     let clip = &clips[find(|| path.to_owned(), "clip", name, names)?];
+    let namesakes = clips.iter().filter(|other| other.name() == name);
+    if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
+        let problem = StateMachineProblem::AmbiguousClip {
+            clip: name.to_owned(),
+            clips: namesakes.count(),
+        };
+        return Err(at(path, problem));
+    }
     let expected = *bones.get_or_insert(clip.bones());
     if clip.bones() != expected {
         let problem = StateMachineProblem::OtherArmature {
