@@ -9,6 +9,7 @@ mod lanes;
 mod matrices;
 mod motions;
 
+use bytemuck::Pod;
 use glam::{Vec3, Vec4};
 
 use super::weights::FourInfluences;
@@ -95,40 +96,40 @@ fn deform_by(
     rest: RestVertices<'_>,
     posed: PosedVertices<'_>,
 ) {
-    let mut positions = blocks(rest.positions, posed.positions);
-    let mut normals = blocks(rest.normals, posed.normals);
-    let mut tangents = blocks(rest.tangents, posed.tangents);
-    let mut whole = influences.chunks_exact(BLOCK);
+    let (whole, after) = influences.split_at(influences.len() - influences.len() % BLOCK);
     // The last vertices have a block of their own, filled up with vertices without influences.
-    let mut four = [FourInfluences::default(); BLOCK];
-    copy(&mut four, whole.remainder());
+    let mut last_influences = [FourInfluences::default(); BLOCK];
+    copy(&mut last_influences, after);
     let mut last = (Last::default(), Last::default(), Last::default());
-    let mut ended = false;
-    // One call of the kernel for both kinds of block, so that it becomes part of this loop.
-    while !ended {
-        let next: Option<&[FourInfluences; BLOCK]> =
-            whole.next().and_then(|four| four.try_into().ok());
-        let (influences, block) = if let Some(influences) = next {
+    let (positions, last_positions) = blocks(rest.positions, posed.positions, &mut last.0);
+    let (normals, last_normals) = blocks(rest.normals, posed.normals, &mut last.1);
+    let (tangents, last_tangents) = blocks(rest.tangents, posed.tangents, &mut last.2);
+    let last_influences = if after.is_empty() {
+        &[][..]
+    } else {
+        &last_influences[..]
+    };
+    let parts = [
+        (whole, positions, normals, tangents),
+        (last_influences, last_positions, last_normals, last_tangents),
+    ];
+    // One call of the kernel for both parts, so that it becomes part of this loop.
+    for (mut influences, mut positions, mut normals, mut tangents) in parts {
+        let mut k = 0;
+        while let Some((eight, others)) = influences.split_first_chunk() {
             let block = Block {
-                positions: positions.next(),
-                normals: normals.next(),
-                tangents: tangents.next(),
+                positions: positions.at(k),
+                normals: normals.at(k),
+                tangents: tangents.at(k),
             };
-            (influences, block)
-        } else {
-            ended = true;
-            let block = Block {
-                positions: last.0.filled(positions.rest),
-                normals: last.1.filled(normals.rest),
-                tangents: last.2.filled(tangents.rest),
-            };
-            (&four, block)
-        };
-        move_block(&blended, influences, block);
+            move_block(&blended, eight, block);
+            influences = others;
+            k += 1;
+        }
     }
-    copy(positions.posed, &last.0.posed);
-    copy(normals.posed, &last.1.posed);
-    copy(tangents.posed, &last.2.posed);
+    last.0.put(posed.positions);
+    last.1.put(posed.normals);
+    last.2.put(posed.tangents);
 }
 
 #[inline]
@@ -165,41 +166,59 @@ fn move_block(
     }
 }
 
-/// A walk over two buffers in blocks; what is left when they end is in `rest` and `posed`.
+/// A buffer at rest and its posed twin, in blocks; none where it is not there.
 struct Blocks<'a, T> {
+    rest: &'a [[T; BLOCK]],
+    posed: &'a mut [[T; BLOCK]],
+}
+
+/// The whole blocks of a buffer, and the one that its last vertices share with nothing.
+fn blocks<'a, T: Pod>(
     rest: &'a [T],
     posed: &'a mut [T],
+    last: &'a mut Last<T>,
+) -> (Blocks<'a, T>, Blocks<'a, T>) {
+    let whole = rest.len().min(posed.len()) / BLOCK * BLOCK;
+    copy(&mut last.rest[0], &rest[whole..]);
+    let there = usize::from(!rest.is_empty());
+    let whole = Blocks {
+        rest: bytemuck::cast_slice(&rest[..whole]),
+        posed: bytemuck::cast_slice_mut(&mut posed[..whole]),
+    };
+    let last = Blocks {
+        rest: &last.rest[..there],
+        posed: &mut last.posed[..there],
+    };
+    (whole, last)
 }
 
-fn blocks<'a, T>(rest: &'a [T], posed: &'a mut [T]) -> Blocks<'a, T> {
-    Blocks { rest, posed }
-}
-
-impl<'a, T> Blocks<'a, T> {
+impl<T> Blocks<'_, T> {
     #[inline(always)]
-    fn next(&mut self) -> Option<(&'a [T; BLOCK], &'a mut [T; BLOCK])> {
-        let (rest, rest_after) = self.rest.split_first_chunk()?;
-        if self.posed.len() < BLOCK {
-            return None;
-        }
-        let (posed, posed_after) = std::mem::take(&mut self.posed).split_first_chunk_mut()?;
-        (self.rest, self.posed) = (rest_after, posed_after);
-        Some((rest, posed))
+    fn at(&mut self, k: usize) -> Option<(&[T; BLOCK], &mut [T; BLOCK])> {
+        self.rest.get(k).zip(self.posed.get_mut(k))
     }
 }
 
 /// A block for fewer vertices than it has places.
-#[derive(Default)]
 struct Last<T> {
-    rest: [T; BLOCK],
-    posed: [T; BLOCK],
+    rest: [[T; BLOCK]; 1],
+    posed: [[T; BLOCK]; 1],
 }
 
-impl<T: Copy> Last<T> {
-    /// `None` where nothing is left to do.
-    fn filled(&mut self, rest: &[T]) -> Option<(&[T; BLOCK], &mut [T; BLOCK])> {
-        copy(&mut self.rest, rest);
-        (!rest.is_empty()).then_some((&self.rest, &mut self.posed))
+impl<T: Pod> Default for Last<T> {
+    fn default() -> Self {
+        Self {
+            rest: [[T::zeroed(); BLOCK]],
+            posed: [[T::zeroed(); BLOCK]],
+        }
+    }
+}
+
+impl<T: Pod> Last<T> {
+    /// Copies the last vertices to the end of the buffer.
+    fn put(&self, posed: &mut [T]) {
+        let whole = posed.len() / BLOCK * BLOCK;
+        copy(&mut posed[whole..], &self.posed[0]);
     }
 }
 
