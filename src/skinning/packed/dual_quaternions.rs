@@ -134,7 +134,7 @@ impl Deformation for PackedDualQuaternionBlend<'_> {
             return unsafe { avx2::deform(palette, influences, rest, posed) };
         }
         move_by_dual_quaternions(rest, posed, |index| {
-            let influences = influences.get(index).into_iter();
+            let influences = influences.vertices().get(index).into_iter();
             let influences = influences.flat_map(|four| four.iter());
             let mut sum = DualQuaternion::ZERO;
             let mut pivot = None;

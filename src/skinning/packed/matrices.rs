@@ -84,6 +84,7 @@ impl Deformation for PackedLinearBlend<'_> {
         move_by_matrices(rest, posed, |index| {
             let mut sum = Affine3A::ZERO;
             for (bone, weight) in influences
+                .vertices()
                 .get(index)
                 .into_iter()
                 .flat_map(|four| four.iter())

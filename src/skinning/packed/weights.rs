@@ -38,7 +38,17 @@ impl PackedWeights {
         if bones > 1 << 16 {
             return Err(WeightsError::TooManyBones { bones });
         }
-        let pack = |(vertex, influences)| {
+        let pack = |(vertex, influences): (usize, &[Influence])| {
+            // Checked when they were built; once more, as the kernel relies on it.
+            let beyond = |i: &&Influence| i.bone as usize >= bones;
+            if let Some(influence) = influences.iter().find(beyond) {
+                let bone = influence.bone as usize;
+                return Err(WeightsError::BoneOutOfRange {
+                    vertex,
+                    bone,
+                    bones,
+                });
+            }
             four(influences).ok_or(WeightsError::TooManyInfluences {
                 vertex,
                 influences: influences.len(),
@@ -64,9 +74,31 @@ impl PackedWeights {
     }
 
     /// So many vertices from number `first` on.
-    pub(super) fn part(&self, first: usize, count: usize) -> &[FourInfluences] {
+    pub(super) fn part(&self, first: usize, count: usize) -> Part<'_> {
         let range = first..first.saturating_add(count);
-        self.vertices.get(range).unwrap_or(&[])
+        Part {
+            vertices: self.vertices.get(range).unwrap_or(&[]),
+            bone_count: self.bone_count,
+        }
+    }
+}
+
+/// Some vertices' influences, all of whose bones are below a count.
+#[derive(Clone, Copy)]
+pub(super) struct Part<'a> {
+    vertices: &'a [FourInfluences],
+    bone_count: usize,
+}
+
+impl<'a> Part<'a> {
+    pub(super) fn vertices(self) -> &'a [FourInfluences] {
+        self.vertices
+    }
+
+    /// How many transforms there must be.
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn bone_count(self) -> usize {
+        self.bone_count
     }
 }
 

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use glam::{Affine3A, Vec4};
 
 use super::lanes::{lower, transposed, upper};
-use super::{BLOCK, Blended};
+use super::{BLOCK, Blended, entry};
 use crate::skinning::packed::weights::FourInfluences;
 
 /// A transform as two registers: the columns x and y, then z and the translation; each column with
@@ -51,8 +51,9 @@ pub(super) fn blended<const STRETCH: bool>(
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn blend(palette: &[Columns], four: &FourInfluences) -> Columns {
-    // Packing checked that every bone is in the palette.
-    let column = |place: usize| palette[usize::from(four.bones[place])];
+    // SAFETY: packing checked the bones, and `deform` that the palette has as many.
+    #[allow(unsafe_code)]
+    let column = |place: usize| unsafe { entry(palette, four.bones[place]) };
     let weight = |place: usize| _mm256_set1_ps(four.weights[place]);
     let mut sum = column(0).map(|entries| _mm256_mul_ps(entries, weight(0)));
     for place in 1..four.bones.len() {

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::lanes::{Vectors, lower, transposed, upper};
-use super::{BLOCK, Blended};
+use super::{BLOCK, Blended, entry};
 use crate::skinning::packed::weights::FourInfluences;
 
 /// A dual quaternion in one register: the real part x, y, z, w, then the dual part.
@@ -29,8 +29,9 @@ pub(super) fn blended<const STRETCH: bool>(
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn blend(palette: &[Motion], four: &FourInfluences) -> Motion {
-    // Packing checked that every bone is in the palette.
-    let [pivot, a, b, c] = four.bones.map(|bone| palette[usize::from(bone)]);
+    // SAFETY: packing checked the bones, and `deform` that the palette has as many.
+    #[allow(unsafe_code)]
+    let [pivot, a, b, c] = four.bones.map(|bone| unsafe { entry(palette, bone) });
     let products = [a, b, c].map(|motion| _mm_mul_ps(lower(pivot), lower(motion)));
     let pairs = _mm_hadd_ps(products[0], products[1]);
     let dots = _mm_hadd_ps(pairs, _mm_hadd_ps(products[2], products[2]));
