@@ -230,3 +230,10 @@ fn what_cannot_be_sampled_is_an_error() {
     );
     assert_eq!(clip.sample(0.0, Playback::Hold, &mut [0.0; 9]), Ok(()));
 }
+
+#[test]
+fn tracks_without_keys_are_left_out_and_told() {
+    let clip = clip(3, &[(2, &[]), (0, &[(0.0, [0.1, 0.2, 0.3])]), (1, &[])]);
+    let told: Vec<usize> = clip.keyless().iter().map(|bone| bone.index()).collect();
+    assert_eq!((clip.tracks().len(), told), (1, vec![2, 1]));
+}

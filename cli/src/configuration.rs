@@ -78,9 +78,24 @@ impl LoadedModel {
         Ok(numbers)
     }
 
-    /// The rig's keyframes; `option` is what needs them.
+    /// The rig's keyframes; `option` is what needs them. Says on standard error which bones have
+    /// tracks without keys.
     pub(crate) fn keyframes(&self, option: &str) -> Outcome<&EulerClip> {
         let clip = self.rig.as_ref().map(|rig| &rig.clip);
+        if let Some(rig) = self
+            .rig
+            .as_ref()
+            .filter(|rig| !rig.clip.keyless().is_empty())
+        {
+            let bones = rig.skeleton.bones();
+            let names = rig.clip.keyless().iter();
+            let names = names.filter_map(|bone| Some(bones.get(bone.index())?.name.as_str()));
+            let names: Vec<&str> = names.collect();
+            output::message(&format!(
+                "note: {}: tracks without keys are left out",
+                names.join(", ")
+            ));
+        }
         clip.filter(|clip| !clip.is_empty()).ok_or_else(|| {
             Failure::new(format!(
                 "{}: {option} needs keyframes, and the {} has none",

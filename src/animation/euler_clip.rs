@@ -28,6 +28,8 @@ pub struct EulerClip {
     pub(super) tracks: Vec<EulerTrack>,
     /// One for each track.
     pub(super) between: Vec<EulerInterpolation>,
+    /// Whose tracks had no keys.
+    keyless: Vec<BoneId>,
 }
 
 /// What is wrong with keyframes. Tracks and keys are counted from 0 in the order given.
@@ -95,8 +97,8 @@ pub enum ClipError {
 }
 
 impl EulerClip {
-    /// A clip of tracks in any order, with Catmull-Rom splines between keys; tracks without keys are
-    /// dropped.
+    /// A clip of tracks in any order, with Catmull-Rom splines between keys. Tracks without keys are
+    /// left out; [`keyless`](Self::keyless) tells whose.
     ///
     /// # Errors
     /// A [`ClipError`]: two tracks for one bone, a number that is not finite, or key times that do
@@ -127,17 +129,26 @@ impl EulerClip {
                 previous = time;
             }
         }
-        let mut tracks = tracks;
-        tracks.retain(|track| !track.keys.is_empty());
+        let (empty, mut tracks): (Vec<_>, Vec<_>) =
+            tracks.into_iter().partition(|track| track.keys.is_empty());
         tracks.sort_by_key(|track| track.bone);
-        let between = vec![EulerInterpolation::default(); tracks.len()];
-        Ok(Self { tracks, between })
+        Ok(Self {
+            between: vec![EulerInterpolation::default(); tracks.len()],
+            keyless: empty.iter().map(|track| track.bone).collect(),
+            tracks,
+        })
     }
 
     /// The tracks, sorted by bone; each has at least one key.
     #[must_use]
     pub fn tracks(&self) -> &[EulerTrack] {
         &self.tracks
+    }
+
+    /// The bones whose tracks were given without keys and left out.
+    #[must_use]
+    pub fn keyless(&self) -> &[BoneId] {
+        &self.keyless
     }
 
     /// A bone's keys; empty when it has none.
