@@ -1,6 +1,7 @@
 //! Clips: keyed channels of many bones, sampled a whole pose at a time.
 
 mod arcs;
+mod bones;
 mod builder;
 mod channel;
 mod channels;

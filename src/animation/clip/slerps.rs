@@ -3,6 +3,7 @@
 use glam::{Quat, Vec4};
 
 use super::arcs::{Arc, weights};
+use super::bones::Bones;
 use super::timelines::{Progress, Segment, Timelines, Track};
 use crate::animation::rotation::RotationCurve;
 
@@ -13,9 +14,7 @@ const WIDTH: usize = 4;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Slerps {
     timelines: Timelines,
-    bones: Vec<u32>,
-    /// Whether the tracks are those of the first bones in their order: no need to look them up.
-    is_first_bones: bool,
+    bones: Bones,
     keys: Vec<Quat>,
     /// From each key to the track's next; meaningless at its last.
     arcs: Vec<Arc>,
@@ -73,8 +72,7 @@ impl Slerps {
         let (timelines, tracks) = Timelines::arrange(tracks, RotationCurve::times);
         let arcs: Vec<Vec<Arc>> = tracks.iter().map(|track| arcs(&track.curve)).collect();
         Self {
-            is_first_bones: (0..).zip(&tracks).all(|(k, track)| track.target == k),
-            bones: tracks.iter().map(|track| track.target as u32).collect(),
+            bones: Bones::of(&tracks),
             keys: timelines.in_order(|track| tracks[track].curve.rotations()),
             arcs: timelines.in_order(|track| &arcs[track]),
             timelines,
@@ -82,24 +80,19 @@ impl Slerps {
     }
 
     pub(super) fn count(&self) -> usize {
-        self.bones.len()
+        self.bones.list.len()
     }
 
     /// The tracks again.
     pub(super) fn tracks(&self) -> impl Iterator<Item = Track<RotationCurve>> + '_ {
-        let bones = self.bones.iter().zip(self.timelines.by_track(&self.keys));
-        bones.filter_map(|(&bone, (times, keys))| {
-            // They passed the same check before.
-            let curve = RotationCurve::slerp(times, keys).ok()?;
-            let target = bone as usize;
-            Some(Track { target, curve })
-        })
+        self.bones
+            .tracks(&self.timelines, &self.keys, RotationCurve::slerp)
     }
 
     pub(super) fn start(&self) -> SlerpSegments {
         SlerpSegments {
             progress: Progress::default(),
-            groups: vec![Group::default(); self.bones.len().div_ceil(WIDTH)],
+            groups: vec![Group::default(); self.bones.list.len().div_ceil(WIDTH)],
         }
     }
 
@@ -114,8 +107,8 @@ impl Slerps {
             }
         });
         let time = Vec4::splat(time);
-        let in_place = if self.is_first_bones {
-            self.bones.len() / WIDTH
+        let in_place = if self.bones.are_first {
+            self.bones.list.len() / WIDTH
         } else {
             0
         };
@@ -123,7 +116,11 @@ impl Slerps {
         for (group, room) in groups.iter().zip(places) {
             room.copy_from_slice(&group.at(time));
         }
-        for (group, bones) in groups.iter().zip(self.bones.chunks(WIDTH)).skip(in_place) {
+        for (group, bones) in groups
+            .iter()
+            .zip(self.bones.list.chunks(WIDTH))
+            .skip(in_place)
+        {
             for (&bone, rotation) in bones.iter().zip(group.at(time)) {
                 out[bone as usize] = rotation;
             }

@@ -2,6 +2,7 @@
 
 use glam::{Vec3A, Vec4, Vec4Swizzles};
 
+use super::bones::Bones;
 use super::timelines::{Progress, Segment, Timelines, Track};
 use crate::animation::curve::KeyedCurve;
 
@@ -9,9 +10,7 @@ use crate::animation::curve::KeyedCurve;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Vectors {
     timelines: Timelines,
-    bones: Vec<u32>,
-    /// Whether the tracks are those of the first bones in their order: no need to look them up.
-    is_first_bones: bool,
+    bones: Bones,
     keys: Vec<Vec3A>,
 }
 
@@ -53,26 +52,20 @@ impl Vectors {
     pub(super) fn new(tracks: Vec<Track<KeyedCurve<Vec3A>>>) -> Self {
         let (timelines, tracks) = Timelines::arrange(tracks, KeyedCurve::times);
         Self {
-            is_first_bones: (0..).zip(&tracks).all(|(k, track)| track.target == k),
             keys: timelines.in_order(|track| tracks[track].curve.values()),
-            bones: tracks.iter().map(|track| track.target as u32).collect(),
+            bones: Bones::of(&tracks),
             timelines,
         }
     }
 
     pub(super) fn count(&self) -> usize {
-        self.bones.len()
+        self.bones.list.len()
     }
 
     /// The tracks again.
     pub(super) fn tracks(&self) -> impl Iterator<Item = Track<KeyedCurve<Vec3A>>> + '_ {
-        let bones = self.bones.iter().zip(self.timelines.by_track(&self.keys));
-        bones.filter_map(|(&bone, (times, keys))| {
-            // They passed the same check before.
-            let curve = KeyedCurve::linear(times, keys).ok()?;
-            let target = bone as usize;
-            Some(Track { target, curve })
-        })
+        self.bones
+            .tracks(&self.timelines, &self.keys, KeyedCurve::linear)
     }
 
     pub(super) fn start(&self) -> VectorSegments {
@@ -92,13 +85,13 @@ impl Vectors {
             }
         });
         let time = Vec4::splat(time);
-        if self.is_first_bones {
+        if self.bones.are_first {
             for (segment, room) in segments.iter().zip(out) {
                 *room = segment.at(time);
             }
             return;
         }
-        for (segment, &bone) in segments.iter().zip(&self.bones) {
+        for (segment, &bone) in segments.iter().zip(&self.bones.list) {
             out[bone as usize] = segment.at(time);
         }
     }
