@@ -4,14 +4,11 @@
 //! five rounds counts.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-#[path = "../tests/lane_chains/mod.rs"]
-mod lane_chains;
-
 use std::time::Instant;
 
 use kinopt::lanes::{Chain, LaneOptions, Outcome, PoseSolver, Search};
 use kinopt::spatial::Placement;
-use lane_chains::{Random, panda, target, ur5};
+use support::lane_chains::{Random, panda, target, ur5};
 
 const POSES: usize = 2000;
 

@@ -1,0 +1,74 @@
+//! Promise: after the first few questions an arm allocates nothing, alone and in batches, whatever
+//! the options, also where the target is out of reach.
+#![allow(clippy::unwrap_used)]
+
+use crate::counting_allocator::allocations;
+use kinopt::Solution;
+use kinopt::arm::{Arm, ArmBuilder, Goal, Outcome, Search};
+use kinopt::spatial::Placement;
+use support::arms::{Random, panda, robot};
+
+/// Questions: targets, every fifth out of reach, and starts, one configuration after another.
+fn questions(arm: &Arm, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
+    let mut random = Random(51);
+    let mut starts = Vec::new();
+    let goals = (0..count).map(|k| {
+        let truth = random.configuration(arm);
+        let mut goal = arm.base_from_tool(&truth).unwrap();
+        if k % 5 == 4 {
+            goal.translation.x += 3.0;
+        }
+        // Every other start is near the answer, for moves that are bounded.
+        match k % 2 {
+            0 => starts.extend(truth.iter().map(|v| v + 0.1 * random.unit())),
+            _ => starts.extend(random.configuration(arm)),
+        }
+        goal
+    });
+    (goals.collect(), starts)
+}
+
+fn nothing_after_the_first(what: &str, builder: ArmBuilder<'_>) {
+    let arm = builder.with_atlas(false).with_attempts(12).build().unwrap();
+    let n = arm.joint_count();
+    let (goals, starts) = questions(&arm, 15);
+    let mut solution = Solution::default();
+    let mut solve_all = || {
+        for (goal, start) in goals.iter().zip(starts.chunks(n)) {
+            arm.solve_into(*goal, start, &mut solution).unwrap();
+        }
+    };
+    // Twice the same questions: what the first round has room for, the second needs.
+    solve_all();
+    assert_eq!(allocations(&mut solve_all), 0, "{what}: solve_into");
+    let mut q = vec![0.0; starts.len()];
+    let mut outcomes = vec![Outcome::default(); goals.len()];
+    let mut solve_batch = || {
+        arm.solve_batch_into(&goals, &starts, &mut q, &mut outcomes)
+            .unwrap();
+    };
+    solve_batch();
+    assert_eq!(allocations(&mut solve_batch), 0, "{what}: solve_batch_into");
+    assert!(outcomes.iter().any(|o| o.reached) && outcomes.iter().any(|o| !o.reached));
+}
+
+#[test]
+fn whatever_the_options() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip).unwrap();
+    nothing_after_the_first("start", builder());
+    nothing_after_the_first("first", builder().with_search(Search::First));
+    nothing_after_the_first("nearest", builder().with_search(Search::Nearest));
+    nothing_after_the_first("position", builder().with_goal(Goal::position()));
+    nothing_after_the_first("bounded moves", builder().with_max_move(&[0.5; 7]));
+    nothing_after_the_first("posture", builder().with_posture(&[0.3; 7]));
+    let limit = std::time::Duration::from_secs(3600);
+    nothing_after_the_first("time limit", builder().with_time_limit(limit));
+}
+
+#[test]
+fn a_chain_with_a_follower() {
+    let robot = robot("aldebaran_nao");
+    let builder = Arm::builder(&robot, "torso", "right_sole").unwrap();
+    nothing_after_the_first("follower", builder);
+}

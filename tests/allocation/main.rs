@@ -1,0 +1,5 @@
+//! What allocates, and how much.
+
+mod arm;
+mod counting_allocator;
+mod solver;

@@ -1,0 +1,210 @@
+//! Promise: a bone that aims points where it was asked, upright where it can be, by its weight.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{Affine3A, Quat, Vec3A};
+use kinopt::animation::{Aim, AimError, AimGoal, Armature, Pose};
+use kinopt::skeleton::BoneId;
+use support::armatures::{apart, difference, model_by_ancestors, rotation, vector};
+use support::limbs::{arm, bent};
+use support::random::Random;
+
+/// The hand of a bent arm, and where it is in the model.
+fn cases(count: usize) -> impl Iterator<Item = (Armature, BoneId, Pose, Affine3A, Random)> {
+    (0..count).map(|case| {
+        let mut random = Random::new(400 + case as u64);
+        let armature = arm();
+        let pose = bent(&armature, &mut random);
+        let hand = armature.bone("hand").unwrap();
+        let model = model_by_ancestors(&armature, &pose)[hand.index()];
+        (armature, hand, pose, model, random)
+    })
+}
+
+/// A direction, never one of the axes.
+fn direction(random: &mut Random) -> Vec3A {
+    rotation(random, 2.0) * Vec3A::new(0.8, 0.6, 0.0)
+}
+
+fn turned(aim: &Aim, armature: &Armature, pose: &Pose, goal: &AimGoal) -> Option<(Pose, Affine3A)> {
+    let mut posed = pose.clone();
+    let there = aim.turn(armature, &mut posed, goal).unwrap();
+    if !there {
+        assert_eq!(&posed, pose);
+        return None;
+    }
+    let hand = armature.bone("hand").unwrap();
+    let model = model_by_ancestors(armature, &posed)[hand.index()];
+    Some((posed, model))
+}
+
+#[test]
+fn it_points_at_the_target_by_the_shortest_arc() {
+    for (armature, hand, pose, before, mut random) in cases(200) {
+        let forward = direction(&mut random);
+        let target = before.translation + direction(&mut random) * random.within(0.05, 4.0) as f32;
+        let aim = Aim::new(&armature, hand, forward * 3.0).unwrap();
+        let goal = AimGoal::at(target);
+        let (posed, after) = turned(&aim, &armature, &pose, &goal).unwrap();
+        let way = (target - before.translation).normalize();
+        let points = after.transform_vector3a(forward);
+        assert!(points.cross(way).length() < 1e-5 && points.dot(way) > 0.0);
+        // The arc is as long as the angle between the two directions: no roll.
+        let angle = before.transform_vector3a(forward).angle_between(way);
+        let [was, is] = [before, after].map(|m| Quat::from_mat3a(&m.matrix3));
+        assert!((apart(was, is) - angle).abs() < 1e-3);
+        // Half the weight is half the turn, and nothing else moves.
+        let goal = AimGoal {
+            weight: 0.5,
+            ..goal
+        };
+        let (_, half) = turned(&aim, &armature, &pose, &goal).unwrap();
+        let half = Quat::from_mat3a(&half.matrix3);
+        assert!((apart(was, half) - 0.5 * angle).abs() < 1e-3);
+        for index in (0..armature.bones()).filter(|&index| index != hand.index()) {
+            assert_eq!(posed.rotations()[index], pose.rotations()[index]);
+        }
+    }
+}
+
+#[test]
+fn its_up_axis_goes_up_as_far_as_it_can_and_twists_from_there() {
+    for (armature, hand, pose, before, mut random) in cases(200) {
+        let (forward, up) = (direction(&mut random), Vec3A::Z);
+        if forward.cross(up).length() < 0.1 {
+            continue;
+        }
+        let target = before.translation + direction(&mut random);
+        let asked = direction(&mut random);
+        let aim = Aim::new(&armature, hand, forward)
+            .unwrap()
+            .with_up(up)
+            .unwrap();
+        let goal = AimGoal {
+            up: Some(asked * 5.0),
+            ..AimGoal::at(target)
+        };
+        let (_, after) = turned(&aim, &armature, &pose, &goal).unwrap();
+        let way = (target - before.translation).normalize();
+        assert!(after.transform_vector3a(forward).cross(way).length() < 1e-5);
+        let across = |v: Vec3A| v.reject_from(way).normalize();
+        if asked.cross(way).length() > 0.05 {
+            let is = across(after.transform_vector3a(up));
+            assert!(is.dot(across(asked)) > 1.0 - 1e-5);
+        }
+        let twist = random.within(-3.0, 3.0) as f32;
+        let goal = AimGoal { twist, ..goal };
+        let (_, twisted) = turned(&aim, &armature, &pose, &goal).unwrap();
+        let about = Quat::from_axis_angle(way.into(), twist);
+        let expected = about * after.transform_vector3a(up);
+        assert!((twisted.transform_vector3a(up) - expected).length() < 1e-5);
+    }
+}
+
+#[test]
+fn from_a_muzzle_the_line_goes_through_the_target() {
+    let mut short = 0;
+    for (armature, hand, pose, before, mut random) in cases(300) {
+        let (forward, muzzle) = (direction(&mut random), vector(&mut random, 0.3));
+        let target = before.translation + direction(&mut random) * random.within(0.02, 2.0) as f32;
+        let aim = Aim::new(&armature, hand, forward).unwrap();
+        let aim = aim.with_muzzle(muzzle).unwrap();
+        let after = turned(&aim, &armature, &pose, &AimGoal::at(target));
+        let Some((_, after)) = after else {
+            // No point of the ray is that near to the joint.
+            let distance = (target - before.translation).length();
+            let ahead = (-muzzle.dot(forward)).max(0.0);
+            assert!((muzzle + forward * ahead).length() > distance - 1e-5);
+            short += 1;
+            continue;
+        };
+        let from = after.transform_point3a(muzzle);
+        let points = after.transform_vector3a(forward);
+        let way = target - from;
+        assert!(points.cross(way).length() < 2e-5 && points.dot(way) > -1e-5);
+    }
+    assert!((1..150).contains(&short), "{short}");
+}
+
+#[test]
+fn a_scaled_bone_points_from_its_muzzle_too() {
+    for (armature, hand, mut pose, _, mut random) in cases(100) {
+        // One scale above the bone and one of its own.
+        for bone in [armature.bone("hips").unwrap(), hand] {
+            let mut local = pose.local(bone);
+            local.scale = Vec3A::splat(random.within(0.3, 3.0) as f32);
+            pose.set_local(bone, local).unwrap();
+        }
+        let before = model_by_ancestors(&armature, &pose)[hand.index()];
+        let (forward, muzzle) = (direction(&mut random), vector(&mut random, 0.1));
+        let target = before.translation + direction(&mut random) * 4.0;
+        let aim = Aim::new(&armature, hand, forward).unwrap();
+        let aim = aim.with_muzzle(muzzle).unwrap();
+        let (_, after) = turned(&aim, &armature, &pose, &AimGoal::at(target)).unwrap();
+        let way = target - after.transform_point3a(muzzle);
+        let points = after.transform_vector3a(forward).normalize();
+        assert!(points.cross(way).length() < 2e-5 && points.dot(way) > 0.0);
+    }
+}
+
+#[test]
+fn weight_zero_and_nonsense_change_nothing() {
+    for (armature, hand, pose, before, _) in cases(10) {
+        let aim = Aim::new(&armature, hand, Vec3A::X).unwrap();
+        let target = before.translation + Vec3A::Y;
+        for weight in [0.0, -1.0, f32::NAN] {
+            let mut posed = pose.clone();
+            let goal = AimGoal {
+                weight,
+                ..AimGoal::at(target)
+            };
+            assert!(aim.turn(&armature, &mut posed, &goal).unwrap());
+            assert_eq!(posed, pose);
+        }
+        for target in [Vec3A::NAN, Vec3A::INFINITY] {
+            assert!(turned(&aim, &armature, &pose, &AimGoal::at(target)).is_none());
+        }
+        let plain = turned(&aim, &armature, &pose, &AimGoal::at(target))
+            .unwrap()
+            .0;
+        let goal = AimGoal {
+            up: Some(Vec3A::NAN),
+            twist: f32::NAN,
+            ..AimGoal::at(target)
+        };
+        let upright = aim.with_up(Vec3A::Z).unwrap();
+        let posed = turned(&upright, &armature, &pose, &goal).unwrap().0;
+        assert!(difference(&posed, &plain) < 1e-6);
+        // Opposite directions have no shortest arc, but a turn.
+        let behind = before.translation - before.transform_vector3a(Vec3A::X);
+        let (_, after) = turned(&aim, &armature, &pose, &AimGoal::at(behind)).unwrap();
+        assert!((after.matrix3.x_axis + before.matrix3.x_axis).length() < 1e-3);
+    }
+}
+
+#[test]
+fn what_cannot_aim_is_named() {
+    let armature = arm();
+    let hand = armature.bone("hand").unwrap();
+    let other = support::armatures::armature(30, &mut Random::new(1));
+    let stranger = Aim::new(&armature, other.bone_at(29).unwrap(), Vec3A::X);
+    assert_eq!(stranger, Err(AimError::UnknownBone { bone: 29, bones: 7 }));
+    let axis = "forward";
+    for forward in [Vec3A::ZERO, Vec3A::NAN] {
+        assert_eq!(
+            Aim::new(&armature, hand, forward),
+            Err(AimError::BadAxis { axis })
+        );
+    }
+    let aim = Aim::new(&armature, hand, Vec3A::X).unwrap();
+    assert_eq!(aim.with_up(Vec3A::X * -2.0), Err(AimError::UpIsForward));
+    assert_eq!(
+        aim.with_up(Vec3A::ZERO),
+        Err(AimError::BadAxis { axis: "up" })
+    );
+    assert_eq!(aim.with_muzzle(Vec3A::NAN), Err(AimError::BadMuzzle));
+    let mut foreign = other.rest().clone();
+    assert!(
+        aim.turn(&armature, &mut foreign, &AimGoal::at(Vec3A::X))
+            .is_err()
+    );
+}

@@ -1,0 +1,270 @@
+//! Promise: a state that blends clips by a number shows their mean and keeps them in step.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::Arc;
+
+use kinopt::animation::{
+    Clip, MotionDefinition, StateMachine, StateMachineDefinition, StateMachineRun,
+};
+use support::random::Random;
+use support::state_machines::{armature, clips, hips, machine, run_of};
+
+/// Standing (1 s, height 0), walking (2 s, height 10) and running (1 s, height 20).
+const MACHINE: &str = r#"{
+  "parameters": {"speed": 2.0, "on": true},
+  "initial": "move",
+  "states": [
+    {"name": "move", "blend": {"parameter": "speed", "clips": [
+      {"at": -1.0, "clip": "stand"}, {"at": 1.0, "clip": "walk"}, {"at": 3.0, "clip": "run"}
+    ]}},
+    {"name": "jump", "clip": "jump"},
+    {"name": "back", "speed": -1.0, "blend": {"parameter": "speed", "clips": [
+      {"at": 1.0, "clip": "walk"}, {"at": 3.0, "clip": "run"}
+    ]}}
+  ],
+  "transitions": [{"from": "move", "to": "jump", "seconds": 0.5, "after": 1.0}]
+}"#;
+
+fn moving(speed: f32) -> StateMachineRun {
+    let mut run = run_of(&MACHINE.replace(r#""after": 1.0"#, r#""after": 1e9"#));
+    run.set_number("speed", speed).unwrap();
+    run
+}
+
+fn step(run: &mut StateMachineRun, seconds: f64) -> [f32; 2] {
+    run.update(seconds, |_| {}).unwrap();
+    hips(run)
+}
+
+fn near([ax, ay]: [f32; 2], [bx, by]: [f32; 2]) {
+    assert!(
+        (ax - bx).abs() < 1e-5 && (ay - by).abs() < 1e-4,
+        "{ax} {ay} for {bx} {by}"
+    );
+}
+
+/// What the state shows at a phase: clip x runs from 0 to its length.
+fn expected(speed: f32, phase: f32) -> [f32; 2] {
+    let [low, high, share] = match speed {
+        s if s <= -1.0 => [0.0; 3],
+        s if s < 1.0 => [0.0, 1.0, (s + 1.0) / 2.0],
+        s if s < 3.0 => [1.0, 2.0, (s - 1.0) / 2.0],
+        _ => [2.0, 2.0, 0.0],
+    };
+    let (length, height) = ([1.0, 2.0, 1.0], [0.0, 10.0, 20.0]);
+    let mix =
+        |values: [f32; 3]| values[low as usize] * (1.0 - share) + values[high as usize] * share;
+    [phase * mix(length), mix(height)]
+}
+
+#[test]
+fn between_two_numbers_the_clips_are_mixed_at_one_phase() {
+    for speed in [-5.0, -1.0, -0.25, 0.5, 1.0, 1.5, 2.0, 2.75, 3.0, 9.0] {
+        // Once through takes the mean of the lengths, which is where x ends.
+        let [length, _] = expected(speed, 1.0);
+        for phase in [0.2, 0.7, 0.95] {
+            let mut run = moving(speed);
+            near(
+                step(&mut run, f64::from(phase * length)),
+                expected(speed, phase),
+            );
+            assert!((run.played() - f64::from(phase)).abs() < 1e-6);
+            // One more time around is the same.
+            near(step(&mut run, f64::from(length)), expected(speed, phase));
+        }
+    }
+}
+
+#[test]
+fn as_the_number_changes_the_phase_goes_on() {
+    let mut random = Random::new(12);
+    let (mut run, mut phase, mut speed) = (moving(0.0), 0.0, 0.0f32);
+    for _ in 0..400 {
+        speed = (speed + random.within(-0.3, 0.3) as f32).clamp(-2.0, 4.0);
+        run.set_number("speed", speed).unwrap();
+        let [length, _] = expected(speed, 1.0);
+        phase += 0.013 / f64::from(length);
+        let shown = step(&mut run, 0.013);
+        let place = phase.fract();
+        // Where the loop closes, rounding decides on which side.
+        if (0.001..0.999).contains(&place) {
+            near(shown, expected(speed, place as f32));
+        }
+    }
+}
+
+#[test]
+fn it_says_what_plays_and_events_have_the_clips_weights() {
+    let mut run = moving(1.5);
+    let playing: Vec<(&str, f32)> = run.playing().collect();
+    assert_eq!(playing, [("walk", 0.75), ("run", 0.25)]);
+    let mut heard = Vec::new();
+    run.update(1.0, |fired| {
+        assert_eq!(fired.state, "move");
+        heard.push((
+            fired.clip.to_owned(),
+            fired.event.name.clone(),
+            fired.weight,
+        ));
+    })
+    .unwrap();
+    let expected = [("walk", "walk half", 0.75), ("run", "run half", 0.25)];
+    assert_eq!(
+        heard,
+        expected.map(|(c, e, w)| (c.to_owned(), e.to_owned(), w))
+    );
+    run.set_number("speed", 3.0).unwrap();
+    assert_eq!(run.playing().collect::<Vec<_>>(), [("run", 1.0)]);
+}
+
+#[test]
+fn its_exit_is_by_the_mean_length_and_it_fades_out_as_a_blend() {
+    // Halfway between walk and run once through takes 1.5 s.
+    let mut run = run_of(MACHINE);
+    let [_, y] = step(&mut run, 1.4999);
+    assert!(run.state() == "move" && (y - 15.0).abs() < 1e-4);
+    // A quarter of a second into a fade of half one, from 15 to 30.
+    let [_, y] = step(&mut run, 0.2501);
+    assert!(run.state() == "jump" && (y - 22.5).abs() < 1e-3, "{y}");
+    // From one blend to another.
+    let two = MACHINE.replace(r#""to": "jump""#, r#""to": "back""#);
+    let mut run = run_of(&two);
+    let [x, y] = step(&mut run, 1.75);
+    // Forwards a sixth of the way through, backwards five sixths.
+    assert!(
+        (x - 0.5 * 1.5).abs() < 1e-4 && (y - 15.0).abs() < 1e-4,
+        "{x} {y}"
+    );
+}
+
+#[test]
+fn a_state_entered_in_step_starts_where_the_one_left_is() {
+    let text = |playback: &str, speed: f64| {
+        format!(
+            r#"{{
+          "parameters": {{"go": "trigger"}},
+          "initial": "walk",
+          "states": [
+            {{"name": "walk", "clip": "walk", "playback": "{playback}"}},
+            {{"name": "run", "clip": "run", "speed": {speed:?}}}
+          ],
+          "transitions": [
+            {{"from": "walk", "to": "run", "in_step": true, "seconds": 0.25, "when": [{{"parameter": "go"}}]}},
+            {{"from": "run", "to": "walk", "after": 1.0}}
+          ]
+        }}"#
+        )
+    };
+    // After 3.25 s a walk of 2 s is 1.25 s into its second time; there and back 0.75 s before its
+    // start; held, at its end.
+    for (playback, place) in [("loop", 0.625), ("ping_pong", 0.375), ("hold", 1.0)] {
+        for speed in [1.0, -1.0] {
+            let mut run = run_of(&text(playback, speed));
+            step(&mut run, 3.25);
+            run.trigger("go").unwrap();
+            step(&mut run, 0.0);
+            assert_eq!(run.state(), "run");
+            let [x, y] = step(&mut run, 0.25);
+            // Over the ends of its loop the clip starts again.
+            let shown = place + 0.25 * speed;
+            if (0.0..1.0).contains(&shown) {
+                assert!((x - shown as f32).abs() < 1e-6 && y == 20.0, "{x} {y}");
+            }
+            // Its own way out is once through from there.
+            assert_eq!(run.played(), 0.25);
+            step(&mut run, 0.7);
+            assert_eq!(run.state(), "run");
+            step(&mut run, 0.1);
+            assert_eq!(run.state(), "walk");
+        }
+    }
+}
+
+#[test]
+fn mere_poses_do_not_count_for_the_length() {
+    let armature = armature();
+    let mut all = clips();
+    all.push(Arc::new(Clip::builder("still", &armature).build()));
+    let text = MACHINE.replace(r#""clip": "stand""#, r#""clip": "still""#);
+    let definition: StateMachineDefinition = serde_json::from_str(&text).unwrap();
+    let machine = Arc::new(StateMachine::new(&definition, &all).unwrap());
+    let mut run = StateMachineRun::new(machine, armature.rest()).unwrap();
+    // A tenth walking: 0.4 s are a fifth of the walk's two seconds.
+    run.set_number("speed", -0.8).unwrap();
+    near(step(&mut run, 0.4), [0.1 * 0.4, 1.0]);
+    run.set_number("speed", -3.0).unwrap();
+    near(step(&mut run, 0.4), [0.0, 0.0]);
+}
+
+#[test]
+fn blends_survive_a_round_trip() {
+    let definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
+    let text = serde_json::to_string(&definition).unwrap();
+    let again: StateMachineDefinition = serde_json::from_str(&text).unwrap();
+    assert_eq!(again, definition);
+    assert!(
+        matches!(&again.states[0].motion, MotionDefinition::Blend(blend) if blend.clips.len() == 3)
+    );
+}
+
+#[test]
+fn blends_that_make_no_sense_are_refused_with_their_place() {
+    let refused = |from: &str, to: &str, words: &[&str]| {
+        assert!(MACHINE.contains(from), "{from}");
+        let error = machine(&MACHINE.replacen(from, to, 1))
+            .unwrap_err()
+            .to_string();
+        for word in words {
+            assert!(error.contains(word), "no {word} in: {error}");
+        }
+    };
+    refused(
+        r#""clip": "run""#,
+        r#""clip": "sprint""#,
+        &["states[0].blend.clips[2].clip", "`sprint`", "stand", "jump"],
+    );
+    let parameter = "states[0].blend.parameter";
+    let from = r#""parameter": "speed""#;
+    refused(
+        from,
+        r#""parameter": "sped""#,
+        &[parameter, "number", "`sped`", "speed"],
+    );
+    refused(
+        from,
+        r#""parameter": "on""#,
+        &[parameter, "number", "`on`", "speed"],
+    );
+    refused(
+        r#""at": 3.0"#,
+        r#""at": 1.0"#,
+        &["states[0].blend.clips[2].at", "above 1"],
+    );
+    refused(
+        r#""at": 3.0"#,
+        r#""place": 3.0"#,
+        &["states[0].blend.clips[2]", "place", "at"],
+    );
+    refused(
+        r#""name": "move","#,
+        r#""name": "move", "clip": "run","#,
+        &["states[0]", "`move`", "both"],
+    );
+    refused(
+        r#""clip": "jump"}"#,
+        r#""speed": 1.0}"#,
+        &["states[1]", "`jump`", "neither"],
+    );
+    let mut definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
+    let path_of = |definition: &StateMachineDefinition| {
+        StateMachine::new(definition, &clips()).unwrap_err().path
+    };
+    if let MotionDefinition::Blend(blend) = &mut definition.states[2].motion {
+        blend.clips[1].at = f32::NAN;
+    }
+    assert_eq!(path_of(&definition), "states[2].blend.clips[1].at");
+    if let MotionDefinition::Blend(blend) = &mut definition.states[2].motion {
+        blend.clips.clear();
+    }
+    assert_eq!(path_of(&definition), "states[2].blend.clips");
+}

@@ -1,0 +1,179 @@
+//! Promise: easings start at 0, end at 1, pass the middle where their formulas say, and a drawn
+//! easing is solved for its time.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::animation::{BezierEasing, Easing};
+use support::random::Random;
+
+#[test]
+fn ends_and_middles() {
+    let middles = [0.5, 0.25, 0.75, 0.5, 0.125, 0.875, 0.5];
+    for (easing, middle) in Easing::ALL.into_iter().zip(middles) {
+        assert_eq!(easing.at(0.0), 0.0, "{easing:?}");
+        assert_eq!(easing.at(1.0), 1.0, "{easing:?}");
+        assert_eq!(easing.at(0.5), middle, "{easing:?}");
+        assert_eq!([easing.at(-3.0), easing.at(f32::NAN)], [0.0; 2]);
+        assert_eq!(easing.at(7.0), 1.0);
+        let steps: Vec<f32> = (0..=100).map(|k| easing.at(k as f32 / 100.0)).collect();
+        assert!(steps.is_sorted(), "{easing:?}");
+    }
+}
+
+#[test]
+fn the_sources_formulas() {
+    for k in 0..=64 {
+        let t = k as f32 / 64.0;
+        assert_eq!(Easing::QuadraticIn.at(t), t * t);
+        assert_eq!(Easing::QuadraticOut.at(t), t * (2.0 - t));
+        let expected = if t < 0.5 {
+            4.0 * t * t * t
+        } else {
+            1.0 - (-2.0 * t + 2.0).powi(3) / 2.0
+        };
+        assert!((Easing::CubicInOut.at(t) - expected).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn out_is_in_turned_round() {
+    let pairs = [
+        (Easing::QuadraticIn, Easing::QuadraticOut),
+        (Easing::CubicIn, Easing::CubicOut),
+        (Easing::QuadraticInOut, Easing::QuadraticInOut),
+        (Easing::CubicInOut, Easing::CubicInOut),
+        (Easing::Linear, Easing::Linear),
+    ];
+    for (easing_in, easing_out) in pairs {
+        for k in 0..=50 {
+            let t = k as f32 / 50.0;
+            assert!((easing_in.at(t) - (1.0 - easing_out.at(1.0 - t))).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn a_drawn_easing_passes_the_points_of_its_curve() {
+    let mut random = Random::new(21);
+    for case in 0..300 {
+        let mut unit = || random.unit() as f32;
+        let [first, second] = match case {
+            0 => [[1.0, 0.0], [0.0, 1.0]],
+            1 => [[0.0, 0.0], [1.0, 1.0]],
+            2 => [[0.0, 1.0], [0.0, 1.0]],
+            _ => [[unit(), 3.0 * unit() - 1.0], [unit(), 3.0 * unit() - 1.0]],
+        };
+        let easing = Easing::from(BezierEasing::new(first, second).unwrap());
+        assert_eq!([easing.at(0.0), easing.at(1.0)], [0.0, 1.0]);
+        for k in 1..40 {
+            let u = f64::from(k) / 40.0;
+            let along = |axis: usize| {
+                let (b, c) = (f64::from(first[axis]), f64::from(second[axis]));
+                3.0 * (1.0 - u).powi(2) * u * b + 3.0 * (1.0 - u) * u * u * c + u.powi(3)
+            };
+            // Rounding the time to single precision moves the value by the slope times it.
+            let slope_in_time = 3.0 * (1.0 - u).powi(2) * f64::from(first[0])
+                + 6.0 * (1.0 - u) * u * f64::from(second[0] - first[0])
+                + 3.0 * u * u * f64::from(1.0 - second[0]);
+            if slope_in_time > 1e-2 {
+                let got = f64::from(easing.at(along(0) as f32));
+                assert!((got - along(1)).abs() < 1e-4, "{case} {u}: {got}");
+            }
+        }
+    }
+}
+
+/// CSS's `ease`, `ease-in`, `ease-out` and `ease-in-out`, bisected in decimal arithmetic of 40 digits.
+#[test]
+fn drawn_easings_of_css() {
+    let table = [
+        (
+            [[0.25, 0.1], [0.25, 1.0]],
+            [0.408_510_591_355, 0.802_403_387_585, 0.960_458_978_349],
+        ),
+        (
+            [[0.42, 0.0], [1.0, 1.0]],
+            [0.093_464_650_719, 0.315_356_812_573, 0.621_861_869_175],
+        ),
+        (
+            [[0.0, 0.0], [0.58, 1.0]],
+            [0.378_138_130_825, 0.684_643_187_427, 0.906_535_349_281],
+        ),
+        (
+            [[0.42, 0.0], [0.58, 1.0]],
+            [0.129_161_931_047, 0.500_000_000_000, 0.870_838_068_953],
+        ),
+    ];
+    for (handles, values) in table {
+        let [first, second] = handles.map(|handle| handle.map(|x| x as f32));
+        let easing = Easing::Bezier(BezierEasing::new(first, second).unwrap());
+        for (k, value) in (1..).zip(values) {
+            let got = easing.at(0.25 * f64::from(k));
+            // Handles are kept in single precision.
+            assert!(
+                (got - value).abs() < 1e-7,
+                "{handles:?}: {got}, not {value}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_rate_is_the_derivative() {
+    let drawn = [
+        [[0.42, 0.0], [0.58, 1.0]],
+        [[0.0, 0.0], [1.0, 1.0]],
+        [[0.2, -0.5], [0.9, 1.5]],
+    ]
+    .map(|[first, second]| BezierEasing::new(first, second).unwrap().into());
+    for easing in Easing::ALL.into_iter().chain(drawn) {
+        for k in 1..50 {
+            let (t, h) = (f64::from(k) / 50.0, 1e-5);
+            let slope = (easing.at(t + h) - easing.at(t - h)) / (2.0 * h);
+            // Where the two halves of in-out meet, the second derivative jumps.
+            assert!((easing.rate(t) - slope).abs() < 1e-4, "{easing:?} at {t}");
+        }
+    }
+    // One-sided at the ends: a drawn one leaves along its first handle.
+    let easing = Easing::from(BezierEasing::new([0.5, 0.25], [0.5, 1.0]).unwrap());
+    let [leaving, arriving] = [0.0, 1.0].map(|t: f64| easing.rate(t));
+    assert!((leaving - 0.5).abs() < 1e-4 && arriving.abs() < 1e-4);
+    let upright = Easing::from(BezierEasing::new([0.0, 1.0], [1.0, 1.0]).unwrap());
+    assert!(upright.rate(0.0_f64) > 1e5 && upright.rate(0.0_f64).is_finite());
+}
+
+#[test]
+fn a_drawn_easing_is_two_handles_in_json() {
+    let text = r#"{"bezier":[[0.25,0.5],[0.75,1.0]]}"#;
+    let easing: Easing = serde_json::from_str(text).unwrap();
+    let drawn = BezierEasing::new([0.25, 0.5], [0.75, 1.0]).unwrap();
+    assert_eq!(drawn.handles(), [[0.25, 0.5], [0.75, 1.0]]);
+    assert_eq!(easing, drawn.into());
+    assert_eq!(serde_json::to_string(&easing).unwrap(), text);
+    let backwards = r#"{"bezier": [[-0.25, 0.5], [0.75, 1.0]]}"#;
+    let error = serde_json::from_str::<Easing>(backwards).unwrap_err();
+    assert!(error.to_string().contains("-0.25"), "{error}");
+}
+
+#[test]
+fn handles_that_run_backwards_are_refused() {
+    for handle in [
+        [-0.1, 0.0],
+        [1.1, 0.0],
+        [f32::NAN, 0.0],
+        [0.5, f32::INFINITY],
+    ] {
+        let error = BezierEasing::new(handle, [1.0, 1.0]).unwrap_err();
+        assert!(error.to_string().contains("within [0, 1]"), "{error}");
+        assert!(BezierEasing::new([0.0, 0.0], handle).is_err());
+    }
+}
+
+/// With both handles on the ends the curve is a straight line whose parameter stands still there.
+#[test]
+fn handles_on_the_ends_leave_the_speed_one() {
+    let line = Easing::from(BezierEasing::new([0.0, 0.0], [1.0, 1.0]).unwrap());
+    for time in [0.0_f64, 1e-3, 0.3, 1.0] {
+        assert!((line.at(time) - time).abs() < 1e-9, "{time}");
+        assert!((line.rate(time) - 1.0).abs() < 1e-6, "{time}");
+    }
+}

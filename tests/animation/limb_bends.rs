@@ -1,0 +1,187 @@
+//! Promise: a limb bends in its plane, towards its pole and about its hinge, and moves without jumps.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{Quat, Vec3A};
+use kinopt::animation::{Limb, LimbError, LimbGoal};
+use support::armatures::{rotation, vector};
+use support::limbs::{END, arm, bent, largest_turn, limb, places, reachable, turn};
+use support::random::Random;
+
+#[test]
+fn the_elbow_does_not_flip_as_the_target_swings_past_the_upper_bone() {
+    let armature = arm();
+    let limb = limb(&armature);
+    let mut random = Random::new(96);
+    for _ in 0..50 {
+        let pose = bent(&armature, &mut random);
+        let before = places(&armature, &pose);
+        let radius = (before.end - before.root).length();
+        let way = (before.end - before.root) / radius;
+        // A circle through the end and the line of the upper bone, and a little off that line.
+        let aside = (before.mid - before.root).reject_from(way).normalize();
+        let aside = (aside + vector(&mut random, 0.05))
+            .reject_from(way)
+            .normalize();
+        let mut last = pose.clone();
+        for step in 0..150 {
+            let (sin, cos) = (0.02 * step as f32).sin_cos();
+            let goal = LimbGoal::at(before.root + (way * cos + aside * sin) * radius);
+            let mut posed = pose.clone();
+            limb.reach(&armature, &mut posed, &goal).unwrap();
+            assert!(largest_turn(&last, &posed) < 0.05, "step {step}");
+            last = posed;
+        }
+    }
+}
+
+#[test]
+fn a_straight_limb_without_a_pole_does_not_roll() {
+    let armature = arm();
+    let limb = limb(&armature);
+    let mut random = Random::new(97);
+    for _ in 0..100 {
+        let mut pose = bent(&armature, &mut random);
+        let lower = armature.bone("lower").unwrap();
+        pose.set_local(lower, armature.rest().local(lower)).unwrap();
+        let before = places(&armature, &pose);
+        let way = (before.end - before.root).normalize();
+        // Next to the end, as far from the root: the shortest way there is a turn by 0.02.
+        let across = vector(&mut random, 1.0).reject_from(way).normalize();
+        let goal =
+            LimbGoal::at(before.root + (way * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55);
+        let mut posed = pose.clone();
+        limb.reach(&armature, &mut posed, &goal).unwrap();
+        assert!(largest_turn(&pose, &posed) < 0.03);
+    }
+}
+
+/// The arm stretched along x, where its end is 0.55 from its root.
+fn stretched(random: &mut Random) -> (kinopt::animation::Armature, kinopt::animation::Pose) {
+    let armature = arm();
+    let mut pose = bent(&armature, random);
+    let lower = armature.bone("lower").unwrap();
+    pose.set_local(lower, armature.rest().local(lower)).unwrap();
+    (armature, pose)
+}
+
+#[test]
+fn a_stretched_limb_bends_about_its_hinge_the_way_it_may() {
+    let mut random = Random::new(98);
+    for case in 0..200 {
+        let (armature, mut pose) = stretched(&mut random);
+        // Noise of animation that bends the elbow a little the wrong way must not decide.
+        let noise = [0.0, -0.02][case % 2];
+        turn(&armature, &mut pose, "lower", Quat::from_rotation_z(noise));
+        let limb = limb(&armature).with_hinge(Vec3A::Z * 3.0).unwrap();
+        let goal = LimbGoal::at(reachable(&mut random, &places(&armature, &pose)));
+        let mut posed = pose.clone();
+        limb.reach(&armature, &mut posed, &goal).unwrap();
+        assert!((places(&armature, &posed).end - goal.target).length() < 2e-5);
+        let elbow = posed.local(armature.bone("lower").unwrap()).rotation;
+        let elbow = (elbow * elbow.w.signum()).to_scaled_axis();
+        assert!(elbow.truncate().length() < 4e-3, "{elbow}");
+        assert!(elbow.z > 0.0, "{elbow}");
+        // Next to nothing of the way is next to no change.
+        let goal = LimbGoal {
+            weight: 1e-4,
+            ..goal
+        };
+        let mut posed = pose.clone();
+        limb.reach(&armature, &mut posed, &goal).unwrap();
+        assert!(largest_turn(&pose, &posed) < 0.05);
+    }
+}
+
+#[test]
+fn a_twist_turns_the_limb_about_the_way_to_its_target() {
+    let armature = arm();
+    let limb = limb(&armature);
+    let mut random = Random::new(99);
+    for case in 0..100 {
+        let pose = bent(&armature, &mut random);
+        let before = places(&armature, &pose);
+        let plain = LimbGoal {
+            pole: (case % 2 == 0).then(|| before.root + vector(&mut random, 1.0)),
+            ..LimbGoal::at(reachable(&mut random, &before))
+        };
+        let twist = random.within(-3.0, 3.0) as f32;
+        let reached = |goal: &LimbGoal| {
+            let mut posed = pose.clone();
+            limb.reach(&armature, &mut posed, goal).unwrap();
+            places(&armature, &posed)
+        };
+        let untwisted = reached(&plain);
+        let twisted = reached(&LimbGoal { twist, ..plain });
+        let way = (plain.target - before.root).normalize();
+        let about = Quat::from_axis_angle(way.into(), twist);
+        let elbow = before.root + about * (untwisted.mid - before.root);
+        assert!((twisted.mid - elbow).length() < 1e-4);
+        assert!((twisted.end - plain.target).length() < 2e-5);
+        // Half the weight is half the twist, about the way to where the end is then.
+        let half = LimbGoal {
+            weight: 0.5,
+            ..plain
+        };
+        let [untwisted_half, twisted_half] =
+            [0.0, twist].map(|twist| reached(&LimbGoal { twist, ..half }));
+        let way = (untwisted_half.end - before.root).normalize();
+        let about = Quat::from_axis_angle(way.into(), 0.5 * twist);
+        let elbow = before.root + about * (untwisted_half.mid - before.root);
+        assert!((twisted_half.mid - elbow).length() < 1e-4);
+        let ignored = reached(&LimbGoal {
+            twist: f32::NAN,
+            ..plain
+        });
+        assert_eq!(ignored.mid, untwisted.mid);
+    }
+}
+
+#[test]
+fn a_softened_limb_slows_down_as_it_stretches_and_never_is_straight() {
+    let armature = arm();
+    let mut random = Random::new(100);
+    let pose = bent(&armature, &mut random);
+    let before = places(&armature, &pose);
+    let direction = rotation(&mut random, 3.0) * Vec3A::X;
+    let length = 0.55;
+    let distance = |limb: &Limb, asked: f32| {
+        let mut posed = pose.clone();
+        let goal = LimbGoal::at(before.root + direction * asked);
+        limb.reach(&armature, &mut posed, &goal).unwrap();
+        let end = places(&armature, &posed).end - before.root;
+        assert!(end.normalize().dot(direction) > 1.0 - 1e-6);
+        end.length()
+    };
+    let hard = limb(&armature);
+    let soft = hard.with_softening(0.9).unwrap();
+    // Up to nine tenths of its length it is the same.
+    assert!((distance(&soft, 0.89 * length) - 0.89 * length).abs() < 1e-5);
+    // There the speed is 1 on both sides; one tenth later e^-1 of the last tenth is left.
+    let speed = (distance(&soft, 0.902 * length) - distance(&soft, 0.9 * length)) / 0.002 / length;
+    assert!((speed - 1.0).abs() < 0.05, "{speed}");
+    let left = length * (1.0 - 0.1 * (-1.0f32).exp());
+    assert!((distance(&soft, length) - left).abs() < 1e-5);
+    assert!((distance(&hard, length) - length).abs() < 1e-5);
+    let far: Vec<f32> = (0..20)
+        .map(|k| distance(&soft, length * (0.9 + 0.02 * k as f32)))
+        .collect();
+    assert!(far.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(distance(&soft, 10.0) < length + 1e-6);
+}
+
+#[test]
+fn a_hinge_or_softening_that_is_none_is_refused() {
+    let limb = limb(&arm());
+    for axis in [Vec3A::ZERO, Vec3A::NAN] {
+        assert_eq!(limb.with_hinge(axis), Err(LimbError::BadHinge));
+    }
+    for share in [-0.1, 1.1, f32::NAN] {
+        let error = limb.with_softening(share).unwrap_err().to_string();
+        assert!(error.contains(&share.to_string()), "{error}");
+    }
+    let armature = arm();
+    let upper = armature.bone("upper").unwrap();
+    let lower = armature.bone("lower").unwrap();
+    let infinite = Limb::new(&armature, upper, lower, END * f32::INFINITY);
+    assert_eq!(infinite, Err(LimbError::BadEnd));
+}

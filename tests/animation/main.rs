@@ -1,0 +1,29 @@
+//! Curves, clips, poses, state machines and IK over poses.
+
+mod affine_interpolation;
+mod aims;
+mod armature_skeletons;
+mod averaged_rotations;
+mod blend_states;
+mod clip_events;
+mod clips;
+mod crowds;
+mod drawn_curves;
+mod easing;
+mod euler_interpolation;
+mod keyframe_interpolation;
+mod keys_to_skin;
+mod limb_bends;
+mod limb_ends;
+mod limb_reach;
+mod plane_affine_interpolation;
+mod pose_blending;
+mod poses;
+mod quaternion_algebra;
+mod reach_layers;
+mod rotation_conversions;
+mod rotation_interpolation;
+mod splines;
+mod state_machine_reports;
+mod state_machine_steps;
+mod state_machines;

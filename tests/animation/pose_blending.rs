@@ -1,0 +1,208 @@
+//! Promise: poses blend as their rotations do (slerp, shortest way), masks leave bones alone, and
+//! additive layers add exactly their difference.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::Quat;
+use kinopt::animation::rotation::slerp;
+use kinopt::animation::{Armature, BlendError, BoneMask, Layer, LayerMode, Pose, blend_poses};
+use support::armatures::{apart, armature, difference, pose};
+use support::random::Random;
+
+/// An armature of more than two groups of eight bones, and poses of it.
+fn poses<const N: usize>(random: &mut Random) -> (Armature, [Pose; N]) {
+    let armature = armature(21, random);
+    let poses = std::array::from_fn(|_| pose(&armature, random));
+    (armature, poses)
+}
+
+#[test]
+fn a_cross_fade_is_slerp_of_each_bone() {
+    let mut random = Random::new(81);
+    for _ in 0..60 {
+        let (armature, [from, mut to]) = poses::<2>(&mut random);
+        // The same rotation, written the other way.
+        let bone = armature.bone_at(9).unwrap();
+        let mut local = to.local(bone);
+        local.rotation = -local.rotation;
+        to.set_local(bone, local).unwrap();
+        for share in [0.0, 0.2, 0.5, 0.8, 1.0] {
+            let mut blended = from.clone();
+            blended.cross_fade(&to, share).unwrap();
+            let rotations = from.rotations().iter().zip(to.rotations());
+            for ((a, b), got) in rotations.zip(blended.rotations()) {
+                assert!(apart(*got, slerp(*a, *b, share)) < 5e-5);
+                assert!((got.length() - 1.0).abs() < 1e-6);
+            }
+            let moved = from.translations().iter().zip(to.translations());
+            for ((a, b), got) in moved.zip(blended.translations()) {
+                assert!((*got - (*a + (*b - *a) * share)).length() < 1e-6);
+            }
+        }
+        let mut end = from.clone();
+        end.cross_fade(&to, 7.0).unwrap();
+        assert!(difference(&end, &to) < 2e-6);
+        end = from.clone();
+        end.cross_fade(&to, f32::NAN).unwrap();
+        assert!(difference(&end, &from) < 2e-6);
+    }
+}
+
+#[test]
+fn a_mask_leaves_out_what_it_leaves_out() {
+    let mut random = Random::new(82);
+    let (armature, [from, to]) = poses::<2>(&mut random);
+    let root = armature.bone("bone 3").unwrap();
+    let single = armature.bone("bone 0").unwrap();
+    let mask = BoneMask::none(&armature)
+        .with_subtree(&armature, root, 1.0)
+        .with_bone(single, 0.5)
+        .with_morph_target(armature.morph_target("frown").unwrap(), 1.0);
+    let under = |index: usize| {
+        let mut next = armature.bone_at(index);
+        while let Some(bone) = next {
+            if bone == root {
+                return true;
+            }
+            next = armature.parent(bone);
+        }
+        false
+    };
+    let mut blended = from.clone();
+    blended.cross_fade_masked(&to, 1.0, &mask).unwrap();
+    let mut half = from.clone();
+    half.cross_fade(&to, 0.5).unwrap();
+    for index in 0..armature.bones() {
+        let bone = armature.bone_at(index).unwrap();
+        let expected = match index {
+            0 => &half,
+            _ if under(index) => &to,
+            _ => &from,
+        };
+        let (got, expected) = (blended.local(bone), expected.local(bone));
+        assert!(apart(got.rotation, expected.rotation) < 1e-5, "{index}");
+        assert!((got.translation - expected.translation).length() < 1e-6);
+        assert!((got.scale - expected.scale).length() < 1e-6);
+    }
+    assert_eq!(blended.morph_weights()[0], from.morph_weights()[0]);
+    assert!((blended.morph_weights()[1] - to.morph_weights()[1]).abs() < 1e-6);
+}
+
+#[test]
+fn a_weighted_mean_does_not_care_about_order_or_signs_or_scale() {
+    let mut random = Random::new(83);
+    for _ in 0..30 {
+        let (_, [a, b, c]) = poses::<3>(&mut random);
+        let mut out = a.clone();
+        blend_poses(&[(&a, 0.5), (&b, 0.2), (&c, 0.3)], &mut out).unwrap();
+        let mut other = b.clone();
+        blend_poses(&[(&c, 3.0), (&b, 2.0), (&a, 5.0)], &mut other).unwrap();
+        assert!(difference(&out, &other) < 2e-6);
+        blend_poses(&[(&a, 0.0), (&b, 4.0), (&c, 0.0)], &mut out).unwrap();
+        assert!(difference(&out, &b) < 2e-6);
+        // Half of each of two is the middle of the arc.
+        blend_poses(&[(&a, 1.0), (&b, 1.0)], &mut out).unwrap();
+        let mut middle = a.clone();
+        middle.cross_fade(&b, 0.5).unwrap();
+        assert!(difference(&out, &middle) < 1e-4);
+    }
+}
+
+#[test]
+fn weights_that_are_none_are_errors() {
+    let mut random = Random::new(84);
+    let (_, [a, b]) = poses::<2>(&mut random);
+    let mut out = a.clone();
+    for weight in [-0.1, f32::NAN, f32::INFINITY] {
+        let error = blend_poses(&[(&a, 1.0), (&b, weight)], &mut out).unwrap_err();
+        assert!(
+            matches!(error, BlendError::BadWeight { pose: 1, .. }),
+            "{error}"
+        );
+    }
+    assert_eq!(
+        blend_poses(&[(&a, 0.0)], &mut out),
+        Err(BlendError::NoWeight)
+    );
+    assert_eq!(blend_poses(&[], &mut out), Err(BlendError::NoWeight));
+    assert_eq!(out, a);
+    let small = armature(3, &mut random);
+    let error = blend_poses(&[(&a, 1.0), (small.rest(), 1.0)], &mut out).unwrap_err();
+    assert!(error.to_string().contains("3 bones"), "{error}");
+    assert!(out.cross_fade(small.rest(), 0.5).is_err());
+    let mask = BoneMask::all(&small);
+    assert!(out.cross_fade_masked(&b, 0.5, &mask).is_err());
+}
+
+#[test]
+fn an_additive_layer_adds_its_difference() {
+    let mut random = Random::new(85);
+    for _ in 0..30 {
+        let (armature, [base, layer, reference]) = poses::<3>(&mut random);
+        let additive = |weight: f32, mask: BoneMask| Layer {
+            mode: LayerMode::Additive {
+                reference: reference.clone(),
+            },
+            weight,
+            mask,
+        };
+        let all = || BoneMask::all(&armature);
+        // On its own reference, the whole difference is the layer itself.
+        let mut onto = reference.clone();
+        additive(1.0, all()).apply(&mut onto, &layer).unwrap();
+        assert!(difference(&onto, &layer) < 1e-5);
+        // Nothing of it, or the reference itself, changes nothing.
+        for (weight, pose) in [(0.0, &layer), (f32::NAN, &layer), (1.0, &reference)] {
+            let mut onto = base.clone();
+            additive(weight, all()).apply(&mut onto, pose).unwrap();
+            assert!(difference(&onto, &base) < 2e-6);
+        }
+        // Two halves are a whole.
+        let mut halves = base.clone();
+        for _ in 0..2 {
+            additive(0.5, all()).apply(&mut halves, &layer).unwrap();
+        }
+        let mut whole = base.clone();
+        additive(1.0, all()).apply(&mut whole, &layer).unwrap();
+        let turned = halves.rotations().iter().zip(whole.rotations());
+        assert!(turned.map(|(a, b)| apart(*a, *b)).fold(0.0, f32::max) < 1e-5);
+        // Masked out it does nothing.
+        let mut masked = base.clone();
+        additive(1.0, BoneMask::none(&armature))
+            .apply(&mut masked, &layer)
+            .unwrap();
+        assert!(difference(&masked, &base) < 2e-6);
+        // In place of the base it is a masked cross-fade.
+        let over = Layer {
+            mode: LayerMode::Override,
+            weight: 1.0,
+            mask: all(),
+        };
+        let mut replaced = base.clone();
+        over.apply(&mut replaced, &layer).unwrap();
+        assert!(difference(&replaced, &layer) < 2e-6);
+    }
+}
+
+#[test]
+fn a_lean_on_top_of_a_walk() {
+    let mut random = Random::new(86);
+    let (armature, [walk]) = poses::<1>(&mut random);
+    let spine = armature.bone("bone 2").unwrap();
+    let mut lean = armature.rest().clone();
+    let mut local = lean.local(spine);
+    local.rotation *= Quat::from_rotation_x(0.4);
+    lean.set_local(spine, local).unwrap();
+    let layer = Layer {
+        mode: LayerMode::Additive {
+            reference: armature.rest().clone(),
+        },
+        weight: 0.5,
+        mask: BoneMask::all(&armature),
+    };
+    let mut leaning = walk.clone();
+    layer.apply(&mut leaning, &lean).unwrap();
+    let expected = walk.local(spine).rotation * Quat::from_rotation_x(0.2);
+    assert!(apart(leaning.local(spine).rotation, expected) < 1e-5);
+    let other = armature.bone("bone 7").unwrap();
+    assert!(apart(leaning.local(other).rotation, walk.local(other).rotation) < 1e-6);
+}

@@ -1,0 +1,243 @@
+//! Promise: the optimiser as a layer over animated poses brings tips and held bones where they were
+//! asked, by their weights, and leaves every other bone as it is to the bit.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{Affine3A, Quat, Vec3, Vec3A};
+use kinopt::Solver;
+use kinopt::animation::{
+    Armature, ArmatureBone, LocalTransform, Pose, PoseBridge, ReachError, ReachLayer,
+};
+use kinopt::problem::ProblemError;
+use kinopt::skeleton::BoneId;
+use support::armatures::{apart, difference, model_by_ancestors};
+use support::bones::RandomRig;
+use support::random::Random;
+
+#[test]
+fn angles_and_local_rotations_are_the_same_pose() {
+    for seed in 0..20 {
+        let skeleton = RandomRig::new(seed).skeleton;
+        let (armature, bridge) = (Armature::of_skeleton(&skeleton), PoseBridge::new(&skeleton));
+        let mut random = Random::new(seed);
+        let limits: Vec<_> = skeleton.model().limits().collect();
+        let q: Vec<f64> = limits
+            .iter()
+            .map(|l| random.within(l.lower, l.upper))
+            .collect();
+        let mut pose = armature.rest().clone();
+        bridge.pose_of(&q, &mut pose);
+        let mut model = vec![Affine3A::IDENTITY; armature.bones()];
+        armature.local_to_model(&pose, &mut model).unwrap();
+        let posed = skeleton.pose(&q);
+        for (bone, model) in skeleton.bone_ids().zip(&model) {
+            let tip = Vec3::from(posed.tip(&skeleton, bone).to_array().map(|x| x as f32));
+            let along = Vec3::X * skeleton.bones()[bone.index()].length as f32;
+            assert!((model.transform_point3(along) - tip).length() < 2e-4);
+        }
+        let mut back = vec![f64::NAN; q.len()];
+        bridge.angles_of(&pose, &mut back);
+        let mut again = armature.rest().clone();
+        bridge.pose_of(&back, &mut again);
+        assert!(difference(&pose, &again) < 1e-5);
+        // Of the ways to write a rotation, one within the limits.
+        for (angle, limits) in back.iter().zip(&limits) {
+            assert!(
+                limits.lower - 2e-3 <= *angle && *angle <= limits.upper + 2e-3,
+                "{angle}"
+            );
+        }
+    }
+}
+
+fn tip(armature: &Armature, rig: &RandomRig, pose: &Pose, bone: BoneId) -> Vec3A {
+    let mut model = vec![Affine3A::IDENTITY; armature.bones()];
+    armature.local_to_model(pose, &mut model).unwrap();
+    let along = Vec3A::X * rig.skeleton.bones()[bone.index()].length as f32;
+    model[bone.index()].transform_point3a(along)
+}
+
+#[test]
+fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
+    let mut reached = 0;
+    for seed in 0..8 {
+        let rig = RandomRig::new(100 + seed);
+        let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseBridge::new(skeleton));
+        let mut random = Random::new(seed);
+        let limits: Vec<_> = skeleton.model().limits().collect();
+        let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
+            let angle = |l: &kinopt::model::Limits| {
+                l.lower + (l.upper - l.lower) * random.within(low, high)
+            };
+            limits.iter().map(angle).collect()
+        };
+        let clip = within(&mut random, 0.4, 0.6);
+        let goal = within(&mut random, 0.35, 0.65);
+        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        bridge.pose_of(&clip, &mut pose);
+        bridge.pose_of(&goal, &mut there);
+        let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
+        let mut untouched = pose.clone();
+        assert!(layer.apply(&mut untouched).unwrap().is_none());
+        assert_eq!(untouched, pose);
+
+        let weights = [1.0, 0.5];
+        let wanted = [0, 1].map(|k| {
+            let [from, to] = [&pose, &there].map(|pose| tip(&armature, &rig, pose, tips[k]));
+            let target = skeleton.pose(&goal).tip(skeleton, tips[k]);
+            layer.set_goal(tips[k], target, weights[k]).unwrap();
+            from + (to - from) * weights[k] as f32
+        });
+        let mut posed = pose.clone();
+        let solution = layer.apply(&mut posed).unwrap().unwrap();
+        if solution.reached {
+            reached += 1;
+            for (k, wanted) in wanted.into_iter().enumerate() {
+                assert!((tip(&armature, &rig, &posed, tips[k]) - wanted).length() < 1e-4);
+            }
+        }
+        // Bones that no tip hangs on stay as the clip has them.
+        let moves = |index: usize| {
+            tips.iter().any(|&tip| {
+                let mut next = Some(tip);
+                while next.is_some_and(|bone| bone.index() != index) {
+                    next = next.and_then(|bone| armature.parent(bone));
+                }
+                next.is_some()
+            })
+        };
+        for index in (0..armature.bones()).filter(|&index| !moves(index)) {
+            assert_eq!(pose.rotations()[index], posed.rotations()[index]);
+        }
+        let stranger = rig.tips[4];
+        let error = layer.set_goal(stranger, [0.0; 3].into(), 1.0).unwrap_err();
+        assert_eq!(error.effectors.len(), 2);
+    }
+    assert!(reached >= 6, "{reached} of 8");
+}
+
+#[test]
+fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
+    let mut reached = [0; 3];
+    for seed in 0..8 {
+        let rig = RandomRig::new(200 + seed);
+        let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseBridge::new(skeleton));
+        let mut random = Random::new(seed);
+        let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
+            let limits = skeleton.model().limits();
+            limits
+                .map(|l| l.lower + (l.upper - l.lower) * random.within(low, high))
+                .collect()
+        };
+        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        bridge.pose_of(&within(&mut random, 0.45, 0.55), &mut pose);
+        bridge.pose_of(&within(&mut random, 0.4, 0.6), &mut there);
+        let turned = |pose: &Pose, bone: BoneId| {
+            Quat::from_mat3a(&model_by_ancestors(&armature, pose)[bone.index()].matrix3)
+        };
+        let [moves, still] = [tips[0], tips[1]];
+        let mut layer = ReachLayer::holding(skeleton, tips, tips, Solver::default()).unwrap();
+        for (case, weight) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let mut posed = pose.clone();
+            let target = tip(&armature, &rig, &there, moves);
+            let from = tip(&armature, &rig, &pose, moves);
+            let near = (from + (target - from) * weight).to_array().map(f64::from);
+            // With weight 0 a small way, and held.
+            let near = if case == 0 {
+                near.map(|x| x + 0.005)
+            } else {
+                near
+            };
+            layer.set_goal(moves, near.into(), 1.0).unwrap();
+            let wanted = turned(&there, moves);
+            layer
+                .set_rotation(moves, wanted * -2.0, f64::from(weight))
+                .unwrap();
+            if !layer.apply(&mut posed).unwrap().unwrap().reached {
+                continue;
+            }
+            reached[case] += 1;
+            let [was, is] = [&pose, &posed].map(|pose| turned(pose, moves));
+            let way = apart(was, wanted);
+            assert!((apart(was, is) - weight * way).abs() < 1e-4);
+            assert!((apart(is, wanted) - (1.0 - weight) * way).abs() < 1e-4);
+            // The other end is held where it was.
+            assert!(apart(turned(&pose, still), turned(&posed, still)) < 1e-4);
+        }
+        let stranger = rig.tips[4];
+        let error = layer
+            .set_rotation(stranger, Quat::IDENTITY, 1.0)
+            .unwrap_err();
+        assert_eq!(error.effectors.len(), 2);
+        // No rotation at all is as good as none asked for.
+        let applied = |layer: &mut ReachLayer, rotation: Quat, weight: f64| {
+            layer.set_rotation(moves, rotation, weight).unwrap();
+            let mut posed = pose.clone();
+            layer.apply(&mut posed).unwrap();
+            posed
+        };
+        let held = applied(&mut layer, Quat::IDENTITY, 0.0);
+        for none in [Quat::NAN, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)] {
+            assert_eq!(applied(&mut layer, none, 1.0), held);
+        }
+    }
+    assert!(reached.iter().all(|&count| count >= 6), "{reached:?} of 8");
+}
+
+#[test]
+fn what_cannot_be_reached_for_is_refused_or_left_alone() {
+    let rig = RandomRig::new(300);
+    let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+    let armature = Armature::of_skeleton(skeleton);
+    let target = skeleton
+        .pose(&skeleton.model().neutral())
+        .tip(skeleton, bone);
+
+    // A pose of another armature.
+    let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
+    layer.set_goal(bone, target, 1.0).unwrap();
+    let small = Armature::new(Vec::new(), Vec::new()).unwrap();
+    let error = layer.apply(&mut small.rest().clone()).unwrap_err();
+    assert!(matches!(error, ReachError::Size(_)), "{error}");
+    assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
+
+    // A target that is not finite leaves the tip to the clip, like a rotation that is none.
+    for bad in [f64::NAN, f64::INFINITY] {
+        layer.set_goal(bone, [bad, 0.0, 0.0].into(), 1.0).unwrap();
+        let mut pose = armature.rest().clone();
+        assert!(layer.apply(&mut pose).unwrap().is_none());
+        assert_eq!(&pose, armature.rest());
+    }
+
+    // A bone named twice is one task, which its goal moves.
+    let mut twice = ReachLayer::holding(skeleton, &[bone; 2], &[bone; 2], Solver::default());
+    let mut once = ReachLayer::holding(skeleton, &[bone], &[bone], Solver::default());
+    let poses = [&mut twice, &mut once].map(|layer| {
+        let layer = layer.as_mut().unwrap();
+        let near = target.to_array().map(|x| x * 0.99);
+        layer.set_goal(bone, near.into(), 1.0).unwrap();
+        let mut pose = armature.rest().clone();
+        layer.apply(&mut pose).unwrap();
+        pose
+    });
+    let [twice, once] = poses;
+    assert_eq!(twice, once);
+
+    // A bone of another skeleton is said to be one.
+    let stranger = Armature::new(
+        (0..skeleton.bones().len() + 1)
+            .map(|index| ArmatureBone {
+                name: format!("bone {index}"),
+                parent: None,
+                rest: LocalTransform::IDENTITY,
+            })
+            .collect(),
+        Vec::new(),
+    );
+    let stranger = stranger.unwrap().bone_at(skeleton.bones().len()).unwrap();
+    for (tips, held) in [([stranger], [bone]), ([bone], [stranger])] {
+        let error = ReachLayer::holding(skeleton, &tips, &held, Solver::default()).unwrap_err();
+        assert!(matches!(error, ProblemError::ForeignId { .. }), "{error}");
+    }
+}

@@ -1,0 +1,196 @@
+//! Promise: Euler angles of all twelve orders, axis and angle, quaternion and matrix go round
+//! without loss, in gimbal lock and near it too.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DMat3, DQuat, DVec3};
+use kinopt::animation::rotation::{AxisAngle, EulerOrder};
+use kinopt::model::Limits;
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::spatial::Placement;
+use support::random::Random;
+
+fn apart(a: DQuat, b: DQuat) -> f64 {
+    2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()
+}
+
+#[test]
+fn angles_come_back_and_lock_loses_nothing() {
+    let mut random = Random::new(11);
+    for order in EulerOrder::ALL {
+        let ends = if order.is_proper() {
+            [0.0, PI]
+        } else {
+            [-FRAC_PI_2, FRAC_PI_2]
+        };
+        let middle = 0.5 * (ends[0] + ends[1]);
+        for _ in 0..100 {
+            let outer = [random.within(-PI, PI), random.within(-PI, PI)];
+            let from_end = [0.0, 1e-15, 1e-12, 1e-9, 1e-8, 1e-7, 1e-5, 1e-3, 0.2, 1.0];
+            for (distance, end) in from_end.iter().flat_map(|&d| ends.map(|end| (d, end))) {
+                let beta = end + distance * (middle - end).signum();
+                let angles = [outer[0], beta, outer[1]];
+                let q = order.to_quaternion(angles);
+                let got = order.from_quaternion(q);
+                // At the threshold itself rounding decides.
+                if distance != 1e-9 {
+                    assert_eq!(got.gimbal_lock, distance < 1e-9);
+                }
+                let again = order.to_quaternion(got.angles);
+                let allowed = if got.gimbal_lock { 2e-9 } else { 1e-14 };
+                assert!(apart(q, again) < allowed, "{order:?} {angles:?}: {got:?}");
+                assert!(got.angles.iter().all(|angle| angle.abs() <= PI));
+                let (low, high) = (ends[0] - 1e-12, ends[1] + 1e-12);
+                assert!(low <= got.angles[1] && got.angles[1] <= high);
+                if distance >= 0.2 {
+                    for (a, b) in got.angles.iter().zip(angles) {
+                        assert!((a - b).abs() < 1e-13);
+                    }
+                }
+                if got.gimbal_lock {
+                    assert_eq!(got.angles[2], 0.0);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_three_turns_are_about_the_order_s_axes() {
+    for order in EulerOrder::ALL {
+        let angles = [0.3, 0.4, -0.5];
+        let turns = order.axes().into_iter().zip(angles);
+        let product = turns.fold(DMat3::IDENTITY, |product, (axis, angle)| {
+            let (sin, cos) = f64::sin_cos(angle);
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let mut turn = [[0.0; 3]; 3];
+            turn[axis][axis] = 1.0;
+            (turn[next][next], turn[last][last]) = (cos, cos);
+            (turn[next][last], turn[last][next]) = (sin, -sin);
+            product * DMat3::from_cols_array_2d(&turn)
+        });
+        assert!(order.to_matrix(angles).abs_diff_eq(product, 1e-15));
+    }
+}
+
+#[test]
+fn a_bone_s_angles_are_xzx_from_the_last_to_the_first() {
+    let bone = Bone {
+        name: "bone".into(),
+        parent: None,
+        length: 1.0,
+        model_from_rest: Placement::identity(),
+        limits: [Limits::UNBOUNDED; 3],
+    };
+    let skeleton = Skeleton::new("one bone", vec![bone]).unwrap();
+    let [first, bend, second] = [0.7, -1.1, 0.4];
+    let posed = skeleton.pose(&[first, bend, second]).model_from_bone[0].rotation;
+    let ours = EulerOrder::Xzx.to_matrix([second, bend, first]);
+    for (column, ours) in [posed.x, posed.y, posed.z]
+        .iter()
+        .zip(ours.to_cols_array_2d())
+    {
+        for (a, b) in column.to_array().iter().zip(ours) {
+            assert!((a - b).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn axis_and_angle_go_round_near_nothing_and_near_half_a_turn() {
+    let mut random = Random::new(12);
+    for _ in 0..100 {
+        let axis = DVec3::from(<[f64; 3]>::from(random.vector(1.0))).normalize();
+        for angle in [1e-12, 1e-8, 1e-3, 1.0, 3.0, PI - 1e-8, PI - 1e-12] {
+            let turn = AxisAngle { axis, angle };
+            let back = AxisAngle::from_quaternion(turn.to_quaternion());
+            assert!((back.to_rotation_vector() - axis * angle).length() < 2e-15 * (1.0 + angle));
+            // A matrix near the identity holds the sine to rounding only.
+            let back = AxisAngle::from_matrix(&turn.to_matrix());
+            assert!((back.to_rotation_vector() - axis * angle).length() < 1e-14);
+            assert!((back.axis.length() - 1.0).abs() < 1e-15);
+            assert!(apart(turn.to_quaternion(), DQuat::from_mat3(&turn.to_matrix())) < 1e-15);
+        }
+    }
+    // An axis of any length, as the lecture's function takes it.
+    let third = AxisAngle::about(DVec3::new(0.0, 7.0, 0.0), 2.0 * PI / 3.0).unwrap();
+    let expected = DQuat::from_xyzw(0.0, 0.75_f64.sqrt(), 0.0, 0.5);
+    assert!(third.to_quaternion().abs_diff_eq(expected, 1e-15));
+    for none in [DVec3::ZERO, DVec3::NAN] {
+        assert_eq!(AxisAngle::about(none, 1.0), None);
+    }
+    assert_eq!(AxisAngle::from_quaternion(DQuat::IDENTITY).angle, 0.0);
+    assert_eq!(AxisAngle::from_quaternion(-DQuat::IDENTITY).angle, 0.0);
+}
+
+#[test]
+fn one_rotation_has_many_axes_and_angles_but_one_short_vector() {
+    let mut random = Random::new(13);
+    for _ in 0..100 {
+        let axis = DVec3::from(<[f64; 3]>::from(random.vector(1.0))).normalize();
+        let angle = random.within(0.0, PI);
+        let turn = AxisAngle { axis, angle };
+        let others = [
+            (-axis, -angle),
+            (axis, angle + 2.0 * PI),
+            (-axis, 2.0 * PI - angle),
+        ];
+        for (axis, angle) in others {
+            let other = AxisAngle { axis, angle };
+            assert!(other.to_matrix().abs_diff_eq(turn.to_matrix(), 1e-14));
+        }
+        // R_â(‖a‖), and back to the same three numbers.
+        let a = turn.to_rotation_vector();
+        let again = AxisAngle::from_rotation_vector(a);
+        assert!(again.to_matrix().abs_diff_eq(turn.to_matrix(), 1e-15));
+        let back = AxisAngle::from_matrix(&again.to_matrix()).to_rotation_vector();
+        assert!((back - a).length() < 1e-12);
+        // A little more than half a turn is a little less than half a turn the other way: the
+        // rotations are next to each other, and their vectors are a whole turn apart.
+        let [less, more] = [PI - 1e-6, PI + 1e-6].map(|angle| AxisAngle { axis, angle });
+        assert!(apart(less.to_quaternion(), more.to_quaternion()) < 2.1e-6);
+        let [less, more] =
+            [less, more].map(|t| AxisAngle::from_matrix(&t.to_matrix()).to_rotation_vector());
+        assert!(((less - more).length() - 2.0 * PI).abs() < 1e-5);
+    }
+    let nothing = AxisAngle::from_rotation_vector(DVec3::ZERO);
+    assert_eq!((nothing.axis, nothing.angle), (DVec3::X, 0.0));
+}
+
+#[test]
+fn about_x_then_y_then_z_is_zyx_from_the_left() {
+    let mut random = Random::new(14);
+    for _ in 0..50 {
+        let [alpha, beta, gamma] = <[f64; 3]>::from(random.vector(3.0));
+        // f(α, β, γ) = R_z(γ) R_y(β) R_x(α): a vector is turned about the fixed x, y and z in turn.
+        let product = DMat3::from_rotation_z(gamma)
+            * DMat3::from_rotation_y(beta)
+            * DMat3::from_rotation_x(alpha);
+        let ours = EulerOrder::Zyx.to_matrix([gamma, beta, alpha]);
+        assert!(ours.abs_diff_eq(product, 1e-15));
+        // In the object's own axes the same product reads z, then the turned y, then the turned x.
+        let about = |axis: DVec3, angle| DMat3::from_axis_angle(axis, angle);
+        let after_z = about(DVec3::Z, gamma);
+        let after_y = about(after_z * DVec3::Y, beta) * after_z;
+        let after_x = about((after_y * DVec3::X).normalize(), alpha) * after_y;
+        assert!(ours.abs_diff_eq(after_x, 1e-14));
+    }
+}
+
+#[test]
+fn in_gimbal_lock_two_of_three_angles_do_the_same() {
+    // With β = 90° only α − γ counts; the third freedom is lost.
+    let locked = |alpha: f64, gamma: f64| EulerOrder::Zyx.to_matrix([gamma, FRAC_PI_2, alpha]);
+    for by in [0.1, -0.9, 2.0] {
+        assert!(locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7 + by), 1e-15));
+        assert!(!locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7), 0.05));
+    }
+    let found = EulerOrder::Zyx.from_matrix(&locked(0.3, 0.7));
+    assert!(found.gimbal_lock);
+    assert!(
+        EulerOrder::Zyx
+            .to_matrix(found.angles)
+            .abs_diff_eq(locked(0.3, 0.7), 1e-8)
+    );
+}

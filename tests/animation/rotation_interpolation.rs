@@ -1,0 +1,315 @@
+//! Promise: rotations are interpolated along the shortest arc at constant angular speed, safely
+//! also where the two are nearly equal or opposite; curves through rotations have no kink.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{Quat, Vec3, Vec4};
+use kinopt::animation::rotation::{
+    EulerOrder, RotationCurve, RotationHermite, mean_rates, nlerp, slerp, slerp_vectors, squad,
+    squad_control,
+};
+use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, Cursor, LocalTransform, Playback};
+use support::random::Random;
+
+fn rotation(random: &mut Random) -> Quat {
+    let mut part = || random.within(-1.0, 1.0) as f32;
+    Quat::from_xyzw(part(), part(), part(), part() + 1e-3).normalize()
+}
+
+/// The angle between two rotations, in radians, by the half angle's sine.
+fn apart(a: Quat, b: Quat) -> f32 {
+    let (a, b) = (a.as_dquat().normalize(), b.as_dquat().normalize());
+    (2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()) as f32
+}
+
+#[test]
+fn the_slerp_table_from_nothing_to_120_degrees_about_y() {
+    let end = Quat::from_axis_angle(Vec3::Y, 120_f32.to_radians());
+    let table = [
+        (0.00, 0.0, [1.000, 0.000, 0.000, 0.000]),
+        (0.25, 30.0, [0.966, 0.000, 0.259, 0.000]),
+        (0.50, 60.0, [0.866, 0.000, 0.500, 0.000]),
+        (0.75, 90.0, [0.707, 0.000, 0.707, 0.000]),
+        (1.00, 120.0, [0.500, 0.000, 0.866, 0.000]),
+    ];
+    for (t, degrees, wxyz) in table {
+        let q = slerp(Quat::IDENTITY, end, t);
+        for (got, expected) in [q.w, q.x, q.y, q.z].iter().zip(wxyz) {
+            assert!((got - expected).abs() < 5.1e-4, "{t}: {q}");
+        }
+        let angle = 2.0 * q.w.clamp(-1.0, 1.0).acos().to_degrees();
+        assert!((angle - degrees).abs() < 1e-3, "{t}: {angle}");
+    }
+}
+
+#[test]
+fn slerp_turns_at_constant_speed_and_nlerp_does_not() {
+    let mut random = Random::new(1);
+    for _ in 0..200 {
+        let (from, to) = (rotation(&mut random), rotation(&mut random));
+        let whole = apart(from, to);
+        let at = |step: i32| slerp(from, to, step as f32 / 16.0);
+        for step in 0..16 {
+            let turned = apart(at(step), at(step + 1));
+            assert!((turned - whole / 16.0).abs() < 2e-6, "{turned} of {whole}");
+        }
+    }
+    let wide = Quat::from_axis_angle(Vec3::X, 3.0);
+    let quarter = apart(Quat::IDENTITY, nlerp(Quat::IDENTITY, wide, 0.25));
+    assert!((quarter - 0.75).abs() > 0.05, "{quarter}");
+}
+
+/// Frame by frame as a clip plays, from turns of nothing to half a turn.
+#[test]
+fn a_clip_turns_at_constant_speed() {
+    let mut random = Random::new(7);
+    let turns = [0.0, 1e-6, 1e-3, 0.1, 1.0, 2.5, 3.1, 3.13];
+    for angle in turns {
+        let bone = ArmatureBone {
+            name: "bone".into(),
+            parent: None,
+            rest: LocalTransform::IDENTITY,
+        };
+        let armature = Armature::new(vec![bone], Vec::new()).unwrap();
+        let from = rotation(&mut random);
+        let axis = rotation(&mut random).xyz().normalize();
+        let to = -(from * Quat::from_axis_angle(axis, angle));
+        let curve = RotationCurve::slerp(vec![0.0, 2.0], vec![from, to]).unwrap();
+        let mut builder = Clip::builder("turn", &armature);
+        let bone = armature.bone("bone").unwrap();
+        builder.channel(bone, Channel::Rotation(curve)).unwrap();
+        let clip = builder.build();
+        let (mut cursor, mut pose) = (Cursor::new(), armature.rest().clone());
+        let mut last = from;
+        for frame in 1..=32 {
+            let time = 2.0 * f64::from(frame) / 32.0;
+            clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
+                .unwrap();
+            let now = pose.rotations()[0];
+            assert!((apart(last, now) - angle / 32.0).abs() < 2e-6, "{angle}");
+            last = now;
+        }
+    }
+}
+
+/// A straight line between Euler angles zyx turns by √(ż² + ẏ² + ẋ² − 2 ż ẋ sin y): neither at constant
+/// speed nor the shortest way.
+#[test]
+fn straight_lines_between_euler_angles_are_uneven_detours() {
+    let order = EulerOrder::Zyx;
+    let (from, rate) = ([0.0, -1.3, 0.0], [2.6, 2.6, 2.6_f64]);
+    let at = |t: f64| {
+        let angles = std::array::from_fn(|k| from[k] + t * rate[k]);
+        (order.to_quaternion(angles).as_quat(), angles[1])
+    };
+    let (mut way, mut speeds) = (0.0, Vec::new());
+    for step in 0..100 {
+        let t = f64::from(step) / 100.0;
+        let turned = apart(at(t).0, at(t + 0.01).0);
+        let [z, y, x] = rate;
+        let speed = (z * z + y * y + x * x - 2.0 * z * x * at(t + 0.005).1.sin()).sqrt();
+        assert!((f64::from(turned) - 0.01 * speed).abs() < 2e-5);
+        way += turned;
+        speeds.push(speed);
+    }
+    let direct = apart(at(0.0).0, at(1.0).0);
+    assert!(way > 1.2 * direct, "{way} for {direct}");
+    assert!(speeds[0] > 2.0 * speeds[99], "{speeds:?}");
+}
+
+#[test]
+fn the_shorter_way_round() {
+    let mut random = Random::new(2);
+    for _ in 0..200 {
+        let (from, to) = (rotation(&mut random), rotation(&mut random));
+        for between in [slerp, nlerp] {
+            let middle = between(from, to, 0.5);
+            assert!(apart(middle, between(from, -to, 0.5)) < 1e-6);
+            assert!(apart(from, middle) <= std::f32::consts::FRAC_PI_2 + 1e-5);
+            assert!((middle.length() - 1.0).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn nearly_equal_and_opposite_rotations() {
+    let mut random = Random::new(3);
+    for _ in 0..100 {
+        let from = rotation(&mut random);
+        let axis = rotation(&mut random).xyz().normalize();
+        for angle in [
+            0.0, 1e-30, 1e-7, 1e-4, 0.01, 0.06, 0.0632, 0.0634, 0.1, 3.13,
+        ] {
+            let to = from * Quat::from_axis_angle(axis, angle);
+            for (t, sign) in [(0.0, 1.0), (0.3, -1.0), (0.5, 1.0), (1.0, -1.0)] {
+                let got = slerp(from, to * sign, t);
+                assert!(got.is_finite() && (got.length() - 1.0).abs() < 1e-6);
+                assert!((apart(from, got) - t * angle).abs() < 4e-6, "{angle} {t}");
+            }
+        }
+        // A rotation and its own negative are the same one.
+        assert!(apart(slerp(from, -from, 0.5), from) < 1e-6);
+    }
+}
+
+#[test]
+fn directions_turn_in_their_plane_at_constant_speed() {
+    let mut random = Random::new(4);
+    for _ in 0..200 {
+        let from = rotation(&mut random).xyz().normalize();
+        let to = rotation(&mut random).xyz().normalize();
+        let angle = from.angle_between(to);
+        for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
+            let got = slerp_vectors(from, to, t);
+            assert!((got.length() - 1.0).abs() < 1e-5);
+            assert!((from.angle_between(got) - t * angle).abs() < 1e-3);
+            assert!(got.dot(from.cross(to)).abs() < 1e-5);
+        }
+        let opposite = slerp_vectors(from, -from, 0.5);
+        assert!(opposite.dot(from).abs() < 1e-5 && (opposite.length() - 1.0).abs() < 1e-5);
+        assert!((slerp_vectors(from, from, 0.5) - from).length() < 1e-6);
+    }
+}
+
+#[test]
+fn sines_of_both_ends_and_a_right_angle_say_the_same() {
+    // (sin((1−t)ψ) v₀ + sin(tψ) v₁)/sin ψ is cos(tψ) v₀ + sin(tψ) ŵ, with w = v₁ − (v₀·v₁) v₀ at a
+    // right angle to v₀; with a plus in its place it would be at none.
+    let mut random = Random::new(7);
+    for _ in 0..200 {
+        let (from, to) = (rotation(&mut random), rotation(&mut random));
+        let to = if from.dot(to) < 0.0 { -to } else { to };
+        let (v0, v1) = (from.as_dquat(), to.as_dquat());
+        let (cosine, psi) = (v0.dot(v1), v0.dot(v1).acos());
+        let w = v1 - v0 * cosine;
+        assert!(w.dot(v0).abs() < 1e-6 && (w.length() - psi.sin()).abs() < 1e-6);
+        assert!(((v1 + v0 * cosine).dot(v0) - 2.0 * cosine).abs() < 1e-6);
+        for t in [0.0, 0.1, 0.5, 0.8, 1.0] {
+            let [a, b] = [(1.0 - t) * psi, t * psi].map(|angle| angle.sin() / psi.sin());
+            let both = v0 * a + v1 * b;
+            let turned = v0 * (t * psi).cos() + w.normalize() * (t * psi).sin();
+            let ours = slerp(from, to, t as f32).as_dquat();
+            assert!((both - turned).length() < 1e-6 && (both - ours).length() < 2e-6);
+            // Opposite quaternions are one rotation: from the far side it turns round first.
+            let far = slerp(from, -to, t as f32).as_dquat();
+            assert!((both - far).length() < 2e-6);
+        }
+    }
+}
+
+/// Angular velocity before and after t = 0 of two curves that join there.
+fn kink(before: impl Fn(f32) -> Quat, after: impl Fn(f32) -> Quat) -> f32 {
+    let step = 1e-3;
+    let rate = |a: Quat, b: Quat| {
+        let turn = a.as_dquat().normalize().conjugate() * b.as_dquat().normalize();
+        (turn.xyz() * (2.0 * turn.w.signum() / f64::from(step))).as_vec3()
+    };
+    let arriving = rate(before(1.0 - step), before(1.0));
+    let leaving = rate(after(0.0), after(step));
+    (arriving - leaving).length() / arriving.length().max(1.0)
+}
+
+/// Also where keys are nearly half a turn apart and the curve swings wide.
+#[test]
+fn squad_never_jumps() {
+    let mut random = Random::new(15);
+    for _ in 0..300 {
+        let keys: Vec<Quat> = (0..6).map(|_| rotation(&mut random)).collect();
+        let times = (0..6_u8).map(f32::from).collect();
+        let curve = RotationCurve::squad(times, keys).unwrap();
+        let steps = |each: u16| {
+            let at = move |k: u16| 2.0 + f32::from(k) / f32::from(each);
+            let curve = &curve;
+            let steps = (0..each).map(move |k| apart(curve.at(at(k)), curve.at(at(k + 1))));
+            steps.fold(0.0, f32::max)
+        };
+        // A tenth of the step goes about a tenth of the way; a jump would stay as long.
+        let [coarse, fine] = [steps(400), steps(4000)];
+        assert!(fine < 0.3 * coarse, "{fine} after {coarse}");
+    }
+}
+
+#[test]
+fn squad_has_no_kink_at_even_times() {
+    let mut random = Random::new(5);
+    for _ in 0..50 {
+        let mut keys = vec![rotation(&mut random)];
+        for _ in 0..4 {
+            let turn = Quat::from_scaled_axis(rotation(&mut random).xyz() * 1.2);
+            keys.push(keys[keys.len() - 1] * turn);
+        }
+        let control = |i: usize| squad_control(keys[i - 1], keys[i], keys[i + 1]);
+        let segment = |i: usize| {
+            let (keys, controls) = ([keys[i], keys[i + 1]], [control(i), control(i + 1)]);
+            move |t| squad(keys[0], controls, keys[1], t)
+        };
+        let (first, second) = (segment(1), segment(2));
+        assert!(apart(first(0.0), keys[1]) < 1e-5 && apart(first(1.0), keys[2]) < 1e-5);
+        let kinked = kink(
+            |t| slerp(keys[1], keys[2], t),
+            |t| slerp(keys[2], keys[3], t),
+        );
+        let smooth = kink(first, second);
+        assert!(smooth < 0.02, "{smooth} against {kinked} of slerp");
+    }
+}
+
+#[test]
+fn rotation_hermites_have_no_kink_at_uneven_times() {
+    let mut random = Random::new(6);
+    for _ in 0..50 {
+        let times = [0.0, 0.3, 1.4, 1.7, 3.0_f32];
+        let mut keys = vec![rotation(&mut random)];
+        for pair in times.windows(2) {
+            let turn = rotation(&mut random).xyz() * (pair[1] - pair[0]).sqrt();
+            keys.push(keys[keys.len() - 1] * Quat::from_scaled_axis(turn));
+        }
+        let rates = mean_rates(&times, &keys);
+        let segment = |i: usize| {
+            let length = times[i + 1] - times[i];
+            let rate = |k: usize| rates[k] * length;
+            (
+                length,
+                RotationHermite::new(keys[i], rate(i), keys[i + 1], rate(i + 1)),
+            )
+        };
+        for key in 1..4 {
+            let ((before, first), (after, second)) = (segment(key - 1), segment(key));
+            assert!(apart(first.at(1.0), keys[key]) < 1e-5);
+            assert!(apart(second.at(0.0), keys[key]) < 1e-5);
+            let per_second = |length: f32, from: Quat, to: Quat, u: f32| {
+                let turn = from.as_dquat().conjugate() * to.as_dquat();
+                (turn.xyz() * 2.0 * turn.w.signum()).as_vec3() / (u * length)
+            };
+            let u = 2e-3;
+            let arriving = per_second(before, first.at(1.0 - u), first.at(1.0), u);
+            let leaving = per_second(after, second.at(0.0), second.at(u), u);
+            for rate in [arriving, leaving] {
+                let off = (rate - rates[key]).length() / rates[key].length().max(1.0);
+                assert!(off < 0.03, "{off}");
+            }
+        }
+    }
+}
+
+/// Tangents go with the quaternions they belong to, also where those are made of unit length.
+#[test]
+fn a_cubic_through_long_quaternions_is_that_through_unit_ones() {
+    let keys = [0.0, 0.9, 0.3].map(Quat::from_rotation_y);
+    let rates = [0.4, -1.0, 0.7].map(|x| [Vec4::new(x, 0.3, -x, 0.1), Vec4::new(0.2, x, 0.5, -x)]);
+    let times = vec![0.0, 0.7, 1.5];
+    let plain = RotationCurve::cubic(times.clone(), keys.to_vec(), rates.to_vec()).unwrap();
+    let scales = [3.0, 0.2, 50.0];
+    let long = keys.iter().zip(scales).map(|(q, scale)| *q * scale);
+    let long_rates = rates
+        .iter()
+        .zip(scales)
+        .map(|(pair, scale)| pair.map(|rate| rate * scale));
+    let scaled = RotationCurve::cubic(times, long.collect(), long_rates.collect()).unwrap();
+    for step in 0..=30 {
+        let time = 0.05 * step as f32;
+        assert!(
+            plain.at(time).abs_diff_eq(scaled.at(time), 1e-5),
+            "{time} s"
+        );
+    }
+}

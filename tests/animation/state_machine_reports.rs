@@ -1,0 +1,164 @@
+//! Promise: a state machine says where it is and what it goes by, and its data survives a round trip.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::animation::{ParameterValue, StateMachine, StateMachineDefinition, StateMachineRun};
+use support::state_machines::{clips, hips, machine, run_of};
+
+const MACHINE: &str = r#"{
+  "parameters": {"go": "trigger", "stop": "trigger"},
+  "initial": "idle",
+  "states": [
+    {"name": "idle", "clip": "stand"},
+    {"name": "walk", "clip": "walk"},
+    {"name": "pause", "clip": "stand"}
+  ],
+  "transitions": [
+    {"from": "idle", "to": "walk", "seconds": 1.0, "when": [{"parameter": "go"}], "interruption": "target"},
+    {"from": "walk", "to": "pause", "seconds": 0.5, "when": [{"parameter": "stop"}]},
+    {"from": "pause", "to": "idle", "after_seconds": 2.5, "after": 1.0}
+  ]
+}"#;
+
+#[test]
+fn it_says_where_it_is() {
+    let mut run = run_of(MACHINE);
+    run.update(0.25, |_| {}).unwrap();
+    assert_eq!((run.state(), run.leaving()), ("idle", None));
+    assert_eq!((run.seconds(), run.played()), (0.25, 0.25));
+    run.trigger("go").unwrap();
+    run.update(0.5, |_| {}).unwrap();
+    // Of two seconds half of one is a quarter.
+    assert_eq!((run.state(), run.leaving()), ("walk", Some("idle")));
+    assert_eq!(
+        (run.seconds(), run.played(), run.fading()),
+        (0.5, 0.25, Some(0.5))
+    );
+    // Broken off, a fade comes from a pose that is no state's.
+    run.trigger("stop").unwrap();
+    run.update(0.25, |_| {}).unwrap();
+    assert_eq!((run.state(), run.leaving()), ("pause", None));
+    assert_eq!(run.fading(), Some(0.5));
+}
+
+#[test]
+fn it_says_what_its_parameters_are() {
+    let text = MACHINE.replace(
+        r#""go": "trigger""#,
+        r#""go": "trigger", "on": true, "speed": 0.5"#,
+    );
+    let mut run = run_of(&text);
+    run.set_number("speed", 2.0).unwrap();
+    run.trigger("go").unwrap();
+    use ParameterValue::{Flag, Number, Trigger};
+    let values = |run: &StateMachineRun| -> Vec<(String, ParameterValue)> {
+        let all = run.parameters();
+        all.map(|(name, value)| (name.to_owned(), value)).collect()
+    };
+    let expected = |go: bool| {
+        [
+            ("go", Trigger(go)),
+            ("on", Flag(true)),
+            ("speed", Number(2.0)),
+            ("stop", Trigger(false)),
+        ]
+        .map(|(name, value)| (name.to_owned(), value))
+    };
+    assert_eq!(values(&run), expected(true));
+    run.update(0.1, |_| {}).unwrap();
+    assert_eq!(values(&run), expected(false));
+}
+
+#[test]
+fn while_fading_both_states_events_are_heard_with_their_weights() {
+    let mut run = run_of(MACHINE);
+    run.trigger("go").unwrap();
+    let mut heard = Vec::new();
+    run.update(4.0, |fired| {
+        heard.push((
+            fired.state.to_owned(),
+            fired.event.name.clone(),
+            fired.weight,
+        ));
+    })
+    .unwrap();
+    let expected = [
+        // Half a second into a fade of one.
+        ("idle", "stand half", 0.5),
+        ("walk", "walk half", 1.0),
+        ("walk", "walk half", 1.0),
+    ];
+    let expected =
+        expected.map(|(state, event, weight)| (state.to_owned(), event.to_owned(), weight));
+    assert_eq!(heard, expected);
+}
+
+#[test]
+fn a_trigger_can_be_taken_back() {
+    let mut run = run_of(MACHINE);
+    run.trigger("go").unwrap();
+    run.clear_trigger("go").unwrap();
+    run.update(0.5, |_| {}).unwrap();
+    assert_eq!(run.state(), "idle");
+    let words = run.clear_trigger("og").unwrap_err().to_string();
+    assert!(
+        words.contains("`og`") && words.contains("go, stop"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_state_is_left_when_clip_and_seconds_are_both_up() {
+    let mut run = run_of(MACHINE);
+    run.trigger("go").unwrap();
+    run.update(1.0, |_| {}).unwrap();
+    run.trigger("stop").unwrap();
+    run.update(2.375, |_| {}).unwrap();
+    assert_eq!(run.state(), "pause");
+    run.update(0.25, |_| {}).unwrap();
+    assert_eq!(
+        (run.state(), run.seconds(), hips(&run)),
+        ("idle", 0.125, [0.125, 0.0])
+    );
+    let bad = MACHINE.replace("2.5", "-2.5");
+    let words = machine(&bad).unwrap_err().to_string();
+    assert!(
+        words.contains("transitions[2].after_seconds") && words.contains("-2.5"),
+        "{words}"
+    );
+}
+
+#[test]
+fn data_survives_a_round_trip() {
+    let definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
+    let text = serde_json::to_string(&definition).unwrap();
+    let again: StateMachineDefinition = serde_json::from_str(&text).unwrap();
+    assert_eq!(again, definition);
+    assert!(machine(&text).is_ok());
+}
+
+#[test]
+fn numbers_that_are_none_are_refused_with_their_place() {
+    let definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
+    type Damage = fn(&mut StateMachineDefinition);
+    let damages: [(Damage, &str); 4] = [
+        (
+            |d| d.transitions[0].seconds = f64::NAN,
+            "transitions[0].seconds",
+        ),
+        (
+            |d| d.transitions[2].after = Some(f64::INFINITY),
+            "transitions[2].after",
+        ),
+        (
+            |d| d.transitions[2].after_seconds = Some(f64::NAN),
+            "transitions[2].after_seconds",
+        ),
+        (|d| d.states[1].speed = f64::NAN, "states[1].speed"),
+    ];
+    for (damage, path) in damages {
+        let mut bad = definition.clone();
+        damage(&mut bad);
+        let error = StateMachine::new(&bad, &clips()).unwrap_err();
+        assert_eq!(error.path, path);
+    }
+}

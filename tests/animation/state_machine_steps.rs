@@ -1,0 +1,227 @@
+//! Promise: however long a step is, a state machine ends where many short steps lead, and no step is
+//! endless.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::Arc;
+
+use kinopt::animation::{StateMachine, StateMachineRun};
+use support::random::Random;
+use support::state_machines::{hips, machine, run_of};
+
+/// A combo of blows that follow each other by their clips' ends, and a way back.
+const COMBO: &str = r#"{
+  "parameters": {"speed": 0.0, "hit": "trigger", "dead": false},
+  "initial": "idle",
+  "states": [
+    {"name": "idle", "clip": "stand"},
+    {"name": "first", "clip": "jump", "playback": "hold"},
+    {"name": "second", "clip": "run", "playback": "hold", "speed": -1.25},
+    {"name": "third", "clip": "walk"},
+    {"name": "down", "clip": "stand", "playback": "ping_pong"}
+  ],
+  "transitions": [
+    {"to": "down", "seconds": 0.3, "when": [{"parameter": "dead", "is": true}]},
+    {"from": "idle", "to": "first", "seconds": 0.1, "when": [{"parameter": "hit"}]},
+    {"from": "first", "to": "second", "seconds": 0.15, "after": 0.8, "easing": "quadratic_in_out"},
+    {"from": "second", "to": "third", "seconds": 0.7, "after": 0.9, "interruption": "target"},
+    {"from": "third", "to": "idle", "seconds": 0.25, "after": 0.3}
+  ]
+}"#;
+
+type Heard = Vec<String>;
+
+fn step(run: &mut StateMachineRun, seconds: f64, heard: &mut Heard) {
+    run.update(seconds, |fired| heard.push(fired.event.name.clone()))
+        .unwrap();
+}
+
+fn same(a: &StateMachineRun, b: &StateMachineRun) {
+    assert_eq!(a.state(), b.state());
+    let fading = |run: &StateMachineRun| run.fading().unwrap_or(1.0);
+    assert!((fading(a) - fading(b)).abs() < 1e-4);
+    let ([ax, ay], [bx, by]) = (hips(a), hips(b));
+    assert!(
+        (ax - bx).abs() < 1e-4 && (ay - by).abs() < 1e-3,
+        "{ax} {bx} {ay} {by}"
+    );
+}
+
+#[test]
+fn a_long_step_ends_where_short_ones_do() {
+    let mut random = Random::new(5);
+    for _ in 0..40 {
+        let seconds = random.within(0.0, 5.0);
+        let [mut long, mut short] = [run_of(COMBO), run_of(COMBO)];
+        let mut heard = [Heard::new(), Heard::new()];
+        long.trigger("hit").unwrap();
+        short.trigger("hit").unwrap();
+        step(&mut long, seconds, &mut heard[0]);
+        let steps = 1 + random.below(400);
+        for _ in 0..steps {
+            step(&mut short, seconds / steps as f64, &mut heard[1]);
+        }
+        // What time opens at the end of a step is taken as the next one begins.
+        step(&mut long, 1e-7, &mut heard[0]);
+        step(&mut short, 1e-7, &mut heard[1]);
+        same(&long, &short);
+        let [long, short] = &mut heard;
+        long.sort();
+        short.sort();
+        assert_eq!(long, short, "{seconds} s in {steps} steps");
+    }
+}
+
+/// Any machine whose transitions all take time, so that no moment has two of them but by chance.
+fn any_machine(random: &mut Random) -> String {
+    let mut pick = |words: &[&str]| words[random.below(words.len())].to_owned();
+    let names = ["a", "b", "c", "d"];
+    let states: Vec<String> = names
+        .iter()
+        .map(|name| {
+            let motion = pick(&[
+                r#""clip": "stand""#,
+                r#""clip": "walk""#,
+                r#""clip": "jump""#,
+                r#""blend": {"parameter": "x", "clips": [{"at": 0, "clip": "walk"}, {"at": 1, "clip": "run"}]}"#,
+            ]);
+            let playback = pick(&["loop", "hold", "ping_pong"]);
+            let speed = pick(&["1.0", "-0.8", "1.3"]);
+            format!(r#"{{"name": "{name}", {motion}, "playback": "{playback}", "speed": {speed}}}"#)
+        })
+        .collect();
+    let transitions: Vec<String> = (0..8u32)
+        .map(|k| {
+            let (from, to) = (names[k as usize % 4], pick(&names));
+            let number: u32 = pick(&["0", "1", "2", "3", "4", "5", "6"]).parse().unwrap();
+            let after = pick(&["after", "after_seconds"]);
+            // No two alike, so that no two moments are one but for rounding.
+            let share = 0.2 + 0.0917 * f64::from(number) + 0.003 * f64::from(k);
+            let seconds = pick(&["0.0", "0.17", "0.61"]);
+            let interruption = pick(&["never", "source", "target", "either"]);
+            let in_step = pick(&["true", "false"]);
+            format!(
+                r#"{{"from": "{from}", "to": "{to}", "{after}": {share}, "seconds": {seconds}, "interruption": "{interruption}", "in_step": {in_step}}}"#
+            )
+        })
+        .collect();
+    format!(
+        r#"{{"parameters": {{"x": 0.37}}, "initial": "a", "states": [{}], "transitions": [{}]}}"#,
+        states.join(", "),
+        transitions.join(", ")
+    )
+}
+
+#[test]
+fn so_it_is_for_any_machine() {
+    let mut random = Random::new(6);
+    for _ in 0..300 {
+        let text = any_machine(&mut random);
+        let seconds = random.within(0.0, 3.0);
+        let [mut long, mut short] = [run_of(&text), run_of(&text)];
+        step(&mut long, seconds, &mut Heard::new());
+        let steps = 1 + random.below(100);
+        for _ in 0..steps {
+            step(&mut short, seconds / steps as f64, &mut Heard::new());
+        }
+        step(&mut long, 1e-7, &mut Heard::new());
+        step(&mut short, 1e-7, &mut Heard::new());
+        let at = (long.state(), long.leaving(), short.state(), short.leaving());
+        assert_eq!(
+            (at.0, at.1),
+            (at.2, at.3),
+            "{seconds} s in {steps} steps: {text}"
+        );
+        assert!((long.seconds() - short.seconds()).abs() < 1e-6, "{text}");
+        assert!((long.played() - short.played()).abs() < 1e-6, "{text}");
+        let ([ax, ay], [bx, by]) = (hips(&long), hips(&short));
+        // Where a loop closes, rounding decides on which side a pose is.
+        let closing = |x: f32| (x - x.round()).abs() < 1e-3;
+        assert!((ay - by).abs() < 1e-3, "{ay} {by}: {text}");
+        assert!((ax - bx).abs() < 1e-3 || closing(ax), "{ax} {bx}: {text}");
+    }
+}
+
+#[test]
+fn one_step_goes_through_a_chain_of_states() {
+    // 0.8 of the half second of the first blow, 0.9 of 0.8 s of the second, then 0.7 s of fading,
+    // which the third's own way out (0.6 s) may break off: idle since 1.72 s, all faded by 1.97 s.
+    let mut run = run_of(COMBO);
+    run.trigger("hit").unwrap();
+    step(&mut run, 2.22, &mut Heard::new());
+    assert_eq!((run.state(), run.fading()), ("idle", None));
+    let [x, y] = hips(&run);
+    assert!((x - 0.5).abs() < 1e-5 && y == 0.0, "{x} {y}");
+    // The trigger was taken once: nothing happens again.
+    step(&mut run, 10.0, &mut Heard::new());
+    assert_eq!(run.state(), "idle");
+}
+
+#[test]
+fn what_is_left_of_a_step_is_spent_in_the_state_entered() {
+    let mut run = run_of(COMBO);
+    run.set_flag("dead", true).unwrap();
+    // Past the end of the fade of 0.3 s the pose is the new state's alone.
+    step(&mut run, 0.75, &mut Heard::new());
+    assert_eq!((run.state(), run.fading()), ("down", None));
+    assert_eq!(hips(&run), [0.75, 0.0]);
+}
+
+#[test]
+fn conditions_that_hold_already_lead_through_several_states_at_once() {
+    let text = r#"{
+      "parameters": {"speed": 3.0},
+      "initial": "idle",
+      "states": [
+        {"name": "idle", "clip": "stand"}, {"name": "walk", "clip": "walk"}, {"name": "run", "clip": "run"}
+      ],
+      "transitions": [
+        {"from": "idle", "to": "walk", "when": [{"parameter": "speed", "above": 0.5}]},
+        {"from": "walk", "to": "run", "when": [{"parameter": "speed", "above": 2.0}]}
+      ]
+    }"#;
+    let mut run = run_of(text);
+    step(&mut run, 0.25, &mut Heard::new());
+    assert_eq!((run.state(), hips(&run)), ("run", [0.25, 20.0]));
+}
+
+#[test]
+fn a_ring_of_transitions_ends() {
+    let ring = |way: &str| {
+        format!(
+            r#"{{
+          "parameters": {{"on": true}},
+          "initial": "a",
+          "states": [{{"name": "a", "clip": "stand"}}, {{"name": "b", "clip": "walk"}}, {{"name": "c", "clip": "jump"}}],
+          "transitions": [{{"from": "a", "to": "b"{way}}}, {{"from": "b", "to": "c"{way}}}, {{"from": "c", "to": "a"{way}}}]
+        }}"#
+        )
+    };
+    // In no time: once around, and the time is spent where it started.
+    let mut run = run_of(&ring(""));
+    step(&mut run, 0.25, &mut Heard::new());
+    assert_eq!((run.state(), hips(&run)), ("a", [0.25, 0.0]));
+    // In time: 1 + 2 + 0.5 s a round, so after 9 s it is 2 s into the third round.
+    let mut run = run_of(&ring(r#", "after": 1.0"#));
+    step(&mut run, 9.0, &mut Heard::new());
+    let [x, y] = hips(&run);
+    assert_eq!((run.state(), y), ("b", 10.0));
+    assert!((x - 1.0).abs() < 1e-6, "{x}");
+    // Longer than the most transitions: the last state entered keeps the rest.
+    let mut run = run_of(&ring(r#", "after": 1.0"#));
+    step(&mut run, 1000.0, &mut Heard::new());
+    let most = StateMachineRun::MOST_TRANSITIONS;
+    assert_eq!(run.state(), ["a", "b", "c"][most % 3]);
+}
+
+#[test]
+fn steps_that_are_none_take_no_time() {
+    let machine: Arc<StateMachine> = Arc::new(machine(COMBO).unwrap());
+    for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut run = run_of(COMBO);
+        step(&mut run, 0.25, &mut Heard::new());
+        let before = hips(&run);
+        step(&mut run, seconds, &mut Heard::new());
+        assert_eq!(hips(&run), before);
+        assert_eq!(machine.states().next(), Some(run.state()));
+    }
+}

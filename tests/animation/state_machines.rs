@@ -1,0 +1,372 @@
+//! Promise: a state machine does what its data says, and data that makes no sense is refused with
+//! the place and the valid names.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::Arc;
+
+use kinopt::animation::{Armature, Clip, StateMachineRun};
+use kinopt::io::state_machine;
+use support::state_machines::{hips, machine, run_of};
+
+const MACHINE: &str = r#"{
+  "parameters": {"speed": 0.0, "grounded": true, "jump": "trigger"},
+  "initial": "idle",
+  "states": [
+    {"name": "idle", "clip": "stand"},
+    {"name": "walk", "clip": "walk"},
+    {"name": "run", "clip": "run", "speed": 2.0},
+    {"name": "jump", "clip": "jump", "playback": "hold"}
+  ],
+  "transitions": [
+    {"to": "jump", "seconds": 0.25, "when": [{"parameter": "jump"}, {"parameter": "grounded", "is": true}]},
+    {"from": "idle", "to": "walk", "seconds": 0.5, "when": [{"parameter": "speed", "above": 0.5}]},
+    {"from": "walk", "to": "idle", "seconds": 0.5, "when": [{"parameter": "speed", "below": 0.5}]},
+    {"from": "walk", "to": "run", "seconds": 1.0, "when": [{"parameter": "speed", "above": 2.0}],
+     "interruption": "either", "easing": "cubic_in_out"},
+    {"from": "run", "to": "walk", "when": [{"parameter": "speed", "above": 0.5, "below": 2.0}]},
+    {"from": "jump", "to": "idle", "seconds": 0.5, "after": 1.0}
+  ]
+}"#;
+
+fn run() -> StateMachineRun {
+    run_of(MACHINE)
+}
+
+fn step(run: &mut StateMachineRun, seconds: f64) -> [f32; 2] {
+    run.update(seconds, |_| {}).unwrap();
+    hips(run)
+}
+
+#[test]
+fn it_walks_runs_and_stands() {
+    let mut run = run();
+    assert_eq!((run.state(), hips(&run)), ("idle", [0.0, 0.0]));
+    assert_eq!(step(&mut run, 0.25), [0.25, 0.0]);
+    run.set_number("speed", 1.0).unwrap();
+    // Halfway through the fade: half of x 0.5 standing and 0.25 walking.
+    assert_eq!(step(&mut run, 0.25), [0.375, 5.0]);
+    assert_eq!((run.state(), run.fading()), ("walk", Some(0.5)));
+    assert_eq!(step(&mut run, 0.25), [0.5, 10.0]);
+    assert_eq!(run.fading(), None);
+    run.set_number("speed", 3.0).unwrap();
+    // The eased share at a quarter is 4/64.
+    let [_, y] = step(&mut run, 0.25);
+    assert!((y - 10.625).abs() < 1e-5);
+    // The running clip goes at twice its speed.
+    step(&mut run, 0.5);
+    let [x, y] = step(&mut run, 0.375);
+    assert_eq!((run.state(), x, y), ("run", 0.25, 20.0));
+    // Without seconds the change is at once.
+    run.set_number("speed", 1.0).unwrap();
+    assert_eq!((step(&mut run, 0.0), run.fading()), ([0.0, 10.0], None));
+}
+
+/// A fade may be drawn by two handles; here they make t², which is ¼ halfway.
+#[test]
+fn a_fade_runs_as_it_is_drawn() {
+    let drawn = r#""easing": {"bezier": [[0.33333333, 0], [0.66666667, 0.33333333]]}"#;
+    let mut run = run_of(&MACHINE.replace(r#""easing": "cubic_in_out""#, drawn));
+    run.set_number("speed", 1.0).unwrap();
+    step(&mut run, 0.5);
+    run.set_number("speed", 3.0).unwrap();
+    let [_, y] = step(&mut run, 0.5);
+    assert_eq!(run.state(), "run");
+    assert!((y - 12.5).abs() < 1e-4, "{y}");
+}
+
+#[test]
+fn a_trigger_fires_once_and_a_clip_must_be_through() {
+    let mut run = run();
+    run.set_flag("grounded", false).unwrap();
+    run.trigger("jump").unwrap();
+    step(&mut run, 0.1);
+    assert_eq!(run.state(), "idle");
+    run.set_flag("grounded", true).unwrap();
+    step(&mut run, 0.3);
+    assert_eq!(run.state(), "jump");
+    // Its own transition waits until the clip of half a second has played once.
+    step(&mut run, 0.1);
+    assert_eq!(run.state(), "jump");
+    step(&mut run, 0.2);
+    step(&mut run, 0.1);
+    assert_eq!(run.state(), "idle");
+    step(&mut run, 5.0);
+    assert_eq!(run.state(), "idle");
+}
+
+#[test]
+fn a_fade_is_broken_off_only_where_that_is_allowed() {
+    // From standing to walking nothing interrupts: the jump comes when the fade is over.
+    let mut first = run();
+    first.set_number("speed", 1.0).unwrap();
+    step(&mut first, 0.1);
+    first.trigger("jump").unwrap();
+    step(&mut first, 0.1);
+    assert_eq!(first.state(), "walk");
+    step(&mut first, 0.4);
+    step(&mut first, 0.1);
+    assert_eq!(first.state(), "jump");
+
+    // From walking to running anything does, and the next fade starts from the pose as shown.
+    let mut second = run();
+    second.set_number("speed", 1.0).unwrap();
+    step(&mut second, 0.5);
+    second.set_number("speed", 3.0).unwrap();
+    let [_, shown] = step(&mut second, 0.5);
+    assert!((shown - 15.0).abs() < 1e-4);
+    second.trigger("jump").unwrap();
+    let [_, y] = step(&mut second, 0.0);
+    assert_eq!(second.state(), "jump");
+    assert!((y - shown).abs() < 1e-4, "no jump in the pose: {y}");
+    let [_, y] = step(&mut second, 0.125);
+    assert!((y - (shown + 30.0) / 2.0).abs() < 1e-3, "{y}");
+}
+
+/// Halfway from standing to walking, something leads from the one and from the other: which of them is
+/// heard is what the fade says.
+#[test]
+fn a_fade_is_broken_off_by_the_states_that_may() {
+    let after = |interruption: &str, trigger: &str| {
+        let mut run = run_of(&format!(
+            r#"{{
+              "parameters": {{"go": "trigger", "of source": "trigger", "of target": "trigger"}},
+              "initial": "stand",
+              "states": [{{"name": "stand", "clip": "stand"}}, {{"name": "walk", "clip": "walk"}},
+                         {{"name": "run", "clip": "run"}}, {{"name": "jump", "clip": "jump"}}],
+              "transitions": [
+                {{"from": "stand", "to": "walk", "seconds": 1, "when": [{{"parameter": "go"}}],
+                  "interruption": "{interruption}"}},
+                {{"from": "stand", "to": "run", "when": [{{"parameter": "of source"}}]}},
+                {{"from": "walk", "to": "jump", "when": [{{"parameter": "of target"}}]}}
+              ]
+            }}"#
+        ));
+        run.trigger("go").unwrap();
+        step(&mut run, 0.5);
+        run.trigger(trigger).unwrap();
+        step(&mut run, 0.0);
+        run.state().to_owned()
+    };
+    for (interruption, states) in [
+        ("never", ["walk", "walk"]),
+        ("source", ["run", "walk"]),
+        ("target", ["walk", "jump"]),
+        ("either", ["run", "jump"]),
+    ] {
+        let entered = ["of source", "of target"].map(|trigger| after(interruption, trigger));
+        assert_eq!(entered, states, "{interruption}");
+    }
+}
+
+/// While one state fades into another, an event counts as much as its state at that moment, however
+/// long the step is.
+#[test]
+fn events_have_the_weight_of_their_state() {
+    for steps in [1_u8, 7, 50] {
+        let mut run = run_of(
+            r#"{
+              "parameters": {"go": "trigger"},
+              "initial": "stand",
+              "states": [{"name": "stand", "clip": "stand"}, {"name": "jump", "clip": "jump"}],
+              "transitions": [{"from": "stand", "to": "jump", "seconds": 1, "when": [{"parameter": "go"}]}]
+            }"#,
+        );
+        run.trigger("go").unwrap();
+        let mut heard = Vec::new();
+        for _ in 0..steps {
+            run.update(0.95 / f64::from(steps), |fired| {
+                heard.push((fired.event.name.clone(), fired.weight));
+            })
+            .unwrap();
+        }
+        heard.sort_by(|a, b| (&a.0, a.1).partial_cmp(&(&b.0, b.1)).unwrap());
+        let expected = [
+            ("jump half", 0.25),
+            ("jump half", 0.75),
+            ("stand half", 0.5),
+        ];
+        assert_eq!(heard.len(), expected.len(), "{heard:?}");
+        for ((name, weight), expected) in heard.iter().zip(expected) {
+            assert_eq!(name, expected.0);
+            assert!((weight - expected.1).abs() < 1e-6, "{heard:?}");
+        }
+    }
+}
+
+#[test]
+fn events_are_those_of_the_state_s_clip() {
+    let mut run = run();
+    let mut heard = Vec::new();
+    for _ in 0..30 {
+        run.update(0.1, |fired| heard.push(fired.event.name.clone()))
+            .unwrap();
+    }
+    assert_eq!(heard, ["stand half"; 3]);
+}
+
+#[test]
+fn parameters_that_are_none_are_named() {
+    let mut run = run();
+    let error = run.set_number("sped", 1.0).unwrap_err().to_string();
+    assert!(
+        error.contains("`sped`") && error.contains("speed"),
+        "{error}"
+    );
+    assert!(!error.contains("grounded"), "only numbers: {error}");
+    assert!(
+        run.set_flag("speed", true)
+            .unwrap_err()
+            .to_string()
+            .contains("grounded")
+    );
+    assert!(
+        run.trigger("grounded")
+            .unwrap_err()
+            .to_string()
+            .contains("jump")
+    );
+    let error = run.set_number("speed", f32::NAN).unwrap_err().to_string();
+    assert!(error.contains("`speed`"), "{error}");
+}
+
+/// Reads the machine with one piece of text replaced; the error must say all of `words`.
+fn refused(from: &str, to: &str, words: &[&str]) {
+    assert!(MACHINE.contains(from), "{from}");
+    let error = machine(&MACHINE.replacen(from, to, 1))
+        .unwrap_err()
+        .to_string();
+    for word in words.iter().chain(&["machine.json"]) {
+        assert!(error.contains(word), "no {word} in: {error}");
+    }
+}
+
+#[test]
+fn data_that_makes_no_sense_is_refused_with_its_place() {
+    let states = ["idle", "walk", "run", "jump"];
+    refused(
+        r#""initial": "idle""#,
+        r#""initial": "idel""#,
+        &[&states[..], &["initial", "`idel`"]].concat(),
+    );
+    refused(
+        r#""from": "walk", "to": "idle""#,
+        r#""from": "walk", "to": "sit""#,
+        &["transitions[2].to", "`sit`", "run"],
+    );
+    refused(
+        r#""from": "run""#,
+        r#""from": "rn""#,
+        &["transitions[4].from", "`rn`"],
+    );
+    refused(
+        r#""clip": "run""#,
+        r#""clip": "sprint""#,
+        &["states[2].clip", "`sprint`", "stand", "jump"],
+    );
+    refused(
+        r#"{"name": "run""#,
+        r#"{"name": "walk""#,
+        &["states[2].name", "`walk`", "twice"],
+    );
+    refused(
+        r#""parameter": "speed""#,
+        r#""parameter": "sped""#,
+        &["transitions[1].when[0].parameter", "speed", "grounded"],
+    );
+    refused(
+        r#""easing": "cubic_in_out""#,
+        r#""easing": {"bezier": [[0.5, 0], [1.5, 1]]}"#,
+        &["transitions[3].easing", "(1.5, 1)", "within [0, 1]"],
+    );
+    refused(
+        r#""seconds": 0.25"#,
+        r#""seconds": -0.25"#,
+        &["transitions[0].seconds", "-0.25"],
+    );
+    refused(
+        r#""after": 1.0"#,
+        r#""after": -1.0"#,
+        &["transitions[5].after"],
+    );
+    refused(
+        r#""after": 1.0"#,
+        r#""later": 1.0"#,
+        &["transitions[5]", "later", "after"],
+    );
+    refused(
+        r#""is": true"#,
+        r#""above": 1.0"#,
+        &["transitions[0].when[1]", "`grounded`", "flag", "`is`"],
+    );
+    refused(
+        r#""above": 2.0"#,
+        r#""is": true"#,
+        &["transitions[3].when[0]", "number"],
+    );
+    refused(
+        r#""above": 0.5, "below": 2.0"#,
+        r#""above": 2.0, "below": 0.5"#,
+        &["transitions[4].when[0]", "above 2", "below 0.5"],
+    );
+    refused(
+        r#""above": 0.5, "below": 2.0"#,
+        r#""above": 2.0, "below": 2.0"#,
+        &["transitions[4].when[0]", "above 2", "below 2"],
+    );
+    refused(
+        r#"{"parameter": "jump"}"#,
+        r#"{"parameter": "jump", "above": 0}"#,
+        &["trigger"],
+    );
+    refused(
+        r#""playback": "hold""#,
+        r#""playback": "bounce""#,
+        &["states[3].playback", "ping_pong"],
+    );
+    refused(
+        r#""interruption": "either""#,
+        r#""interruption": "maybe""#,
+        &["transitions[3]", "never"],
+    );
+    refused(
+        r#""easing": "cubic_in_out""#,
+        r#""easing": "elastic""#,
+        &["quadratic_in"],
+    );
+    refused(
+        r#""jump": "trigger""#,
+        r#""jump": "event""#,
+        &["parameters", "`true` or `false`", "\"trigger\""],
+    );
+    refused(
+        r#""grounded": true"#,
+        r#""grounded": true, "speed": 1.0"#,
+        &["parameters", "`speed` is given twice"],
+    );
+    refused(r#""speed": 2.0"#, r#""speed": 1e999"#, &["machine.json"]);
+    refused(
+        r#""when": [{"parameter": "jump"}, {"parameter": "grounded", "is": true}]"#,
+        r#""when": []"#,
+        &["transitions[0].when"],
+    );
+    // Which of two clips is meant is not guessed; one given twice is one, and others do not matter.
+    let armature = Armature::new(Vec::new(), Vec::new()).unwrap();
+    let clip = |name: &str| Arc::new(Clip::builder(name, &armature).build());
+    let named = |clips: &[Arc<Clip>]| {
+        let data = br#"{"initial": "idle", "states": [{"name": "idle", "clip": "stand"}]}"#;
+        state_machine::from_bytes(data, "machine.json", clips).map(|_| ())
+    };
+    let (stand, walk) = (clip("stand"), clip("walk"));
+    let error = named(&[stand.clone(), clip("stand")]).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("states[0].clip") && error.contains("2 clips are named `stand`"),
+        "{error}"
+    );
+    assert!(named(&[stand.clone(), stand, walk, clip("walk")]).is_ok());
+    let empty = machine(r#"{"initial": "idle", "states": []}"#)
+        .unwrap_err()
+        .to_string();
+    assert!(empty.contains("no states"), "{empty}");
+    assert!(machine("{").is_err() && machine("[]").is_err());
+}

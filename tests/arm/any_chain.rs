@@ -1,0 +1,289 @@
+//! Any chain of any tree: joints that follow others, sliding and endless joints, a base in another
+//! branch, a tool on any frame, a subset of joints with the rest locked. Judged by the file's own
+//! kinematics to 1e-6 m and 1e-6 rad.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::{Arm, ArmBuilder, ArmError, Search};
+use kinopt::robot::Robot;
+use support::arms::{Random, distance, within_limits};
+use support::urdf_matrices::{IDENTITY, Matrix, Tree, about, apart, placement, product};
+
+/// One motor bends the elbow and, half as far the other way, the link after it; the wrist's yaw
+/// follows the pan of a camera that hangs elsewhere.
+const COUPLED: &str = r#"<robot name="coupled">
+  <link name="world"/><link name="mount"/><link name="upper"/><link name="fore"/><link name="knee"/>
+  <link name="quill"/><link name="spun"/><link name="bracket"/><link name="palm"/><link name="hand"/>
+  <link name="neck"/><link name="camera"/>
+  <joint name="mounted" type="fixed"><parent link="world"/><child link="mount"/>
+    <origin xyz="0.1 -0.2 0.3" rpy="0.3 -0.2 0.7"/></joint>
+  <joint name="shoulder" type="revolute"><parent link="mount"/><child link="upper"/>
+    <axis xyz="0 0 1"/><limit lower="-2.8" upper="2.9" effort="1" velocity="1"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/>
+    <origin xyz="0.05 0 0.3"/><axis xyz="0 3 0"/>
+    <limit lower="-2" upper="1.9" effort="1" velocity="1"/></joint>
+  <joint name="follower" type="revolute"><parent link="fore"/><child link="knee"/>
+    <origin xyz="0.35 0 0"/><axis xyz="0 1 0"/>
+    <limit lower="-0.7" upper="1.1" effort="1" velocity="1"/>
+    <mimic joint="elbow" multiplier="-0.5" offset="0.2"/></joint>
+  <joint name="lift" type="prismatic"><parent link="knee"/><child link="quill"/>
+    <origin xyz="0.1 0 0" rpy="0 1.2 0"/><axis xyz="0 0 2"/>
+    <limit lower="0.05" upper="0.45" effort="1" velocity="1"/></joint>
+  <joint name="roll" type="continuous"><parent link="quill"/><child link="spun"/>
+    <axis xyz="0 0 1"/></joint>
+  <joint name="bent" type="fixed"><parent link="spun"/><child link="bracket"/>
+    <origin xyz="0.02 0.01 0.1" rpy="1.1 0.4 -0.3"/></joint>
+  <joint name="pitch" type="revolute"><parent link="bracket"/><child link="palm"/>
+    <axis xyz="0 1 0"/><limit lower="-1.8" upper="1.8" effort="1" velocity="1"/></joint>
+  <joint name="yaw" type="revolute"><parent link="palm"/><child link="hand"/>
+    <origin xyz="0 0 0.08"/><axis xyz="1 0 0"/>
+    <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+  <joint name="pan" type="revolute"><parent link="world"/><child link="neck"/>
+    <origin xyz="-0.3 0.2 0.9" rpy="0 0.5 0"/><axis xyz="0 0 1"/>
+    <limit lower="-1.5" upper="1.5" effort="1" velocity="1"/></joint>
+  <joint name="tilted" type="fixed"><parent link="neck"/><child link="camera"/>
+    <origin xyz="0.05 0 0.02" rpy="-1.5 0 -1.5"/></joint>
+</robot>"#;
+
+/// The same with a yaw that follows the pan.
+fn yaw_follows_pan() -> String {
+    let own = "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>";
+    COUPLED.replace(
+        own,
+        &format!("{own}<mimic joint=\"pan\" multiplier=\"2\"/>"),
+    )
+}
+
+/// A chain of a file with a tool on its tip.
+struct Case<'a> {
+    tree: &'a Tree,
+    base: &'a str,
+    tip: &'a str,
+    tip_from_tool: Matrix,
+    /// Joints that are held.
+    held: &'a [(&'a str, f64)],
+}
+
+impl Case<'_> {
+    fn base_from_tool(&self, arm: &Arm, q: &[f64]) -> Matrix {
+        let mut values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
+        values.extend(self.held);
+        let tip = self.tree.base_from_tip(self.base, self.tip, &values);
+        product(&tip, &self.tip_from_tool)
+    }
+
+    /// Solves random poses, and checks every claim by the matrices.
+    fn all_solved(&self, builder: &ArmBuilder<'_>, searches: &[Search], count: usize) {
+        for &search in searches {
+            let arm = builder.clone().with_search(search).build().unwrap();
+            let mut random = Random(21);
+            for _ in 0..count {
+                let truth = random.configuration(&arm);
+                let wanted = self.base_from_tool(&arm, &truth);
+                let start = random.configuration(&arm);
+                let all = arm.solve_all(placement(&wanted), &start).unwrap();
+                assert!(!all.is_empty(), "{search:?} {truth:?} {start:?}");
+                for solution in &all {
+                    let found = self.base_from_tool(&arm, &solution.q);
+                    let (metres, radians) = apart(&found, &wanted);
+                    assert!(
+                        solution.reached && metres <= 1e-6 && radians <= 1e-6,
+                        "{search:?} {metres:e} {radians:e} {truth:?} {start:?} {}",
+                        solution.explain()
+                    );
+                    assert!(within_limits(&arm, &solution.q));
+                }
+                if let Search::Distinct { distance: far, .. } = search {
+                    for (i, a) in all.iter().enumerate() {
+                        assert!(all[..i].iter().all(|b| distance(&a.q, &b.q) > far));
+                    }
+                }
+            }
+        }
+    }
+}
+
+const DISTINCT: Search = Search::Distinct {
+    k: 3,
+    distance: 0.4,
+};
+const ALL: [Search; 4] = [Search::Start, Search::First, Search::Nearest, DISTINCT];
+const ONE: [Search; 2] = [Search::Start, Search::First];
+
+fn plain<'a>(tree: &'a Tree, base: &'a str, tip: &'a str) -> Case<'a> {
+    Case {
+        tree,
+        base,
+        tip,
+        tip_from_tool: IDENTITY,
+        held: &[],
+    }
+}
+
+#[test]
+fn a_follower_inside_the_chain() {
+    let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
+    let tree = Tree::parse(COUPLED);
+    let builder = Arm::builder(&robot, "mount", "hand").unwrap();
+    let arm = builder.clone().build().unwrap();
+    let free = ["shoulder", "elbow", "lift", "roll", "pitch", "yaw"];
+    assert_eq!(arm.joints().collect::<Vec<_>>(), free);
+    // -0.7 <= 0.2 - elbow / 2 <= 1.1 narrows the elbow to [-1.8, 1.8].
+    let elbow = arm.limits().nth(1).unwrap();
+    assert!((elbow.lower + 1.8).abs() < 1e-15 && (elbow.upper - 1.8).abs() < 1e-15);
+    plain(&tree, "mount", "hand").all_solved(&builder, &ALL, 6);
+}
+
+#[test]
+fn a_leader_outside_the_chain() {
+    let text = yaw_follows_pan();
+    let robot = Robot::parse(&text, "coupled.urdf").unwrap();
+    let tree = Tree::parse(&text);
+    let builder = Arm::builder(&robot, "world", "hand").unwrap();
+    let arm = builder.clone().build().unwrap();
+    let mut free: Vec<_> = arm.joints().collect();
+    free.sort_unstable();
+    assert_eq!(free, ["elbow", "lift", "pan", "pitch", "roll", "shoulder"]);
+    plain(&tree, "world", "hand").all_solved(&builder, &ONE, 6);
+    // A configuration of the whole robot has the followers where their leaders put them.
+    let q = [0.3, 0.4, 0.2, 1.0, 0.1, 0.25];
+    let mut all = robot.model().neutral();
+    arm.configuration(&q, &mut all).unwrap();
+    let at = |name: &str| {
+        let id = robot.model().joint(name).unwrap();
+        all[robot.model().coordinate(id).unwrap()]
+    };
+    assert_eq!(at("follower"), 0.2 - 0.5 * at("elbow"));
+    assert_eq!(at("yaw"), 2.0 * at("pan"));
+}
+
+#[test]
+fn a_base_in_another_branch() {
+    for text in [COUPLED, &yaw_follows_pan()] {
+        let robot = Robot::parse(text, "coupled.urdf").unwrap();
+        let tree = Tree::parse(text);
+        let builder = Arm::builder(&robot, "camera", "hand").unwrap();
+        plain(&tree, "camera", "hand").all_solved(&builder, &ONE, 4);
+        let builder = Arm::builder(&robot, "palm", "camera").unwrap();
+        plain(&tree, "palm", "camera").all_solved(&builder, &ONE, 4);
+    }
+}
+
+#[test]
+fn a_tool_on_any_frame() {
+    let file = "models/franka_panda.urdf";
+    let (robot, tree) = (Robot::read(file).unwrap(), Tree::read(file));
+    let mut tool = about([1.0, -2.0, 0.5], 0.8);
+    (tool[0][3], tool[1][3], tool[2][3]) = (0.12, -0.05, 0.2);
+    let links: Vec<String> = (robot.model().frames().iter())
+        .map(|frame| frame.name.clone())
+        .collect();
+    let mut arms = 0;
+    for tip in &links {
+        let Ok(_) = Arm::new(&robot, "base", tip) else {
+            continue;
+        };
+        arms += 1;
+        let builder = Arm::builder(&robot, "base", tip).unwrap();
+        let case = Case {
+            tip_from_tool: tool,
+            ..plain(&tree, "base", tip)
+        };
+        // The search without an atlas takes longer and builds faster.
+        let builder = builder.with_tool(placement(&tool)).with_atlas(false);
+        case.all_solved(&builder, &[Search::Start], 4);
+    }
+    // Every link but the base can be a tip.
+    assert_eq!(arms, links.len() - 1);
+}
+
+#[test]
+fn a_subset_of_the_joints() {
+    let file = "models/franka_panda.urdf";
+    let (robot, tree) = (Robot::read(file).unwrap(), Tree::read(file));
+    // Six joints are left: one locked away from 0.
+    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    let held = [("joint3", 0.4)];
+    let builder = builder.with_locked("joint3", 0.4).unwrap();
+    assert_eq!(builder.clone().build().unwrap().joint_count(), 6);
+    let case = Case {
+        held: &held,
+        ..plain(&tree, "base", "flange")
+    };
+    case.all_solved(&builder, &ALL, 4);
+    // Three joints are left: few poses can be reached, and those are.
+    let mut q = robot.model().neutral();
+    let held = [
+        ("joint1", 0.2),
+        ("joint3", -0.6),
+        ("joint5", 1.0),
+        ("joint6", 2.2),
+    ];
+    for (name, value) in held {
+        let id = robot.model().joint(name).unwrap();
+        q[robot.model().coordinate(id).unwrap()] = value;
+    }
+    let free = ["joint2", "joint4", "joint7"];
+    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    let builder = builder.with_only(&free, &q).unwrap();
+    let arm = builder.clone().build().unwrap();
+    assert_eq!(arm.joints().collect::<Vec<_>>(), free);
+    let case = Case {
+        held: &held,
+        ..plain(&tree, "base", "flange")
+    };
+    case.all_solved(&builder, &ONE, 8);
+    let mut all = vec![0.0; robot.model().degrees_of_freedom()];
+    arm.configuration(&[0.5, -1.0, 0.3], &mut all).unwrap();
+    for (name, value) in held
+        .iter()
+        .chain(&[("joint2", 0.5), ("joint4", -1.0), ("joint7", 0.3)])
+    {
+        let id = robot.model().joint(name).unwrap();
+        assert_eq!(all[robot.model().coordinate(id).unwrap()], *value, "{name}");
+    }
+}
+
+#[test]
+fn sliding_joints_alone() {
+    let mut text = String::from("<robot name=\"gantry\"><link name=\"l0\"/>");
+    for (k, axis) in ["1 0 0", "0 1 0", "0 0 -1"].iter().enumerate() {
+        text.push_str(&format!(
+            "<link name=\"l{}\"/><joint name=\"j{k}\" type=\"prismatic\"><parent link=\"l{k}\"/>\
+             <child link=\"l{}\"/><origin xyz=\"0.1 0.2 0.3\" rpy=\"0.2 0 0.1\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-{k}.5\" upper=\"7\" effort=\"1\" velocity=\"1\"/></joint>",
+            k + 1,
+            k + 1
+        ));
+    }
+    text.push_str("</robot>");
+    let robot = Robot::parse(&text, "gantry.urdf").unwrap();
+    let builder = Arm::builder(&robot, "l0", "l3").unwrap();
+    plain(&Tree::parse(&text), "l0", "l3").all_solved(&builder, &ALL, 6);
+}
+
+#[test]
+fn what_cannot_be_an_arm_is_named() {
+    let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
+    let error = Arm::new(&robot, "world", "mount").unwrap_err();
+    assert!(
+        matches!(&error, ArmError::NoFreeJoint { base, tip } if base == "world" && tip == "mount")
+    );
+    let error = Arm::new(&robot, "world", "hook").unwrap_err().to_string();
+    assert!(
+        error.contains("hook") && error.contains("camera"),
+        "{error}"
+    );
+    let builder = || Arm::builder(&robot, "world", "hand").unwrap();
+    let error = builder().with_locked("wrist", 0.0).unwrap_err().to_string();
+    assert!(
+        error.contains("wrist") && error.contains("shoulder"),
+        "{error}"
+    );
+    for value in [9.0, f64::NAN, f64::INFINITY] {
+        let error = builder().with_locked("lift", value).unwrap();
+        let error = error.build().unwrap_err().to_string();
+        assert!(error.contains("lift"), "{error}");
+    }
+    let error = builder().with_only(&["lift", "wrist"], &[]).unwrap_err();
+    assert!(error.to_string().contains("wrist"), "{error}");
+}

@@ -1,0 +1,14 @@
+//! Poses, batches and paths of arms.
+
+mod any_chain;
+mod options;
+mod peer_defects;
+mod same_bits;
+mod searches;
+mod shared_workloads;
+mod shipped_robots;
+mod starts;
+mod time_limit;
+mod tracks_without_flips;
+mod two_tips;
+mod unreachable;

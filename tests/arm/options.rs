@@ -1,0 +1,419 @@
+//! Every option of the front door keeps its word, judged by the file's own kinematics.
+#![allow(clippy::unwrap_used)]
+
+use std::sync::OnceLock;
+
+use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
+use kinopt::robot::Robot;
+use kinopt::solver::Termination;
+use nalgebra::{DMatrix, DVector};
+use support::arms::{Random, distance, within_limits};
+use support::urdf_matrices::{Matrix, Tree, apart, inverse, placement, product};
+
+const FILE: &str = "models/franka_panda.urdf";
+const POSTURE: [f64; 7] = [0.0, 0.0, 0.5, -1.5, 0.2, 1.8, 0.4];
+
+fn builder() -> ArmBuilder<'static> {
+    static ROBOT: OnceLock<Robot> = OnceLock::new();
+    let robot = ROBOT.get_or_init(|| Robot::read(FILE).unwrap());
+    Arm::builder(robot, "base", "flange").unwrap()
+}
+
+fn base_from_tip(q: &[f64]) -> Matrix {
+    static TREE: OnceLock<Tree> = OnceLock::new();
+    let tree = TREE.get_or_init(|| Tree::read(FILE));
+    const NAMES: [&str; 7] = [
+        "joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7",
+    ];
+    let values: Vec<_> = NAMES.into_iter().zip(q.iter().copied()).collect();
+    tree.base_from_tip("base", "flange", &values)
+}
+
+/// Columns of a rotation, and the offset.
+fn column(matrix: &Matrix, j: usize) -> [f64; 3] {
+    [matrix[0][j], matrix[1][j], matrix[2][j]]
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// The angle between two unit vectors, exact near 0.
+fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let chord = norm(std::array::from_fn(|k| a[k] - b[k]));
+    2.0 * (0.5 * chord).asin()
+}
+
+/// The vector part of the quaternion of a rotation by less than half a turn.
+fn quaternion_vector(r: &Matrix) -> [f64; 3] {
+    let w = 0.5 * (1.0 + r[0][0] + r[1][1] + r[2][2]).sqrt();
+    [
+        (r[2][1] - r[1][2]) / (4.0 * w),
+        (r[0][2] - r[2][0]) / (4.0 * w),
+        (r[1][0] - r[0][1]) / (4.0 * w),
+    ]
+}
+
+/// Solves random poses from random starts with a goal, and hands (wanted, found) to a judge.
+fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) {
+    for search in [Search::Start, Search::First, Search::Nearest] {
+        let arm = builder().with_goal(goal).with_search(search);
+        let arm = arm.with_atlas(search == Search::First).build().unwrap();
+        let mut random = Random(41);
+        let count = if search == Search::Nearest {
+            count / 3
+        } else {
+            count
+        };
+        for _ in 0..count {
+            let wanted = base_from_tip(&random.configuration(&arm));
+            let start = random.configuration(&arm);
+            let solution = arm.solve(placement(&wanted), &start).unwrap();
+            assert!(solution.reached, "{}", solution.explain());
+            assert!(within_limits(&arm, &solution.q));
+            judge(&wanted, &base_from_tip(&solution.q));
+        }
+    }
+}
+
+#[test]
+fn the_position_alone() {
+    let mut turned = 0;
+    solved(Goal::position(), 30, |wanted, found| {
+        let (metres, radians) = apart(wanted, found);
+        assert!(metres <= 1e-6, "{metres:e}");
+        turned += usize::from(radians > 0.1);
+    });
+    assert!(turned > 40, "the freedom was not used: {turned}");
+}
+
+#[test]
+fn any_axis_of_the_tool_free_to_turn_about() {
+    for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
+        let mut turned = 0;
+        solved(Goal::free_about(axis), 18, |wanted, found| {
+            let (metres, radians) = apart(wanted, found);
+            let tilt = angle(column(wanted, j), column(found, j));
+            assert!(
+                metres <= 1e-6 && tilt <= 1e-6,
+                "{axis:?}: {metres:e} {tilt:e}"
+            );
+            turned += usize::from(radians > 0.1);
+        });
+        assert!(turned > 20, "the freedom was not used: {turned}");
+    }
+}
+
+#[test]
+fn any_axis_of_the_tool_free_to_slide_along() {
+    for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
+        let mut slid = 0;
+        solved(Goal::free_along(axis), 12, |wanted, found| {
+            let mut off = column(&product(&inverse(wanted), found), 3);
+            slid += usize::from(off[j].abs() > 0.01);
+            off[j] = 0.0;
+            let (_, radians) = apart(wanted, found);
+            assert!(
+                norm(off) <= 1e-6 && radians <= 1e-6,
+                "{axis:?}: {off:?} {radians:e}"
+            );
+        });
+        assert!(slid > 10, "the freedom was not used: {slid}");
+    }
+}
+
+#[test]
+fn intervals_in_the_tool_frame() {
+    let (inf, pi) = (f64::INFINITY, std::f64::consts::PI);
+    for half_widths in [
+        [0.01, 0.0, 0.02, 0.1, 0.0, 0.2],
+        [0.0, 0.0, 0.0, 0.3, 0.2, 0.4],
+        [0.05, 0.05, 0.05, 0.0, 0.0, 0.0],
+        [inf, 0.03, 0.0, 0.2, pi, 0.0],
+    ] {
+        let mut used = 0;
+        solved(Goal::within(half_widths), 9, |wanted, found| {
+            let off = product(&inverse(wanted), found);
+            let excess = |value: f64, room: f64| (value.abs() - room).max(0.0);
+            let (p, v) = (column(&off, 3), quaternion_vector(&off));
+            let metres = norm(std::array::from_fn(|k| excess(p[k], half_widths[k])));
+            // A turn by θ about one axis has 2 sin(θ / 2) there.
+            let chords = std::array::from_fn(|k| {
+                let room = half_widths[3 + k];
+                let room = if room >= pi {
+                    inf
+                } else {
+                    2.0 * (0.5 * room).sin()
+                };
+                excess(2.0 * v[k], room)
+            });
+            assert!(metres <= 1e-6, "{half_widths:?}: {metres:e}");
+            assert!(norm(chords) <= 1e-6, "{half_widths:?}: {chords:?}");
+            let (metres, radians) = apart(wanted, found);
+            used += usize::from(metres > 1e-4 || radians > 1e-3);
+        });
+        assert!(used > 10, "the room was not used: {used}");
+    }
+}
+
+#[test]
+fn tolerances_as_wide_and_as_narrow_as_asked() {
+    for (metres, radians) in [(1e-2, 1e-1), (1e-4, 1e-8), (1e-10, 1e-10)] {
+        let arm = builder().with_position_tolerance(metres);
+        let arm = arm.with_orientation_tolerance(radians).build().unwrap();
+        let mut random = Random(42);
+        for _ in 0..30 {
+            let wanted = base_from_tip(&random.configuration(&arm));
+            let start = random.configuration(&arm);
+            let solution = arm.solve(placement(&wanted), &start).unwrap();
+            let (p, r) = apart(&wanted, &base_from_tip(&solution.q));
+            assert!(solution.reached, "{metres:e}: {}", solution.explain());
+            // 1e-14 is what two orders of rounding differ by.
+            assert!(p <= metres + 1e-14 && r <= radians + 1e-14, "{p:e} {r:e}");
+        }
+    }
+}
+
+/// The pose's Jacobian by central differences of the matrices: offset and turn in base axes.
+fn jacobian(q: &[f64]) -> DMatrix<f64> {
+    let h = 1e-6;
+    let mut jacobian = DMatrix::zeros(6, q.len());
+    for k in 0..q.len() {
+        let moved = |by: f64| {
+            let mut q = q.to_vec();
+            q[k] += by;
+            base_from_tip(&q)
+        };
+        let (less, more) = (moved(-h), moved(h));
+        let turn = quaternion_vector(&product(&more, &inverse(&less)));
+        for i in 0..3 {
+            jacobian[(i, k)] = (more[i][3] - less[i][3]) / (2.0 * h);
+            jacobian[(3 + i, k)] = 2.0 * turn[i] / (2.0 * h);
+        }
+    }
+    jacobian
+}
+
+/// What is left of a wanted move where the pose allows none of it: its part in the null space of
+/// the Jacobian, over the joints that it does not push out of their limits.
+fn null_space_part(arm: &Arm, q: &[f64], wanted: &[f64]) -> f64 {
+    let jacobian = jacobian(q);
+    let mut held = vec![false; q.len()];
+    loop {
+        let free: Vec<usize> = (0..q.len()).filter(|&k| !held[k]).collect();
+        let columns = jacobian.select_columns(&free);
+        let way = DVector::from_iterator(free.len(), free.iter().map(|&k| wanted[k] - q[k]));
+        let inverse = columns.clone().pseudo_inverse(1e-9).unwrap();
+        let way = &way - inverse * (&columns * &way);
+        let limits: Vec<_> = arm.limits().collect();
+        let outward = |&(i, &k): &(usize, &usize)| {
+            (q[k] <= limits[k].lower && way[i] < 0.0) || (q[k] >= limits[k].upper && way[i] > 0.0)
+        };
+        match free.iter().enumerate().find(outward) {
+            Some((_, &k)) => held[k] = true,
+            None => return way.norm(),
+        }
+    }
+}
+
+#[test]
+fn a_posture_is_as_near_as_the_null_space_allows() {
+    for search in [Search::Start, Search::First] {
+        let plain = builder().with_search(search).build().unwrap();
+        let posed = builder().with_search(search).with_posture(&POSTURE);
+        let posed = posed.build().unwrap();
+        let mut random = Random(43);
+        let (mut nearer, mut best) = (0, 0);
+        for _ in 0..40 {
+            let wanted = base_from_tip(&random.configuration(&plain));
+            let start = random.configuration(&plain);
+            let a = plain.solve(placement(&wanted), &start).unwrap();
+            let b = posed.solve(placement(&wanted), &start).unwrap();
+            assert!(a.reached && b.reached && within_limits(&posed, &b.q));
+            let (metres, radians) = apart(&wanted, &base_from_tip(&b.q));
+            assert!(metres <= 1e-6 && radians <= 1e-6, "{metres:e} {radians:e}");
+            let (before, after) = (distance(&a.q, &POSTURE), distance(&b.q, &POSTURE));
+            assert!(after <= before, "{before} {after}");
+            nearer += usize::from(after < before - 1e-3);
+            let left = null_space_part(&posed, &b.q, &POSTURE);
+            best += usize::from(left < 1e-2);
+        }
+        assert!(nearer >= 25 && best >= 36, "{search:?}: {nearer} {best}");
+    }
+}
+
+#[test]
+fn weights_say_what_near_means() {
+    let weights = [5.0, 1.0, 1.0, 0.2, 1.0, 1.0, 0.1];
+    let even = builder().with_search(Search::Nearest).build().unwrap();
+    let weighted = builder().with_search(Search::Nearest);
+    let weighted = weighted.with_joint_weights(&weights).build().unwrap();
+    let far = |a: &[f64], b: &[f64]| {
+        let parts = a.iter().zip(b).zip(weights);
+        parts
+            .map(|((a, b), w)| (w * (a - b)).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    };
+    let mut random = Random(44);
+    let (mut nearer, cases) = (0, 20);
+    for _ in 0..cases {
+        let wanted = placement(&base_from_tip(&random.configuration(&even)));
+        let start = random.configuration(&even);
+        let a = even.solve(wanted, &start).unwrap();
+        let b = weighted.solve(wanted, &start).unwrap();
+        assert!(a.reached && b.reached);
+        nearer += usize::from(far(&b.q, &start) <= far(&a.q, &start) + 1e-9);
+    }
+    assert!(nearer * 100 >= cases * 95, "{nearer} of {cases}");
+}
+
+#[test]
+fn a_bound_on_moves_is_kept_to_the_bit() {
+    let inf = f64::INFINITY;
+    let most = [0.3, 0.0, inf, 0.2, 1e-9, inf, 0.5];
+    let arm = builder().with_max_move(&most).build().unwrap();
+    let mut random = Random(45);
+    let (mut reached, mut stuck) = (0, 0);
+    for k in 0..40 {
+        // Every other start lies outside the limits: moves count from the start within them.
+        let mut start = random.configuration(&arm);
+        if k % 2 == 0 {
+            start[3] += 9.0;
+        }
+        let limits: Vec<_> = arm.limits().collect();
+        let inside: Vec<f64> = limits
+            .iter()
+            .zip(&start)
+            .map(|(l, v)| l.clamp(*v))
+            .collect();
+        let truth: Vec<f64> = if k % 4 < 2 {
+            let moved = inside.iter().zip(most).zip(&limits);
+            moved
+                .map(|((v, most), l)| l.clamp(v + most.min(0.4) * (2.0 * random.unit() - 1.0)))
+                .collect()
+        } else {
+            random.configuration(&arm)
+        };
+        let wanted = base_from_tip(&truth);
+        let solution = arm.solve(placement(&wanted), &start).unwrap();
+        assert!(within_limits(&arm, &solution.q));
+        for ((value, from), most) in solution.q.iter().zip(&inside).zip(most) {
+            assert!((value - from).abs() <= most, "{value} {from} {most}");
+        }
+        let (metres, radians) = apart(&wanted, &base_from_tip(&solution.q));
+        assert_eq!(solution.reached, metres <= 1e-6 && radians <= 1e-6);
+        if k % 4 < 2 {
+            assert!(solution.reached, "{}", solution.explain());
+        }
+        if solution.reached {
+            reached += 1;
+        } else {
+            stuck += 1;
+            assert_eq!(solution.termination, Termination::CannotContinue);
+            assert!(
+                solution.active_limits().count() > 0,
+                "{}",
+                solution.explain()
+            );
+        }
+    }
+    assert!(reached >= 20 && stuck >= 15, "{reached} {stuck}");
+}
+
+#[test]
+fn a_seed_keeps_an_answer_and_another_changes_it() {
+    let arm = |search, seed| {
+        let builder = builder().with_search(search).with_seed(seed);
+        builder.with_atlas(false).build().unwrap()
+    };
+    for search in [Search::First, Search::Start] {
+        let (one, again, other) = (arm(search, 1), arm(search, 1), arm(search, 2));
+        let mut random = Random(46);
+        let mut changed = 0;
+        for _ in 0..30 {
+            let wanted = placement(&base_from_tip(&random.configuration(&one)));
+            let start = random.configuration(&one);
+            let a = one.solve(wanted, &start).unwrap();
+            let b = other.solve(wanted, &start).unwrap();
+            assert!(a.reached && b.reached);
+            let same = again.solve(wanted, &start).unwrap();
+            assert_eq!((&a.q, a.iterations), (&same.q, same.iterations));
+            changed += usize::from(a.q != b.q);
+        }
+        assert!(changed >= 5, "{search:?}: {changed}");
+    }
+    // From nearby the start's own attempt succeeds, and no seed has a say.
+    let (one, other) = (arm(Search::Start, 1), arm(Search::Start, 2));
+    let mut random = Random(47);
+    for _ in 0..20 {
+        let start = random.configuration(&one);
+        let near: Vec<f64> = (start.iter().zip(one.limits()))
+            .map(|(v, l)| l.clamp(v + 0.02 * (random.unit() - 0.5)))
+            .collect();
+        let wanted = placement(&base_from_tip(&near));
+        let a = one.solve(wanted, &start).unwrap();
+        assert_eq!(a.q, other.solve(wanted, &start).unwrap().q);
+    }
+}
+
+#[test]
+fn no_more_attempts_than_asked() {
+    for attempts in [1, 3, 20] {
+        let arm = builder().with_attempts(attempts).build().unwrap();
+        let mut random = Random(48);
+        for _ in 0..10 {
+            let wanted = placement(&base_from_tip(&random.configuration(&arm)));
+            let start = random.configuration(&arm);
+            let solution = arm.solve(wanted, &start).unwrap();
+            let made = solution.attempts;
+            assert!((1..=attempts as usize).contains(&made), "{made}");
+        }
+    }
+}
+
+#[test]
+fn an_option_out_of_its_range_is_named() {
+    let (nan, inf) = (f64::NAN, f64::INFINITY);
+    let b = builder;
+    let distinct = |k, distance| b().with_search(Search::Distinct { k, distance });
+    for (bad, name) in [
+        (b().with_position_tolerance(0.0), "position_tolerance"),
+        (b().with_position_tolerance(nan), "position_tolerance"),
+        (
+            b().with_orientation_tolerance(-1.0),
+            "orientation_tolerance",
+        ),
+        (b().with_orientation_tolerance(inf), "orientation_tolerance"),
+        (b().with_metres_per_radian(0.0), "metres_per_radian"),
+        (
+            b().with_goal(Goal::within([nan, 0.0, 0.0, 0.0, 0.0, 0.0])),
+            "goal",
+        ),
+        (
+            b().with_goal(Goal::within([0.0, 0.0, 0.0, 0.0, -0.1, 0.0])),
+            "goal",
+        ),
+        (b().with_goal(Goal::within([inf; 6])), "goal"),
+        (b().with_attempts(0), "attempts"),
+        (distinct(0, 0.5), "distinct k"),
+        (distinct(2, nan), "distinct distance"),
+        (b().with_joint_weights(&[1.0; 6]), "joint_weights"),
+        (b().with_joint_weights(&[0.0; 7]), "joint_weights"),
+        (b().with_max_move(&[0.1; 8]), "max_move"),
+        (b().with_max_move(&[nan; 7]), "max_move"),
+        (b().with_max_move(&[-0.1; 7]), "max_move"),
+        (b().with_posture(&[0.0; 3]), "posture"),
+        (b().with_posture(&[nan; 7]), "posture"),
+        (
+            b().with_posture(&POSTURE).with_search(Search::Nearest),
+            "posture",
+        ),
+    ] {
+        let error = bad.build().unwrap_err().to_string();
+        assert!(error.contains(name), "{name}: {error}");
+        // One number a joint: the joints are listed.
+        let listed = !error.contains("numbers, the arm") || error.contains("joint1, joint2");
+        assert!(listed, "{error}");
+    }
+}

@@ -1,0 +1,266 @@
+//! Defects found in other solvers, each with the promise that it is not ours.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::{Arm, Goal, QueryError};
+use kinopt::model::{Limits, Model};
+use kinopt::robot::Robot;
+use kinopt::solver::Termination;
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra::Isometry3;
+use support::arms::{Random, apart, panda, robot, within_limits};
+use support::urdf_matrices::Tree;
+
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+const X: [f64; 3] = [1.0, 0.0, 0.0];
+
+fn along(x: f64, y: f64, z: f64) -> Placement<f64> {
+    Placement::translation(Vector3::new(x, y, z))
+}
+
+/// A sliding joint of ten metres, then a planar arm whose first joint is continuous.
+fn gantry(scale: f64) -> Model {
+    let mut b = Model::builder("gantry");
+    let slide = b.prismatic(
+        "slide",
+        None,
+        along(0.0, 0.0, 0.0),
+        X.into(),
+        Limits::new(0.0, 10.0 * scale),
+    );
+    let turn = b.continuous("turn", Some(slide), along(0.0, 0.0, 0.5 * scale), Z.into());
+    let bend = b.revolute(
+        "bend",
+        Some(turn),
+        along(0.5 * scale, 0.0, 0.0),
+        Z.into(),
+        Limits::new(-2.5, 2.5),
+    );
+    b.frame("base", None, Placement::identity());
+    b.frame("tip", Some(bend), along(0.4 * scale, 0.0, 0.0));
+    b.build().unwrap()
+}
+
+#[test]
+fn sliding_values_are_not_wrapped_like_angles() {
+    let arm = Arm::new(&gantry(1.0), "base", "tip").unwrap();
+    let goal = arm.base_from_tool(&[8.0, 0.4, 1.0]).unwrap();
+    let solution = arm.solve(goal, &[7.0, 0.0, 0.5]).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    assert!((solution.q[0] - 8.0).abs() < 2.0);
+}
+
+#[test]
+fn continuous_joints_come_out_near_the_start() {
+    let arm = Arm::new(&gantry(1.0), "base", "tip").unwrap();
+    let mut random = Random(9);
+    for k in 0..30 {
+        let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let mut start = random.configuration(&arm);
+        start[1] += std::f64::consts::TAU * f64::from(k);
+        let solution = arm.solve(goal, &start).unwrap();
+        assert!(solution.reached && solution.q.iter().all(|v| v.is_finite()));
+        assert!((solution.q[1] - start[1]).abs() <= std::f64::consts::PI + 1e-9);
+    }
+}
+
+#[test]
+fn success_is_judged_on_what_is_returned() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::new(&robot, base, tip).unwrap();
+    let mut random = Random(10);
+    for _ in 0..20 {
+        // Beyond the limits: not reachable by clamping.
+        let beyond: Vec<f64> = random.configuration(&arm).iter().map(|v| v * 1.5).collect();
+        let goal = arm.base_from_tool(&beyond).unwrap();
+        let solution = arm.solve(goal, &[0.0; 7]).unwrap();
+        let at = arm.base_from_tool(&solution.q).unwrap();
+        let (metres, radians) = apart(&Isometry3::from(&at), &Isometry3::from(&goal));
+        assert!(within_limits(&arm, &solution.q));
+        assert_eq!(
+            solution.reached,
+            metres <= 1e-6 && radians <= 1e-6,
+            "{metres} {radians}"
+        );
+        let task = solution.tasks().next().unwrap();
+        assert!((task.position_error().unwrap() - metres).abs() < 1e-9);
+        assert!((task.orientation_error().unwrap() - radians).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn starts_outside_limits_are_projected_and_nan_is_an_error() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::new(&robot, base, tip).unwrap();
+    let goal = arm
+        .base_from_tool(&[0.3, 0.2, 0.1, -1.5, 0.2, 1.7, 0.4])
+        .unwrap();
+    for start in [[9.0; 7], [-40.0; 7], [1e9; 7]] {
+        let solution = arm.solve(goal, &start).unwrap();
+        assert!(solution.reached && within_limits(&arm, &solution.q));
+    }
+    let mut start = [0.0; 7];
+    start[2] = f64::NAN;
+    let error = arm.solve(goal, &start).unwrap_err();
+    assert!(
+        matches!(&error, QueryError::StartNotFinite { joint, .. } if joint == "joint3"),
+        "{error}"
+    );
+    let mut bad = goal;
+    bad.translation.y = f64::NAN;
+    assert!(matches!(
+        arm.solve(bad, &[0.0; 7]),
+        Err(QueryError::Target { .. })
+    ));
+    assert!(matches!(
+        arm.solve(goal, &[0.0; 6]),
+        Err(QueryError::Length { .. })
+    ));
+}
+
+/// Fixed joints fold in the order they stand in, turned ones in mid-chain too.
+#[test]
+fn fixed_joints_fold_in_the_right_order() {
+    let limits = r#"<limit lower="-2" upper="2" effort="1" velocity="1"/>"#;
+    let mut text = String::from("<robot name=\"crooked\"><link name=\"l0\"/>");
+    // revolute, fixed, fixed, revolute, fixed, …: each fixed one turned about two axes and off.
+    let kinds = ["revolute", "fixed", "fixed"];
+    for k in 0..18 {
+        let (kind, next) = (kinds[k % 3], k + 1);
+        let turned = 0.3 + 0.1 * k as f64;
+        let rpy = if kind == "fixed" {
+            format!("{turned} -0.4 {turned}")
+        } else {
+            "0 0 0".into()
+        };
+        text.push_str(&format!(
+            "<link name=\"l{next}\"/><joint name=\"j{k}\" type=\"{kind}\"><parent link=\"l{k}\"/>\
+             <child link=\"l{next}\"/><origin xyz=\"0.1 0.0{k} -0.03\" rpy=\"{rpy}\"/>\
+             <axis xyz=\"0 0.6 0.8\"/>{limits}</joint>"
+        ));
+    }
+    text.push_str("</robot>");
+    let robot = Robot::parse(&text, "crooked.urdf").unwrap();
+    let tree = Tree::parse(&text);
+    for (base, tip) in [("l0", "l18"), ("l2", "l17"), ("l17", "l1")] {
+        let arm = Arm::new(&robot, base, tip).unwrap();
+        let mut random = Random(14);
+        for _ in 0..10 {
+            let q = random.configuration(&arm);
+            let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
+            let wanted = tree.base_from_tip(base, tip, &values);
+            let own = support::urdf_matrices::from_placement(&arm.base_from_tool(&q).unwrap());
+            let (metres, radians) = support::urdf_matrices::apart(&own, &wanted);
+            assert!(metres < 1e-14 && radians < 1e-14, "{metres:e} {radians:e}");
+        }
+    }
+}
+
+#[test]
+fn floating_and_planar_joints_are_refused_by_name_and_not_turned_fixed() {
+    let text = std::fs::read_to_string("models/franka_panda.urdf").unwrap();
+    for kind in ["floating", "planar"] {
+        let changed = text.replacen(
+            r#"name="joint4" type="revolute""#,
+            &format!(r#"name="joint4" type="{kind}""#),
+            1,
+        );
+        assert_ne!(changed, text);
+        let error = Robot::parse(&changed, "loose.urdf")
+            .unwrap_err()
+            .to_string();
+        for said in ["loose.urdf", "joint4", kind] {
+            assert!(error.contains(said), "{error}");
+        }
+    }
+}
+
+#[test]
+fn two_joints_converge() {
+    let mut b = Model::builder("planar");
+    let first = b.revolute(
+        "a",
+        None,
+        Placement::identity(),
+        Z.into(),
+        Limits::new(-3.0, 3.0),
+    );
+    let second = b.revolute(
+        "b",
+        Some(first),
+        along(1.0, 0.0, 0.0),
+        Z.into(),
+        Limits::new(-2.5, 2.5),
+    );
+    b.frame("base", None, Placement::identity());
+    b.frame("tip", Some(second), along(1.0, 0.0, 0.0));
+    let model = b.build().unwrap();
+    let arm = Arm::builder(&model, "base", "tip")
+        .unwrap()
+        .with_goal(Goal::position())
+        .build()
+        .unwrap();
+    let mut random = Random(11);
+    for _ in 0..50 {
+        let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let solution = arm.solve(goal, &random.configuration(&arm)).unwrap();
+        assert!(solution.reached, "{}", solution.explain());
+    }
+}
+
+#[test]
+fn metres_or_millimetres_make_no_difference() {
+    let (metres, millimetres) = (gantry(1.0), gantry(1000.0));
+    let a = Arm::new(&metres, "base", "tip").unwrap();
+    let b = Arm::builder(&millimetres, "base", "tip")
+        .unwrap()
+        .with_position_tolerance(1e-3)
+        .build()
+        .unwrap();
+    let mut random = Random(12);
+    for _ in 0..30 {
+        let truth = random.configuration(&a);
+        let start = random.configuration(&a);
+        let scaled = |q: &[f64]| vec![q[0] * 1000.0, q[1], q[2]];
+        let x = a.solve(a.base_from_tool(&truth).unwrap(), &start).unwrap();
+        let y = b
+            .solve(b.base_from_tool(&scaled(&truth)).unwrap(), &scaled(&start))
+            .unwrap();
+        assert!(x.reached && y.reached, "{} {}", x.explain(), y.explain());
+    }
+}
+
+#[test]
+fn asking_twice_gives_the_same_answer() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::new(&robot, base, tip).unwrap();
+    let mut random = Random(13);
+    for _ in 0..20 {
+        let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let start = random.configuration(&arm);
+        assert_eq!(
+            arm.solve(goal, &start).unwrap().q,
+            arm.solve(goal, &start).unwrap().q
+        );
+    }
+}
+
+#[test]
+fn out_of_reach_is_said_with_errors_and_a_reason() {
+    let robot = robot("kuka_iiwa14");
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let solution = arm.solve(along(4.0, 0.0, 0.5), &[0.1; 7]).unwrap();
+    assert!(!solution.reached && within_limits(&arm, &solution.q));
+    assert!(solution.tasks().next().unwrap().position_error().unwrap() > 2.5);
+    assert!(!solution.explain().is_empty());
+}
+
+#[test]
+fn a_time_limit_ends_a_search() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::builder(&robot, base, tip)
+        .unwrap()
+        .with_time_limit(std::time::Duration::ZERO);
+    let arm = arm.build().unwrap();
+    let solution = arm.solve(along(7.0, 0.0, 0.0), &[0.0; 7]).unwrap();
+    assert_eq!(solution.termination, Termination::TimeLimit);
+}

@@ -1,0 +1,168 @@
+//! The same question has the same answer to the bit: run after run, by another arm of the same
+//! description, alone and in a batch, and on pools of 1, 2 and 8 threads.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, ArmBuilder, Goal, Outcome, Search};
+use kinopt::spatial::Placement;
+use rayon::prelude::*;
+use support::arms::{Random, cases, panda, robot};
+
+type Questions = (Vec<Placement<f64>>, Vec<f64>);
+
+/// Everything a solution says that is not time.
+fn bits(solutions: &[Solution]) -> Vec<u64> {
+    let numbers = solutions.iter().flat_map(|s| {
+        let counts = [s.iterations as u64, s.attempts as u64, s.cost.to_bits()];
+        s.q.iter().map(|v| v.to_bits()).chain(counts)
+    });
+    numbers.collect()
+}
+
+fn questions(arm: &Arm, count: usize) -> Questions {
+    let mut random = Random(8);
+    let mut goals: Vec<_> = (0..count)
+        .map(|_| arm.base_from_tool(&random.configuration(arm)).unwrap())
+        .collect();
+    // One is out of reach, and says so everywhere.
+    goals[1].translation.x += 5.0;
+    let starts = (0..count).flat_map(|_| random.configuration(arm));
+    (goals, starts.collect())
+}
+
+fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
+    let starts = starts.chunks(arm.joint_count());
+    let questions = goals.iter().zip(starts);
+    questions
+        .map(|(goal, start)| arm.solve(goal, start).unwrap())
+        .collect()
+}
+
+/// `count` questions; more than a chunk of a batch where lanes answer them.
+fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
+    let arm = builder.clone().build().unwrap();
+    let n = arm.joint_count();
+    let asked = questions(&arm, count);
+    let (goals, starts) = &asked;
+    let singles = alone(&arm, &asked);
+    let together = arm.solve_batch(goals, starts).unwrap();
+    assert!(!together[1].reached && !singles[1].reached);
+    // Run after run, and by an arm of its own.
+    let again = builder.clone().build().unwrap();
+    assert_eq!(bits(&alone(&again, &asked)), bits(&singles));
+    assert_eq!(
+        bits(&again.solve_batch(goals, starts).unwrap()),
+        bits(&together)
+    );
+    let flat: Vec<u64> = together
+        .iter()
+        .flat_map(|s| &s.q)
+        .map(|v| v.to_bits())
+        .collect();
+    for threads in [1, 2, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let parallel = arm.solve_batch_parallel(goals, starts).unwrap();
+            assert_eq!(bits(&parallel), bits(&together), "{threads} threads");
+            let mut q = vec![0.0; starts.len()];
+            let mut outcomes = vec![Outcome::default(); count];
+            arm.solve_batch_into_parallel(goals, starts, &mut q, &mut outcomes)
+                .unwrap();
+            assert!(q.iter().map(|v| v.to_bits()).eq(flat.iter().copied()));
+            assert!(
+                outcomes
+                    .iter()
+                    .zip(&together)
+                    .all(|(a, b)| a.reached == b.reached)
+            );
+            // Single questions to one arm from all threads at once.
+            let questions = goals.par_iter().zip(starts.par_chunks(n));
+            let answers = questions.map(|(goal, start)| arm.solve(goal, start).unwrap());
+            let answers: Vec<Solution> = answers.collect();
+            assert_eq!(bits(&answers), bits(&singles), "{threads} threads");
+        });
+    }
+}
+
+#[test]
+fn the_everyday_searches() {
+    let (robot, base, tip) = panda();
+    for search in [Search::Start, Search::First] {
+        let builder = Arm::builder(&robot, base, tip).unwrap();
+        let fewer = cases(140, 12);
+        // More than a chunk of a batch, of one search at least.
+        let count = if search == Search::First { 140 } else { fewer };
+        the_same_bits(&builder.with_search(search), count);
+    }
+    let six = self::robot("universal_ur5e");
+    let builder = Arm::builder(&six, "base", "flange").unwrap();
+    the_same_bits(&builder, cases(140, 12));
+}
+
+#[test]
+fn searches_that_compare() {
+    let (robot, base, tip) = panda();
+    let distinct = Search::Distinct {
+        k: 4,
+        distance: 0.4,
+    };
+    for search in [Search::Nearest, distinct] {
+        let builder = Arm::builder(&robot, base, tip).unwrap();
+        let builder = builder.with_search(search).with_attempts(30);
+        the_same_bits(&builder.with_atlas(false), cases(5, 3));
+    }
+}
+
+#[test]
+fn options_that_leave_the_lanes() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 3));
+    the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 3));
+    let goal = Goal::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
+    the_same_bits(&builder().with_goal(goal).with_seed(5), cases(6, 3));
+}
+
+#[test]
+fn a_chain_with_a_follower() {
+    let robot = robot("aldebaran_nao");
+    let builder = Arm::builder(&robot, "left_sole", "right_sole").unwrap();
+    the_same_bits(&builder, cases(6, 3));
+}
+
+#[test]
+fn several_answers_and_a_path() {
+    let (robot, base, tip) = panda();
+    let distinct = Search::Distinct {
+        k: 4,
+        distance: 0.4,
+    };
+    let builder = Arm::builder(&robot, base, tip).unwrap();
+    let builder = builder.with_search(distinct).with_atlas(false);
+    let arm = builder.build().unwrap();
+    let (goals, starts) = questions(&arm, 6);
+    let path: Vec<_> = (0..40)
+        .map(|k| {
+            let s = f64::from(k) * 0.02;
+            let q = [0.1 + s, -0.4, 0.2, -1.8 + s, 0.3, 1.7, 0.5 - s];
+            arm.base_from_tool(&q).unwrap()
+        })
+        .collect();
+    let run = || {
+        let all = goals.iter().zip(starts.chunks(7));
+        let mut all: Vec<Solution> = all
+            .flat_map(|(goal, start)| arm.solve_all(goal, start).unwrap())
+            .collect();
+        all.extend(arm.track(&path, &starts[..7]).unwrap().solutions);
+        bits(&all)
+    };
+    let once = run();
+    for threads in [1, 2, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let runs: Vec<_> = pool
+            .build()
+            .unwrap()
+            .install(|| (0..2).into_par_iter().map(|_| run()).collect());
+        assert!(runs.iter().all(|bits| *bits == once));
+    }
+}

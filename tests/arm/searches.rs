@@ -1,0 +1,108 @@
+//! Nearest is nearest, distinct ones differ. `KINOPT_CASES` asks for another number of cases a robot
+//! (best with `--release`; a debug build takes fewer).
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use kinopt::arm::{Arm, ArmBuilder, Search};
+use kinopt::spatial::Placement;
+use support::arms::{Random, cases, distance, robot, within_limits};
+use support::urdf_matrices::{apart, from_placement};
+
+/// Two answers for one pose to 1e-6 are the same when they are as far from the start but for this,
+/// radians.
+const SAME: f64 = 1e-6;
+
+/// Redundant arms, and one that is not.
+const ROBOTS: [(&str, &str, &str); 4] = [
+    ("franka_panda", "base", "flange"),
+    ("kuka_iiwa14", "base", "flange"),
+    ("rethink_baxter", "torso", "left_tool"),
+    ("universal_ur5e", "base", "flange"),
+];
+
+fn assert_solves(arm: &Arm, q: &[f64], wanted: &Placement<f64>) {
+    let found = from_placement(&arm.base_from_tool(q).unwrap());
+    let (metres, radians) = apart(&found, &from_placement(wanted));
+    assert!(metres <= 1e-6 && radians <= 1e-6, "{metres:e} {radians:e}");
+    assert!(within_limits(arm, q));
+}
+
+#[test]
+fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
+    for (name, base, tip) in ROBOTS {
+        let robot = robot(name);
+        let build = |search| {
+            let builder = Arm::builder(&robot, base, tip).unwrap();
+            builder.with_search(search).build().unwrap()
+        };
+        let (nearest, restarts) = (build(Search::Nearest), build(Search::Start));
+        let mut random = Random(3);
+        let (cases, mut kept) = (cases(20, 8), 0);
+        for _ in 0..cases {
+            let truth = random.configuration(&nearest);
+            let wanted = nearest.base_from_tool(&truth).unwrap();
+            let start = random.configuration(&nearest);
+            let ours = nearest.solve(wanted, &start).unwrap();
+            assert!(ours.reached);
+            assert_solves(&nearest, &ours.q, &wanted);
+            let mut best = f64::INFINITY;
+            for _ in 0..100 {
+                let from = random.configuration(&restarts);
+                let other = restarts.solve(wanted, &from).unwrap();
+                best = best.min(distance(&other.q, &start));
+            }
+            kept += usize::from(distance(&ours.q, &start) <= best + SAME);
+        }
+        println!("{name}: {kept} of {cases}");
+        // Of few cases one may be lost.
+        let lost = cases - kept;
+        assert!(lost <= (cases / 20).max(1), "{name}: {kept} of {cases}");
+    }
+}
+
+/// The solutions of random questions, checked one by one and against each other.
+fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> usize {
+    let search = Search::Distinct { k, distance: apart };
+    let builder = builder.clone().with_search(search);
+    let arm = builder.with_joint_weights(weights).build().unwrap();
+    let far = |a: &[f64], b: &[f64]| {
+        let scaled =
+            |q: &[f64]| -> Vec<f64> { q.iter().zip(weights).map(|(v, w)| v * w).collect() };
+        distance(&scaled(a), &scaled(b))
+    };
+    let mut random = Random(4);
+    let mut found = 0;
+    for _ in 0..cases(5, 3) {
+        let wanted = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let start = random.configuration(&arm);
+        let all = arm.solve_all(wanted, &start).unwrap();
+        assert!(!all.is_empty() && all.len() <= k);
+        for (i, a) in all.iter().enumerate() {
+            assert!(a.reached);
+            assert_solves(&arm, &a.q, &wanted);
+            assert!(all[i + 1..].iter().all(|b| far(&a.q, &b.q) > apart));
+        }
+        let near_first =
+            |pair: &[kinopt::Solution]| far(&pair[0].q, &start) <= far(&pair[1].q, &start);
+        assert!(all.windows(2).all(near_first));
+        found += all.len();
+    }
+    found
+}
+
+#[test]
+fn distinct_solutions_differ_and_come_nearest_first() {
+    let robot = robot("universal_ur5e");
+    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    // Eight postures, and whole turns besides.
+    assert!(distinct(&builder, 6, 0.8, &[1.0; 6]) >= 6 * cases(5, 3) * 9 / 10);
+    assert!(distinct(&builder, 3, 2.5, &[1.0; 6]) > cases(5, 3));
+}
+
+#[test]
+fn distinct_solutions_of_a_redundant_arm() {
+    let robot = robot("franka_panda");
+    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    assert!(distinct(&builder, 5, 0.1, &[1.0; 7]) * 50 >= 5 * cases(5, 3) * 49);
+    let weights = [2.0, 2.0, 1.0, 1.0, 0.5, 0.5, 0.1];
+    assert!(distinct(&builder, 4, 0.5, &weights) > cases(5, 3));
+}

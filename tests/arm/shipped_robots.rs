@@ -1,0 +1,97 @@
+//! Every random pose of every shipped arm is solved to 1e-6 m and 1e-6 rad by the file's own
+//! kinematics, within the file's limits bit for bit. `KINOPT_POSES` asks for another number of poses
+//! a chain (best with `--release`).
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, Search};
+use kinopt::robot::Robot;
+use support::arms::Random;
+use support::urdf_matrices::{Tree, apart, from_placement, placement};
+
+fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
+    let asked = std::env::var("KINOPT_POSES").ok();
+    let count = asked.map_or(count, |count| count.parse().unwrap());
+    let file = format!("models/{name}.urdf");
+    let (robot, tree) = (Robot::read(&file).unwrap(), Tree::read(&file));
+    for search in [Search::Start, Search::First] {
+        let arm = Arm::builder(&robot, base, tip).unwrap();
+        let arm = arm.with_search(search).build().unwrap();
+        let joints: Vec<&str> = arm.joints().collect();
+        let at = |q: &[f64]| {
+            let values: Vec<_> = joints.iter().copied().zip(q.iter().copied()).collect();
+            tree.base_from_tip(base, tip, &values)
+        };
+        let mut random = Random(11);
+        let mut solution = Solution::default();
+        for _ in 0..count {
+            let truth = random.configuration(&arm);
+            let wanted = at(&truth);
+            let start = random.configuration(&arm);
+            arm.solve_into(placement(&wanted), &start, &mut solution)
+                .unwrap();
+            let found = at(&solution.q);
+            let (metres, radians) = apart(&found, &wanted);
+            assert!(
+                solution.reached && metres <= 1e-6 && radians <= 1e-6,
+                "{name} {tip}: {metres:e} {radians:e} {truth:?} {start:?} {}",
+                solution.explain()
+            );
+            for (joint, value) in joints.iter().zip(&solution.q) {
+                let (lower, upper) = tree.limits(joint);
+                assert!(
+                    lower <= *value && *value <= upper,
+                    "{name}: {joint} {value}"
+                );
+            }
+            // The errors are those of the answer, and the door's own kinematics agrees.
+            let task = solution.tasks().next().unwrap();
+            assert!((task.position_error().unwrap() - metres).abs() < 1e-13);
+            assert!((task.orientation_error().unwrap() - radians).abs() < 1e-13);
+            let own = from_placement(&arm.base_from_tool(&solution.q).unwrap());
+            let (metres, radians) = apart(&own, &found);
+            assert!(metres < 1e-13 && radians < 1e-13, "{metres:e} {radians:e}");
+        }
+    }
+}
+
+#[test]
+fn seven_joints() {
+    all_solved("franka_panda", "base", "flange", 120);
+    all_solved("kuka_iiwa14", "base", "flange", 120);
+}
+
+#[test]
+fn six_joints() {
+    all_solved("universal_ur5e", "base", "flange", 120);
+    all_solved("universal_ur10e", "base", "flange", 120);
+}
+
+#[test]
+fn both_arms_of_a_torso() {
+    all_solved("rethink_baxter", "torso", "left_tool", 80);
+    all_solved("rethink_baxter", "torso", "right_tool", 80);
+}
+
+#[test]
+fn a_scara_with_a_sliding_joint() {
+    all_solved("adept_cobra_s600", "base", "flange", 80);
+}
+
+#[test]
+fn limbs_of_a_humanoid() {
+    all_solved("aldebaran_nao", "torso", "left_hand", 40);
+    all_solved("aldebaran_nao", "torso", "right_hand", 40);
+    all_solved("aldebaran_nao", "torso", "left_sole", 40);
+    all_solved("aldebaran_nao", "torso", "right_sole", 40);
+    all_solved("aldebaran_nao", "torso", "head", 40);
+}
+
+/// The way may climb before it descends: hand to hand, and sole to sole over the hips, whose
+/// yaw-pitch joints are one motor.
+#[test]
+fn the_base_need_not_carry_the_tip() {
+    all_solved("rethink_baxter", "left_tool", "right_tool", 15);
+    all_solved("franka_panda", "flange", "base", 60);
+    all_solved("aldebaran_nao", "left_sole", "right_sole", 10);
+}

@@ -1,0 +1,173 @@
+//! A wall-clock limit ends a search at the next look at the clock, which is never far: the best so
+//! far comes back, within the limits, with the errors it has. A limit that is not met changes nothing.
+#![allow(clippy::unwrap_used)]
+
+use std::time::Duration;
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::solver::Termination;
+use kinopt::spatial::Placement;
+use support::arms::{Random, panda, robot, within_limits};
+use support::urdf_matrices::{apart, from_placement};
+
+const DISTINCT: Search = Search::Distinct {
+    k: 3,
+    distance: 0.3,
+};
+/// Lanes of the widest group: iterations in one lock step.
+const LOCK_STEP: usize = 8;
+/// Attempts that are compared between two looks at the clock, and the most iterations of one.
+const COMPARED: usize = 16 * 100;
+
+fn assert_true(arm: &Arm, goal: &Placement<f64>, solution: &Solution) {
+    assert!(within_limits(arm, &solution.q));
+    let found = arm.base_from_tool(&solution.q).unwrap();
+    let (metres, radians) = apart(&from_placement(&found), &from_placement(goal));
+    let task = solution.tasks().next().unwrap();
+    assert!((task.position_error().unwrap() - metres).abs() < 1e-12);
+    if let Some(error) = task.orientation_error().filter(|_| radians < 3.0) {
+        assert!((error - radians).abs() < 1e-7, "{error} {radians}");
+    }
+    // A comparison that was cut short ends by the time limit, reached or not.
+    match solution.termination {
+        Termination::TimeLimit => {}
+        ended => assert_eq!(solution.reached, ended == Termination::Reached),
+    }
+}
+
+/// Every question has no time at all.
+fn ends_at_once(what: &str, builder: ArmBuilder<'_>, most_iterations: usize) {
+    let arm = builder.with_time_limit(Duration::ZERO).with_atlas(false);
+    let arm = arm.build().unwrap();
+    let n = arm.joint_count();
+    let mut random = Random(61);
+    let (mut goals, mut starts) = (Vec::new(), Vec::new());
+    for k in 0..12 {
+        let mut goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        if k % 3 == 0 {
+            goal.translation.x += 4.0;
+        }
+        let start = random.configuration(&arm);
+        let solution = arm.solve(goal, &start).unwrap();
+        assert_true(&arm, &goal, &solution);
+        let ended = solution.termination;
+        assert!(
+            solution.reached || ended == Termination::TimeLimit,
+            "{what}: {ended:?}"
+        );
+        assert!(k % 3 > 0 || !solution.reached);
+        let iterations = solution.iterations;
+        assert!(
+            iterations <= most_iterations,
+            "{what}: {iterations} iterations"
+        );
+        goals.push(goal);
+        starts.extend(start);
+    }
+    let together = arm.solve_batch(&goals, &starts).unwrap();
+    let path = arm.track(&goals, &starts[..n]).unwrap();
+    for (solution, goal) in together
+        .iter()
+        .chain(&path.solutions)
+        .zip(goals.iter().chain(&goals))
+    {
+        assert_true(&arm, goal, solution);
+        let ended = solution.termination;
+        assert!(
+            solution.reached || ended == Termination::TimeLimit,
+            "{what}: {ended:?}"
+        );
+    }
+}
+
+#[test]
+fn no_time_at_all() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip).unwrap();
+    ends_at_once("start", builder(), LOCK_STEP);
+    ends_at_once("first", builder().with_search(Search::First), LOCK_STEP);
+    ends_at_once(
+        "bounded moves",
+        builder().with_max_move(&[0.5; 7]),
+        LOCK_STEP,
+    );
+    ends_at_once("posture", builder().with_posture(&[0.3; 7]), LOCK_STEP);
+    let nearest = builder().with_search(Search::Nearest);
+    ends_at_once("nearest", nearest, COMPARED + LOCK_STEP);
+    let distinct = builder().with_search(DISTINCT);
+    ends_at_once("distinct", distinct, COMPARED + LOCK_STEP);
+    let mut free = builder().with_goal(Goal::position()).with_atlas(false);
+    free = free.with_time_limit(Duration::ZERO);
+    let solution = free
+        .build()
+        .unwrap()
+        .solve(Placement::identity(), &[0.3; 7]);
+    assert!(solution.unwrap().iterations <= LOCK_STEP);
+}
+
+/// Solutions that were compared with few others say so; with time enough none does.
+#[test]
+fn a_comparison_cut_short_is_told() {
+    let (robot, base, tip) = panda();
+    for search in [Search::Nearest, DISTINCT] {
+        let builder = || {
+            let builder = Arm::builder(&robot, base, tip).unwrap().with_search(search);
+            builder.with_atlas(false)
+        };
+        let hurried = builder().with_time_limit(Duration::ZERO).build().unwrap();
+        let patient = builder().build().unwrap();
+        let mut random = Random(63);
+        let mut told = 0;
+        for _ in 0..8 {
+            let goal = patient.base_from_tool(&random.configuration(&patient));
+            let (goal, start) = (goal.unwrap(), random.configuration(&patient));
+            for solution in hurried.solve_all(goal, &start).unwrap() {
+                assert_eq!(solution.termination, Termination::TimeLimit);
+                let words = solution.explain();
+                assert_eq!(
+                    solution.reached,
+                    words.contains("search for others"),
+                    "{words}"
+                );
+                told += usize::from(solution.reached);
+            }
+            for solution in patient.solve_all(goal, &start).unwrap() {
+                assert!(solution.reached && solution.termination == Termination::Reached);
+            }
+        }
+        assert!(told >= 4, "{told}");
+    }
+}
+
+#[test]
+fn no_time_for_a_chain_with_a_follower() {
+    let robot = robot("aldebaran_nao");
+    let builder = || Arm::builder(&robot, "torso", "right_sole").unwrap();
+    ends_at_once("follower", builder(), LOCK_STEP);
+    ends_at_once(
+        "follower nearest",
+        builder().with_search(Search::Nearest),
+        COMPARED,
+    );
+}
+
+#[test]
+fn a_limit_that_is_not_met_changes_nothing() {
+    let (robot, base, tip) = panda();
+    for search in [Search::Start, Search::First, Search::Nearest] {
+        let builder = || Arm::builder(&robot, base, tip).unwrap().with_search(search);
+        let plain = builder().with_atlas(false).build().unwrap();
+        for limit in [Duration::from_secs(86400), Duration::MAX] {
+            let limited = builder().with_atlas(false).with_time_limit(limit);
+            let limited = limited.build().unwrap();
+            let mut random = Random(62);
+            for _ in 0..6 {
+                let goal = plain.base_from_tool(&random.configuration(&plain)).unwrap();
+                let start = random.configuration(&plain);
+                let (a, b) = (plain.solve(goal, &start), limited.solve(goal, &start));
+                assert_eq!(a.unwrap().q, b.unwrap().q);
+            }
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! A dense path is followed on one branch: no joint moves further in a step than the path's own
+//! joints do by more than 0.2 rad; where that cannot be kept, the track says which step it was.
+//! A debug build follows one path of each kind; `KINOPT_CASES` asks for another number.
+#![allow(clippy::unwrap_used)]
+
+use std::f64::consts::PI;
+
+use kinopt::arm::{Arm, Track};
+use kinopt::spatial::Placement;
+use kinopt::{Solution, solver::Termination};
+use support::arms::{Random, apart, base_from_tip, cases, robot, within_limits};
+
+const STEPS: usize = 300;
+
+/// Smooth in the joints, from one random configuration to the next and resting at each; `margin`
+/// is the share of the range kept clear of the limits (negative: the path lies on them at times).
+fn path(arm: &Arm, random: &mut Random, legs: usize, margin: f64) -> Vec<Vec<f64>> {
+    let ends: Vec<(f64, f64)> = arm
+        .limits()
+        .map(|l| (l.lower.max(-PI), l.upper.min(PI)))
+        .collect();
+    let mut draw = || -> Vec<f64> {
+        let within = |(l, u): &(f64, f64)| {
+            let share = margin + (1.0 - 2.0 * margin) * random.unit();
+            l + share.clamp(0.0, 1.0) * (u - l)
+        };
+        ends.iter().map(within).collect()
+    };
+    let mut path = Vec::new();
+    let mut from = draw();
+    for _ in 0..legs {
+        let to = draw();
+        for k in 0..STEPS {
+            let share = 0.5 - 0.5 * (PI * k as f64 / STEPS as f64).cos();
+            let between = |(a, b): (&f64, &f64)| a + share * (b - a);
+            path.push(from.iter().zip(&to).map(between).collect());
+        }
+        from = to;
+    }
+    path
+}
+
+fn longest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+/// Steps that flip.
+fn flips(own: &[Vec<f64>], track: &Track) -> Vec<usize> {
+    let steps = own.windows(2).zip(track.solutions.windows(2));
+    let excess =
+        steps.map(|(own, ours)| longest(&ours[0].q, &ours[1].q) - longest(&own[0], &own[1]));
+    let far = excess.enumerate().filter(|(_, excess)| *excess > 0.2);
+    far.map(|(step, _)| step + 1).collect()
+}
+
+/// Follows `count` paths; every pose is reached, every flip is told. How many paths had one.
+fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize {
+    let robot = robot(name);
+    let arm = Arm::new(&robot, base, tip).unwrap();
+    let mut random = Random(31);
+    let mut all = 0;
+    for _ in 0..count {
+        let own = path(&arm, &mut random, 4, margin);
+        let targets: Vec<Placement<f64>> =
+            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let track = arm.track(&targets, &own[0]).unwrap();
+        assert_eq!(track.solutions.len(), own.len());
+        for (solution, q) in track.solutions.iter().zip(&own) {
+            let wanted = base_from_tip(robot.model(), &arm, q, base, tip);
+            let at = base_from_tip(robot.model(), &arm, &solution.q, base, tip);
+            let (metres, radians) = apart(&at, &wanted);
+            assert!(solution.reached && metres <= 1.01e-6 && radians <= 1.05e-6);
+            assert!(within_limits(&arm, &solution.q));
+        }
+        let told: Vec<usize> = track.jumps.iter().map(|jump| jump.step).collect();
+        let flips = flips(&own, &track);
+        let hidden = flips.iter().find(|step| !told.contains(step));
+        assert_eq!(hidden, None, "{name}: {told:?}");
+        all += usize::from(!flips.is_empty());
+        for jump in &track.jumps {
+            let (a, b) = (
+                &track.solutions[jump.step - 1].q,
+                &track.solutions[jump.step].q,
+            );
+            let moved = (a[jump.joint] - b[jump.joint]).abs();
+            assert!(jump.distance > 0.2 && (moved == jump.distance || name.contains("cobra")));
+        }
+    }
+    all
+}
+
+#[test]
+fn six_joints() {
+    assert_eq!(
+        follow("universal_ur5e", "base", "flange", 0.05, cases(3, 1)),
+        0
+    );
+    assert_eq!(
+        follow("universal_ur10e", "base", "flange", -0.2, cases(3, 1)),
+        0
+    );
+}
+
+#[test]
+fn seven_joints() {
+    assert_eq!(
+        follow("franka_panda", "base", "flange", 0.15, cases(4, 1)),
+        0
+    );
+    assert_eq!(
+        follow("rethink_baxter", "torso", "left_tool", 0.15, cases(4, 1)),
+        0
+    );
+}
+
+/// Where the path itself lies on limits, or passes two singular configurations at once, the arm's
+/// null space may have no way through: few paths are left with a flip, and it is told.
+#[test]
+fn seven_joints_in_hard_places() {
+    assert!(follow("kuka_iiwa14", "base", "flange", 0.15, cases(4, 1)) <= 1);
+    assert!(follow("franka_panda", "base", "flange", -0.2, cases(3, 1)) <= 1);
+    assert!(follow("kuka_iiwa14", "base", "flange", -0.2, cases(3, 1)) <= 2);
+}
+
+#[test]
+fn four_joints_and_a_slide() {
+    assert_eq!(
+        follow("adept_cobra_s600", "base", "flange", -0.2, cases(4, 1)),
+        0
+    );
+}
+
+/// From the stretched arm, where all branches meet, through the middle of the ranges again and again.
+#[test]
+fn through_singular_configurations() {
+    for name in ["kuka_iiwa14", "adept_cobra_s600"] {
+        let arm = Arm::new(&robot(name), "base", "flange").unwrap();
+        let own: Vec<Vec<f64>> = (0..2000)
+            .map(|k| {
+                let wave = |(i, l): (usize, kinopt::model::Limits)| {
+                    let (lower, upper) = (l.lower.max(-3.0), l.upper.min(3.0));
+                    let phase = (0.002 * k as f64 * (1.0 + 0.3 * i as f64)).sin();
+                    0.5 * (lower + upper) + 0.3 * (upper - lower) * phase
+                };
+                arm.limits().enumerate().map(wave).collect()
+            })
+            .collect();
+        let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let track = arm.track(&targets, &own[0]).unwrap();
+        assert!(track.solutions.iter().all(|solution| solution.reached));
+        assert_eq!(flips(&own, &track), [0; 0], "{name}");
+    }
+}
+
+/// A path that leaves the reach of a branch has to flip, and says so; bounded moves refuse to.
+#[test]
+fn a_branch_that_ends_is_told() {
+    let robot = robot("adept_cobra_s600");
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    // Turning the stretched-out arm's bent elbow round the base takes joint 1 beyond its limit.
+    let limit = arm.limits().next().unwrap().upper;
+    let at = |turn: f64| {
+        let mut pose = arm.base_from_tool(&[limit - 0.3, -0.9, 0.1, 0.0]).unwrap();
+        let about = kinopt::spatial::Matrix3::identity().rotated_about_z(turn.sin_cos());
+        pose = Placement::new(about * pose.rotation, about * pose.translation);
+        pose
+    };
+    let start = [limit - 0.3, -0.9, 0.1, 0.0];
+    let targets: Vec<_> = (0..60).map(|k| at(0.01 * f64::from(k))).collect();
+    let track = arm.track(&targets, &start).unwrap();
+    let told: Vec<_> = track.jumps.iter().map(|j| (j.step, j.continuous)).collect();
+    assert_eq!(told, [(31, false)], "{:?}", track.jumps);
+    assert!(track.solutions.iter().all(|solution| solution.reached));
+
+    let bounded = Arm::builder(&robot, "base", "flange").unwrap();
+    let bounded = bounded.with_max_move(&[0.2; 4]).build().unwrap();
+    let track = bounded.track(&targets, &start).unwrap();
+    assert!(track.jumps.is_empty());
+    let ends: Vec<_> = track.solutions.iter().map(|s| s.termination).collect();
+    assert!(ends[..31].iter().all(|end| *end == Termination::Reached));
+    assert_eq!(ends[31], Termination::CannotContinue);
+}
+
+/// A tool that stands still leaves the arm still, and one step at a time is the same path.
+#[test]
+fn standing_still_and_one_at_a_time() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let own = path(&arm, &mut Random(5), 1, 0.3);
+    let mut targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+    let last = targets[STEPS / 2];
+    targets.truncate(STEPS / 2 + 1);
+    targets.extend([last; 20]);
+    let track = arm.track(&targets, &own[0]).unwrap();
+    let still = &track.solutions[STEPS / 2..];
+    assert!(still.iter().all(|solution| solution.q == still[0].q));
+    let mut follower = arm.follower(&own[0]).unwrap();
+    let mut solution = Solution::default();
+    for (target, wanted) in targets.iter().zip(&track.solutions) {
+        assert_eq!(follower.advance(*target, &mut solution).unwrap(), None);
+        assert_eq!(solution.q, wanted.q);
+    }
+}

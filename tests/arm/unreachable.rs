@@ -1,0 +1,196 @@
+//! A target out of reach ends, after a bounded number of evaluations, at a configuration that no
+//! free joint can improve, with its errors and exactly the limits that hold it.
+#![allow(clippy::unwrap_used)]
+
+use std::f64::consts::PI;
+
+use kinopt::Solution;
+use kinopt::arm::Arm;
+use kinopt::ik::{BoundKind, Side};
+use kinopt::robot::Robot;
+use kinopt::solver::Termination;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use support::arms::{Random, apart, base_from_tip, robot, within_limits};
+
+/// Metres that weigh as much as a radian.
+const WEIGHT: f64 = 0.25;
+/// The engine's attempts, the core's steps, and the gradients of the last steps.
+const MOST_EVALUATIONS: usize = 4000;
+
+struct Reach<'a> {
+    robot: &'a Robot,
+    arm: &'a Arm,
+    ends: (&'a str, &'a str),
+    wanted: Isometry3<f64>,
+}
+
+impl Reach<'_> {
+    /// ½(metres² + (weight · radians)²) by nalgebra's kinematics.
+    fn cost(&self, q: &[f64]) -> f64 {
+        let at = base_from_tip(self.robot.model(), self.arm, q, self.ends.0, self.ends.1);
+        let (metres, radians) = apart(&at, &self.wanted);
+        0.5 * (metres * metres + WEIGHT * WEIGHT * radians * radians)
+    }
+
+    /// Central differences.
+    fn slope(&self, q: &[f64], joint: usize) -> f64 {
+        let step = 1e-5;
+        let at = |by: f64| {
+            let mut q = q.to_vec();
+            q[joint] += by;
+            self.cost(&q)
+        };
+        (at(step) - at(-step)) / (2.0 * step)
+    }
+
+    /// The slope of every free joint is nought, that of every held one is told.
+    fn check(&self, solution: &Solution) {
+        assert!(!solution.reached && within_limits(self.arm, &solution.q));
+        assert_eq!(
+            solution.termination,
+            Termination::Stationary,
+            "{}",
+            solution.explain()
+        );
+        assert!(
+            solution.iterations <= MOST_EVALUATIONS,
+            "{}",
+            solution.iterations
+        );
+        let cost = self.cost(&solution.q);
+        assert!(
+            (solution.cost - cost).abs() <= 1e-9 * cost,
+            "{} {cost}",
+            solution.cost
+        );
+        let told: Vec<(&str, Side)> = solution
+            .active_limits()
+            .map(|l| (l.joint, l.side))
+            .collect();
+        let named = self.arm.joints().zip(self.arm.limits()).enumerate();
+        for (joint, (name, limits)) in named {
+            let slope = self.slope(&solution.q, joint) / (2.0 * cost).sqrt();
+            let value = solution.q[joint];
+            let lower = value == limits.lower && told.contains(&(name, Side::Lower));
+            let upper = value == limits.upper && told.contains(&(name, Side::Upper));
+            // What is told pushes outwards; what is not told does not push.
+            let fine = match (lower, upper) {
+                (true, _) => slope > -1e-6,
+                (_, true) => slope < 1e-6,
+                _ => slope.abs() < 1e-6,
+            };
+            assert!(fine, "{name}: {slope} {}", solution.explain());
+        }
+        let on_limit = |(name, side): &(&str, Side)| {
+            let joint = self.arm.joints().position(|joint| joint == *name).unwrap();
+            let limits = self.arm.limits().nth(joint).unwrap();
+            solution.q[joint]
+                == if *side == Side::Lower {
+                    limits.lower
+                } else {
+                    limits.upper
+                }
+        };
+        assert!(told.iter().all(on_limit));
+    }
+}
+
+fn stationary(name: &str, base: &str, tip: &str) {
+    let robot = robot(name);
+    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = arm.with_metres_per_radian(WEIGHT).build().unwrap();
+    let mut random = Random(17);
+    let (mut missed, mut held) = (0, 0);
+    for k in 0..40 {
+        let q = random.configuration(&arm);
+        let at = base_from_tip(robot.model(), &arm, &q, base, tip);
+        let mut unit = || 2.0 * random.unit() - 1.0;
+        let axis = Vector3::new(unit(), unit(), unit());
+        // Far away; just out of reach; turned by a right angle at the edge.
+        let (stretch, turn) = [(5.0, 0.0), (1.25, 0.0), (1.1, 0.5 * PI)][k % 3];
+        let turn = UnitQuaternion::from_scaled_axis(axis.normalize() * turn);
+        let moved = Translation3::from(at.translation.vector * stretch);
+        let wanted = Isometry3::from_parts(moved, turn * at.rotation);
+        let solution = arm.solve(wanted, &random.configuration(&arm)).unwrap();
+        if !solution.reached {
+            let ends = (base, tip);
+            let (robot, arm) = (&robot, &arm);
+            Reach {
+                robot,
+                arm,
+                ends,
+                wanted,
+            }
+            .check(&solution);
+            missed += 1;
+            held += usize::from(solution.active_limits().next().is_some());
+        }
+    }
+    assert!(missed >= 15 && held >= 1, "{missed} {held}");
+}
+
+#[test]
+fn seven_joints() {
+    stationary("franka_panda", "base", "flange");
+    stationary("kuka_iiwa14", "base", "flange");
+    stationary("rethink_baxter", "torso", "left_tool");
+}
+
+#[test]
+fn four_joints_and_a_slide() {
+    stationary("adept_cobra_s600", "base", "flange");
+}
+
+/// A position in the middle of the workspace, but an orientation that no limit allows: the last
+/// joint of the Panda turns by less than a full turn.
+#[test]
+fn an_orientation_beyond_a_limit() {
+    let robot = robot("franka_panda");
+    let free = Arm::new(&robot, "base", "flange").unwrap();
+    let names: Vec<String> = free.joints().map(str::to_owned).collect();
+    let q = [0.2, -0.3, 0.1, -1.9, 0.2, 1.7];
+    let mut builder = Arm::builder(&robot, "base", "flange").unwrap();
+    for (name, value) in names.iter().zip(q) {
+        builder = builder.with_locked(name, value).unwrap();
+    }
+    let arm = builder.with_metres_per_radian(WEIGHT).build().unwrap();
+    let upper = arm.limits().next().unwrap().upper;
+    let wanted = arm.base_from_tool(&[upper + 0.1]).unwrap();
+    let solution = arm.solve(wanted, &[0.0]).unwrap();
+    assert!(!solution.reached && solution.q == [upper]);
+    let told: Vec<_> = solution
+        .active_limits()
+        .map(|l| (l.joint, l.side, l.kind))
+        .collect();
+    assert_eq!(told, [(names[6].as_str(), Side::Upper, BoundKind::Limit)]);
+    let missed = solution
+        .tasks()
+        .next()
+        .unwrap()
+        .orientation_error()
+        .unwrap();
+    assert!((missed - 0.1).abs() < 1e-9);
+}
+
+/// With bounded moves the bound that holds is told from the joint's limit.
+#[test]
+fn the_end_of_a_move_is_no_limit() {
+    let robot = robot("franka_panda");
+    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = arm.with_max_move(&[0.05; 7]).build().unwrap();
+    let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let wanted = arm
+        .base_from_tool(&[0.6, -0.2, 0.1, -1.8, 0.2, 1.7, 0.5])
+        .unwrap();
+    let solution = arm.solve(wanted, &start).unwrap();
+    assert_eq!(solution.termination, Termination::CannotContinue);
+    let kinds: Vec<_> = solution.active_limits().map(|limit| limit.kind).collect();
+    assert!(!kinds.is_empty() && kinds.iter().all(|kind| *kind == BoundKind::Move));
+    assert!(solution.explain().contains("end of the allowed move"));
+    let far = solution
+        .q
+        .iter()
+        .zip(start)
+        .all(|(q, start)| (q - start).abs() <= 0.05);
+    assert!(far, "{:?}", solution.q);
+}

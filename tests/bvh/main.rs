@@ -1,0 +1,7 @@
+//! Motion capture from and to BVH.
+
+mod malformed;
+mod matrices;
+mod positions;
+mod round_trip;
+mod shared;

@@ -1,0 +1,382 @@
+//! Promise: motion that is written as BVH is read back as the same motion, to single precision, also
+//! where it was changed or its bones are turned at rest; what the format cannot say is an error.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f32::consts::PI;
+
+use crate::matrices::{File, Joint};
+use glam::{Affine3A, Quat, Vec3A};
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::rotation::RotationCurve;
+use kinopt::animation::{
+    Armature, ArmatureBone, Channel, Clip, Cursor, LocalTransform, Playback, Pose,
+};
+use kinopt::io::bvh::{self, BvhChannel, BvhError, MotionCapture};
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+
+fn bone(name: &str, parent: Option<usize>, translation: Vec3A, rotation: Quat) -> ArmatureBone {
+    let rest = LocalTransform {
+        translation,
+        rotation,
+        scale: Vec3A::ONE,
+    };
+    let name = name.to_owned();
+    ArmatureBone { name, parent, rest }
+}
+
+fn turn(random: &mut StdRng) -> Quat {
+    let mut component = || random.random_range(-1.0..1.0f32);
+    Quat::from_xyzw(component(), component(), component(), component()).normalize()
+}
+
+fn vector(random: &mut StdRng) -> Vec3A {
+    Vec3A::from(std::array::from_fn::<f32, 3, _>(|_| {
+        random.random_range(-1.0..1.0)
+    }))
+}
+
+/// Six bones in two trees; not in the order of a file, as a branch goes on after its sibling.
+fn armature(turned: bool) -> Armature {
+    let mut random = StdRng::seed_from_u64(5);
+    let mut bones = Vec::new();
+    for (name, parent) in [
+        ("hips", None),
+        ("left leg", Some(0)),
+        ("spine", Some(0)),
+        ("prop", None),
+        ("left foot", Some(1)),
+        ("spine/tip", Some(2)),
+    ] {
+        let place = vector(&mut random);
+        let turn = turn(&mut random);
+        bones.push(bone(
+            name,
+            parent,
+            place,
+            if turned { turn } else { Quat::IDENTITY },
+        ));
+    }
+    Armature::new(bones, Vec::new()).unwrap()
+}
+
+/// Poses with every bone turned, the roots and the foot moved.
+fn poses(armature: &Armature, count: usize) -> Vec<Pose> {
+    let mut random = StdRng::seed_from_u64(6);
+    let poses = (0..count).map(|_| {
+        let mut pose = armature.rest().clone();
+        for index in 0..5 {
+            let bone = armature.bone_at(index).unwrap();
+            let mut local = pose.local(bone);
+            local.rotation = turn(&mut random);
+            if matches!(index, 0 | 3 | 4) {
+                local.translation = vector(&mut random);
+            }
+            pose.set_local(bone, local).unwrap();
+        }
+        pose
+    });
+    poses.collect()
+}
+
+fn placed(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+    let mut placed = vec![Affine3A::IDENTITY; armature.bones()];
+    armature.local_to_model(pose, &mut placed).unwrap();
+    placed
+}
+
+fn frame(capture: &MotionCapture, frame: usize) -> Vec<Affine3A> {
+    let mut pose = capture.armature.rest().clone();
+    let seconds = frame as f64 * capture.frame_time;
+    (capture.clip)
+        .sample(seconds, Playback::Hold, &mut Cursor::new(), &mut pose)
+        .unwrap();
+    placed(&capture.armature, &pose)
+}
+
+fn read(text: &str) -> MotionCapture {
+    bvh::from_bytes(text.as_bytes(), "back.bvh").unwrap()
+}
+
+/// The read bone of each written one.
+fn pairs(from: &Armature, to: &Armature) -> Vec<[usize; 2]> {
+    let names = from.names().iter().enumerate();
+    let pairs = names.map(|(index, name)| [index, to.bone(name).unwrap().index()]);
+    pairs.collect()
+}
+
+#[test]
+fn changed_poses_come_back() {
+    let armature = armature(false);
+    let poses = poses(&armature, 20);
+    let capture = read(&bvh::poses_to_text(&armature, &poses, 25.0).unwrap());
+    assert_eq!((capture.frames, capture.frame_time), (20, 0.04));
+    for (index, pose) in poses.iter().enumerate() {
+        let (own, back) = (placed(&armature, pose), frame(&capture, index));
+        for [a, b] in pairs(&armature, &capture.armature) {
+            assert!(own[a].abs_diff_eq(back[b], 2e-6), "frame {index}, bone {a}");
+        }
+    }
+    // Only what moves has positions, and the foot's end is one that was not there.
+    let names = [
+        "hips",
+        "left leg",
+        "left foot",
+        "left foot/tip",
+        "spine",
+        "spine/tip",
+        "prop",
+    ];
+    assert_eq!(capture.armature.names()[..7], names.map(String::from));
+    let moves = |channels: &Vec<BvhChannel>| channels.contains(&BvhChannel::Xposition);
+    let moving: Vec<bool> = capture.channels.iter().map(moves).collect();
+    assert_eq!(
+        moving,
+        [true, false, true, false, false, false, true, false]
+    );
+}
+
+#[test]
+fn bones_that_are_turned_at_rest_are_in_their_places() {
+    let armature = armature(true);
+    let poses = poses(&armature, 20);
+    let capture = read(&bvh::poses_to_text(&armature, &poses, 25.0).unwrap());
+    let rests = [placed(&armature, armature.rest()), {
+        placed(&capture.armature, capture.armature.rest())
+    }];
+    for [a, b] in pairs(&armature, &capture.armature) {
+        let [own, back] = [&rests[0][a], &rests[1][b]];
+        assert!(
+            own.translation.abs_diff_eq(back.translation, 2e-6),
+            "bone {a} at rest"
+        );
+        assert_eq!(back.matrix3, glam::Mat3A::IDENTITY);
+        for (index, pose) in poses.iter().enumerate() {
+            let (own, back) = (placed(&armature, pose)[a], frame(&capture, index)[b]);
+            // What moves a mesh: from the model at rest to the posed one.
+            let own = own * rests[0][a].inverse();
+            let back = back * rests[1][b].inverse();
+            assert!(own.abs_diff_eq(back, 1e-5), "frame {index}, bone {a}");
+        }
+    }
+}
+
+#[test]
+fn a_file_comes_back_as_it_was() {
+    let rotations = "Yrotation Xrotation Zrotation";
+    let positions = "Xposition Yposition Zposition";
+    let joints = vec![
+        Joint::new(
+            "Hips",
+            None,
+            [0.1, 9.3, -0.2],
+            &format!("{positions} {rotations}"),
+        ),
+        Joint::new("Chest", Some(0), [0.0, 5.1, 0.0], rotations),
+        Joint::end("Chest", 1, [0.0, 3.3, 0.0]),
+        Joint::new("Arm", Some(1), [0.0; 3], "Zrotation"),
+        Joint::end("Arm", 3, [1.7, 0.0, 0.0]),
+    ];
+    let frame = |k: i32| {
+        (0..10)
+            .map(|c| f64::from((k * 37 + c * 71) % 360) - 180.0)
+            .collect()
+    };
+    let file = File {
+        joints,
+        frame_time: 0.0083333,
+        frames: (0..200).map(frame).collect(),
+    };
+    let capture = read(&file.text());
+    let rate = 1.0 / capture.frame_time;
+    let text = bvh::to_text(&capture.armature, &capture.clip, rate).unwrap();
+    let again = read(&text);
+    assert_eq!(again.armature, capture.armature);
+    assert_eq!(again.frames, capture.frames);
+    for index in 0..200 {
+        let pairs = both_placed(&capture, &again, index);
+        assert!(
+            pairs.iter().all(|[own, back]| own.abs_diff_eq(*back, 1e-4)),
+            "frame {index}"
+        );
+    }
+    // The lengths of the second writing are those of the first to the last bit.
+    assert!(text.contains("OFFSET 0.1 9.3 -0.2") && text.contains("OFFSET 1.7 0 0"));
+}
+
+fn both_placed(a: &MotionCapture, b: &MotionCapture, index: usize) -> Vec<[Affine3A; 2]> {
+    let pairs = frame(a, index).into_iter().zip(frame(b, index));
+    pairs.map(|(a, b)| [a, b]).collect()
+}
+
+#[test]
+fn a_clip_is_sampled_from_start_to_end() {
+    let armature = armature(false);
+    let mut builder = Clip::builder("walk", &armature);
+    let hips = armature.bone("hips").unwrap();
+    let line = KeyedCurve::linear(vec![1.0, 2.0], vec![Vec3A::ZERO, Vec3A::X]).unwrap();
+    builder.channel(hips, Channel::Translation(line)).unwrap();
+    let clip = builder.build();
+    for (rate, frames) in [(10.0, 11), (30.0, 31), (0.5, 1), (2.5, 3), (29.97, 30)] {
+        let capture = read(&bvh::to_text(&armature, &clip, rate).unwrap());
+        assert_eq!(capture.frames, frames, "at {rate} a second");
+        for index in 0..frames {
+            let x = frame(&capture, index)[0].translation.x;
+            let expected = (index as f64 / rate) as f32;
+            assert!(
+                (x - expected).abs() < 1e-6,
+                "frame {index} at {rate} a second: {x}"
+            );
+        }
+    }
+}
+
+#[test]
+fn written_angles_do_not_leap() {
+    let armature = Armature::new(
+        vec![bone("top", None, Vec3A::ZERO, Quat::IDENTITY)],
+        Vec::new(),
+    );
+    let armature = armature.unwrap();
+    let times: Vec<f32> = (0..91).map(|k| k as f32 / 30.0).collect();
+    // Three whole turns, twelve degrees a frame: about each axis, and about one between them.
+    let axes = [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 2.0, 3.0],
+    ];
+    for axis in axes.map(|axis| glam::Vec3::from(axis).normalize()) {
+        let turns = (0..91).map(|k| Quat::from_axis_angle(axis, k as f32 * PI / 15.0));
+        let curve = RotationCurve::slerp(times.clone(), turns.collect()).unwrap();
+        let mut builder = Clip::builder("spin", &armature);
+        let top = armature.bone("top").unwrap();
+        builder.channel(top, Channel::Rotation(curve)).unwrap();
+        let text = bvh::to_text(&armature, &builder.build(), 30.0).unwrap();
+        let frames = text.split_once("Frame Time").unwrap().1.lines().skip(1);
+        let numbers = |line: &str| line.split(' ').map(|w| w.parse::<f64>().unwrap()).collect();
+        let frames: Vec<Vec<f64>> = frames.map(numbers).collect();
+        assert_eq!(frames.len(), 91);
+        for pair in frames.windows(2) {
+            for channel in 3..6 {
+                let leap = (pair[1][channel] - pair[0][channel]).abs();
+                assert!(leap < 30.0, "about {axis}: {pair:?}");
+            }
+        }
+        let [first, last] = [&frames[0], &frames[90]];
+        let on = (3..6).map(|channel| (last[channel] - first[channel]).abs());
+        let most = on.fold(0.0, f64::max);
+        assert!((most - 1080.0).abs() < 1e-3, "about {axis}: {most}");
+    }
+}
+
+#[test]
+fn written_angles_pass_gimbal_lock() {
+    let top = vec![bone("top", None, Vec3A::ZERO, Quat::IDENTITY)];
+    let armature = Armature::new(top, Vec::new()).unwrap();
+    let top = armature.bone("top").unwrap();
+    for sign in [1.0, -1.0_f32] {
+        let turn = |x: f32| {
+            let z = Quat::from_rotation_z(40_f32.to_radians());
+            let y = Quat::from_rotation_y(-25_f32.to_radians());
+            z * Quat::from_rotation_x((sign * x).to_radians()) * y
+        };
+        let posed = |x: f32| {
+            let mut pose = armature.rest().clone();
+            let rotation = turn(x);
+            let local = LocalTransform {
+                rotation,
+                ..LocalTransform::IDENTITY
+            };
+            pose.set_local(top, local).unwrap();
+            pose
+        };
+        let bends: Vec<f32> = (0..19).map(|k| 10.0 * k as f32).collect();
+        let poses: Vec<Pose> = bends.iter().map(|&x| posed(x)).collect();
+        let text = bvh::poses_to_text(&armature, &poses, 30.0).unwrap();
+        let lines = text.split_once("Frame Time").unwrap().1.lines().skip(1);
+        for (line, x) in lines.zip(&bends) {
+            let words: Vec<f32> = line.split(' ').map(|w| w.parse().unwrap()).collect();
+            let off = [words[3] - 40.0, words[4] - sign * x, words[5] + 25.0];
+            assert!(off.iter().all(|off| off.abs() < 1e-3), "{line}, not {x}");
+        }
+        let capture = read(&text);
+        let locked = frame(&capture, 9)[0];
+        assert!(locked.abs_diff_eq(Affine3A::from_quat(turn(90.0)), 3e-6));
+    }
+}
+
+#[test]
+fn tips_that_move_are_joints() {
+    let armature = armature(false);
+    let tip = armature.bone("spine/tip").unwrap();
+    let mut poses = poses(&armature, 3);
+    let mut local = poses[1].local(tip);
+    local.rotation = Quat::from_rotation_x(1e-3);
+    poses[1].set_local(tip, local).unwrap();
+    let text = bvh::poses_to_text(&armature, &poses, 1.0).unwrap();
+    assert!(text.contains("JOINT spine/tip\n"), "{text}");
+    let capture = read(&text);
+    let back = capture.armature.bone("spine/tip").unwrap().index();
+    let (own, back) = (placed(&armature, &poses[1])[5], frame(&capture, 1)[back]);
+    assert!(own.abs_diff_eq(back, 2e-6));
+}
+
+#[test]
+fn what_the_format_cannot_say_is_refused() {
+    let good = armature(false);
+    let write = |armature: &Armature, poses: &[Pose], rate| {
+        bvh::poses_to_text(armature, poses, rate).unwrap_err()
+    };
+    let none = Armature::new(Vec::new(), Vec::new()).unwrap();
+    assert!(matches!(write(&none, &[], 1.0), BvhError::NoBones));
+    for name in ["", " hips", "a  b", "a\nb", "{", "a}"] {
+        let bones = vec![bone(name, None, Vec3A::ZERO, Quat::IDENTITY)];
+        let error = write(&Armature::new(bones, Vec::new()).unwrap(), &[], 1.0);
+        assert!(
+            matches!(&error, BvhError::Name { bone } if bone == name),
+            "{error}"
+        );
+    }
+    for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
+        assert!(
+            matches!(write(&good, &[], rate), BvhError::Rate { .. }),
+            "{rate}"
+        );
+    }
+    let mut poses = poses(&good, 2);
+    let foot = good.bone("left foot").unwrap();
+    let mut local = poses[1].local(foot);
+    local.scale.y = 1.5;
+    poses[1].set_local(foot, local).unwrap();
+    let error = write(&good, &poses, 1.0).to_string();
+    assert_eq!(
+        error,
+        "bone `left foot` is scaled in frame 1, which a BVH file cannot say"
+    );
+    local.scale.y = 1.0;
+    local.translation.x = 1e31;
+    poses[1].set_local(foot, local).unwrap();
+    let error = write(&good, &poses, 1.0).to_string();
+    assert_eq!(
+        error,
+        "bone `left foot` is too far from its parent or not finite in frame 1"
+    );
+    assert!(matches!(
+        write(&good, &[none.rest().clone()], 1.0),
+        BvhError::Size(_)
+    ));
+
+    let mut clip = Clip::builder("long", &good);
+    clip.span(0.0, 1e6).unwrap();
+    let error = bvh::to_text(&good, &clip.build(), 100.0)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("more than 16777216 frames"), "{error}");
+    let empty = Clip::builder("empty", &good).build();
+    let error = bvh::write(&good, &empty, 1.0, "no such folder/out.bvh").unwrap_err();
+    assert!(
+        error.to_string().starts_with("no such folder/out.bvh: "),
+        "{error}"
+    );
+}

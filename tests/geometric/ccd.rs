@@ -1,0 +1,245 @@
+//! Promise: cyclic coordinate descent turns each joint by its signed angle, never raises the cost,
+//! and serves tips, poses, sliding and coupled joints.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::ops::ControlFlow;
+
+use kinopt::geometric::{Ccd, Geometric};
+use kinopt::ik::Restarts;
+use kinopt::io::rig::Rig;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Model, ParameterMap};
+use kinopt::solver::{Iteration, Stopping, Termination};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Pose, Quantity};
+use kinopt::{Problem, Solution};
+use support::random::Random;
+use support::{planar_arm, planar_tip};
+
+fn one_sweep() -> Ccd {
+    let stopping = Stopping::default().with_max_iterations(1);
+    let bare = Ccd::default().with_restarts(Restarts::none());
+    bare.with_stopping(stopping)
+}
+
+fn reach_for(model: &Model, target: [f64; 3]) -> Problem {
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(model.frame("tip").unwrap(), target));
+    builder.build().unwrap()
+}
+
+#[test]
+fn a_target_to_the_right_turns_right() {
+    for (limits, expected) in [(None, -0.7), (Some((-0.3, 2.0)), -0.3)] {
+        let model = planar_arm(&[1.0], limits);
+        let target = [f64::cos(-0.7), f64::sin(-0.7), 0.0];
+        let solution = one_sweep()
+            .solve(&reach_for(&model, target), &[0.0])
+            .unwrap();
+        assert!((solution.q[0] - expected).abs() < 1e-15);
+        assert_eq!(solution.reached, limits.is_none());
+    }
+}
+
+/// Two links on x, target (0, 2): the outer joint turns by 90° + 26.57° (from (1, 0) onto (−1, 2)),
+/// then the inner one turns the tip that this gives onto the y axis.
+#[test]
+fn a_sweep_goes_from_the_tip_to_the_root() {
+    let model = planar_arm(&[1.0, 1.0], None);
+    let solution = one_sweep()
+        .solve(&reach_for(&model, [0.0, 2.0, 0.0]), &[0.0; 2])
+        .unwrap();
+    let outer = f64::atan2(2.0, -1.0);
+    let tip = [1.0 + outer.cos(), outer.sin()];
+    let inner = std::f64::consts::FRAC_PI_2 - tip[1].atan2(tip[0]);
+    assert!((solution.q[1] - outer).abs() < 1e-12);
+    assert!((solution.q[0] - inner).abs() < 1e-12);
+}
+
+/// Beyond both limits the nearer end is not the better one: the cost decides.
+#[test]
+fn a_clamped_turn_takes_the_better_end() {
+    let model = planar_arm(&[1.0], Some((-2.9, 0.2)));
+    // At 170° from x; the lower end, −166°, is 24° away from it, the upper one 158°.
+    let target = [f64::cos(2.96), f64::sin(2.96), 0.0];
+    let solution = one_sweep()
+        .solve(&reach_for(&model, target), &[0.1])
+        .unwrap();
+    assert_eq!(solution.q[0].to_bits(), (-2.9_f64).to_bits());
+}
+
+#[test]
+fn a_slider_slides_by_what_is_left_along_its_axis() {
+    let mut builder = Model::builder("gantry");
+    let limits = Limits::new(-1.0, 1.0);
+    let [x, y, z] = Vector3::UNITS;
+    let along = builder.prismatic("along", None, Placement::identity(), x, limits);
+    let across = builder.prismatic("across", Some(along), Placement::identity(), y, limits);
+    let up = builder.prismatic("up", Some(across), Placement::identity(), -z, limits);
+    builder.frame("tip", Some(up), Placement::identity());
+    let model = builder.build().unwrap();
+    let solution = one_sweep()
+        .solve(&reach_for(&model, [0.25, -0.5, 3.0]), &[0.0; 3])
+        .unwrap();
+    assert_eq!(solution.q, [0.25, -0.5, -1.0]);
+    assert_eq!(solution.active_limits().count(), 1);
+}
+
+#[test]
+fn no_sweep_raises_the_cost() {
+    let model = planar_arm(&[0.6, 0.5, 0.4, 0.3], Some((-1.2, 0.9)));
+    let mut random = Random::new(5);
+    for _ in 0..50 {
+        let [x, y, _] = random.vector(1.5).into();
+        let problem = reach_for(&model, [x, y, 0.0]);
+        let start: Vec<f64> = (0..4).map(|_| random.within(-1.2, 0.9)).collect();
+        let mut last = f64::INFINITY;
+        let mut observe = |iteration: &Iteration<'_>| {
+            assert!(iteration.cost <= last * (1.0 + 1e-12) + 1e-30);
+            last = iteration.cost;
+            ControlFlow::Continue(())
+        };
+        let bare = Ccd::default().with_restarts(Restarts::none());
+        bare.solve_observed(&problem, &start, &mut observe).unwrap();
+    }
+}
+
+/// A follower at −0.5 of its master and a locked joint: only the master is a variable.
+#[test]
+fn coupled_and_locked_joints_keep_their_word() {
+    let model = planar_arm(&[1.0, 0.8, 0.6], Some((-2.0, 2.0)));
+    let [first, second, third] = [0, 1, 2].map(|k| model.joint(&format!("joint {k}")).unwrap());
+    let map = ParameterMap::builder(&model).couple(second, first, -0.5, 0.1);
+    let map = map.lock(third, 0.4).build().unwrap();
+    for master in [-1.3, -0.2, 0.7, 1.6] {
+        let goal = [master, 0.1 - 0.5 * master, 0.4];
+        let target = planar_tip(&[1.0, 0.8, 0.6], &goal);
+        let mut builder = Problem::builder(&model);
+        builder.parameters(map.clone());
+        builder.add(Point::new(model.frame("tip").unwrap(), target));
+        let solution = Ccd::default()
+            .solve(&builder.build().unwrap(), &[0.3, 9.0, 9.0])
+            .unwrap();
+        assert!(solution.reached, "{}", solution.explain());
+        assert!((solution.q[0] - master).abs() < 1e-5);
+        assert!((solution.q[1] - (0.1 - 0.5 * solution.q[0])).abs() < 1e-15);
+        assert_eq!(solution.q[2], 0.4);
+    }
+}
+
+fn within_limits(model: &Model, solution: &Solution) -> bool {
+    let limits = model.limits();
+    solution.q.iter().zip(limits).all(|(&v, l)| l.contains(v))
+}
+
+fn rig(name: &str) -> Rig {
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/models");
+    Rig::read(format!("{models}/{name}/{name}.json")).unwrap()
+}
+
+/// One tip of each shipped rig to where a random pose within the limits has it: the method alone
+/// finds at least nine of ten, and what it says of the tip is true.
+#[test]
+fn tips_of_the_shipped_rigs() {
+    for (name, tips) in [("robot-arm", 1), ("humanoid", 5)] {
+        let rig = rig(name);
+        let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
+        let (mut reached, mut asked) = (0, 0);
+        for seed in 0..60 {
+            let pose = skeleton.pose(&model.random_configuration(seed));
+            let bone = rig.constrained[seed as usize % tips];
+            let target = pose.tip(skeleton, bone);
+            let mut builder = Problem::builder(model);
+            builder.add(Point::new(skeleton.tip(bone), target));
+            let problem = builder.build().unwrap();
+            let solution = Ccd::default().solve(&problem, &model.neutral()).unwrap();
+            let missed = (skeleton.pose(&solution.q).tip(skeleton, bone) - target).norm();
+            let told = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((told - missed).abs() < 1e-12);
+            assert_eq!(solution.reached, missed <= 1e-6);
+            assert!(within_limits(model, &solution));
+            (reached, asked) = (reached + usize::from(solution.reached), asked + 1);
+        }
+        assert!(10 * reached >= 9 * asked, "{name}: {reached} of {asked}");
+    }
+}
+
+/// All five tips of the humanoid at once, from poses three tenths of the way to the limits.
+#[test]
+fn five_tips_of_the_humanoid() {
+    let rig = rig("humanoid");
+    let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
+    let neutral = model.neutral();
+    let mut reached = 0;
+    for seed in 0..10 {
+        let far = model.random_configuration(seed);
+        let goal = far.iter().zip(&neutral).map(|(f, n)| n + 0.3 * (f - n));
+        let pose = skeleton.pose(&goal.collect::<Vec<f64>>());
+        let mut builder = Problem::builder(model);
+        for &tip in &rig.constrained {
+            builder.add(Point::new(skeleton.tip(tip), pose.tip(skeleton, tip)));
+        }
+        builder.tolerance(Quantity::Metres, 1e-3);
+        let problem = builder.build().unwrap();
+        let solution = Ccd::default().solve(&problem, &neutral).unwrap();
+        reached += usize::from(solution.reached);
+        assert!(within_limits(model, &solution));
+    }
+    assert!(reached >= 8, "{reached} of 10");
+}
+
+/// Pose tasks: a spherical wrist on a shoulder and an elbow, to poses that it can take.
+#[test]
+fn poses_of_an_arm() {
+    let mut builder = Model::builder("arm");
+    let [x, y, z] = Vector3::UNITS;
+    let limits = Limits::new(-2.8, 2.8);
+    let link = Placement::translation(Vector3::new(0.0, 0.0, 0.4));
+    let still = Placement::identity();
+    let mut parent = None;
+    for (k, (placement, axis)) in [
+        (still, z),
+        (still, y),
+        (link, y),
+        (link, z),
+        (still, y),
+        (still, z),
+        (still, x),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let name = format!("joint {k}");
+        parent = Some(builder.revolute(name, parent, placement, axis, limits));
+    }
+    let tip = builder.frame("tip", parent, Placement::translation(z * 0.1));
+    let model = builder.build().unwrap();
+    let mut kinematics = ForwardKinematics::of_frames(&model, &[tip]).unwrap();
+    let mut reached = 0;
+    for seed in 0..20 {
+        let target = kinematics.place(&model.random_configuration(seed)).unwrap()[0];
+        let mut builder = Problem::builder(&model);
+        builder.add(Pose::new(tip, target));
+        let problem = builder.build().unwrap();
+        let solution = Ccd::default().solve(&problem, &model.neutral()).unwrap();
+        assert!(within_limits(&model, &solution));
+        reached += usize::from(solution.reached);
+    }
+    assert!(reached >= 14, "{reached} of 20");
+}
+
+#[test]
+fn targets_that_are_not_finite_end_as_such() {
+    let model = planar_arm(&[1.0, 1.0], None);
+    let mut builder = Problem::builder(&model);
+    let task = builder.add(Point::new(model.frame("tip").unwrap(), [1.0, 1.0, 0.0]));
+    let mut problem = builder.build().unwrap();
+    problem
+        .residual_mut(task)
+        .unwrap()
+        .set_target([f64::NAN; 3]);
+    let solution = Ccd::default().solve(&problem, &[0.1, 0.2]).unwrap();
+    assert_eq!(solution.termination, Termination::NonFinite);
+    assert!(!solution.reached && solution.q == [0.1, 0.2]);
+    assert!(Ccd::default().solve(&problem, &[f64::NAN, 0.0]).is_err());
+}

@@ -1,0 +1,173 @@
+//! Promise: the geometric methods never leave the joint limits, not even between start and end, and
+//! say the truth about targets that they miss.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::ops::ControlFlow;
+
+use kinopt::geometric::{Ccd, Elbow, Fabrik, Geometric, TwoBone};
+use kinopt::ik::{Restarts, Side};
+use kinopt::model::{Limits, Model};
+use kinopt::solver::{Iteration, Termination};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Problem, Solution};
+use nalgebra as na;
+use support::bones::RandomRig;
+use support::random::Random;
+
+/// Solves while watching that every iteration is within the bounds.
+fn watched(solver: &dyn Geometric, problem: &Problem, start: &[f64]) -> Solution {
+    let mut observe = |iteration: &Iteration<'_>| {
+        let bounds = problem.lower().iter().zip(problem.upper());
+        for (&value, (&lower, &upper)) in iteration.x.iter().zip(bounds) {
+            assert!(lower <= value && value <= upper, "{}", solver.name());
+        }
+        ControlFlow::Continue(())
+    };
+    let solved = solver.solve_observed(problem, start, &mut observe);
+    solved.unwrap()
+}
+
+/// What holds of every solution, whose true misses are `missed`.
+fn check(name: &str, model: &Model, solution: &Solution, missed: &[f64]) {
+    for (&value, limits) in solution.q.iter().zip(model.limits()) {
+        assert!(limits.contains(value), "{name}");
+    }
+    let told = solution.tasks().map(|task| task.position_error().unwrap());
+    for (told, missed) in told.zip(missed) {
+        assert!((told - missed).abs() < 1e-12, "{name}: {told} is {missed}");
+    }
+    let cost = 0.5 * missed.iter().map(|m| m * m).sum::<f64>();
+    assert!(
+        (solution.cost - cost).abs() < 1e-12 * cost.max(1.0),
+        "{name}"
+    );
+    let reached = missed.iter().all(|&m| m <= 1e-6);
+    assert_eq!(solution.reached, reached, "{name}");
+    assert_eq!(
+        solution.termination == Termination::Reached,
+        reached,
+        "{name}"
+    );
+    for limit in solution.active_limits() {
+        let joint = &model.joints()[model.joint(limit.joint).unwrap().index()];
+        let end = match limit.side {
+            Side::Lower => joint.limits.lower,
+            Side::Upper => joint.limits.upper,
+        };
+        assert!(!reached && limit.push > 0.0, "{name}");
+        assert_eq!(limit.value.to_bits(), end.to_bits(), "{name}");
+    }
+}
+
+#[test]
+fn rigs_with_five_tips_near_and_far() {
+    let solvers: [&dyn Geometric; 2] = [
+        &Ccd::default().with_restarts(Restarts::default().with_attempts(3)),
+        &Fabrik::default().with_restarts(Restarts::default().with_attempts(2)),
+    ];
+    let mut seen = [0; 2];
+    for seed in 0..6 {
+        let rig = RandomRig::new(seed);
+        let model = rig.skeleton.model();
+        let mut random = Random::new(seed);
+        for scatter in [0.0, 0.3, 5.0] {
+            let goal = model.random_configuration(seed);
+            let goal: Vec<f64> = goal.iter().map(|v| 0.2 * v).collect();
+            let posed = rig.transforms(&goal);
+            let count = if scatter == 0.0 { 1 } else { rig.tips.len() };
+            let targets: Vec<na::Vector3<f64>> = rig.tips[..count]
+                .iter()
+                .map(|&tip| rig.tip(&posed, tip) + random.vector(scatter))
+                .collect();
+            let mut builder = Problem::builder(model);
+            for (&tip, &target) in rig.tips.iter().zip(&targets) {
+                builder.add(Point::new(rig.skeleton.tip(tip), target));
+            }
+            let problem = builder.build().unwrap();
+            let start = model.random_configuration(seed + 100);
+            for solver in solvers {
+                let solution = watched(solver, &problem, &start);
+                let found = rig.transforms(&solution.q);
+                let tips = rig.tips.iter().zip(&targets);
+                let missed = tips.map(|(&tip, target)| (rig.tip(&found, tip) - target).norm());
+                check(
+                    solver.name(),
+                    model,
+                    &solution,
+                    &missed.collect::<Vec<f64>>(),
+                );
+                seen[usize::from(solution.reached)] += 1;
+                let again = watched(solver, &problem, &start);
+                assert_eq!(again.q, solution.q, "{}", solver.name());
+            }
+        }
+    }
+    assert!(
+        seen.iter().all(|&count| count >= 8),
+        "both must occur: {seen:?}"
+    );
+}
+
+/// Where the tip of the arm below is. Turning about y by b lifts x towards −z.
+fn reach(lengths: [f64; 2], [a, b, c]: [f64; 3]) -> na::Vector3<f64> {
+    let along = |b: f64| na::Vector3::new(b.cos(), 0.0, -b.sin());
+    let flat = along(b) * lengths[0] + along(b + c) * lengths[1];
+    na::Rotation3::from_axis_angle(&na::Vector3::z_axis(), a) * flat
+}
+
+/// Shoulder, elbow and tip: turn, lift and bend, with limits that random targets run into, farther
+/// than the arm is long and nearer than it folds.
+#[test]
+fn an_arm_of_two_bones_with_limits() {
+    let lengths = [0.9, 0.4];
+    let [x, y, z] = Vector3::UNITS;
+    let still = Placement::identity();
+    let mut random = Random::new(9);
+    let mut seen = [0; 2];
+    for k in 0..60 {
+        let mut builder = Model::builder("arm");
+        let mut limits = || Limits::new(random.within(-3.0, -0.3), random.within(0.3, 3.0));
+        let [turn, lift, bend] = [limits(), limits(), limits()];
+        let turn = builder.revolute("turn", None, still, z, turn);
+        let lift = builder.revolute("lift", Some(turn), still, y, lift);
+        let elbow = Placement::translation(x * lengths[0]);
+        let bend = builder.revolute("bend", Some(lift), elbow, y, bend);
+        let tip = builder.frame("tip", Some(bend), Placement::translation(x * lengths[1]));
+        let model = builder.build().unwrap();
+        // Every other target is one that the arm can reach.
+        let target = match k % 2 {
+            0 => random.direction().into_inner() * random.within(0.1, 1.6),
+            _ => {
+                let [a, b, c] = *model.random_configuration(k) else {
+                    panic!()
+                };
+                reach(lengths, [a, b, c])
+            }
+        };
+        let distance = target.norm();
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, target));
+        let problem = builder.build().unwrap();
+        let solvers: [&dyn Geometric; 5] = [
+            &TwoBone::new(Elbow::Positive),
+            &TwoBone::new(Elbow::Negative),
+            &TwoBone::new(Elbow::Towards(random.vector(1.0).into())),
+            &Ccd::default(),
+            &Fabrik::default(),
+        ];
+        for solver in solvers {
+            let solution = watched(solver, &problem, &[0.1, 0.1, 0.1]);
+            let [a, b, c] = *solution.q else { panic!() };
+            let missed = (reach(lengths, [a, b, c]) - target).norm();
+            check(solver.name(), &model, &solution, &[missed]);
+            let least = (distance - 1.3).max(0.5 - distance).max(0.0);
+            assert!(missed >= least - 1e-12);
+            seen[usize::from(solution.reached)] += 1;
+        }
+    }
+    assert!(
+        seen.iter().all(|&count| count >= 20),
+        "both must occur: {seen:?}"
+    );
+}

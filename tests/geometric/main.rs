@@ -1,0 +1,6 @@
+//! Two bones, CCD and FABRIK.
+
+mod ccd;
+mod fabrik;
+mod geometric_limits;
+mod two_bone;

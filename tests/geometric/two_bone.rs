@@ -1,0 +1,234 @@
+//! Promise: two bones reach their target exactly, with the elbow on the side asked for, and say so
+//! where they cannot.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::geometric::{Elbow, Fabrik, Geometric, GeometricError, Span, TwoBone, triangle};
+use kinopt::io::rig::Rig;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Model, ParameterMap};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Orientation, Point, Ray};
+use kinopt::{Problem, Solution};
+use nalgebra as na;
+use support::random::Random;
+use support::{planar_arm, planar_tip, vector};
+
+fn problem(model: &Model, target: na::Vector3<f64>) -> Problem {
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(model.frame("tip").unwrap(), target));
+    builder.build().unwrap()
+}
+
+fn solve(model: &Model, target: na::Vector3<f64>, elbow: Elbow, start: &[f64]) -> Solution {
+    let solved = TwoBone::new(elbow).solve(&problem(model, target), start);
+    solved.unwrap()
+}
+
+fn wrapped(angle: f64) -> f64 {
+    angle.sin().atan2(angle.cos())
+}
+
+#[test]
+fn both_elbows_are_the_law_of_cosines() {
+    let mut random = Random::new(1);
+    for _ in 0..100 {
+        let [upper, lower] = [random.within(0.2, 2.0), random.within(0.2, 2.0)];
+        let model = planar_arm(&[upper, lower], None);
+        let nearest = f64::abs(upper - lower);
+        let distance = random.within(nearest + 1e-3, upper + lower - 1e-3);
+        let heading = random.within(-3.1, 3.1);
+        let target = na::Vector3::new(heading.cos(), heading.sin(), 0.0) * distance;
+        let start = [random.within(-3.0, 3.0), random.within(-3.0, 3.0)];
+        let cosine = (distance.powi(2) - upper.powi(2) - lower.powi(2)) / (2.0 * upper * lower);
+        for (elbow, sign) in [(Elbow::Positive, 1.0), (Elbow::Negative, -1.0)] {
+            let solution = solve(&model, target, elbow, &start);
+            assert!(solution.reached && solution.iterations == 1, "{elbow:?}");
+            assert!((planar_tip(&[upper, lower], &solution.q) - target).norm() < 1e-12);
+            let second = sign * cosine.acos();
+            let (y, x) = (lower * second.sin(), lower.mul_add(second.cos(), upper));
+            let first = heading - y.atan2(x);
+            assert!(wrapped(solution.q[0] - first).abs() < 1e-9);
+            assert!(wrapped(solution.q[1] - second).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn the_triangle_keeps_its_lengths_in_space() {
+    let mut random = Random::new(2);
+    for _ in 0..200 {
+        let [upper, lower] = [random.within(0.1, 2.0), random.within(0.1, 2.0)];
+        let (root, way) = (random.vector(3.0), random.direction().into_inner());
+        let distance = random.within(f64::abs(upper - lower), upper + lower);
+        let (target, pole) = (root + way * distance, random.vector(1.0));
+        let solved = triangle(vector(root), [upper, lower], vector(target), vector(pole));
+        assert_eq!(solved.span, Span::Within);
+        let mid: na::Vector3<f64> = solved.mid.into();
+        assert!(((mid - root).norm() - upper).abs() < 1e-9);
+        assert!(((target - mid).norm() - lower).abs() < 1e-9);
+        assert!((na::Vector3::from(solved.tip) - target).norm() < 1e-12);
+        // Out towards the pole, and in the plane of root, target and pole.
+        let pole = pole - way * way.dot(&pole);
+        assert!((mid - root).dot(&pole) >= 0.0);
+        assert!((mid - root).dot(&way.cross(&pole)).abs() < 1e-9);
+        // The angles as they are measured between the bones.
+        let turn = (target - mid).angle(&(mid - root));
+        assert!((solved.turn - turn).abs() < 1e-7);
+        assert!((solved.swing - (mid - root).angle(&way)).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn out_of_reach_is_stretched_or_folded() {
+    let mut random = Random::new(3);
+    for _ in 0..100 {
+        let links = [random.within(0.2, 2.0), random.within(0.2, 2.0)];
+        let model = planar_arm(&links, None);
+        let heading = random.within(-3.1, 3.1);
+        let along = na::Vector3::new(heading.cos(), heading.sin(), 0.0);
+        let (stretched, folded) = (links[0] + links[1], f64::abs(links[0] - links[1]));
+        let gap = random.within(0.05, 0.95) * folded;
+        for (distance, miss) in [(stretched + gap, gap), (folded - gap, gap)] {
+            for elbow in [Elbow::Positive, Elbow::Negative] {
+                let solution = solve(&model, along * distance, elbow, &[0.4, 0.9]);
+                assert!(!solution.reached);
+                let tip = planar_tip(&links, &solution.q);
+                assert!(((tip - along * distance).norm() - miss).abs() < 1e-9);
+                let told = solution.tasks().next().unwrap().position_error().unwrap();
+                assert!((told - miss).abs() < 1e-9);
+                assert!(solution.explain().starts_with("Not reached"));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_hinge_that_bends_one_way_refuses_the_other() {
+    let mut builder = Model::builder("hinge");
+    let (z, link) = (Vector3::new(0.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 0.0));
+    let (turn, bend) = (Limits::new(-3.0, 3.0), Limits::new(0.0, 2.5));
+    let link = Placement::translation(link);
+    let shoulder = builder.revolute("shoulder", None, Placement::identity(), z, turn);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, z, bend);
+    builder.frame("tip", Some(elbow), link);
+    let model = builder.build().unwrap();
+    let target = na::Vector3::new(1.8, 0.3, 0.0);
+    let solution = solve(&model, target, Elbow::Positive, &[0.0, 0.5]);
+    assert!(solution.reached && solution.q[1] > 0.0);
+    let solution = solve(&model, target, Elbow::Negative, &[0.0, 0.5]);
+    assert!(!solution.reached);
+    assert_eq!(solution.q[1].to_bits(), 0.0_f64.to_bits());
+    assert!(solution.explain().contains("misses by"));
+}
+
+/// Turn, lift and bend, as most robots have them: the elbow's sign picks one of the two solutions,
+/// and of a pose's own sign the pose itself, but for half a turn of the base.
+#[test]
+fn an_arm_on_a_turning_base() {
+    let mut builder = Model::builder("arm");
+    let [x, y, z] = Vector3::UNITS;
+    let still = Placement::identity();
+    let turn = builder.continuous("turn", None, Placement::translation(z * 0.3), z);
+    let lift = builder.continuous("lift", Some(turn), still, y);
+    let bend = builder.continuous("bend", Some(lift), Placement::translation(x * 0.5), y);
+    let tip = builder.frame("tip", Some(bend), Placement::translation(x * 0.4));
+    let model = builder.build().unwrap();
+    let mut kinematics = ForwardKinematics::of_frames(&model, &[tip]).unwrap();
+    for seed in 0..100 {
+        let goal = model.random_configuration(seed);
+        let target = kinematics.place(&goal).unwrap()[0].translation;
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, target));
+        let problem = builder.build().unwrap();
+        let start = model.random_configuration(seed + 500);
+        for (elbow, sign) in [(Elbow::Positive, 1.0), (Elbow::Negative, -1.0)] {
+            let solution = TwoBone::new(elbow).solve(&problem, &start).unwrap();
+            assert!(solution.reached, "{seed} {elbow:?}: {}", solution.explain());
+            let bent = wrapped(solution.q[2]);
+            assert!(sign * bent >= 0.0);
+            assert!((bent.abs() - wrapped(goal[2]).abs()).abs() < 1e-6);
+        }
+    }
+}
+
+/// The shipped humanoid's arms and legs: with the pole at the elbow of a pose, that pose's target is
+/// reached again, elbow and all.
+#[test]
+fn a_limb_of_a_rig_follows_its_pole() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/models/humanoid/humanoid.json");
+    let rig = Rig::read(path).unwrap();
+    let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
+    let limits: Vec<Limits> = model.limits().collect();
+    let limbs = [
+        ["left_upper_arm", "left_forearm"],
+        ["right_upper_arm", "right_forearm"],
+        ["left_thigh", "left_shin"],
+        ["right_thigh", "right_shin"],
+    ];
+    for (limb, seed) in limbs
+        .iter()
+        .flat_map(|limb| (0..25).map(move |seed| (limb, seed)))
+    {
+        let [upper, lower] = limb.map(|name| skeleton.bone(name).unwrap());
+        let goal = model.random_configuration(seed);
+        let pose = skeleton.pose(&goal);
+        let joints = [skeleton.joints(upper), skeleton.joints(lower)].concat();
+        let map = ParameterMap::builder(model).only(&joints, &goal);
+        let mut builder = Problem::builder(model);
+        builder.parameters(map.build().unwrap());
+        builder.add(Point::new(skeleton.tip(lower), pose.tip(skeleton, lower)));
+        let problem = builder.build().unwrap();
+        let elbow = pose.tail(lower);
+        let start = model.random_configuration(seed + 1000);
+        let solver = TwoBone::new(Elbow::Towards(elbow));
+        let solution = solver.solve(&problem, &start).unwrap();
+        let found = skeleton.pose(&solution.q);
+        assert!((found.tail(lower) - elbow).norm() < 1e-6, "{limb:?} {seed}");
+        assert!(solution.reached, "{limb:?} {seed}: {}", solution.explain());
+        assert!(solution.q.iter().zip(&limits).all(|(&v, l)| l.contains(v)));
+    }
+}
+
+#[test]
+fn what_is_not_two_bones_is_refused_by_name() {
+    let three = planar_arm(&[1.0, 1.0, 1.0], None);
+    let target = na::Vector3::new(1.0, 0.0, 0.0);
+    let two_bone = TwoBone::new(Elbow::Positive);
+    let error = two_bone
+        .solve(&problem(&three, target), &[0.0; 3])
+        .unwrap_err();
+    assert!(matches!(
+        error,
+        GeometricError::NotTwoBones {
+            bones: 3,
+            tips: 1,
+            ..
+        }
+    ));
+    assert!(error.to_string().contains("planar arm"));
+
+    let mut builder = Model::builder("slider");
+    let (x, limits) = (Vector3::new(1.0, 0.0, 0.0), Limits::new(0.0, 1.0));
+    let lift = builder.prismatic("lift", None, Placement::identity(), x, limits);
+    builder.frame("tip", Some(lift), Placement::identity());
+    let slider = builder.build().unwrap();
+    let error = two_bone
+        .solve(&problem(&slider, target), &[0.0])
+        .unwrap_err();
+    assert!(error.to_string().contains("`lift` slides"), "{error}");
+
+    let two = planar_arm(&[1.0, 1.0], None);
+    let tip = two.frame("tip").unwrap();
+    let mut builder = Problem::builder(&two);
+    builder.add(Ray::new(tip, [0.0; 3], [1.0, 0.0, 0.0]));
+    let error = two_bone
+        .solve(&builder.build().unwrap(), &[0.0; 2])
+        .unwrap_err();
+    assert!(error.to_string().contains("ray"), "{error}");
+    let mut builder = Problem::builder(&two);
+    builder.add(Orientation::new(tip, Placement::<f64>::identity().rotation));
+    let problem = builder.build().unwrap();
+    let error = Fabrik::default().solve(&problem, &[0.0; 2]).unwrap_err();
+    assert!(error.to_string().contains("orientation"), "{error}");
+    assert!(Fabrik::default().solve(&problem, &[0.0]).is_err());
+}

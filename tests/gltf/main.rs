@@ -1,0 +1,8 @@
+//! Scenes from and to glTF.
+
+mod files_of_others;
+mod known_answers;
+mod malformed;
+mod meshes;
+mod round_trips;
+mod sampled_curves;

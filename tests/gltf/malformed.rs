@@ -1,0 +1,394 @@
+//! Promise: a glTF file that is wrong is refused with its name, the place and what is wrong there.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::io::gltf;
+use support::gltf_text::{Numbers, read, small};
+
+/// Changes one piece of the small file, which must be there once; what is said.
+fn changed(from: &str, to: &str) -> String {
+    let (numbers, rest) = small();
+    let text = numbers.document(&rest);
+    assert_eq!(text.matches(from).count(), 1, "{from} in {text}");
+    match read(text.replacen(from, to, 1).as_bytes()) {
+        Ok(_) => String::new(),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[track_caller]
+fn says(error: &str, words: &[&str]) {
+    assert!(error.contains("own.gltf"), "{error}");
+    for word in words {
+        assert!(error.contains(word), "no {word} in {error}");
+    }
+}
+
+#[test]
+fn the_small_file_is_right() {
+    let (numbers, rest) = small();
+    assert!(read(numbers.document(&rest).as_bytes()).is_ok());
+    assert!(read(&numbers.glb(&rest)).is_ok());
+}
+
+#[test]
+fn the_document() {
+    let versions = |to: &str| changed(r#""version":"2.0""#, to);
+    says(&versions(r#""version":"1.0""#), &["asset", "1.0", "2.0"]);
+    says(&versions(r#""version":"2.1","minVersion":"2.1""#), &["2.1"]);
+    assert_eq!(versions(r#""version":"2.1","minVersion":"2.0""#), "");
+    says(&versions(r#""version":2"#), &["asset.version"]);
+    let extension = |name: &str| {
+        versions(&format!(
+            r#""version":"2.0"}},"extensionsRequired":["{name}"],"x":{{"#
+        ))
+    };
+    says(
+        &extension("KHR_draco_mesh_compression"),
+        &[
+            "extensionsRequired[0]",
+            "`KHR_draco_mesh_compression`",
+            "KHR_mesh_quantization",
+        ],
+    );
+    assert_eq!(extension("KHR_texture_transform"), "");
+    says(
+        &changed(r#""mode":4"#, r#""mode":1"#),
+        &[
+            "meshes[0].primitives[0].mode",
+            "`tube`",
+            "Lines",
+            "TriangleFan",
+        ],
+    );
+    says(&changed(r#""mode":4"#, r#""mode":9"#), &["mode", "unknown"]);
+    says(&read(b"").unwrap_err().to_string(), &["EOF"]);
+    says(&read(b"{}").unwrap_err().to_string(), &["asset"]);
+}
+
+#[test]
+fn the_container() {
+    let (numbers, rest) = small();
+    let good = numbers.glb(&rest);
+    let with = |at: usize, word: u32| {
+        let mut bytes = good.clone();
+        bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
+        read(&bytes).unwrap_err().to_string()
+    };
+    says(&with(4, 1), &["byte 4", "version 1"]);
+    // Shorter than its own header.
+    says(&with(8, 4), &["JSON"]);
+    says(&with(8, u32::MAX), &["byte 8", "4294967295"]);
+    says(&with(12, u32::MAX), &["byte 12", "4294967295"]);
+    says(&with(16, 7), &["no JSON chunk"]);
+    // A chunk of another kind is skipped, wherever it is.
+    let mut longer = good.clone();
+    longer.extend([4, 0, 0, 0, b'A', b'B', b'C', b'D', 1, 2, 3, 4]);
+    let length = longer.len() as u32;
+    longer[8..12].copy_from_slice(&length.to_le_bytes());
+    assert!(read(&longer).is_ok());
+}
+
+#[test]
+fn buffers() {
+    let (numbers, rest) = small();
+    let text = numbers.document(&rest);
+    let start = text.find("data:").unwrap();
+    let end = start + text[start..].find('"').unwrap();
+    let with = |uri: &str| {
+        let text = format!("{}{uri}{}", &text[..start], &text[end..]);
+        read(text.as_bytes()).unwrap_err().to_string()
+    };
+    says(&with("data:,abc"), &["buffers[0].uri", "base64"]);
+    says(&with("data:;base64,a*b"), &["buffers[0].uri", "base64"]);
+    says(
+        &with("data:;base64,AAAA"),
+        &["buffers[0].byteLength", "3 are left"],
+    );
+    says(&with("https://example.org/a.bin"), &["nothing is fetched"]);
+    says(
+        &with("legs%20and%20arms.bin"),
+        &["buffers[0].uri", "legs and arms.bin"],
+    );
+    let opened = |file: &str| {
+        assert_eq!(file, "a b.bin");
+        Ok(vec![0; 10_000])
+    };
+    let text = format!("{}a%20b.bin{}", &text[..start], &text[end..]);
+    // All zeros.
+    let error = gltf::from_bytes(text.as_bytes(), "own.gltf", opened).unwrap_err();
+    says(
+        &error.to_string(),
+        &["accessors[6].sparse.indices", "`tube`", "rise"],
+    );
+}
+
+#[test]
+fn nodes() {
+    let child = r#""name":"upper","#;
+    says(
+        &changed(child, r#""name":"upper","children":[9],"#),
+        &["nodes[0].children[0]", "node 9", "0 to 3"],
+    );
+    says(
+        &changed(child, r#""name":"upper","children":[1],"#),
+        &["node `lower`", "`upper`"],
+    );
+    says(
+        &changed(child, r#""name":"upper","children":[3],"#),
+        &["below itself"],
+    );
+    says(
+        &changed(r#""rotation":[0,0,0,1]"#, r#""rotation":[0,0,0,0]"#),
+        &["nodes[1].rotation", "`lower`", "zero"],
+    );
+    says(
+        &changed(r#""translation":[0,1,0]"#, r#""translation":[0,1e39,0]"#),
+        &["nodes[0].translation[1]", "out of range"],
+    );
+    says(
+        &changed("[2,0,0,0,0,2,", "[2,0,0,1,0,2,"),
+        &["nodes[3].matrix", "last row"],
+    );
+    says(
+        &changed("[2,0,0,0,0,2,", "[2,0,0,0,1,2,"),
+        &["nodes[3].matrix", "node 3", "shears"],
+    );
+    says(&changed(r#""scene":0"#, r#""scene":5"#), &["scene 5"]);
+    says(
+        &changed(r#""nodes":[3]"#, r#""nodes":[4]"#),
+        &["scenes[0].nodes[0]", "node 4"],
+    );
+    says(
+        &changed(r#""skin":0"#, r#""skin":1"#),
+        &["skins[1]", "does not exist"],
+    );
+    says(
+        &changed(r#""mesh":0"#, r#""mesh":1"#),
+        &["meshes[1]", "does not exist"],
+    );
+    says(
+        &changed(r#""weights":[0.5]"#, r#""weights":[0.5,1]"#),
+        &["nodes[2].weights", "`tube`", "2 weights for 1"],
+    );
+}
+
+#[test]
+fn skins_and_meshes() {
+    says(
+        &changed(r#""joints":[1,0]"#, r#""joints":[1,7]"#),
+        &["skins[0].joints[1]", "node 7"],
+    );
+    says(
+        &changed(r#""joints":[1,0]"#, r#""joints":[]"#),
+        &["skins[0].joints", "no joints"],
+    );
+    says(
+        &changed(r#""joints":[1,0]"#, r#""joints":[1]"#),
+        &["`tube`", "bone 1", "1 bones"],
+    );
+    says(
+        &changed(r#""joints":[1,0]"#, r#""joints":[1,0,2]"#),
+        &["skins[0].inverseBindMatrices", "2 for 3"],
+    );
+    says(
+        &changed(r#""POSITION":0,"#, ""),
+        &["meshes[0].primitives[0].attributes", "`tube`", "POSITION"],
+    );
+    says(
+        &changed(r#""POSITION":0,"#, r#""POSITION":77,"#),
+        &["accessors[77]", "`tube`", "POSITION", "does not exist"],
+    );
+    says(
+        &changed(r#""POSITION":0,"#, r#""POSITION":3,"#),
+        &["accessors[3].type", "3 numbers"],
+    );
+    says(
+        &changed(r#""NORMAL":1,"#, r#""NORMAL":9,"#),
+        &["attributes.NORMAL", "2 entries for 4"],
+    );
+    says(&changed(r#""JOINTS_0":2,"#, ""), &["JOINTS_n"]);
+    says(
+        &changed(r#","JOINTS_0":2,"WEIGHTS_0":3"#, ""),
+        &["`tube`", "JOINTS_0"],
+    );
+    says(
+        &changed(r#""JOINTS_0":2,"#, r#""JOINTS_0":3,"#),
+        &["accessors[3]", "whole numbers"],
+    );
+    let mut numbers = Numbers::default();
+    let corners = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    let indices = numbers.shorts(&[[0], [1], [2]]);
+    let five = numbers.shorts(&[[0], [1], [1], [0], [1]]);
+    let over = |indices: usize| {
+        numbers.refused(&format!(
+            r#""nodes":[{{"mesh":0}}],"meshes":[{{"name":"m","primitives":[{{"attributes":{{"POSITION":{corners}}},"indices":{indices}}}]}}]"#
+        ))
+    };
+    says(
+        &over(indices),
+        &[
+            "primitives[0].indices",
+            "`m`",
+            "index 2 is out of range",
+            "2 vertices",
+        ],
+    );
+    says(&over(five), &["primitives[0].indices", "5 corners"]);
+    says(
+        &changed(r#""indices":5"#, r#""indices":7"#),
+        &["indices", "whole numbers"],
+    );
+}
+
+#[test]
+fn accessors() {
+    let mut numbers = Numbers::default();
+    let view = numbers.view(&[0; 64]);
+    let mesh = |accessor: &str| {
+        let mut own = Numbers::default();
+        own.view(&[0; 64]);
+        let at = own.accessor(accessor.to_owned());
+        own.refused(&format!(
+            r#""nodes":[{{"mesh":0}}],"meshes":[{{"name":"m","primitives":[{{"attributes":{{"POSITION":{at}}}}}]}}]"#
+        ))
+    };
+    assert_eq!(view, 0);
+    let vec3 = |more: &str| mesh(&format!(r#"{{"componentType":5126,"type":"VEC3",{more}}}"#));
+    says(
+        &vec3(r#""bufferView":0,"count":6"#),
+        &["accessors[0].bufferView", "`m`", "72", "64 are left"],
+    );
+    says(
+        &vec3(r#""bufferView":0,"count":5,"byteOffset":5"#),
+        &["byte 5"],
+    );
+    says(
+        &vec3(r#""bufferView":0,"count":1,"byteOffset":18446744073709551615"#),
+        &["18446744073709551615"],
+    );
+    says(
+        &vec3(r#""bufferView":0,"count":0"#),
+        &["accessors[0].count", "0"],
+    );
+    says(&vec3(r#""bufferView":4,"count":1"#), &["view 4 of 1"]);
+    // Zeros without a buffer, more than the file is worth.
+    says(
+        &vec3(r#""count":4000000000"#),
+        &["accessors[0]", "out of proportion"],
+    );
+    says(
+        &vec3(r#""count":18446744073709551615"#),
+        &[
+            "meshes[0].primitives[0]",
+            "more vertices than can be counted",
+        ],
+    );
+    says(
+        &mesh(r#"{"componentType":5124,"type":"VEC3","count":1,"bufferView":0}"#),
+        &["componentType", "5126"],
+    );
+    let sparse = |indices: &str| {
+        vec3(&format!(
+            r#""count":3,"sparse":{{"count":2,"indices":{{"bufferView":0,"componentType":5121{indices}}},"values":{{"bufferView":0}}}}"#
+        ))
+    };
+    says(&sparse(""), &["accessors[0].sparse.indices", "rise"]);
+    says(
+        &sparse(r#","byteOffset":64"#),
+        &["sparse.indices.bufferView", "byte 64"],
+    );
+}
+
+#[test]
+fn animations() {
+    says(
+        &changed(r#""target":{"node":0,"#, r#""target":{"node":8,"#),
+        &["animations[0].channels[0].target.node", "node 8"],
+    );
+    says(
+        &changed(r#"{"sampler":0,"#, r#"{"sampler":6,"#),
+        &["channels[0].sampler", "`bend`", "sampler 6"],
+    );
+    says(
+        &changed(r#""interpolation":"STEP""#, r#""interpolation":"SPLINE""#),
+        &["samplers[2].interpolation", "CUBICSPLINE"],
+    );
+    says(
+        &changed(
+            r#""interpolation":"CUBICSPLINE""#,
+            r#""interpolation":"LINEAR""#,
+        ),
+        &[
+            "samplers[0]",
+            "`bend`",
+            "rotation of node `upper`",
+            "6 values for 2 keys",
+        ],
+    );
+    says(
+        &changed(
+            r#"{"node":1,"path":"translation"}"#,
+            r#"{"node":0,"path":"rotation"}"#,
+        ),
+        &["accessors[9].type", "`bend`", "rotation of node `upper`"],
+    );
+    says(
+        &changed(
+            r#"{"sampler":1,"target":{"node":1,"path":"translation"}}"#,
+            r#"{"sampler":0,"target":{"node":0,"path":"rotation"}}"#,
+        ),
+        &["channels[1]", "`upper`", "already"],
+    );
+
+    let keys = |times: &[[f32; 1]], values: &[[f32; 3]]| {
+        let mut numbers = Numbers::default();
+        let (input, output) = (numbers.floats(times), numbers.floats(values));
+        numbers.refused(&format!(
+            r#""nodes":[{{"name":"hip"}}],"animations":[{{"name":"hop","samplers":[{{"input":{input},"output":{output}}}],"channels":[{{"sampler":0,"target":{{"node":0,"path":"scale"}}}}]}}]"#
+        ))
+    };
+    let zero = [0.0; 3];
+    let place = ["animations[0].samplers[0]", "`hop`", "scale of node `hip`"];
+    for (times, values, words) in [
+        ([[0.0], [0.0]], [zero, zero], ["key 1", "not after"]),
+        ([[1.0], [0.5]], [zero, zero], ["key 1", "not after"]),
+        ([[0.0], [f32::NAN]], [zero, zero], ["key 1", "not finite"]),
+        (
+            [[0.0], [1.0]],
+            [zero, [0.0, f32::INFINITY, 0.0]],
+            ["key 1", "not finite"],
+        ),
+    ] {
+        let error = keys(&times, &values);
+        says(&error, &place);
+        says(&error, &words);
+    }
+    says(&keys(&[[0.0], [1.0]], &[zero]), &["1 values for 2 keys"]);
+}
+
+#[test]
+fn numbers_that_are_not_finite() {
+    let refused = |positions: [[f32; 3]; 3], weights: [[f32; 4]; 3]| {
+        let mut numbers = Numbers::default();
+        let positions = numbers.floats(&positions);
+        let weights = numbers.floats(&weights);
+        let joints = numbers.bytes(&[[0, 1, 0, 0]; 3], "");
+        numbers.refused(&format!(
+            r#""nodes":[{{"mesh":0,"skin":0}}],"skins":[{{"joints":[0,0]}}],"meshes":[{{"name":"m","primitives":[{{"attributes":{{"POSITION":{positions},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}}}}]}}]"#
+        ))
+    };
+    let (flat, one) = ([[0.0; 3]; 3], [[1.0, 0.0, 0.0, 0.0]; 3]);
+    let nan = f32::NAN;
+    says(
+        &refused([[0.0; 3], [0.0, nan, 0.0], [0.0; 3]], one),
+        &["`m`", "vertex 1", "position"],
+    );
+    says(
+        &refused(flat, [one[0], one[0], [0.5, nan, 0.0, 0.0]]),
+        &["`m`", "vertex 2", "bone 1"],
+    );
+    says(
+        &refused(flat, [one[0], [0.0; 4], one[0]]),
+        &["meshes[0]", "`m`", "vertex 1", "sum to 0"],
+    );
+}

@@ -1,0 +1,208 @@
+//! Promise: meshes come out of a glTF file as it draws them: strips and fans, sparse morph targets,
+//! mirrored nodes, and weights put right.
+#![allow(clippy::unwrap_used)]
+
+use glam::{DMat4, DQuat, DVec3, Vec3, Vec4};
+use kinopt::io::gltf::{Note, ScenePosing};
+use kinopt::skinning::SkinningMethod;
+use support::gltf_text::Numbers;
+
+#[test]
+fn morph_targets_may_be_sparse_and_start_with_weights() {
+    let mut numbers = Numbers::default();
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 1.0, 0.0],
+    ];
+    let positions = numbers.floats(&corners);
+    let normals = numbers.floats(&[[0.0, 0.0, 1.0]; 4]);
+    let tangents = numbers.floats(&[[1.0, 0.0, 0.0, -1.0]; 4]);
+    let (places, deltas) = (numbers.view(&[1, 0, 3, 0]), {
+        let bytes: Vec<u8> = [0.0f32, 0.0, 2.0, 0.5, 0.0, 0.0]
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        numbers.view(&bytes)
+    });
+    let sparse = numbers.accessor(format!(
+        r#"{{"componentType":5126,"type":"VEC3","count":4,"sparse":{{"count":2,"indices":{{"bufferView":{places},"componentType":5123}},"values":{{"bufferView":{deltas}}}}}}}"#
+    ));
+    // The whole accessor's values, two of them replaced.
+    let base = numbers.view(
+        &[[0.0f32, 1.0, 0.0]; 4]
+            .as_flattened()
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect::<Vec<u8>>(),
+    );
+    let mended = numbers.accessor(format!(
+        r#"{{"bufferView":{base},"componentType":5126,"type":"VEC3","count":4,"sparse":{{"count":2,"indices":{{"bufferView":{places},"componentType":5123}},"values":{{"bufferView":{deltas}}}}}}}"#
+    ));
+    let turned = numbers.floats(&[[1.0, 0.0, -1.0], [0.0; 3], [0.0; 3], [0.0; 3]]);
+    let strip = numbers.bytes(&[[0], [1], [2], [3]], "");
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"name":"face","mesh":0}},{{"name":"twin","mesh":0,"weights":[0,1],"translation":[10,0,0]}}],
+        "meshes":[{{"name":"head","weights":[0.5,0],"extras":{{"targetNames":["smile","frown"]}},
+        "primitives":[{{"mode":5,"indices":{strip},"attributes":{{"POSITION":{positions},"NORMAL":{normals},"TANGENT":{tangents}}},
+        "targets":[{{"POSITION":{sparse},"NORMAL":{turned}}},{{"POSITION":{mended}}}]}}]}}]"#
+    ));
+    assert_eq!(
+        scene.armature.morph_targets(),
+        ["smile", "frown", "twin/smile", "twin/frown"]
+    );
+    assert_eq!(scene.armature.rest().morph_weights(), [0.5, 0.0, 0.0, 1.0]);
+    assert_eq!(
+        scene.meshes[0].tangents,
+        [Vec4::new(1.0, 0.0, 0.0, -1.0); 4]
+    );
+    assert_eq!(
+        scene.meshes[0].morph_targets.targets()[0].vertices(),
+        [0, 1, 3]
+    );
+    let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
+    let meshes = posing.meshes(scene.armature.rest()).unwrap();
+    assert_eq!(
+        meshes[0].positions(),
+        [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 1.0],
+            [0.0, 1.0, 0.0],
+            [1.25, 1.0, 0.0]
+        ]
+        .map(Vec3::from)
+    );
+    let half = 0.5f32.sqrt();
+    assert!(meshes[0].normals()[0].distance(Vec3::new(half, 0.0, half)) < 1e-6);
+    assert_eq!(meshes[0].normals()[2], Vec3::Z);
+    assert_eq!(
+        meshes[1].positions(),
+        [
+            [10.0, 1.0, 0.0],
+            [11.0, 0.0, 2.0],
+            [10.0, 2.0, 0.0],
+            [11.5, 1.0, 0.0]
+        ]
+        .map(Vec3::from)
+    );
+    assert_eq!(meshes[0].triangles(), [[0, 1, 2], [1, 3, 2]]);
+    assert_eq!(
+        posing
+            .mesh(scene.armature.rest())
+            .unwrap()
+            .positions()
+            .len(),
+        8
+    );
+}
+
+#[test]
+fn triangles_come_without_indices_and_as_fans() {
+    let mut numbers = Numbers::default();
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 1.0, 0.0],
+    ];
+    let five = numbers.floats(&corners);
+    let three = numbers.floats(&corners[..3]);
+    let fan = numbers.shorts(&[[4], [0], [1], [2]]);
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"mesh":0,"scale":[-1,1,1]}}],"meshes":[{{"primitives":[
+        {{"attributes":{{"POSITION":{three}}}}},
+        {{"attributes":{{"POSITION":{five}}},"mode":6}},
+        {{"attributes":{{"POSITION":{five}}},"mode":6,"indices":{fan}}}]}}]"#
+    ));
+    let mesh = &scene.meshes[0].mesh;
+    // Five vertices once, though two primitives share them.
+    assert_eq!(mesh.positions().len(), 8);
+    let fans = [[4, 5, 3], [5, 6, 3], [6, 7, 3], [3, 4, 7], [4, 5, 7]];
+    assert_eq!(mesh.triangles()[0], [0, 1, 2]);
+    assert_eq!(mesh.triangles()[1..], fans);
+    // The node mirrors: triangles turn round, so that the outside stays outside.
+    let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
+    let posed = posing.mesh(scene.armature.rest()).unwrap();
+    assert_eq!(posed.positions()[1], Vec3::NEG_X);
+    assert_eq!(posed.triangles()[0], [0, 2, 1]);
+}
+
+#[test]
+fn a_matrix_is_taken_apart() {
+    let [scale, turn, place] = [
+        DVec3::new(2.0, 3.0, 0.5),
+        DVec3::new(0.6, -0.3, 0.2),
+        DVec3::new(1.0, -2.0, 4.0),
+    ];
+    let turn = DQuat::from_scaled_axis(turn);
+    for mirror in [1.0, -1.0] {
+        let scale = scale * DVec3::new(mirror, 1.0, 1.0);
+        let matrix = DMat4::from_scale_rotation_translation(scale, turn, place);
+        let text = matrix
+            .as_mat4()
+            .to_cols_array()
+            .map(|v| v.to_string())
+            .join(",");
+        let scene = Numbers::default().read(&format!(r#""nodes":[{{"matrix":[{text}]}}]"#));
+        let rest = scene
+            .armature
+            .rest()
+            .local(scene.armature.bone_at(0).unwrap());
+        let again = DMat4::from(rest.to_affine().as_daffine3());
+        let apart = (again - matrix)
+            .to_cols_array()
+            .into_iter()
+            .fold(0.0, |most: f64, e| most.max(e.abs()));
+        assert!(apart < 2e-6, "{apart:e}");
+    }
+    let sheared = r#""nodes":[{"name":"slanted","matrix":[1,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1]}]"#;
+    let error = Numbers::default().refused(sheared);
+    assert!(
+        error.contains("nodes[0].matrix")
+            && error.contains("`slanted`")
+            && error.contains("shears"),
+        "{error}"
+    );
+}
+
+#[test]
+fn weights_are_put_right_and_that_is_said() {
+    let mut numbers = Numbers::default();
+    let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let joints = numbers.bytes(&[[0, 0, 0, 0], [0, 1, 0, 0], [1, 1, 0, 0]], "");
+    let bytes = numbers.bytes(
+        &[[255, 0, 0, 0], [51, 204, 0, 0], [100, 100, 0, 0]],
+        r#","normalized":true"#,
+    );
+    let more_joints = numbers.bytes(&[[0, 0, 0, 0], [1, 0, 0, 0], [0, 0, 0, 0]], "");
+    let more_weights = numbers.floats(&[[0.0; 4], [0.0; 4], [0.25, 0.0, 0.0, 0.0]]);
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"mesh":0,"skin":0}},{{"name":"a"}},{{"name":"b"}}],"skins":[{{"joints":[1,2]}}],
+        "meshes":[{{"name":"skin","primitives":[{{"attributes":{{"POSITION":{positions},"JOINTS_0":{joints},"WEIGHTS_0":{bytes},"JOINTS_1":{more_joints},"WEIGHTS_1":{more_weights}}}}}]}}]"#
+    ));
+    let weights = &scene.meshes[0].skin.as_ref().unwrap().weights;
+    let pairs = |vertex| {
+        weights
+            .influences(vertex)
+            .iter()
+            .map(|i| (i.bone, i.weight))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(pairs(0), [(0, 1.0)]);
+    assert_eq!(pairs(1), [(0, 0.2), (1, 0.8)]);
+    let sum = 200.0 / 255.0 + 0.25;
+    assert_eq!(pairs(2), [(0, 0.25 / sum), (1, (200.0 / 255.0) / sum)]);
+    let note = scene.notes.iter().find_map(|note| match note {
+        Note::Weights {
+            mesh,
+            repair,
+            merged,
+        } => Some((mesh, repair, merged)),
+        _ => None,
+    });
+    let (mesh, repair, merged) = note.unwrap();
+    assert_eq!((mesh.as_str(), repair.rescaled, *merged), ("skin", 1, 1));
+    assert_eq!(repair.worst.unwrap().0, 2);
+}

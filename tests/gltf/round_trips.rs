@@ -1,0 +1,430 @@
+//! Promise: a scene that is written as .glb is read again as it was, to the bits of single precision
+//! where the format has what it holds, and sampled where it does not.
+#![allow(clippy::unwrap_used)]
+
+use glam::{Affine3A, EulerRot, Quat, Vec3, Vec3A, Vec4};
+use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};
+use kinopt::animation::rotation::RotationCurve;
+use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, LocalTransform};
+use kinopt::io::gltf::{self, Scene, SceneMesh, ScenePosing, Skin, WriteOptions};
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{MorphTarget, MorphTargets, SkinWeights, SkinningMethod};
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use support::gltf_text::at;
+
+const BONES: usize = 9;
+const VERTICES: usize = 40;
+
+fn vector(random: &mut StdRng) -> Vec3 {
+    Vec3::from_array(std::array::from_fn(|_| random.random_range(-2.0f32..2.0)))
+}
+
+fn rotation(random: &mut StdRng) -> Quat {
+    let [a, b, c] = vector(random).to_array();
+    Quat::from_euler(EulerRot::XYZ, a, b, c)
+}
+
+fn armature(random: &mut StdRng) -> Armature {
+    let bones = (0..BONES).map(|index| ArmatureBone {
+        name: format!("bone {index}"),
+        parent: index
+            .checked_sub(1)
+            .map(|last| random.random_range(0..=last)),
+        rest: LocalTransform {
+            translation: vector(random).into(),
+            rotation: rotation(random),
+            scale: Vec3A::ONE + Vec3A::from(vector(random)) * 0.1,
+        },
+    });
+    let bones: Vec<_> = bones.collect();
+    let targets = ["wink", "smile", "shrug"].map(String::from).to_vec();
+    let armature = Armature::new(bones, targets).unwrap();
+    armature.with_rest_morph_weights(&[0.0, 0.3, -0.1]).unwrap()
+}
+
+fn mesh(random: &mut StdRng) -> TriangleMesh {
+    let positions = (0..VERTICES).map(|_| vector(random)).collect();
+    let normals = (0..VERTICES).map(|_| vector(random).normalize()).collect();
+    let corner = |random: &mut StdRng| random.random_range(0..VERTICES as u32);
+    let triangles = (0..30).map(|_| std::array::from_fn(|_| corner(random)));
+    TriangleMesh::new(positions, normals, triangles.collect()).unwrap()
+}
+
+fn targets(random: &mut StdRng) -> MorphTargets {
+    let list = |vertices: &[u32], random: &mut StdRng| -> Vec<Vec3> {
+        vertices.iter().map(|_| vector(random)).collect()
+    };
+    let few = vec![0, 3, 17];
+    let all: Vec<u32> = (0..VERTICES as u32).collect();
+    let few_deltas = [list(&few, random), list(&few, random)];
+    let all_deltas = list(&all, random);
+    let [positions, normals] = few_deltas;
+    let made = [
+        MorphTarget::new("wink", few, positions, normals, Vec::new()),
+        MorphTarget::new("smile", all, all_deltas, Vec::new(), Vec::new()),
+    ];
+    MorphTargets::new(VERTICES, made.map(Result::unwrap).to_vec()).unwrap()
+}
+
+/// Weights whose sum is 1 also in single precision: multiples of 2⁻¹⁰. Some vertices have six.
+fn weights(joints: usize, random: &mut StdRng) -> SkinWeights {
+    let mut builder = SkinWeights::builder(VERTICES, joints);
+    for vertex in 0..VERTICES {
+        let count = 1 + vertex % 6;
+        let first = random.random_range(0..joints);
+        let mut left = 1024;
+        for place in 0..count {
+            let share = match place + 1 == count {
+                true => left,
+                false => random.random_range(1..=left / 3),
+            };
+            left -= share;
+            let bone = (first + place) % joints;
+            builder
+                .add(vertex, bone, f64::from(share) / 1024.0)
+                .unwrap();
+        }
+    }
+    builder.build().unwrap()
+}
+
+fn skin(armature: &Armature, bones: &[usize], random: &mut StdRng) -> Skin {
+    // Not the inverse of the rest pose.
+    let bound = |random: &mut StdRng| {
+        let scale = Vec3::ONE + vector(random) * 0.1;
+        Affine3A::from_scale_rotation_translation(scale, rotation(random), vector(random))
+    };
+    Skin {
+        name: "hide".into(),
+        joints: bones
+            .iter()
+            .map(|&bone| armature.bone_at(bone).unwrap())
+            .collect(),
+        joint_from_mesh: bones.iter().map(|_| bound(random)).collect(),
+        weights: weights(bones.len(), random),
+    }
+}
+
+/// A scene whose every part glTF has.
+fn scene() -> Scene {
+    let random = &mut StdRng::seed_from_u64(7);
+    let armature = armature(random);
+    let none = || MorphTargets::new(VERTICES, Vec::new()).unwrap();
+    let body = SceneMesh {
+        name: "body".into(),
+        bone: armature.bone_at(2).unwrap(),
+        mesh: mesh(random),
+        tangents: (0..VERTICES)
+            .map(|_| vector(random).normalize().extend(-1.0))
+            .collect(),
+        morph_targets: targets(random),
+        first_morph_weight: 0,
+        skin: Some(skin(&armature, &[7, 1, 3, 0, 4, 8, 6], random)),
+    };
+    let hat = SceneMesh {
+        name: "hat".into(),
+        bone: armature.bone_at(5).unwrap(),
+        mesh: TriangleMesh::new(
+            vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            vec![Vec3::Z; 3],
+            vec![[0, 1, 2]],
+        )
+        .unwrap(),
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
+        morph_targets: MorphTargets::new(
+            3,
+            vec![
+                MorphTarget::new("shrug", vec![1], vec![Vec3::Z], Vec::new(), vec![Vec3::Y])
+                    .unwrap(),
+            ],
+        )
+        .unwrap(),
+        first_morph_weight: 2,
+        skin: None,
+    };
+    let coat = SceneMesh {
+        name: "coat".into(),
+        bone: armature.bone_at(8).unwrap(),
+        mesh: mesh(random),
+        tangents: Vec::new(),
+        morph_targets: none(),
+        first_morph_weight: 3,
+        skin: body.skin.clone().map(|skin| Skin {
+            weights: weights(7, random),
+            ..skin
+        }),
+    };
+    let clips = vec![
+        walk(&armature, random),
+        still(&armature),
+        Clip::builder("rest", &armature).build(),
+    ];
+    Scene {
+        armature,
+        meshes: vec![body, hat, coat],
+        clips,
+        notes: Vec::new(),
+    }
+}
+
+fn times(count: usize, random: &mut StdRng) -> Vec<f32> {
+    let mut time = 0.25;
+    let mut next = || {
+        time += random.random_range(0.01f32..0.3);
+        time
+    };
+    (0..count).map(|_| next()).collect()
+}
+
+/// Every kind of curve that glTF has.
+fn walk(armature: &Armature, random: &mut StdRng) -> Clip {
+    let mut builder = Clip::builder("walk", armature);
+    let bone = |index| armature.bone_at(index).unwrap();
+    let vectors = |count: usize, random: &mut StdRng| -> Vec<Vec3A> {
+        (0..count).map(|_| vector(random).into()).collect()
+    };
+    let turns = |count: usize, random: &mut StdRng| -> Vec<Quat> {
+        (0..count).map(|_| rotation(random)).collect()
+    };
+    let shared = times(12, random);
+    let other = times(5, random);
+    let tangents = vectors(10, random);
+    let pairs = |values: &[Vec3A]| {
+        values
+            .chunks(2)
+            .map(|pair| [pair[0], pair[1]])
+            .collect::<Vec<_>>()
+    };
+    let quads: Vec<[Vec4; 2]> = (0..5)
+        .map(|_| [vector(random).extend(0.5), vector(random).extend(-0.5)])
+        .collect();
+    let channels = [
+        (
+            0,
+            Channel::Translation(KeyedCurve::linear(shared.clone(), vectors(12, random)).unwrap()),
+        ),
+        (
+            4,
+            Channel::Translation(KeyedCurve::step(other.clone(), vectors(5, random)).unwrap()),
+        ),
+        (
+            5,
+            Channel::Translation(
+                KeyedCurve::cubic(other.clone(), vectors(5, random), pairs(&tangents)).unwrap(),
+            ),
+        ),
+        (
+            6,
+            Channel::Translation(
+                KeyedCurve::catmull_rom(shared.clone(), vectors(12, random)).unwrap(),
+            ),
+        ),
+        (
+            0,
+            Channel::Rotation(RotationCurve::slerp(shared.clone(), turns(12, random)).unwrap()),
+        ),
+        (
+            1,
+            Channel::Rotation(RotationCurve::slerp(other.clone(), turns(5, random)).unwrap()),
+        ),
+        (
+            2,
+            Channel::Rotation(RotationCurve::step(other.clone(), turns(5, random)).unwrap()),
+        ),
+        (
+            3,
+            Channel::Rotation(
+                RotationCurve::cubic(other.clone(), turns(5, random), quads).unwrap(),
+            ),
+        ),
+        (
+            7,
+            Channel::Rotation(RotationCurve::step(vec![0.5], turns(1, random)).unwrap()),
+        ),
+        (
+            0,
+            Channel::Scale(KeyedCurve::linear(other.clone(), vectors(5, random)).unwrap()),
+        ),
+        (
+            8,
+            Channel::Scale(
+                KeyedCurve::kochanek_bartels(
+                    other.clone(),
+                    vectors(5, random),
+                    &[TensionContinuityBias {
+                        tension: 0.3,
+                        continuity: -0.2,
+                        bias: 0.5,
+                    }; 5],
+                )
+                .unwrap(),
+            ),
+        ),
+    ];
+    for (index, channel) in channels {
+        builder.channel(bone(index), channel).unwrap();
+    }
+    let numbers = |random: &mut StdRng| {
+        (0..5)
+            .map(|_| random.random_range(-1.0f32..1.0))
+            .collect::<Vec<_>>()
+    };
+    for target in 0..2 {
+        let rates = numbers(random)
+            .into_iter()
+            .zip(numbers(random))
+            .map(|(a, b)| [a, b])
+            .collect();
+        let curve = KeyedCurve::cubic(other.clone(), numbers(random), rates).unwrap();
+        builder.morph_weight(target, curve).unwrap();
+    }
+    builder.build()
+}
+
+/// A clip that does not move but is not the rest either, over a span without keys.
+fn still(armature: &Armature) -> Clip {
+    let mut builder = Clip::builder("still", armature);
+    let bone = armature.bone_at(3).unwrap();
+    let turned = RotationCurve::step(vec![0.0], vec![Quat::from_rotation_z(1.0)]).unwrap();
+    builder.channel(bone, Channel::Rotation(turned)).unwrap();
+    builder
+        .morph_weight(2, KeyedCurve::step(vec![0.0], vec![0.75]).unwrap())
+        .unwrap();
+    builder.build()
+}
+
+fn again(scene: &Scene, options: &WriteOptions) -> Scene {
+    let bytes = gltf::to_bytes(scene, options).unwrap();
+    let read = support::gltf_text::read(&bytes).unwrap();
+    assert_eq!(read.notes, []);
+    read
+}
+
+#[test]
+fn what_gltf_has_comes_back_to_the_bit() {
+    let scene = scene();
+    let read = again(&scene, &WriteOptions::default());
+    assert_eq!(read.armature, scene.armature);
+    assert_eq!(read.meshes, scene.meshes);
+    for (read, own) in read.clips.iter().zip(&scene.clips) {
+        assert_eq!((read.name(), read.span()), (own.name(), own.span()));
+        assert_eq!(read, own, "{}", own.name());
+    }
+    assert_eq!(read.clips.len(), 3);
+    // And so do the bytes of a second time.
+    let bytes = |scene| gltf::to_bytes(scene, &WriteOptions::default()).unwrap();
+    assert_eq!(bytes(&read), bytes(&scene));
+    // Meshes that share a skin share it in the file.
+    let text = String::from_utf8_lossy(&bytes(&scene)).into_owned();
+    assert_eq!(text.matches("inverseBindMatrices").count(), 1);
+}
+
+#[test]
+fn a_clip_gives_its_channels_back() {
+    let scene = scene();
+    for clip in &scene.clips {
+        let mut builder = Clip::builder(clip.name(), &scene.armature);
+        let [start, end] = clip.span();
+        builder.span(start, end).unwrap();
+        for (bone, channel) in clip.channels(&scene.armature).unwrap() {
+            builder.channel(bone, channel).unwrap();
+        }
+        for (target, curve) in clip.morph_channels(&scene.armature).unwrap() {
+            builder.morph_weight(target, curve).unwrap();
+        }
+        assert_eq!(&builder.build(), clip);
+    }
+    let other = Armature::new(Vec::new(), Vec::new()).unwrap();
+    assert!(scene.clips[0].channels(&other).is_err());
+}
+
+#[test]
+fn a_posed_mesh_comes_back_as_it_is() {
+    let scene = scene();
+    let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
+    let posed = posing.mesh(&at(&scene, 0, 0.7)).unwrap();
+    let read = support::gltf_text::read(&gltf::mesh_to_bytes(&posed).unwrap()).unwrap();
+    assert_eq!(read.meshes[0].mesh, posed);
+    let mut posing = ScenePosing::new(&read, SkinningMethod::LinearBlend).unwrap();
+    assert_eq!(
+        posing.mesh(read.armature.rest()).unwrap().positions(),
+        posed.positions()
+    );
+}
+
+#[test]
+fn what_cannot_be_written_or_posed_is_said() {
+    let refused = |change: &dyn Fn(&mut Scene), words: &[&str]| {
+        let mut broken = scene();
+        change(&mut broken);
+        let error = gltf::to_bytes(&broken, &WriteOptions::default())
+            .unwrap_err()
+            .to_string();
+        for word in words {
+            assert!(error.contains(word), "no {word} in {error}");
+        }
+    };
+    refused(
+        &|s| s.meshes[0].mesh = TriangleMesh::default(),
+        &["`body`", "40"],
+    );
+    refused(
+        &|s| s.meshes[1].bone = s.meshes[0].bone,
+        &["`bone 2`", "two meshes"],
+    );
+    refused(
+        &|s| {
+            s.meshes[0].tangents.pop();
+        },
+        &["`body`", "39 tangents"],
+    );
+    refused(
+        &|s| {
+            s.meshes[0].skin.as_mut().unwrap().joints.pop();
+        },
+        &["`body`", "7", "6"],
+    );
+    refused(&|s| s.meshes[0].first_morph_weight = 2, &["`body`", "4"]);
+    let other = Armature::new(Vec::new(), Vec::new()).unwrap();
+    refused(
+        &|s| s.clips.push(Clip::builder("alien", &other).build()),
+        &["`alien`"],
+    );
+    refused(
+        &|s| {
+            s.meshes[1].mesh =
+                TriangleMesh::new(vec![Vec3::ZERO; 3], Vec::new(), Vec::new()).unwrap()
+        },
+        &["`hat`", "no triangles"],
+    );
+    for keys_per_second in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(gltf::to_bytes(&scene(), &WriteOptions { keys_per_second }).is_err());
+    }
+    assert!(gltf::mesh_to_bytes(&TriangleMesh::default()).is_err());
+
+    let mut mirrored = scene();
+    let skin = mirrored.meshes[0].skin.as_mut().unwrap();
+    skin.joint_from_mesh[2] = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let mut posing = ScenePosing::new(&mirrored, SkinningMethod::DualQuaternion).unwrap();
+    let error = posing
+        .mesh(mirrored.armature.rest())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`body`") && error.contains("mirrors"),
+        "{error}"
+    );
+    assert!(posing.mesh(other.rest()).is_err());
+}
+
+#[test]
+fn morph_targets_leave_alone_what_a_mesh_does_not_have() {
+    let mut bare = scene();
+    bare.meshes[1].tangents.clear();
+    let read = again(&bare, &WriteOptions::default());
+    let [own, found] = [&bare, &read].map(|scene| &scene.meshes[1].morph_targets.targets()[0]);
+    assert_eq!(found.position_deltas(), own.position_deltas());
+    assert_eq!(own.tangent_deltas().len(), 1);
+    assert_eq!(found.tangent_deltas(), []);
+}

@@ -1,0 +1,162 @@
+//! Promise: curves that glTF does not have are written as lines through samples, and clips last as long
+//! as they did.
+#![allow(clippy::unwrap_used)]
+
+use glam::{Quat, Vec3, Vec3A, Vec4};
+use kinopt::animation::curve::{BezierHandle, KeyedCurve};
+use kinopt::animation::rotation::{EulerOrder, RotationCurve};
+use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, EulerCurve, LocalTransform};
+use kinopt::io::gltf::{self, Scene, SceneMesh, WriteOptions};
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{MorphTarget, MorphTargets};
+use support::gltf_text::at;
+
+fn again(scene: &Scene, options: &WriteOptions) -> Scene {
+    let bytes = gltf::to_bytes(scene, options).unwrap();
+    let read = support::gltf_text::read(&bytes).unwrap();
+    assert_eq!(read.notes, []);
+    read
+}
+
+/// One bone, and one channel or curve at a time.
+fn moving(add: impl FnOnce(&mut kinopt::animation::ClipBuilder<'_>)) -> Scene {
+    let bone = ArmatureBone {
+        name: "bone".into(),
+        parent: None,
+        rest: LocalTransform::IDENTITY,
+    };
+    let armature = Armature::new(vec![bone], vec!["a".into(), "b".into()]).unwrap();
+    let mut builder = Clip::builder("moving", &armature);
+    add(&mut builder);
+    let clips = vec![builder.build()];
+    let deltas = |name: &str| {
+        MorphTarget::new(name, vec![0], vec![Vec3::X], Vec::new(), Vec::new()).unwrap()
+    };
+    let mesh = SceneMesh {
+        name: "mesh".into(),
+        bone: armature.bone_at(0).unwrap(),
+        mesh: TriangleMesh::new(
+            vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            Vec::new(),
+            vec![[0, 1, 2]],
+        )
+        .unwrap(),
+        tangents: Vec::new(),
+        morph_targets: MorphTargets::new(3, vec![deltas("a"), deltas("b")]).unwrap(),
+        first_morph_weight: 0,
+        skin: None,
+    };
+    Scene {
+        armature,
+        meshes: vec![mesh],
+        clips,
+        notes: Vec::new(),
+    }
+}
+
+/// The furthest that the two clips are apart: in translation, in quaternions, in weights.
+fn apart(one: &Scene, other: &Scene) -> [f32; 3] {
+    let (a, b) = (&one.clips[0], &other.clips[0]);
+    assert!((a.duration() - b.duration()).abs() < 1e-6);
+    let mut most = [0.0f32; 3];
+    for step in 0..=1000 {
+        let time = a.duration() * f64::from(step) / 1000.0;
+        let (a, b) = (at(one, 0, time), at(other, 0, time));
+        let [p, q] = [&a, &b].map(|pose| pose.rotations()[0]);
+        let weights = a.morph_weights().iter().zip(b.morph_weights());
+        let now = [
+            a.translations()[0].distance(b.translations()[0]),
+            Vec4::from(p)
+                .distance(Vec4::from(q))
+                .min(Vec4::from(p).distance(-Vec4::from(q))),
+            weights.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max),
+        ];
+        most = std::array::from_fn(|k| most[k].max(now[k]));
+    }
+    most
+}
+
+#[test]
+fn other_curves_are_sampled_at_the_rate() {
+    let handle = |time, value| BezierHandle { time, value };
+    let drawn = |value: Vec3A| {
+        let handles = vec![
+            [handle(0.0, Vec3A::ZERO), handle(0.7, value)],
+            [handle(-0.3, -value), handle(0.0, Vec3A::ZERO)],
+        ];
+        KeyedCurve::bezier(vec![0.0, 1.0], vec![Vec3A::ZERO, value], handles).unwrap()
+    };
+    let turns = [0.0, 1.2, -0.6].map(Quat::from_rotation_y).to_vec();
+    let angles = [Vec3A::ZERO, Vec3A::new(7.0, 1.0, -3.0)].to_vec();
+    let euler = EulerCurve {
+        order: EulerOrder::Xyz,
+        before: Quat::from_rotation_x(0.4),
+        angles: KeyedCurve::catmull_rom(vec![0.0, 1.0], angles).unwrap(),
+    };
+    let scene = |rotation: Channel| {
+        moving(|builder| {
+            let bone = kinopt::animation::Armature::new(
+                vec![ArmatureBone {
+                    name: "bone".into(),
+                    parent: None,
+                    rest: LocalTransform::IDENTITY,
+                }],
+                Vec::new(),
+            )
+            .unwrap()
+            .bone_at(0)
+            .unwrap();
+            builder
+                .channel(bone, Channel::Translation(drawn(Vec3A::new(1.0, 2.0, 0.5))))
+                .unwrap();
+            builder.channel(bone, rotation).unwrap();
+            let steps = KeyedCurve::linear(vec![0.0, 0.3, 1.0], vec![0.0, 1.0, 0.5]).unwrap();
+            let line = KeyedCurve::linear(vec![0.0, 0.6, 1.0], vec![1.0, -1.0, 0.5]).unwrap();
+            builder
+                .morph_weight(0, steps)
+                .unwrap()
+                .morph_weight(1, line)
+                .unwrap();
+        })
+    };
+    let keys = || vec![0.0, 0.4, 1.0];
+    let rotations = [
+        Channel::Rotation(RotationCurve::squad(keys(), turns.clone()).unwrap()),
+        Channel::Rotation(RotationCurve::smooth(keys(), turns).unwrap()),
+        Channel::Euler(euler),
+    ];
+    for rotation in rotations {
+        let scene = scene(rotation);
+        let at_rate =
+            |keys_per_second| apart(&scene, &again(&scene, &WriteOptions { keys_per_second }));
+        let [coarse, fine] = [25.0, 100.0].map(at_rate);
+        // Between samples a line misses a curve by an eighth of its curvature times h².
+        for (coarse, fine) in coarse.iter().zip(fine).take(2) {
+            assert!(
+                *coarse < 0.05 && fine < 0.003 && fine < coarse / 4.0,
+                "{coarse} {fine}"
+            );
+        }
+        // Lines with keys of their own need no sampling.
+        assert!(coarse[2] < 1e-6, "{}", coarse[2]);
+    }
+}
+
+#[test]
+fn a_clip_lasts_as_long_as_it_did() {
+    let build = |start: f32, end: f32| {
+        moving(|builder| {
+            builder.span(start, end).unwrap();
+            let weights = KeyedCurve::linear(vec![0.0, 1.0], vec![0.0, 1.0]).unwrap();
+            builder.morph_weight(1, weights).unwrap();
+        })
+    };
+    let longer = build(0.0, 2.5);
+    let read = again(&longer, &WriteOptions::default());
+    assert_eq!(read.clips[0].span(), [0.0, 2.5]);
+    assert_eq!(at(&read, 0, 0.5).morph_weights(), [0.0, 0.5]);
+    // glTF has no times before 0.
+    let early = again(&build(-1.0, 1.0), &WriteOptions::default());
+    assert_eq!(early.clips[0].span(), [0.0, 2.0]);
+    assert_eq!(at(&early, 0, 1.5).morph_weights(), [0.0, 0.5]);
+}

@@ -1,0 +1,136 @@
+//! Promise: forward kinematics of any tree, under any parameter map, is the product of its
+//! transforms, to 1e-12 of the size of the coordinates.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::kinematics::{ForwardKinematics, KinematicsError};
+use kinopt::model::{FrameId, ParameterMap};
+use kinopt::scalar::Dual;
+use support::maps::maps_of;
+use support::random::Random;
+use support::trees::RandomTree;
+use support::{apart, placement, rigid};
+
+#[test]
+fn full_trees() {
+    for seed in 0..40 {
+        let tree = RandomTree::new(seed, 1 + seed as usize % 17);
+        let mut random = Random::new(seed);
+        let mut kinematics = ForwardKinematics::new(&tree.model);
+        for _ in 0..5 {
+            let q = tree.configuration(&mut random);
+            let placed = kinematics.place(&q).unwrap();
+            assert_eq!(placed.len(), tree.frames.len());
+            for (ours, theirs) in placed.iter().zip(&tree.frames_at(&q)) {
+                assert!(apart(ours, theirs) < 1e-12, "tree {seed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn some_frames_of_a_tree_under_every_map() {
+    for seed in 0..20 {
+        let tree = RandomTree::new(seed, 14);
+        let mut random = Random::new(seed);
+        // Any choice and order of frames, one of them twice.
+        let n = tree.frames.len();
+        let chosen: Vec<usize> = [n - 2, 3, random.below(n), n - 1, 3].to_vec();
+        let ids: Vec<FrameId> = chosen.iter().map(|&k| tree.frames[k]).collect();
+        for expected in maps_of(&tree) {
+            let mut kinematics =
+                ForwardKinematics::under(&tree.model, &expected.map, &ids).unwrap();
+            assert_eq!(kinematics.variables(), expected.map.variables());
+            let x = expected.variables(&mut random);
+            let q = expected.expand(&x);
+            let mut own_q = vec![f64::NAN; q.len()];
+            expected.map.expand(&x, &mut own_q);
+            for (own, right) in own_q.iter().zip(&q) {
+                assert!((own - right).abs() < 1e-14, "{}", expected.name);
+            }
+            let placed = kinematics.place(&x).unwrap();
+            let at = tree.frames_at(&q);
+            for (ours, &k) in placed.iter().zip(&chosen) {
+                let error = apart(ours, &at[k]);
+                assert!(error < 1e-12, "tree {seed}, {}: {error:e}", expected.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn far_from_the_origin() {
+    let mut random = Random::new(3);
+    let away = rigid(random.rotation(), random.direction().into_inner() * 1e6);
+    for seed in 0..10 {
+        let tree = RandomTree::placed(seed, 12, away);
+        let mut kinematics = ForwardKinematics::new(&tree.model);
+        let q = tree.configuration(&mut random);
+        let placed = kinematics.place(&q).unwrap();
+        for (ours, theirs) in placed.iter().zip(&tree.frames_at(&q)) {
+            assert!(apart(ours, theirs) < 1e-12 * 1e6, "tree {seed}");
+        }
+    }
+}
+
+#[test]
+fn values_on_dual_numbers_are_the_plain_ones() {
+    let tree = RandomTree::new(8, 13);
+    let q = tree.configuration(&mut Random::new(8));
+    let duals: Vec<Dual<1>> = q.iter().map(|&v| Dual::variable(v, 0)).collect();
+    let mut kinematics = ForwardKinematics::new(&tree.model);
+    let placed = kinematics.place(&duals).unwrap();
+    for (ours, theirs) in placed.iter().zip(&tree.frames_at(&q)) {
+        let values = ours.translation.to_array().map(|c| c.value());
+        let error = (nalgebra::Vector3::from(values) - theirs.translation.vector).amax();
+        assert!(error < 1e-12);
+    }
+}
+
+#[test]
+fn wrong_lengths_foreign_frames_and_foreign_maps_are_named_errors() {
+    let small = RandomTree::new(1, 3).model;
+    let large = RandomTree::new(2, 12);
+    let far = *large.frames.last().unwrap();
+    let map = ParameterMap::identity(&large.model);
+    let mut all = ForwardKinematics::<f64>::new(&small);
+    let n = small.degrees_of_freedom();
+    for length in [0, n - 1, n + 1] {
+        let error = all.place(&vec![0.0; length]).unwrap_err();
+        assert!(
+            matches!(error, KinematicsError::Length { given, expected, .. }
+            if given == length && expected == n)
+        );
+        assert!(error.to_string().contains(small.name()));
+    }
+    let foreign = ForwardKinematics::<f64>::of_frames(&small, &[far]).unwrap_err();
+    assert!(matches!(foreign, KinematicsError::ForeignFrame { index, .. } if index == far.index()));
+    let foreign = ForwardKinematics::<f64>::under(&small, &map, &[]).unwrap_err();
+    assert!(matches!(foreign, KinematicsError::ForeignMap { .. }));
+}
+
+#[test]
+fn angles_of_any_size_turn_as_far_as_they_say() {
+    let tree = RandomTree::new(5, 9);
+    let mut kinematics = ForwardKinematics::new(&tree.model);
+    for size in [0.0, 1e-300, 1e-9, 1.0, 1e3, 9.9e5, 1.1e6, 1e12, 1e300] {
+        // The library's own sines and cosines are the reference, within the trees of the tests.
+        let q = vec![size; tree.model.degrees_of_freedom()];
+        let placed = kinematics.place(&q).unwrap();
+        for (ours, theirs) in placed.iter().zip(&tree.frames_at(&q)) {
+            assert!(apart(ours, theirs) <= 1e-12 * size.max(1.0), "{size:e}");
+        }
+    }
+    let nan = vec![f64::NAN; tree.model.degrees_of_freedom()];
+    let placed = kinematics.place(&nan).unwrap();
+    assert!(placed.iter().any(|frame| frame.translation.x.is_nan()));
+}
+
+#[test]
+fn placements_multiply_and_invert_as_isometries() {
+    let mut random = Random::new(4);
+    for _ in 0..100 {
+        let (a, b) = (random.rigid(2.0), random.rigid(2.0));
+        assert!(apart(&(placement(&a) * placement(&b)), &(a * b)) < 1e-15 * 10.0);
+        assert!(apart(&placement(&a).inverse(), &a.inverse()) < 1e-15 * 10.0);
+    }
+}

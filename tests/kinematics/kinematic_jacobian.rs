@@ -1,0 +1,121 @@
+//! Promise: the kinematic Jacobian of tips by stacked Euler angles is what differences of forward
+//! kinematics with h = 1e-7 say; differences and forward mode evaluate once more for every variable
+//! or group of variables, the analytic route as often for sixty variables as for six.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use kinopt::Scalar;
+use kinopt::model::{FrameId, ParameterMap};
+use kinopt::problem::{Derivatives, Evaluation, Problem};
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::Placement;
+use kinopt::task::{Point, Quantity, Residual, Rows};
+use nalgebra::DMatrix;
+use support::bones::RandomRig;
+use support::planar_arm;
+use support::random::Random;
+use support::trees::configuration_of;
+
+#[test]
+fn it_is_the_difference_quotient_of_the_recursion() {
+    const H: f64 = 1e-7;
+    for seed in 0..4 {
+        let rig = RandomRig::new(seed);
+        let model = rig.skeleton.model();
+        let q = configuration_of(model, &mut Random::new(seed));
+        let mut builder = Problem::builder(model);
+        // Every angle, locked ones too, so that columns are the stacked vector's.
+        builder.parameters(ParameterMap::identity(model));
+        for &tip in &rig.tips {
+            builder.add(Point::new(rig.skeleton.tip(tip), [0.0; 3]));
+        }
+        let mut problem = builder.build().unwrap();
+        let angles = rig.skeleton.angles();
+        assert_eq!((problem.rows(), problem.variables()), (15, angles));
+
+        let tips = |q: &[f64]| -> Vec<f64> {
+            let posed = rig.transforms(q);
+            let tips = rig.tips.iter().map(|&tip| rig.tip(&posed, tip));
+            tips.flat_map(|tip| tip.as_slice().to_vec()).collect()
+        };
+        let here = tips(&q);
+        let mut quotient = DMatrix::zeros(15, angles);
+        for j in 0..angles {
+            let mut moved = q.clone();
+            moved[j] += H;
+            for (i, (there, here)) in tips(&moved).iter().zip(&here).enumerate() {
+                quotient[(i, j)] = (there - here) / H;
+            }
+        }
+        for route in Derivatives::ALL {
+            problem.set_derivatives(route);
+            let mut scratch = problem.scratch();
+            let mut jacobian = DMatrix::from_element(15, angles, f64::NAN);
+            Evaluation::new(&problem, &mut scratch).jacobian(&q, &mut jacobian);
+            let off = (&jacobian - &quotient).amax();
+            assert!(off < 1e-6, "{route:?}: off by {off:e}");
+        }
+    }
+}
+
+/// A point's place, which counts how often it is asked for it.
+struct Counted {
+    frame: FrameId,
+    calls: Arc<AtomicUsize>,
+}
+
+impl Residual for Counted {
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 3)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        self.calls.fetch_add(1, Ordering::Relaxed);
+        residual.copy_from_slice(&frames[0].translation.to_array());
+    }
+}
+
+#[test]
+fn how_often_each_route_evaluates() {
+    let evaluations = |joints: usize, route: Derivatives, gradient: bool| {
+        let model = planar_arm(&vec![0.1; joints], None);
+        let calls = Arc::new(AtomicUsize::new(0));
+        let mut builder = Problem::builder(&model);
+        builder.derivatives(route);
+        let frame = model.frame("tip").unwrap();
+        let counted = calls.clone();
+        builder.add(Counted {
+            frame,
+            calls: counted,
+        });
+        let problem = builder.build().unwrap();
+        let mut scratch = problem.scratch();
+        let mut evaluation = Evaluation::new(&problem, &mut scratch);
+        let x = vec![0.1; joints];
+        let (mut jacobian, mut r) = (DMatrix::zeros(3, joints), [0.0; 3]);
+        evaluation.residual(&x, &mut r);
+        calls.store(0, Ordering::Relaxed);
+        if gradient {
+            evaluation.gradient(&x, &r, &mut vec![0.0; joints], &mut jacobian);
+        } else {
+            evaluation.jacobian(&x, &mut jacobian);
+        }
+        calls.load(Ordering::Relaxed)
+    };
+    for n in [6, 12, 60] {
+        let jacobian = |route| evaluations(n, route, false);
+        assert_eq!(jacobian(Derivatives::ForwardDifference), n + 1);
+        assert_eq!(jacobian(Derivatives::CentralDifference), 2 * n);
+        assert_eq!(jacobian(Derivatives::Dual), n / 6);
+        // One frame has six ways to move, and that is one group of six.
+        assert_eq!(jacobian(Derivatives::Analytic), 1);
+        // Backward mode: the gradient by every variable in one sweep.
+        assert_eq!(evaluations(n, Derivatives::Analytic, true), 1);
+    }
+}

@@ -1,0 +1,11 @@
+//! Rotations, placements and Jacobians.
+
+mod canonical_bones;
+mod forward_kinematics;
+mod kinematic_jacobian;
+mod model_reach;
+mod placed_skeletons;
+mod random_configurations;
+mod rotation_exp_log;
+mod scalar_laws;
+mod skeleton_poses;

@@ -1,0 +1,127 @@
+//! Promise: the root of a skeleton may be placed generally in a larger scene; relative rotations,
+//! skin and inverse kinematics then mean what they did, and so they do below any joint.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::ik::Restarts;
+use kinopt::problem::Problem;
+use kinopt::skeleton::SkeletonError;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Skeleton, Solver};
+use nalgebra as na;
+use support::bones::RandomRig;
+use support::random::Random;
+use support::trees::configuration_of;
+use support::{Rigid, apart, placement, rigid};
+
+fn somewhere(random: &mut Random) -> Rigid {
+    rigid(random.rotation(), random.vector(3.0))
+}
+
+#[test]
+fn skinning_transforms_begin_with_the_root_s() {
+    for seed in 0..10 {
+        let rig = RandomRig::new(seed);
+        let mut random = Random::new(seed);
+        let root = somewhere(&mut random);
+        let q = configuration_of(rig.skeleton.model(), &mut random);
+        // The recursion with T_root = P in place of the identity.
+        let expected: Vec<Rigid> = rig.transforms(&q).iter().map(|t| root * t).collect();
+        let in_scene = placement(&root);
+        let placed = rig.skeleton.placed(&in_scene).unwrap();
+        // By placing the pose; and by placing the skeleton, with the mesh left as it was modelled.
+        let poses = [rig.skeleton.pose(&q).placed(&in_scene), placed.pose(&q)];
+        for pose in &poses {
+            let ours: Vec<_> = pose.skinning_transforms(&rig.skeleton).collect();
+            assert_eq!(ours.len(), expected.len());
+            for (ours, theirs) in ours.iter().zip(&expected) {
+                assert!(apart(ours, theirs) < 1e-12);
+            }
+        }
+        for bone in rig.skeleton.bone_ids() {
+            let tips = [
+                poses[0].tip(&rig.skeleton, bone),
+                poses[1].tip(&placed, bone),
+            ];
+            let carried = root * na::Point3::from(rig.tip(&rig.transforms(&q), bone));
+            for tip in tips {
+                assert!((na::Vector3::from(tip) - carried.coords).amax() < 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_joint_does_composes_with_whatever_is_above_it() {
+    // T_parent⁻¹ T_i, the knee's own part, does not change when the hip moves.
+    let rig = RandomRig::new(4);
+    let mut random = Random::new(4);
+    let q = configuration_of(rig.skeleton.model(), &mut random);
+    let own = |q: &[f64], bone: usize, parent: usize| {
+        let pose = rig.skeleton.pose(q);
+        let all: Vec<Placement<f64>> = pose.skinning_transforms(&rig.skeleton).collect();
+        all[parent].inverse() * all[bone]
+    };
+    for (bone, parent) in rig.parents.iter().enumerate() {
+        let Some(parent) = *parent else { continue };
+        let mut moved = q.clone();
+        for angle in &mut moved[3 * parent..3 * parent + 3] {
+            *angle += random.within(-1.0, 1.0);
+        }
+        let (before, after) = (own(&q, bone, parent), own(&moved, bone, parent));
+        let off = before.inverse() * after;
+        assert!(apart(&off, &Rigid::identity()) < 1e-13);
+    }
+}
+
+#[test]
+fn tips_are_dragged_in_the_scene_as_in_the_model() {
+    for seed in 0..6 {
+        let rig = RandomRig::new(seed);
+        let mut random = Random::new(seed);
+        let root = somewhere(&mut random);
+        let placed = rig.skeleton.placed(&placement(&root)).unwrap();
+        let start = configuration_of(rig.skeleton.model(), &mut random);
+        let goal = configuration_of(rig.skeleton.model(), &mut random);
+        let transforms = rig.transforms(&goal);
+        let solve = |skeleton: &Skeleton, from_model: &Rigid| {
+            let mut builder = Problem::builder(skeleton.model());
+            for &tip in &rig.tips {
+                let target = from_model * na::Point3::from(rig.tip(&transforms, tip));
+                builder.add(Point::new(skeleton.tip(tip), target.coords));
+            }
+            let solver = Solver::default().with_restarts(Restarts::none());
+            solver
+                .solve_once(&builder.build().unwrap(), &start)
+                .unwrap()
+        };
+        let there = solve(&placed, &root);
+        let here = solve(&rig.skeleton, &Rigid::identity());
+        assert_eq!(here.reached, there.reached, "rig {seed}");
+        assert!(
+            (here.cost - there.cost).abs() <= 1e-9 * (1.0 + here.cost),
+            "rig {seed}"
+        );
+        // Judged by the recursion: where the tips went, seen from the root.
+        let posed = rig.transforms(&there.q);
+        if there.reached {
+            for &tip in &rig.tips {
+                let missed = rig.tip(&posed, tip) - rig.tip(&transforms, tip);
+                assert!(missed.norm() < 1e-5, "rig {seed}: {}", missed.norm());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_root_that_is_no_rigid_motion_is_refused() {
+    let rig = RandomRig::new(5);
+    let mut stretched = Placement::translation(Vector3::new(1.0, 0.0, 0.0));
+    stretched.rotation = Matrix3::from_columns(
+        Vector3::new(2.0, 0.0, 0.0),
+        Vector3::new(0.0, 1.0, 0.0),
+        Vector3::new(0.0, 0.0, 1.0),
+    );
+    let error = rig.skeleton.placed(&stretched).unwrap_err();
+    assert!(matches!(error, SkeletonError::BadRest { bone, .. } if bone == "bone/0"));
+}

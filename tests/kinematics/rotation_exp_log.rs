@@ -1,0 +1,188 @@
+//! Promise: the rotation exponential and logarithm are inverse to 1e-12, in values and in
+//! derivatives, at 0, near 0, near π and at π.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::PI;
+
+use kinopt::scalar::Dual;
+use kinopt::spatial::{Matrix3, Vector3, rotation_exp, rotation_log, rotation_log_jacobian};
+use nalgebra as na;
+use support::random::Random;
+
+const ANGLES: [f64; 19] = [
+    0.0,
+    1e-300,
+    1e-160,
+    1e-20,
+    1e-12,
+    1e-9,
+    1e-8,
+    1e-6,
+    1e-4,
+    1e-3,
+    9.999e-3,
+    1.0001e-2,
+    0.3,
+    1.0,
+    2.0,
+    3.0,
+    PI - 1e-3,
+    PI - 1e-7,
+    PI - 1e-10,
+];
+
+fn axes() -> Vec<na::Vector3<f64>> {
+    let mut random = Random::new(11);
+    let mut axes: Vec<na::Vector3<f64>> = (0..20).map(|_| *random.direction()).collect();
+    for k in 0..3 {
+        axes.push(na::Vector3::ith(k, 1.0));
+        axes.push(na::Vector3::ith(k, -1.0));
+    }
+    // The seams of Shepperd's four cases.
+    axes.push(na::Vector3::new(1.0, 1.0, 0.0).normalize());
+    axes.push(na::Vector3::new(1.0, -1.0, 1.0).normalize());
+    axes
+}
+
+fn length(v: Vector3<f64>) -> f64 {
+    na::Vector3::from(v).norm()
+}
+
+fn difference(a: Matrix3<f64>, b: na::Matrix3<f64>) -> f64 {
+    (na::Matrix3::from(a) - b).amax()
+}
+
+/// ω with derivatives along x, y and z.
+fn variables(omega: na::Vector3<f64>) -> Vector3<Dual<3>> {
+    Vector3::new(
+        Dual::variable(omega.x, 0),
+        Dual::variable(omega.y, 1),
+        Dual::variable(omega.z, 2),
+    )
+}
+
+/// ∂v/∂ω by rows.
+fn jacobian(v: Vector3<Dual<3>>) -> na::Matrix3<f64> {
+    let rows = v.to_array().map(|c| na::RowVector3::from(c.derivatives()));
+    na::Matrix3::from_rows(&rows)
+}
+
+#[test]
+fn the_exponential_is_the_rotation_about_the_axis() {
+    for axis in axes() {
+        for angle in ANGLES.into_iter().chain([PI, 4.0, 2.0 * PI, 10.0]) {
+            let ours = rotation_exp(Vector3::from(axis * angle));
+            let unit = na::Unit::new_normalize(axis);
+            let theirs = na::Rotation3::from_axis_angle(&unit, angle);
+            assert!(
+                difference(ours, theirs.into_inner()) < 2e-15,
+                "{axis} {angle}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_logarithm_undoes_the_exponential() {
+    for axis in axes() {
+        for angle in ANGLES {
+            let omega = axis * angle;
+            let back = rotation_log(&rotation_exp(Vector3::from(omega)));
+            let error = length(back - Vector3::from(omega));
+            // Below half a turn the pair is the identity; very small ones keep their own digits.
+            assert!(
+                error <= 1e-12 * angle.clamp(1e-150, 1.0),
+                "{axis} × {angle}: off by {error:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_exponential_undoes_the_logarithm() {
+    let mut random = Random::new(5);
+    for _ in 0..300 {
+        let rotation = random.rotation().into_inner();
+        let back = rotation_exp(rotation_log(&Matrix3::from(rotation)));
+        assert!(difference(back, rotation) < 1e-14);
+    }
+}
+
+#[test]
+fn at_half_a_turn_one_of_the_two_vectors_is_returned() {
+    for axis in axes() {
+        // I − 2 (I − a aᵀ): half a turn about a, without a sine.
+        let half = axis * axis.transpose() * 2.0 - na::Matrix3::identity();
+        let log = na::Vector3::from(rotation_log(&Matrix3::from(half)));
+        let error = (log - axis * PI).norm().min((log + axis * PI).norm());
+        assert!(error < 1e-12, "{axis}: {log}");
+        assert!(log.norm() <= PI * (1.0 + 1e-15));
+    }
+}
+
+#[test]
+fn beyond_half_a_turn_the_logarithm_takes_the_short_way() {
+    for axis in axes() {
+        for beyond in [1e-9, 1e-6, 1e-3, 0.5, 2.0] {
+            let long = rotation_exp(Vector3::from(axis * (PI + beyond)));
+            let short = Vector3::from(-axis * (PI - beyond));
+            assert!(length(rotation_log(&long) - short) < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_the_pair_are_the_identity() {
+    for axis in axes() {
+        for angle in ANGLES {
+            let omega = variables(axis * angle);
+            let there_and_back = jacobian(rotation_log(&rotation_exp(omega)));
+            let error = (there_and_back - na::Matrix3::identity()).amax();
+            assert!(error < 1e-12, "{axis} × {angle}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_derivative_of_the_exponential_at_zero_is_the_cross_product() {
+    let turned = rotation_exp(variables(na::Vector3::zeros()));
+    let columns = [turned.x, turned.y, turned.z].map(jacobian);
+    for (k, ours) in columns.into_iter().enumerate() {
+        // ∂(ω × e_k)/∂ω = −[e_k]×
+        let theirs = -na::Vector3::ith(k, 1.0).cross_matrix();
+        assert_eq!(ours, theirs);
+    }
+}
+
+#[test]
+fn the_jacobian_of_the_logarithm_is_the_dual_derivative_by_a_further_turn() {
+    for axis in axes() {
+        for angle in ANGLES {
+            let phi = axis * angle;
+            let turn = rotation_exp(variables(na::Vector3::zeros()));
+            let turned = turn * Matrix3::constant(rotation_exp(Vector3::from(phi)));
+            let dual = jacobian(rotation_log(&turned));
+            let closed = na::Matrix3::from(rotation_log_jacobian(Vector3::from(phi)));
+            let error = (dual - closed).amax();
+            assert!(error < 1e-12, "{axis} × {angle}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_jacobian_of_the_logarithm_inverts_the_left_jacobian() {
+    // J_l = Σ [φ]ᵏ / (k + 1)!, summed as it stands (Chirikjian 2012, eq. 10.86).
+    for axis in axes() {
+        for angle in ANGLES {
+            let phi = axis * angle;
+            let (mut term, mut sum) = (na::Matrix3::identity(), na::Matrix3::zeros());
+            for k in 1..60 {
+                sum += term / f64::from(k);
+                term = term * phi.cross_matrix() / f64::from(k);
+            }
+            let ours = na::Matrix3::from(rotation_log_jacobian(Vector3::from(phi)));
+            let error = (ours * sum - na::Matrix3::identity()).amax();
+            assert!(error < 1e-13, "{axis} × {angle}: {error:e}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The same question has the same answer, bit for bit, however a batch is split.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::lanes::{Chain, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::spatial::Placement;
+use support::lane_chains::{Random, far_away, panda, random_chain, target};
+
+type Answers = (Vec<u64>, Vec<Outcome>);
+
+fn work(chain: &Chain, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
+    let mut random = Random(3);
+    let goals = (0..count)
+        .map(|k| {
+            if k % 17 == 5 {
+                far_away()
+            } else {
+                target(chain, &random.configuration(chain))
+            }
+        })
+        .collect();
+    let starts = (0..count)
+        .flat_map(|_| random.configuration(chain))
+        .collect();
+    (goals, starts)
+}
+
+fn split(solver: &PoseSolver, goals: &[Placement<f64>], starts: &[f64], size: usize) -> Answers {
+    let n = solver.joints();
+    let mut q = vec![0.0; starts.len()];
+    let mut outcomes = vec![Outcome::default(); goals.len()];
+    let parts = goals
+        .chunks(size)
+        .zip(starts.chunks(size * n))
+        .zip(q.chunks_mut(size * n))
+        .zip(outcomes.chunks_mut(size));
+    for (((goals, starts), q), outcomes) in parts {
+        solver
+            .solve_batch(goals, starts, Search::Start, q, outcomes)
+            .unwrap();
+    }
+    (q.into_iter().map(f64::to_bits).collect(), outcomes)
+}
+
+fn check(chain: &Chain, atlas: bool) {
+    let options = LaneOptions {
+        atlas,
+        attempts: 8,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(chain, options.clone()).unwrap();
+    let (goals, starts) = work(chain, 60);
+    let whole = split(&solver, &goals, &starts, 60);
+    for size in [1, 2, 7, 8, 31] {
+        assert!(
+            split(&solver, &goals, &starts, size) == whole,
+            "chunks of {size}"
+        );
+    }
+    // A solver built anew, and threads.
+    let again = PoseSolver::new(chain, options).unwrap();
+    assert!(split(&again, &goals, &starts, 60) == whole);
+    for threads in [2, 8] {
+        let n = solver.joints();
+        let size = 60usize.div_ceil(threads);
+        let joined: Vec<Answers> = std::thread::scope(|scope| {
+            let handles: Vec<_> = goals
+                .chunks(size)
+                .zip(starts.chunks(size * n))
+                .map(|(goals, starts)| scope.spawn(|| split(&solver, goals, starts, 5)))
+                .collect();
+            handles
+                .into_iter()
+                .map(|handle| handle.join().unwrap())
+                .collect()
+        });
+        let bits: Vec<u64> = joined.iter().flat_map(|part| part.0.clone()).collect();
+        assert!(bits == whole.0, "{threads} threads");
+    }
+    // Single queries too, whatever was asked before.
+    let n = solver.joints();
+    let ask = |k: usize| {
+        let mut q = vec![0.0; n];
+        let start = &starts[k * n..(k + 1) * n];
+        let outcome = solver
+            .solve(&goals[k], start, Search::First, None, &mut q)
+            .unwrap();
+        (q, outcome)
+    };
+    let forwards: Vec<_> = (0..20).map(ask).collect();
+    let backwards: Vec<_> = (0..20).rev().map(ask).collect();
+    assert!(forwards.iter().eq(backwards.iter().rev()));
+}
+
+#[test]
+fn any_split_and_any_thread_count_give_the_same_bits() {
+    check(&panda(), true);
+    check(&random_chain(5, 8, 1, true), false);
+}
+
+/// The numbered attempts are those that a batch runs: its winner is the lowest that reaches.
+#[test]
+fn numbered_attempts_are_those_of_a_batch() {
+    let chain = panda();
+    let options = LaneOptions {
+        atlas: false,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let (goals, starts) = work(&chain, 12);
+    let (bits, outcomes) = split(&solver, &goals, &starts, 12);
+    for (k, goal) in goals.iter().enumerate() {
+        let start = &starts[7 * k..7 * k + 7];
+        let (mut q, mut each) = (vec![0.0; 7 * 24], vec![Outcome::default(); 24]);
+        solver
+            .run_attempts(
+                goal,
+                start,
+                Search::Start,
+                0,
+                &mut q[..7 * 20],
+                &mut each[..20],
+            )
+            .unwrap();
+        solver
+            .run_attempts(
+                goal,
+                start,
+                Search::Start,
+                20,
+                &mut q[7 * 20..],
+                &mut each[20..],
+            )
+            .unwrap();
+        let lowest = each.iter().position(|outcome| outcome.reached);
+        match lowest {
+            Some(lowest) => {
+                assert_eq!(outcomes[k].winner, Some(lowest as u32));
+                let q: Vec<u64> = q[7 * lowest..7 * lowest + 7]
+                    .iter()
+                    .map(|v| v.to_bits())
+                    .collect();
+                assert_eq!(q, bits[7 * k..7 * k + 7]);
+            }
+            None => assert!(!outcomes[k].reached || outcomes[k].winner > Some(23)),
+        }
+    }
+}

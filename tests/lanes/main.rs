@@ -1,0 +1,9 @@
+//! The lane engine alone.
+
+mod arithmetic;
+mod bounds;
+mod determinism;
+mod errors;
+mod success;
+mod unit_of_length;
+mod unreachable;

@@ -1,0 +1,175 @@
+//! The unit of length does not matter: a chain, its targets and its tolerances in other units have
+//! the same angles, bit for bit where the units differ by a power of two.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::spatial::Placement;
+use support::lane_chains::{Random, panda, random_chain, target, ur5};
+
+fn longer(placement: &Placement<f64>, by: f64) -> Placement<f64> {
+    Placement::new(placement.rotation, placement.translation * by)
+}
+
+/// The same chain with `by` units of length where there was one.
+fn chain_in(chain: &Chain, by: f64) -> Chain {
+    let joints = chain.joints().iter().map(|joint| {
+        let unit = if joint.kind == JointKind::Prismatic {
+            by
+        } else {
+            1.0
+        };
+        ChainJoint {
+            parent_from_joint: longer(&joint.parent_from_joint, by),
+            lower: joint.lower * unit,
+            upper: joint.upper * unit,
+            ..*joint
+        }
+    });
+    Chain::new(joints.collect(), longer(chain.joint_from_tip(), by)).unwrap()
+}
+
+fn options_in(by: f64) -> LaneOptions {
+    let metres = LaneOptions::default();
+    LaneOptions {
+        position_tolerance: metres.position_tolerance * by,
+        metres_per_radian: metres.metres_per_radian * by,
+        ..metres
+    }
+}
+
+/// q in units of one, and the outcomes: single, both searches, and batch; reached and not.
+fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<Outcome>) {
+    let there = chain_in(chain, by);
+    let solver = PoseSolver::new(&there, options_in(by)).unwrap();
+    let n = solver.joints();
+    let units: Vec<f64> = chain
+        .joints()
+        .iter()
+        .map(|joint| {
+            if joint.kind == JointKind::Prismatic {
+                by
+            } else {
+                1.0
+            }
+        })
+        .collect();
+    let mut random = Random(3);
+    let (mut goals, mut starts) = (Vec::new(), Vec::new());
+    for k in 0..24 {
+        let mut goal = target(chain, &random.configuration(chain));
+        if k % 8 == 7 {
+            goal.translation = goal.translation * 4.0;
+        }
+        goals.push(longer(&goal, by));
+        let start = random.configuration(chain);
+        starts.extend(start.iter().zip(&units).map(|(q, unit)| q * unit));
+    }
+    let (mut all, mut outcomes) = (Vec::new(), Vec::new());
+    let mut q = vec![0.0; n];
+    for (goal, start) in goals.iter().zip(starts.chunks(n)) {
+        for search in [Search::Start, Search::First] {
+            outcomes.push(solver.solve(goal, start, search, None, &mut q).unwrap());
+            all.extend_from_slice(&q);
+        }
+    }
+    let (mut q, mut batch) = (
+        vec![0.0; starts.len()],
+        vec![Outcome::default(); goals.len()],
+    );
+    let search = Search::Start;
+    solver
+        .solve_batch(&goals, &starts, search, &mut q, &mut batch)
+        .unwrap();
+    all.extend_from_slice(&q);
+    outcomes.extend(batch);
+    for q in all.chunks_mut(n) {
+        for (value, unit) in q.iter_mut().zip(&units) {
+            *value /= unit;
+        }
+    }
+    for outcome in &mut outcomes {
+        outcome.position_error /= by;
+    }
+    (all, outcomes)
+}
+
+fn chains() -> Vec<Chain> {
+    vec![
+        panda(),
+        ur5(),
+        random_chain(5, 7, 2, false),
+        random_chain(9, 4, 1, false),
+    ]
+}
+
+#[test]
+fn powers_of_two_give_the_same_bits() {
+    for chain in chains() {
+        let (q, outcomes) = answers(&chain, 1.0);
+        assert!(outcomes.iter().any(|outcome| outcome.reached));
+        for by in [1024.0, 1.0 / 4096.0] {
+            let (other, others) = answers(&chain, by);
+            let bits = |q: &[f64]| -> Vec<u64> { q.iter().map(|v| v.to_bits()).collect() };
+            assert_eq!(bits(&q), bits(&other));
+            assert_eq!(outcomes, others);
+        }
+    }
+}
+
+/// Of turning joints: what a slide weighs among them goes by powers of two.
+#[test]
+fn millimetres_give_the_same_angles() {
+    for chain in [panda(), ur5()] {
+        let (q, outcomes) = answers(&chain, 1.0);
+        let (other, others) = answers(&chain, 1000.0);
+        let n = chain.joints().len();
+        let (mut compared, mut same) = (0, 0);
+        for (k, (a, b)) in outcomes.iter().zip(&others).enumerate() {
+            assert_eq!(a.reached, b.reached);
+            // Out of reach rounding may grow to another end.
+            if !a.reached {
+                continue;
+            }
+            compared += 1;
+            let (q, other) = (&q[k * n..(k + 1) * n], &other[k * n..(k + 1) * n]);
+            let apart = q.iter().zip(other).map(|(a, b)| (a - b).abs());
+            let apart = apart.fold(0.0, f64::max);
+            same += usize::from(apart < 1e-6);
+        }
+        assert!(compared >= 40, "{compared}");
+        assert_eq!(same, compared);
+    }
+}
+
+/// A start many turns away is a start all the same.
+#[test]
+fn starts_far_round() {
+    use std::f64::consts::TAU;
+    let chain = ur5();
+    let mut joints = chain.joints().to_vec();
+    for joint in &mut joints {
+        (joint.lower, joint.upper) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    let chain = Chain::new(joints, *chain.joint_from_tip()).unwrap();
+    let solver = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
+    let mut random = Random(8);
+    let mut q = [0.0; 6];
+    for turns in [1e3, 1e5, 1e7, 1e12] {
+        for search in [Search::Start, Search::First] {
+            let wanted = random.configuration(&chain);
+            let goal = target(&chain, &wanted);
+            let start: Vec<f64> = (0..6)
+                .map(|_| random.within(-1.0, 1.0) + turns * TAU)
+                .collect();
+            let outcome = solver.solve(&goal, &start, search, None, &mut q).unwrap();
+            assert!(outcome.reached, "{turns} {outcome:?}");
+            for (q, start) in q.iter().zip(&start) {
+                let near = if start.abs() < 0.99e6 { *start } else { 0.0 };
+                let half = if near == 0.0 { TAU } else { 0.5 * TAU };
+                assert!((q - near).abs() <= half + 1e-9, "{q} from {start}");
+            }
+            let at = target(&chain, &q).translation - goal.translation;
+            assert!(at.norm() < 1.01e-6);
+        }
+    }
+}

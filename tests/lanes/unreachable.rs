@@ -1,0 +1,110 @@
+//! Out of reach ends honestly: the best point found and its errors; bad input is an error.
+#![allow(clippy::unwrap_used)]
+
+use std::time::Instant;
+
+use kinopt::lanes::{AxisGoal, LaneError, LaneOptions, PoseSolver, Search};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use support::lane_chains::{far_away, panda, planar, target};
+
+/// The planar arm cannot come nearer to (5, 0) than stretched out towards it.
+#[test]
+fn the_nearest_point_is_found() {
+    let chain = planar();
+    let options = LaneOptions {
+        axes: AxisGoal::position_only(),
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let goal = Placement::new(Matrix3::identity(), Vector3::new(3.0, 4.0, 0.0));
+    let mut q = [0.0; 2];
+    let outcome = solver
+        .solve(&goal, &[0.3, 0.4], Search::Start, None, &mut q)
+        .unwrap();
+    assert!(!outcome.reached && outcome.winner.is_none());
+    assert!((outcome.position_error - 3.0).abs() < 1e-3, "{outcome:?}");
+    assert!(
+        (q[0] - 4.0f64.atan2(3.0)).abs() < 0.05 && q[1].abs() < 0.1,
+        "{q:?}"
+    );
+}
+
+/// A 7-joint arm asked for a point far away stretches towards it.
+#[test]
+fn a_far_point_is_approached() {
+    let chain = panda();
+    let options = LaneOptions {
+        atlas: false,
+        attempts: 40,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let mut q = [0.0; 7];
+    let start = [0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0];
+    let goal = far_away();
+    let before = (target(&chain, &start).translation - goal.translation).norm();
+    let outcome = solver
+        .solve(&goal, &start, Search::Start, None, &mut q)
+        .unwrap();
+    assert!(!outcome.reached && outcome.attempts == 40);
+    assert!(
+        outcome.position_error < before - 0.3,
+        "{outcome:?} {before}"
+    );
+}
+
+#[test]
+fn a_passed_deadline_ends_the_search() {
+    let chain = panda();
+    let options = LaneOptions {
+        atlas: false,
+        attempts: u32::MAX,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let mut q = [0.0; 7];
+    let now = Some(Instant::now());
+    let outcome = solver
+        .solve(&far_away(), &[0.0; 7], Search::Start, now, &mut q)
+        .unwrap();
+    assert!(!outcome.reached && outcome.attempts <= 4);
+    assert!(outcome.position_error.is_finite());
+}
+
+#[test]
+fn bad_input_is_named() {
+    let chain = panda();
+    let options = LaneOptions {
+        atlas: false,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options.clone()).unwrap();
+    let (goal, mut q) = (far_away(), [0.0; 7]);
+    let solve = |goal: &Placement<f64>, start: &[f64], q: &mut [f64]| {
+        solver.solve(goal, start, Search::First, None, q)
+    };
+    let short = LaneError::Length {
+        what: "start",
+        found: 6,
+        expected: 7,
+    };
+    assert_eq!(solve(&goal, &[0.0; 6], &mut q), Err(short));
+    assert!(matches!(
+        solve(&goal, &[0.0; 7], &mut q[..3]),
+        Err(LaneError::Length { what: "q", .. })
+    ));
+    assert_eq!(
+        solve(&goal, &[f64::NAN; 7], &mut q),
+        Err(LaneError::Start(0))
+    );
+    let bent = Placement::new(Matrix3::identity(), Vector3::new(f64::NAN, 0.0, 0.0));
+    assert_eq!(solve(&bent, &[0.0; 7], &mut q), Err(LaneError::Target(0)));
+    let zero = LaneOptions {
+        position_tolerance: 0.0,
+        ..options
+    };
+    assert_eq!(
+        PoseSolver::new(&chain, zero).err(),
+        Some(LaneError::Option("position_tolerance"))
+    );
+}

@@ -1,0 +1,3 @@
+//! Damaged files of every format, with the memory that reading them takes.
+
+mod mutated_files;

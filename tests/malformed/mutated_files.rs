@@ -1,0 +1,363 @@
+//! Promise: no file makes a reader panic, hang or take memory out of proportion to the file.
+//!
+//! Thousands of good files are damaged by a fixed pseudo-random sequence: bits flipped, bytes
+//! removed, inserted or repeated, numbers swapped for absurd ones. Whatever still reads must hold
+//! what its type promises.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(unsafe_code)] // A counting allocator cannot be written without it.
+
+#[cfg(feature = "gltf")]
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use kinopt::io::bvh;
+use kinopt::io::dmat::{self, DmatEncoding};
+use kinopt::io::ply::{self, PlyEncoding};
+use kinopt::mesh::TriangleMesh;
+use support::small_rig::SmallRig;
+
+/// Counts the bytes this thread holds and the most it held.
+struct Counting;
+
+thread_local! {
+    static HELD: Cell<isize> = const { Cell::new(0) };
+    static MOST: Cell<isize> = const { Cell::new(0) };
+}
+
+fn count(change: isize) {
+    // A thread that is going away has nothing to count any more.
+    let _ = HELD.try_with(|held| {
+        held.set(held.get() + change);
+        let _ = MOST.try_with(|most| most.set(most.get().max(held.get())));
+    });
+}
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count(-(layout.size() as isize));
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// The most bytes that were held at once while `work` ran, over what was held before.
+fn peak<T>(work: impl FnOnce() -> T) -> (T, isize) {
+    let before = HELD.get();
+    MOST.set(before);
+    let result = work();
+    (result, MOST.get() - before)
+}
+
+/// A file of some hundred bytes may take this much: the parser reserves up to 65 536 entries for a
+/// list before it finds the file too short.
+const MEMORY_LIMIT: isize = 4 << 20;
+
+#[test]
+fn memory_is_counted() {
+    let (length, memory) = peak(|| vec![1_u8; 1 << 20].len());
+    assert!(
+        length == 1 << 20 && (1 << 20..1 << 21).contains(&memory),
+        "{memory}"
+    );
+}
+
+struct Random(u64);
+
+impl Random {
+    /// SplitMix64.
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
+const ABSURD: [&str; 16] = [
+    "-1",
+    "0",
+    "1",
+    "2",
+    "255",
+    "65536",
+    "2147483647",
+    "2147483648",
+    "4294967295",
+    "4000000000",
+    "9223372036854775807",
+    "18446744073709551615",
+    "1e308",
+    "-1e999",
+    "0.5",
+    "NaN",
+];
+
+fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
+    for _ in 0..=random.below(3) {
+        let at = random.below(bytes.len());
+        match random.below(7) {
+            0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
+            1 if !bytes.is_empty() => bytes[at] = random.next() as u8,
+            2 => bytes.truncate(at),
+            3 => bytes.insert(at, random.next() as u8),
+            4 => {
+                let end = (at + random.below(40)).min(bytes.len());
+                bytes.drain(at..end);
+            }
+            5 => {
+                let end = (at + random.below(80)).min(bytes.len());
+                let piece = bytes[at..end].to_vec();
+                let to = random.below(bytes.len());
+                bytes.splice(to..to, piece);
+            }
+            _ => swap_a_number(bytes, at, random),
+        }
+    }
+}
+
+/// Replaces the first number at or after `at` by an absurd one.
+fn swap_a_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
+    let digit = |b: &u8| b.is_ascii_digit();
+    if let Some(start) = bytes[at..].iter().position(digit).map(|i| at + i) {
+        let length = bytes[start..].iter().position(|b| !digit(b));
+        let end = length.map_or(bytes.len(), |length| start + length);
+        let number = ABSURD[random.below(ABSURD.len())];
+        bytes.splice(start..end, number.bytes());
+    }
+}
+
+/// Damages `good` many times over; `read` says whether it could be read all the same.
+fn bombard(seed: u64, rounds: usize, good: &[u8], read: impl Fn(&[u8]) -> bool) {
+    assert!(read(good));
+    let mut random = Random(seed);
+    let mut refused = 0;
+    for round in 0..rounds {
+        let mut bytes = good.to_vec();
+        damage(&mut bytes, &mut random);
+        let (whole, memory) = peak(|| read(&bytes));
+        let shown = || String::from_utf8_lossy(&bytes).into_owned();
+        assert!(
+            memory < MEMORY_LIMIT,
+            "round {round}: {memory} bytes for {}",
+            shown()
+        );
+        refused += usize::from(!whole);
+    }
+    // Otherwise the damage does not reach what it should.
+    assert!(
+        refused > rounds / 4 && refused < rounds,
+        "{refused} of {rounds} refused"
+    );
+}
+
+fn check_mesh(mesh: &TriangleMesh) {
+    let vertices = mesh.positions().len();
+    assert!(
+        mesh.triangles()
+            .iter()
+            .flatten()
+            .all(|&i| (i as usize) < vertices)
+    );
+    assert!(mesh.vertex_normals().iter().all(|n| n.is_finite()));
+}
+
+fn reads_ply(bytes: &[u8]) -> bool {
+    let mesh = ply::from_bytes(bytes, "damaged.ply");
+    mesh.inspect(check_mesh).is_ok()
+}
+
+#[test]
+fn damaged_ply() {
+    let triangle = ply::from_bytes(support::small_rig::PLY.as_bytes(), "good").unwrap();
+    let mesh = triangle.with_computed_normals();
+    bombard(1, 4000, support::small_rig::PLY.as_bytes(), reads_ply);
+    for (seed, encoding) in [
+        (2, PlyEncoding::Ascii),
+        (3, PlyEncoding::BinaryLittleEndian),
+        (4, PlyEncoding::BinaryBigEndian),
+    ] {
+        bombard(seed, 4000, &ply::to_bytes(&mesh, encoding), reads_ply);
+    }
+}
+
+const BVH: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 9.5 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Leg
+  {
+    OFFSET 1 -4 0
+    CHANNELS 1 Xrotation
+    End Site
+    {
+      OFFSET 0 -4 0
+    }
+  }
+}
+MOTION
+Frames: 3
+Frame Time: 0.04
+0 9.25 0 10 20 30 40
+0.125 9 1 -350 21 31 41
+0.25 8.5 2 12 22 32 -170
+";
+
+#[test]
+fn damaged_bvh() {
+    bombard(10, 8000, BVH.as_bytes(), |bytes| {
+        let Ok(capture) = bvh::from_bytes(bytes, "damaged.bvh") else {
+            return false;
+        };
+        // What can be read can be written, and is the same bones when read again.
+        if (1..100).contains(&capture.frames) {
+            let (armature, rate) = (&capture.armature, 1.0 / capture.frame_time);
+            let text = bvh::to_text(armature, &capture.clip, rate).unwrap();
+            let again = bvh::from_bytes(text.as_bytes(), "again.bvh").unwrap();
+            assert_eq!(again.frames, capture.frames);
+            for (name, place) in armature.names().iter().zip(armature.rest().translations()) {
+                let bone = again.armature.bone(name).unwrap();
+                assert_eq!(again.armature.rest().local(bone).translation, *place);
+            }
+        }
+        true
+    });
+}
+
+#[test]
+fn damaged_dmat() {
+    let table = dmat::from_bytes(support::small_rig::DMAT.as_bytes(), "good").unwrap();
+    for (seed, encoding) in [(5, DmatEncoding::Text), (6, DmatEncoding::Binary)] {
+        bombard(
+            seed,
+            4000,
+            &dmat::to_bytes(&table, encoding),
+            |bytes| match dmat::from_bytes(bytes, "damaged.dmat") {
+                Ok(table) => {
+                    assert!(table.iter().all(|value| value.is_finite()));
+                    true
+                }
+                Err(_) => false,
+            },
+        );
+    }
+}
+
+fn reads_rig(rig: &SmallRig) -> bool {
+    let Ok(rig) = rig.parse() else {
+        return false;
+    };
+    let bones = rig.skeleton.bones();
+    for (index, bone) in bones.iter().enumerate() {
+        assert!(bone.parent.is_none_or(|parent| parent.index() < index));
+        assert!(bone.length >= 0.0 && bone.limits.iter().all(|limits| limits.is_valid()));
+    }
+    for weights in rig.weights.iter().flat_map(|weights| weights.iter()) {
+        assert!(weights.iter().all(|w| (w.bone as usize) < bones.len()));
+    }
+    for track in rig.clip.tracks() {
+        assert!(
+            track
+                .keys
+                .windows(2)
+                .all(|pair| pair[0].time < pair[1].time)
+        );
+    }
+    // What was read can be written and read again.
+    let json = rig.to_json("small.ply", "small.dmat").into_bytes();
+    let again = SmallRig {
+        json,
+        ..SmallRig::with_json("")
+    };
+    if rig.mesh.is_some() && rig.weights.is_some() {
+        assert_eq!(again.parse().unwrap().skeleton.bones().len(), bones.len());
+    }
+    true
+}
+
+#[test]
+fn damaged_rig() {
+    bombard(7, 8000, support::small_rig::JSON.as_bytes(), |json| {
+        reads_rig(&SmallRig {
+            json: json.to_vec(),
+            ..SmallRig::with_json("")
+        })
+    });
+    bombard(8, 3000, support::small_rig::DMAT.as_bytes(), |dmat| {
+        reads_rig(&SmallRig {
+            dmat: Some(dmat.to_vec()),
+            ..SmallRig::with_json(support::small_rig::JSON)
+        })
+    });
+    bombard(9, 3000, support::small_rig::PLY.as_bytes(), |ply| {
+        reads_rig(&SmallRig {
+            ply: Some(ply.to_vec()),
+            ..SmallRig::with_json(support::small_rig::JSON)
+        })
+    });
+}
+
+/// Reads a scene, poses it in every way and writes it; whatever fails must say so.
+#[cfg(feature = "gltf")]
+fn reads_gltf(bytes: &[u8]) -> bool {
+    use kinopt::animation::{Cursor, Playback};
+    use kinopt::io::gltf::{self, ScenePosing, WriteOptions};
+    use kinopt::skinning::SkinningMethod;
+
+    let Ok(scene) = support::gltf_text::read(bytes) else {
+        return false;
+    };
+    let mut pose = scene.armature.rest().clone();
+    for method in SkinningMethod::ALL {
+        let mut posing = ScenePosing::new(&scene, method).unwrap();
+        for clip in &scene.clips {
+            for share in [-1.0, 0.0, 0.3, 1.0, 2.0] {
+                let time = share * clip.duration();
+                clip.sample(time, Playback::Loop, &mut Cursor::new(), &mut pose)
+                    .unwrap();
+                let _ = posing.mesh(&pose);
+            }
+        }
+    }
+    for mesh in &scene.meshes {
+        check_mesh(&mesh.mesh);
+        let _ = gltf::mesh_to_bytes(&mesh.mesh);
+    }
+    // What was read can be written and read again, except for what the format does not allow.
+    if let Ok(bytes) = gltf::to_bytes(&scene, &WriteOptions::default()) {
+        let again = support::gltf_text::read(&bytes).unwrap();
+        assert_eq!(again.armature, scene.armature);
+        assert_eq!(again.clips.len(), scene.clips.len());
+    }
+    true
+}
+
+#[cfg(feature = "gltf")]
+#[test]
+fn damaged_gltf() {
+    let (numbers, rest) = support::gltf_text::small();
+    bombard(10, 12_000, numbers.document(&rest).as_bytes(), reads_gltf);
+    bombard(11, 12_000, &numbers.glb(&rest), reads_gltf);
+}
+
+#[cfg(feature = "gltf")]
+#[test]
+fn gltf_cut_off_anywhere() {
+    let (numbers, rest) = support::gltf_text::small();
+    for file in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
+        for length in 0..file.len() {
+            assert!(!reads_gltf(&file[..length]), "{length}");
+        }
+    }
+}

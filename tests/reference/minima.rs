@@ -1,0 +1,184 @@
+//! Promise: on the bounded least-squares problems of `notebooks-ref/2-minima.ipynb`, the default
+//! solver ends no higher than the best of CasADi with IPOPT, NLopt and SciPy; where it ends in
+//! another minimum, that is stationary within the bounds, and named here.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout
+)]
+
+use std::collections::BTreeSet;
+
+use crate::problems::{Loaded, Statement, problem, reference};
+use kinopt::Solver;
+use kinopt::ik::Solution;
+use kinopt::problem::{Evaluation, Problem};
+use kinopt::solver::LeastSquares;
+use nalgebra::DMatrix;
+
+/// Relative to the reference's cost.
+const NO_WORSE: f64 = 1e-9;
+/// What tolerances of 1e-9 m leave of a cost of zero, in m².
+const NOTHING: f64 = 1e-16;
+/// The cosine between the residual and what any free variable can do about it.
+const STATIONARY: f64 = 1e-6;
+/// The problems are many: they are solved side by side.
+const THREADS: usize = 4;
+/// The problems that end in another minimum than the best known, which is stationary.
+const IN_ANOTHER_MINIMUM: [&str; 21] = [
+    "five tips with posture, humanoid 16",
+    "five tips with posture, humanoid 3",
+    "look, distance, plane, humanoid 18",
+    "look, distance, plane, humanoid 20",
+    "look, distance, plane, humanoid 4",
+    "orientation with centring, iiwa14 7",
+    "orientation with centring, ur5e 3",
+    "orientation with centring, ur5e 5",
+    "orientation with centring, ur5e 7",
+    "pose out of reach, iiwa14 6",
+    "pose out of reach, panda 3",
+    "pose out of reach, panda 6",
+    "pose out of reach, ur5e 3",
+    "two arms, baxter 1",
+    "two arms, baxter 10",
+    "two arms, baxter 12",
+    "two arms, baxter 3",
+    "two arms, baxter 5",
+    "two arms, baxter 9",
+    "viewing ray, humanoid 5",
+    "viewing ray, robot-arm 22",
+];
+
+/// Cost, KKT residual and the cosine that our solvers judge by, measured afresh.
+struct Measured {
+    cost: f64,
+    kkt: f64,
+    cosine: f64,
+}
+
+fn measure(problem: &Problem, x: &[f64]) -> Measured {
+    let mut scratch = problem.scratch();
+    let mut evaluation = Evaluation::new(problem, &mut scratch);
+    let mut r = vec![0.0; problem.rows()];
+    let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());
+    evaluation.residual(x, &mut r);
+    evaluation.jacobian(x, &mut jacobian);
+    let norm = r.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let gradient = jacobian.transpose() * nalgebra::DVector::from_column_slice(&r);
+    let bounds = problem.lower().iter().zip(problem.upper());
+    let moves = x.iter().zip(gradient.iter()).zip(bounds);
+    let kkt = moves
+        .map(|((x, g), (lower, upper))| ((x - g).clamp(*lower, *upper) - x).abs())
+        .fold(0.0, f64::max);
+    let longest = jacobian.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
+    Measured {
+        cost: 0.5 * norm * norm,
+        kkt,
+        cosine: kkt / (longest * norm).max(f64::MIN_POSITIVE),
+    }
+}
+
+fn solve(statement: &Statement, problem: &Problem) -> Solution {
+    let mut start = vec![0.0; problem.degrees_of_freedom()];
+    problem.parameters().expand(&statement.start, &mut start);
+    Solver::default().solve_once(problem, &start).unwrap()
+}
+
+fn variables(problem: &Problem, q: &[f64]) -> Vec<f64> {
+    let mut x = vec![0.0; problem.variables()];
+    problem.parameters().reduce(q, &mut x);
+    x
+}
+
+#[test]
+fn there_are_enough_of_enough_kinds() {
+    let (_, problems) = reference();
+    let kinds: BTreeSet<&str> = problems.iter().map(|p| p.kind.as_str()).collect();
+    let names: BTreeSet<&str> = problems.iter().map(|p| p.name.as_str()).collect();
+    assert!(problems.len() >= 200 && names.len() == problems.len());
+    assert!(kinds.len() >= 6, "{kinds:?}");
+}
+
+#[test]
+fn both_sides_mean_the_same_problem() {
+    // Ours and CasADi's expression of every cost and KKT residual, at every tool's answer.
+    let (models, problems) = reference();
+    for statement in &problems {
+        let problem = problem(statement, &models[&statement.model]);
+        for (tool, answer) in &statement.answers {
+            let here = measure(&problem, &answer.x);
+            let off = (here.cost - answer.cost).abs() / answer.cost.max(1e-6);
+            assert!(
+                off < 1e-12,
+                "{}, {tool}: cost off by {off:e}",
+                statement.name
+            );
+            let off = (here.kkt - answer.kkt).abs() / answer.cost.sqrt().max(1e-3);
+            assert!(
+                off < 1e-10,
+                "{}, {tool}: kkt off by {off:e}",
+                statement.name
+            );
+        }
+    }
+}
+
+/// Why a problem's solution is no good, and where it is in another minimum.
+struct Verdict<'a> {
+    name: &'a str,
+    not_stationary: Option<String>,
+    above_the_best: Option<String>,
+}
+
+fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
+    let problem = problem(statement, loaded);
+    let solution = solve(statement, &problem);
+    let here = measure(&problem, &variables(&problem, &solution.q));
+    let best = statement.minima[statement.best].cost;
+    let told = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
+    assert!(told, "{}: {} told", statement.name, solution.cost);
+    let moving = !solution.reached && here.cosine > STATIONARY;
+    let above = here.cost > best * (1.0 + NO_WORSE) + NOTHING;
+    Verdict {
+        name: &statement.name,
+        not_stationary: moving
+            .then(|| format!("{} at a cosine of {:e}", solution.termination, here.cosine)),
+        above_the_best: above.then(|| format!("{:.9e}, the best known is {best:.9e}", here.cost)),
+    }
+}
+
+#[test]
+fn the_default_solver_ends_no_higher_than_the_best_of_the_references() {
+    let (models, problems) = reference();
+    let verdicts: Vec<Verdict<'_>> = std::thread::scope(|scope| {
+        // By turns, so that every thread gets its share of the large ones.
+        let workers: Vec<_> = (0..THREADS)
+            .map(|first| {
+                let part = problems.iter().skip(first).step_by(THREADS);
+                let models = &models;
+                scope.spawn(move || {
+                    part.map(|p| judge(p, &models[&p.model]))
+                        .collect::<Vec<_>>()
+                })
+            })
+            .collect();
+        workers
+            .into_iter()
+            .flat_map(|w| w.join().unwrap())
+            .collect()
+    });
+    assert_eq!(verdicts.len(), problems.len());
+    let moving = verdicts.iter().filter_map(|verdict| {
+        let told = verdict.not_stationary.as_ref()?;
+        Some(format!("{}: {told}", verdict.name))
+    });
+    assert_eq!(moving.collect::<Vec<_>>(), [""; 0]);
+    let unexpected = verdicts.iter().filter_map(|verdict| {
+        let told = verdict.above_the_best.as_ref()?;
+        let known = IN_ANOTHER_MINIMUM.contains(&verdict.name);
+        println!("{}: ends in another minimum: {told}", verdict.name);
+        (!known).then(|| format!("{}: {told}", verdict.name))
+    });
+    assert_eq!(unexpected.collect::<Vec<_>>(), [""; 0]);
+}

@@ -1,0 +1,9 @@
+//! Rigs and meshes in files.
+
+mod malformed_meshes_and_tables;
+mod mesh_file_round_trips;
+mod rig_malformed;
+mod rig_round_trip;
+mod rigs_of_others;
+mod shipped_rigs;
+mod triangle_mesh;

@@ -1,0 +1,456 @@
+//! Promise: a malformed rig is an error that names the file, the place in it and the problem.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::io::rig::Rig;
+use kinopt::io::{Place, ReadProblem, dmat, ply};
+use serde_json::{Value, json};
+use support::small_rig::{DMAT, PLY, SmallRig};
+
+/// Changes the good rig's JSON by `edit`, and checks that the error has every one of `parts`.
+fn refused(case: &str, edit: impl FnOnce(&mut Value), parts: &[&str]) {
+    let mut json: Value = serde_json::from_str(support::small_rig::JSON).unwrap();
+    edit(&mut json);
+    refused_with(case, &SmallRig::with_json(&json.to_string()), parts);
+}
+
+fn refused_with(case: &str, rig: &SmallRig, parts: &[&str]) {
+    let message = match rig.parse() {
+        Ok(_) => panic!("{case}: was read"),
+        Err(error) => error.to_string(),
+    };
+    for part in ["small.json"].iter().chain(parts) {
+        assert!(message.contains(part), "{case}: no `{part}` in: {message}");
+    }
+}
+
+fn remove(value: &mut Value, key: &str) {
+    value.as_object_mut().unwrap().remove(key).unwrap();
+}
+
+#[test]
+fn the_good_rig_is_read() {
+    let rig = SmallRig::with_json(support::small_rig::JSON)
+        .parse()
+        .unwrap();
+    assert_eq!(rig.skeleton.bones().len(), 3);
+    assert_eq!(rig.mesh.unwrap().triangles().len(), 1);
+    assert_eq!(rig.weights.unwrap().bone_count(), 3);
+    assert_eq!(rig.clip.tracks().len(), 1);
+}
+
+#[test]
+fn missing_keys_and_wrong_types() {
+    refused(
+        "no bones",
+        |j| remove(j, "bones"),
+        &["missing field `bones`"],
+    );
+    refused(
+        "empty",
+        |j| j["bones"] = json!([]),
+        &["bones: ", "no bones"],
+    );
+    for key in ["parent_id", "weight_id", "length", "rest_T"] {
+        let expected = format!("missing field `{key}`");
+        refused(
+            key,
+            |j| remove(&mut j["bones"][1], key),
+            &["bones[1]: ", &expected],
+        );
+        let path = format!("bones[2].{key}");
+        refused(key, |j| j["bones"][2][key] = Value::Null, &[&path, "null"]);
+        refused(key, |j| j["bones"][2][key] = json!("1"), &[&path, "string"]);
+    }
+    refused(
+        "fraction",
+        |j| j["bones"][1]["parent_id"] = json!(0.5),
+        &["bones[1].parent_id", "0.5"],
+    );
+    refused(
+        "limits",
+        |j| j["bones"][1]["xzx_min"] = Value::Null,
+        &["bones[1].xzx_min", "null"],
+    );
+    refused(
+        "limits",
+        |j| j["bones"][1]["xzx_max"][2] = json!("x"),
+        &["bones[1].xzx_max[2]", "string"],
+    );
+    refused(
+        "model",
+        |j| remove(&mut j["model"], "file"),
+        &["model: ", "missing field `file`"],
+    );
+    refused("model", |j| j["model"] = Value::Null, &["model: ", "null"]);
+    refused(
+        "keys",
+        |j| remove(&mut j["fk_animation"][0], "keys"),
+        &["fk_animation[0]: ", "`keys`"],
+    );
+    refused(
+        "key",
+        |j| remove(&mut j["fk_animation"][0]["keys"][1], "t"),
+        &["fk_animation[0].keys[1]: ", "`t`"],
+    );
+    refused(
+        "animation",
+        |j| j["fk_animation"] = Value::Null,
+        &["fk_animation: ", "null"],
+    );
+    refused(
+        "constraints",
+        |j| j["ik_constraints"] = json!("2"),
+        &["ik_constraints: ", "array"],
+    );
+    refused(
+        "constraints",
+        |j| j["ik_constraints"] = json!([1.5]),
+        &["ik_constraints[0]", "1.5"],
+    );
+}
+
+#[test]
+fn text_that_is_not_the_json_of_a_rig() {
+    let text = |case: &str, json: &str, parts: &[&str]| {
+        refused_with(case, &SmallRig::with_json(json), parts);
+    };
+    text("nothing", "", &["EOF", "line 1"]);
+    text("truncated", &support::small_rig::JSON[..200], &["EOF"]);
+    text(
+        "trailing",
+        &format!("{} 1", support::small_rig::JSON),
+        &["trailing characters"],
+    );
+    text("an array", "[1]", &["invalid"]);
+    text(
+        "NaN",
+        &support::small_rig::JSON.replace("0.5", "NaN"),
+        &["bones[1].length", "expected"],
+    );
+    text(
+        "infinite",
+        &support::small_rig::JSON.replace("0.5", "1e999"),
+        &["bones[1].length", "out of range"],
+    );
+    text(
+        "twice",
+        &support::small_rig::JSON.replace("\"length\":0.5", "\"length\":0.5,\"length\":1"),
+        &["bones[1]", "duplicate"],
+    );
+    text("deep", &"[".repeat(100_000), &["small.json"]);
+    let unknown = format!("{{\"x\":{}", "[".repeat(100_000));
+    text("deep, unknown", &unknown, &["EOF"]);
+}
+
+#[test]
+fn wrong_sizes() {
+    refused(
+        "rows",
+        |j| remove_last(&mut j["bones"][2]["rest_T"]),
+        &["bones[2].rest_T: ", "3 rows"],
+    );
+    refused(
+        "columns",
+        |j| remove_last(&mut j["bones"][2]["rest_T"][1]),
+        &["bones[2].rest_T[1]: ", "3 numbers"],
+    );
+    refused(
+        "min",
+        |j| j["bones"][1]["xzx_min"] = json!([0, 0]),
+        &["bones[1].xzx_min: ", "2 numbers"],
+    );
+    refused(
+        "max",
+        |j| j["bones"][1]["xzx_max"] = json!([0, 0, 0, 0]),
+        &["bones[1].xzx_max: ", "4 numbers"],
+    );
+    refused(
+        "key",
+        |j| j["fk_animation"][0]["keys"][1]["xzx"] = json!([]),
+        &["fk_animation[0].keys[1].xzx: ", "0 numbers"],
+    );
+}
+
+fn remove_last(value: &mut Value) {
+    value.as_array_mut().unwrap().pop().unwrap();
+}
+
+#[test]
+fn trees_that_are_none() {
+    for parent in [1, 2, 3, -2, i64::MAX, i64::MIN] {
+        let number = parent.to_string();
+        refused(
+            "parent",
+            |j| j["bones"][1]["parent_id"] = json!(parent),
+            &["bones[1].parent_id: ", &number, "cycles"],
+        );
+    }
+    refused(
+        "cycle",
+        |j| {
+            j["bones"][1]["parent_id"] = json!(2);
+            j["bones"][2]["parent_id"] = json!(1);
+        },
+        &["bones[1].parent_id"],
+    );
+}
+
+#[test]
+fn names_that_are_none() {
+    let named = |case: &str, name: Value, parts: &[&str]| {
+        refused(case, |j| j["bones"][1]["name"] = name, parts);
+    };
+    named("empty", json!(""), &["bones[1].name: ", "empty"]);
+    named("null", Value::Null, &["bones[1].name", "null"]);
+    named("number", json!(7), &["bones[1].name", "string"]);
+    named(
+        "slash",
+        json!("arm/tip"),
+        &["bones[1].name: ", "`arm/tip`", "slash"],
+    );
+    named(
+        "other",
+        json!("bone/2"),
+        &["bones[1].name: ", "`bone/2`", "`bone/1`"],
+    );
+    refused(
+        "twice",
+        |j| {
+            j["bones"][0]["name"] = json!("arm");
+            j["bones"][2]["name"] = json!("arm");
+        },
+        &["bones[2].name: ", "`arm`", "twice"],
+    );
+}
+
+#[test]
+fn numbers_out_of_range() {
+    refused(
+        "length",
+        |j| j["bones"][2]["length"] = json!(-0.1),
+        &["bones[2].length: ", "-0.1"],
+    );
+    refused(
+        "order",
+        |j| j["bones"][1]["xzx_min"] = json!([0, 91, 0]),
+        &["bones[1].xzx_min[1]: ", "91", "xzx_max[1]", "90"],
+    );
+    refused(
+        "lower end",
+        |j| j["bones"][1]["xzx_min"] = json!([0, 0, 1e10]),
+        &["bones[1].xzx_min[2]: ", "1e10"],
+    );
+    refused(
+        "upper end",
+        |j| {
+            j["bones"][1]["xzx_min"] = json!([-1e10, 0, 0]);
+            j["bones"][1]["xzx_max"] = json!([-1e10, 0, 0]);
+        },
+        &["bones[1].xzx_max[0]: ", "-1", "no limit"],
+    );
+    for bone in [3, -1, i64::MIN] {
+        let number = bone.to_string();
+        refused(
+            "track",
+            |j| j["fk_animation"][0]["bone_id"] = json!(bone),
+            &["fk_animation[0].bone_id: ", &number, "0 to 2"],
+        );
+        refused(
+            "one",
+            |j| j["ik_constraints"] = json!(bone),
+            &["ik_constraints: ", &number, "0 to 2"],
+        );
+        refused(
+            "many",
+            |j| j["ik_constraints"] = json!([0, bone]),
+            &["ik_constraints[1]: ", &number],
+        );
+    }
+    refused(
+        "absurd",
+        |j| j["ik_constraints"] = json!(u64::MAX),
+        &["ik_constraints: "],
+    );
+    refused(
+        "unsorted",
+        |j| j["fk_animation"][0]["keys"][1]["t"] = json!(-1),
+        &["fk_animation[0].keys[1].t: ", "-1"],
+    );
+    refused(
+        "duplicate",
+        |j| j["fk_animation"][0]["keys"][1]["t"] = json!(0.75),
+        &["fk_animation[0].keys[1].t: ", "0.75"],
+    );
+    refused(
+        "two tracks",
+        |j| {
+            let track = j["fk_animation"][0].clone();
+            j["fk_animation"].as_array_mut().unwrap().push(track);
+        },
+        &["fk_animation[1].bone_id: ", "bone 1"],
+    );
+}
+
+#[test]
+fn rest_placements_that_are_not_rigid() {
+    let rest = |case: &str, row: usize, column: usize, value: f64, parts: &[&str]| {
+        refused(
+            case,
+            |j| j["bones"][1]["rest_T"][row][column] = json!(value),
+            parts,
+        );
+    };
+    rest(
+        "scaled",
+        0,
+        0,
+        1.01,
+        &["bones[1].rest_T: ", "rigid", "orthonormal"],
+    );
+    rest(
+        "sheared",
+        0,
+        1,
+        0.01,
+        &["bones[1].rest_T: ", "rigid", "orthonormal"],
+    );
+    rest(
+        "mirrored",
+        2,
+        2,
+        -1.0,
+        &["bones[1].rest_T: ", "rigid", "mirror"],
+    );
+    rest("zero", 1, 1, 0.0, &["bones[1].rest_T: ", "rigid"]);
+    rest("overflowing", 1, 1, 1e300, &["bones[1].rest_T: ", "rigid"]);
+    rest(
+        "projective",
+        3,
+        0,
+        0.1,
+        &["bones[1].rest_T[3]: ", "0 0 0 1"],
+    );
+    rest("scaled", 3, 3, 2.0, &["bones[1].rest_T[3]: ", "0 0 0 1"]);
+}
+
+#[test]
+fn weights_that_do_not_fit() {
+    for id in [2, -2, i64::MAX] {
+        let number = id.to_string();
+        refused(
+            "column",
+            |j| j["bones"][1]["weight_id"] = json!(id),
+            &["bones[1].weight_id: ", &number, "2 columns"],
+        );
+    }
+    refused(
+        "claimed twice",
+        |j| j["bones"][2]["weight_id"] = json!(0),
+        &["bones[2].weight_id: ", "bone 1"],
+    );
+    refused(
+        "unclaimed",
+        |j| j["bones"][2]["weight_id"] = json!(-1),
+        &["weights.file: ", "column 1"],
+    );
+
+    let table = |case: &str, dmat: &str, parts: &[&str]| {
+        let rig = SmallRig {
+            dmat: Some(dmat.into()),
+            ..SmallRig::with_json(support::small_rig::JSON)
+        };
+        refused_with(case, &rig, parts);
+    };
+    table(
+        "sum",
+        "2 3\n1 0.5 0 0 0.4 1",
+        &["weights.file: ", "small.dmat", "vertex 1", "0.9"],
+    );
+    table(
+        "rows",
+        "2 2\n1 0.5 0 0.5",
+        &["weights.file: ", "2 vertices", "3"],
+    );
+    table(
+        "truncated",
+        &DMAT[..DMAT.len() - 4],
+        &["weights.file: ", "small.dmat", "5 of the 6"],
+    );
+    table(
+        "absurd",
+        "2 4000000000000\n1 2 3",
+        &["weights.file: ", "small.dmat", "line 1", "4000000000000"],
+    );
+
+    // A column that nobody claims may be there as long as it is zero.
+    let spare = format!("3 {}0 0 0\n", DMAT.strip_prefix("2 ").unwrap());
+    let rig = SmallRig {
+        dmat: Some(spare.into()),
+        ..SmallRig::with_json(support::small_rig::JSON)
+    };
+    assert_eq!(rig.parse().unwrap().weights.unwrap().max_influences(), 2);
+}
+
+#[test]
+fn named_files_that_cannot_be_read() {
+    let rig = SmallRig {
+        ply: None,
+        ..SmallRig::with_json(support::small_rig::JSON)
+    };
+    refused_with(
+        "absent mesh",
+        &rig,
+        &["model.file: ", "small.ply", "cannot be read"],
+    );
+    let rig = SmallRig {
+        dmat: None,
+        ..SmallRig::with_json(support::small_rig::JSON)
+    };
+    refused_with(
+        "absent weights",
+        &rig,
+        &["weights.file: ", "small.dmat", "cannot be read"],
+    );
+    let rig = SmallRig {
+        ply: Some(PLY[..PLY.len() - 3].into()),
+        ..SmallRig::with_json(support::small_rig::JSON)
+    };
+    refused_with(
+        "truncated mesh",
+        &rig,
+        &["model.file: ", "small.ply", "line 13"],
+    );
+}
+
+#[test]
+fn paths_that_cannot_be_read() {
+    let nowhere = Rig::read("no/such/rig.json").unwrap_err();
+    assert_eq!(nowhere.place, Place::File);
+    assert!(matches!(nowhere.problem, ReadProblem::Io(_)));
+    assert!(
+        nowhere
+            .to_string()
+            .starts_with("no/such/rig.json: cannot be read: "),
+        "{nowhere}"
+    );
+    let folder = env!("CARGO_MANIFEST_DIR");
+    for error in [
+        Rig::read(folder).unwrap_err(),
+        ply::read(folder).unwrap_err(),
+        dmat::read(folder).unwrap_err(),
+    ] {
+        assert!(
+            error.to_string().contains("is not a regular file"),
+            "{error}"
+        );
+    }
+    // The parts are looked for beside the rig.
+    let folder = std::env::temp_dir().join(format!("kinopt-malformed-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("rig.json"), support::small_rig::JSON).unwrap();
+    let error = Rig::read(folder.join("rig.json")).unwrap_err();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let missing = folder.join("small.ply").display().to_string();
+    assert!(error.to_string().contains(&missing), "{error}");
+    assert_eq!(error.place, Place::Json("model.file".into()));
+}

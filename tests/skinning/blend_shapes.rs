@@ -1,0 +1,183 @@
+//! Promise: blend shapes are the weighted mean of whole poses; weights that do not sum to 1 are
+//! refused, and morph targets from one of the shapes give the same mesh.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{DVec3, Vec3, Vec4};
+use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{BlendShapes, BlendShapesError, MorphTarget, MorphTargets};
+use support::random::Random;
+
+const SHAPES: usize = 4;
+const VERTICES: usize = 30;
+
+fn shape(random: &mut Random) -> Vec<Vec3> {
+    let place = |_| {
+        let [x, y, z] = <[f64; 3]>::from(random.vector(2.0)).map(|v| v as f32);
+        Vec3::new(x, y, z)
+    };
+    (0..VERTICES).map(place).collect()
+}
+
+fn named(shapes: &[Vec<Vec3>]) -> BlendShapes {
+    let list = shapes.iter().enumerate();
+    BlendShapes::new(
+        list.map(|(k, s)| (format!("shape {k}"), s.clone()))
+            .collect(),
+    )
+    .unwrap()
+}
+
+fn weights(random: &mut Random) -> [f32; SHAPES] {
+    let mut own = [0.0; SHAPES];
+    for weight in &mut own[1..] {
+        *weight = random.within(-0.4, 0.9) as f32;
+    }
+    own[0] = 1.0 - own[1..].iter().sum::<f32>();
+    own
+}
+
+#[test]
+fn a_mesh_is_the_weighted_mean_of_its_shapes() {
+    let mut random = Random::new(1);
+    for _ in 0..20 {
+        let list: Vec<_> = (0..SHAPES).map(|_| shape(&mut random)).collect();
+        let (shapes, w) = (named(&list), weights(&mut random));
+        let mut mixed = vec![Vec3::NAN; VERTICES];
+        shapes.blend(&w, &mut mixed).unwrap();
+        for (vertex, got) in mixed.iter().enumerate() {
+            let exact: DVec3 = (0..SHAPES)
+                .map(|j| list[j][vertex].as_dvec3() * f64::from(w[j]))
+                .sum();
+            assert!((got.as_dvec3() - exact).length() < 2e-6);
+        }
+        // One full weight is that shape, to the bit.
+        for j in 0..SHAPES {
+            let mut full = [0.0; SHAPES];
+            full[j] = 1.0;
+            shapes.blend(&full, &mut mixed).unwrap();
+            assert_eq!(mixed, list[j]);
+        }
+    }
+}
+
+#[test]
+fn what_all_shapes_share_is_kept_because_the_weights_sum_to_one() {
+    // Moving every shape alike moves the mixture alike; a sum of 0.9 would move it by nine tenths.
+    let mut random = Random::new(2);
+    let list: Vec<_> = (0..SHAPES).map(|_| shape(&mut random)).collect();
+    let by = Vec3::new(10.0, -20.0, 5.0);
+    let moved: Vec<Vec<Vec3>> = list
+        .iter()
+        .map(|shape| shape.iter().map(|p| *p + by).collect())
+        .collect();
+    let w = weights(&mut random);
+    let (mut here, mut there) = (vec![Vec3::ZERO; VERTICES], vec![Vec3::ZERO; VERTICES]);
+    named(&list).blend(&w, &mut here).unwrap();
+    named(&moved).blend(&w, &mut there).unwrap();
+    for (here, there) in here.iter().zip(&there) {
+        assert!((*there - *here - by).length() < 2e-5);
+    }
+}
+
+#[test]
+fn morph_targets_from_the_first_shape_agree() {
+    let mut random = Random::new(3);
+    let meshes: Vec<TriangleMesh> = (0..SHAPES)
+        .map(|_| TriangleMesh::new(shape(&mut random), vec![], vec![[0, 1, 2]]).unwrap())
+        .collect();
+    let names = ["rest", "a", "b", "c"];
+    let shapes = BlendShapes::of_meshes(names.into_iter().zip(&meshes)).unwrap();
+    assert_eq!(
+        (shapes.names(), shapes.vertex_count()),
+        (&names.map(String::from)[..], VERTICES)
+    );
+    let targets = names.iter().zip(&meshes).skip(1);
+    let targets = targets.map(|(name, mesh)| MorphTarget::between(*name, &meshes[0], mesh, 0.0));
+    let targets = targets.collect::<Result<_, _>>().unwrap();
+    let targets = MorphTargets::new(VERTICES, targets).unwrap();
+    for _ in 0..20 {
+        let w = weights(&mut random);
+        let mut by_targets = meshes[0].positions().to_vec();
+        targets
+            .apply(&w[1..], &mut by_targets, &mut [], &mut [])
+            .unwrap();
+        let mut by_shapes = vec![Vec3::ZERO; VERTICES];
+        shapes.blend(&w, &mut by_shapes).unwrap();
+        for (a, b) in by_targets.iter().zip(&by_shapes) {
+            assert!((*a - *b).length() < 5e-6, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn weights_that_sum_to_one_at_keys_do_so_between_them() {
+    // Every curve is linear in its values, and takes what is constant to itself.
+    let mut random = Random::new(4);
+    let shapes = named(&(0..SHAPES).map(|_| shape(&mut random)).collect::<Vec<_>>());
+    let times = vec![0.0, 0.4, 1.9, 2.0, 4.5];
+    let keys: Vec<Vec4> = times
+        .iter()
+        .map(|_| Vec4::from_array(weights(&mut random)))
+        .collect();
+    let tcb = TensionContinuityBias {
+        tension: 0.3,
+        continuity: -0.6,
+        bias: 0.2,
+    };
+    for curve in [
+        KeyedCurve::step(times.clone(), keys.clone()),
+        KeyedCurve::linear(times.clone(), keys.clone()),
+        KeyedCurve::catmull_rom(times.clone(), keys.clone()),
+        KeyedCurve::kochanek_bartels(times, keys, &[tcb; 5]),
+    ] {
+        let curve = curve.unwrap();
+        for frame in 0..=90 {
+            let weights = curve.at(0.05 * frame as f32).to_array();
+            let mut mixed = vec![Vec3::ZERO; VERTICES];
+            shapes.blend(&weights, &mut mixed).unwrap();
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_mixed_is_refused_by_name() {
+    let pair = |first: &str, second: &str, last: Vec3, count: usize| {
+        BlendShapes::new(vec![
+            (first.into(), vec![Vec3::ZERO; 2]),
+            (
+                second.into(),
+                [vec![Vec3::X; count - 1], vec![last]].concat(),
+            ),
+        ])
+    };
+    let says = |error: BlendShapesError, words: &[&str]| {
+        let text = error.to_string();
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    };
+    assert_eq!(BlendShapes::new(vec![]), Err(BlendShapesError::Empty));
+    says(pair("a", "a", Vec3::X, 2).unwrap_err(), &["`a`", "twice"]);
+    says(pair("a", "b", Vec3::X, 3).unwrap_err(), &["`b`", "3", "2"]);
+    says(
+        pair("a", "b", Vec3::NAN, 2).unwrap_err(),
+        &["`b`", "vertex 1"],
+    );
+
+    let shapes = pair("calm", "smile", Vec3::X, 2).unwrap();
+    let mut out = [Vec3::ONE; 2];
+    for (weights, words) in [
+        (&[1.0][..], ["1 weights", "calm, smile"]),
+        (&[0.5, f32::NAN], ["`smile`", "not finite"]),
+        (&[0.5, 0.4], ["sum to 0.9", "not to 1"]),
+        (&[1.0, 1.0], ["sum to 2", "not to 1"]),
+    ] {
+        says(shapes.blend(weights, &mut out).unwrap_err(), &words);
+    }
+    says(
+        shapes.blend(&[0.5, 0.5], &mut [Vec3::ONE; 3]).unwrap_err(),
+        &["3 positions", "2 vertices"],
+    );
+    assert_eq!(out, [Vec3::ONE; 2]);
+    // A sum that only rounding keeps from 1 is fine.
+    shapes.blend(&[0.3, 1.0 - 0.3 + 5e-7], &mut out).unwrap();
+}

@@ -1,0 +1,15 @@
+//! Skins, morph targets, weights, cages.
+
+mod automatic_weights;
+mod blend_shapes;
+mod cage_coordinates;
+mod dual_quaternion_skinning;
+mod linear_blend_skinning;
+mod morph_targets;
+mod packed_skinning;
+mod point_handles;
+mod skin_weights;
+mod skinned_bounds;
+mod skinning_same_bits;
+mod surface_frames;
+mod twisted_tube;

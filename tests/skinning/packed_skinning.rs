@@ -1,0 +1,257 @@
+//! Promise: the fast path for four influences agrees with the one for any number to rounding, with
+//! and without AVX2, for any number of vertices.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{Affine3A, Vec3, Vec4};
+use kinopt::skinning::{
+    Deformation, DualQuaternionBlend, LinearBlend, MeshWeights, PackedDualQuaternionBlend,
+    PackedLinearBlend, PackedWeights, SkinWeights, SkinningError, SkinningMethod, WeightsError,
+};
+use support::random::Random;
+use support::skins::{Vertices, rigid, stretching, weights};
+
+const BONES: usize = 13;
+
+/// Blends that nearly flatten space leave normals uncertain, so those are compared where the two
+/// sides of the blend are far from that: by the area that the unit normal's cofactors keep.
+fn close(a: &Vertices, b: &Vertices) {
+    for (vertex, (a, b)) in a.positions.iter().zip(&b.positions).enumerate() {
+        assert!((*a - *b).length() < 3e-6, "position {vertex}: {a} {b}");
+    }
+    for (vertex, (a, b)) in a.normals.iter().zip(&b.normals).enumerate() {
+        assert!((*a - *b).length() < 1e-3, "normal {vertex}: {a} {b}");
+        assert!((a.length() - 1.0).abs() < 1e-5);
+    }
+    for (vertex, (a, b)) in a.tangents.iter().zip(&b.tangents).enumerate() {
+        assert!((*a - *b).length() < 1e-3, "tangent {vertex}: {a} {b}");
+    }
+    // Nearly all of them agree to rounding.
+    let near = |pairs: &mut dyn Iterator<Item = f32>| pairs.filter(|off| *off < 3e-6).count();
+    let normals = &mut a
+        .normals
+        .iter()
+        .zip(&b.normals)
+        .map(|(a, b)| (*a - *b).length());
+    assert!(near(normals) * 10 >= a.normals.len() * 9);
+    let tangents = &mut a
+        .tangents
+        .iter()
+        .zip(&b.tangents)
+        .map(|(a, b)| (*a - *b).length());
+    assert!(near(tangents) * 10 >= a.tangents.len() * 9);
+}
+
+#[test]
+fn linear_blend() {
+    let mut random = Random::new(1);
+    for count in [1, 7, 8, 9, 64, 1003] {
+        let weights = weights(&mut random, count, BONES, 4);
+        let packed = PackedWeights::new(&weights).unwrap();
+        let rest = Vertices::random(&mut random, count);
+        for transform in [rigid, stretching] {
+            let transforms: Vec<Affine3A> = (0..BONES).map(|_| transform(&mut random)).collect();
+            let any = rest.deformed(&LinearBlend::new(&weights, &transforms).unwrap());
+            let fast = PackedLinearBlend::new(&packed, &transforms).unwrap();
+            close(&rest.deformed(&fast), &any);
+            close(&rest.deformed(&fast.portable()), &any);
+        }
+    }
+}
+
+#[test]
+fn dual_quaternions() {
+    let mut random = Random::new(2);
+    for count in [1, 7, 8, 9, 64, 1003] {
+        let weights = weights(&mut random, count, BONES, 4);
+        let packed = PackedWeights::new(&weights).unwrap();
+        let rest = Vertices::random(&mut random, count);
+        let transforms: Vec<Affine3A> = (0..BONES).map(|_| rigid(&mut random)).collect();
+        let any = rest.deformed(&DualQuaternionBlend::new(&weights, &transforms).unwrap());
+        let fast = PackedDualQuaternionBlend::new(&packed, &transforms).unwrap();
+        close(&rest.deformed(&fast), &any);
+        close(&rest.deformed(&fast.portable()), &any);
+    }
+}
+
+#[test]
+fn dual_quaternions_that_stretch() {
+    let mut random = Random::new(7);
+    for count in [1, 9, 1003] {
+        let weights = weights(&mut random, count, BONES, 4);
+        let packed = PackedWeights::new(&weights).unwrap();
+        let rest = Vertices::random(&mut random, count);
+        let transforms = [(); BONES].map(|()| {
+            let size = [(); 3].map(|()| random.within(0.5, 1.6) as f32);
+            rigid(&mut random) * Affine3A::from_scale(Vec3::from(size))
+        });
+        let pivots =
+            [(); BONES].map(|()| Vec3::from([(); 3].map(|()| random.within(-0.5, 0.5) as f32)));
+        let any = DualQuaternionBlend::stretched(&weights, &transforms, &pivots).unwrap();
+        let any = rest.deformed(&any);
+        let mut fast = PackedDualQuaternionBlend::stretched(&packed, &transforms, &pivots).unwrap();
+        close(&rest.deformed(&fast), &any);
+        close(&rest.deformed(&fast.clone().portable()), &any);
+
+        // A pose that is refused changes nothing; one that turns only is as if nothing had stretched.
+        let mut mirror = transforms;
+        mirror[3] = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+        let refused = fast.set_stretched(&mirror, &pivots).unwrap_err();
+        assert_eq!(refused, SkinningError::Mirrored { bone: 3 });
+        close(&rest.deformed(&fast), &any);
+        let turned = [(); BONES].map(|()| rigid(&mut random));
+        fast.set_transforms(&turned).unwrap();
+        let rigid = rest.deformed(&PackedDualQuaternionBlend::new(&packed, &turned).unwrap());
+        assert_eq!(rest.deformed(&fast).positions, rigid.positions);
+    }
+}
+
+#[test]
+fn buffers_that_are_not_there_are_left_out() {
+    let mut random = Random::new(3);
+    let weights = weights(&mut random, 21, BONES, 4);
+    let packed = PackedWeights::new(&weights).unwrap();
+    let rest = Vertices::random(&mut random, 21);
+    let transforms: Vec<Affine3A> = (0..BONES).map(|_| rigid(&mut random)).collect();
+    let fast = PackedLinearBlend::new(&packed, &transforms).unwrap();
+    let all = rest.deformed(&fast);
+    let mut alone = rest.clone();
+    fast.positions(&rest.positions, &mut alone.positions)
+        .unwrap();
+    fast.normals(&rest.normals, &mut alone.normals).unwrap();
+    fast.tangents(&rest.tangents, &mut alone.tangents).unwrap();
+    assert_eq!(alone, all);
+}
+
+#[test]
+fn normals_without_direction_become_zero() {
+    let mut builder = SkinWeights::builder(9, 1);
+    for vertex in 0..9 {
+        builder.add(vertex, 0, 1.0).unwrap();
+    }
+    let packed = PackedWeights::new(&builder.build().unwrap()).unwrap();
+    let flat = [Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0))];
+    let fast = PackedLinearBlend::new(&packed, &flat).unwrap();
+    for blend in [fast.clone(), fast.portable()] {
+        let mut posed = [Vec3::ONE; 9];
+        let mut rest = [Vec3::X; 9];
+        rest[8] = Vec3::ZERO;
+        blend.normals(&rest, &mut posed).unwrap();
+        assert_eq!(posed, [Vec3::ZERO; 9]);
+        let mut posed = [Vec4::ONE; 9];
+        blend
+            .tangents(&[Vec4::new(0.0, 0.0, 2.0, 1.0); 9], &mut posed)
+            .unwrap();
+        assert_eq!(posed, [Vec4::new(0.0, 0.0, 0.0, 1.0); 9]);
+    }
+}
+
+#[test]
+fn more_influences_than_places_and_wrong_poses_are_refused() {
+    let mut random = Random::new(4);
+    let six = weights(&mut random, 12, BONES, 6);
+    assert_eq!(
+        PackedWeights::new(&six).unwrap_err(),
+        WeightsError::TooManyInfluences {
+            vertex: 4,
+            influences: 5
+        }
+    );
+    let packed = PackedWeights::new(&six.pruned(4).0).unwrap();
+    assert_eq!((packed.vertex_count(), packed.bone_count()), (12, BONES));
+
+    let mut builder = SkinWeights::builder(1, 65_537);
+    builder.add(0, 65_536, 1.0).unwrap();
+    assert_eq!(
+        PackedWeights::new(&builder.build().unwrap()).unwrap_err(),
+        WeightsError::TooManyBones { bones: 65_537 }
+    );
+
+    let still = vec![Affine3A::IDENTITY; BONES];
+    let mut blend = PackedLinearBlend::new(&packed, &still).unwrap();
+    let few = SkinningError::TransformCount {
+        given: 2,
+        bones: BONES,
+    };
+    assert_eq!(blend.set_transforms(&still[..2]).unwrap_err(), few);
+    let mut broken = still.clone();
+    broken[3].translation.y = f32::INFINITY;
+    assert_eq!(
+        blend.set_transforms(&broken).unwrap_err(),
+        SkinningError::NonFiniteTransform { bone: 3 }
+    );
+    // The pose before is kept.
+    let rest = Vertices::random(&mut random, 12);
+    let posed = rest.deformed(&blend);
+    for (posed, rest) in posed.positions.iter().zip(&rest.positions) {
+        assert!((*posed - *rest).length() < 1e-6);
+    }
+    let mut scaled = still.clone();
+    scaled[5] = Affine3A::from_scale(Vec3::splat(1.1));
+    let refused = SkinningError::NotRigid { bone: 5 };
+    let mut blend = PackedDualQuaternionBlend::new(&packed, &still).unwrap();
+    assert_eq!(blend.set_transforms(&scaled).unwrap_err(), refused);
+    let kept = rest.deformed(&blend);
+    for (posed, rest) in kept.positions.iter().zip(&rest.positions) {
+        assert!((*posed - *rest).length() < 1e-6);
+    }
+    assert_eq!(
+        PackedDualQuaternionBlend::new(&packed, &scaled).unwrap_err(),
+        refused
+    );
+}
+
+#[test]
+fn a_pose_set_anew_is_the_pose_built_anew() {
+    let mut random = Random::new(5);
+    let weights = weights(&mut random, 50, BONES, 4);
+    let packed = PackedWeights::new(&weights).unwrap();
+    let rest = Vertices::random(&mut random, 50);
+    let [before, after] =
+        [(), ()].map(|()| -> Vec<Affine3A> { (0..BONES).map(|_| rigid(&mut random)).collect() });
+    let mut lbs = PackedLinearBlend::new(&packed, &before).unwrap();
+    lbs.set_transforms(&after).unwrap();
+    let anew = PackedLinearBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&lbs) == rest.deformed(&anew));
+    assert!(rest.deformed(&lbs.portable()) == rest.deformed(&anew.portable()));
+    let mut dqs = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
+    dqs.set_transforms(&after).unwrap();
+    let anew = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    assert!(rest.deformed(&dqs.portable()) == rest.deformed(&anew.portable()));
+}
+
+#[test]
+fn a_mesh_is_posed_alike_by_whichever_path_fits() {
+    let mut random = Random::new(41);
+    let positions = Vertices::random(&mut random, 1001).positions;
+    let mesh = kinopt::mesh::TriangleMesh::new(positions, vec![], vec![]).unwrap();
+    let transforms: Vec<Affine3A> = (0..BONES).map(|_| rigid(&mut random)).collect();
+    for (most, packed) in [(4, true), (7, false)] {
+        let weights = weights(&mut random, 1001, BONES, most);
+        let ready = MeshWeights::from(weights.clone());
+        assert_eq!(ready.is_packed(), packed, "{most} influences");
+        for method in SkinningMethod::ALL {
+            let posed = ready.mesh(method, &mesh, &transforms).unwrap();
+            let expected = method.mesh(&mesh, &weights, &transforms).unwrap();
+            for (a, b) in posed.positions().iter().zip(expected.positions()) {
+                assert!((*a - *b).length() < 3e-6, "{method}: {a} {b}");
+            }
+        }
+        // Bones that scale need to be told about what.
+        let stretched: Vec<Affine3A> = transforms
+            .iter()
+            .map(|turn| *turn * Affine3A::from_scale(Vec3::new(1.0, 1.2, 0.9)))
+            .collect();
+        let dual = SkinningMethod::DualQuaternion;
+        let refused = ready.mesh(dual, &mesh, &stretched).unwrap_err();
+        assert_eq!(refused, SkinningError::NotRigid { bone: 0 });
+        let pivots = vec![Vec3::new(0.1, 0.2, -0.3); BONES];
+        let posed = ready.with_pivots(pivots.clone());
+        let posed = posed.mesh(dual, &mesh, &stretched).unwrap();
+        let expected = DualQuaternionBlend::stretched(&weights, &stretched, &pivots).unwrap();
+        let expected = expected.mesh(&mesh).unwrap();
+        for (a, b) in posed.positions().iter().zip(expected.positions()) {
+            assert!((*a - *b).length() < 3e-6, "{a} {b}");
+        }
+    }
+}

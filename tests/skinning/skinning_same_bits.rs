@@ -1,0 +1,70 @@
+//! Promise: skinning over the threads of a rayon pool gives the bits of one thread.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::Affine3A;
+use kinopt::skinning::{
+    Deformation, DualQuaternionBlend, LinearBlend, PackedDualQuaternionBlend, PackedLinearBlend,
+    PackedWeights, SkinningError,
+};
+use support::random::Random;
+use support::skins::{Vertices, rigid, weights};
+
+fn same(rest: &Vertices, deformation: &impl Deformation) {
+    let serial = rest.deformed(deformation);
+    let mut parallel = rest.clone();
+    deformation
+        .deform_parallel(rest.rest(), parallel.posed())
+        .unwrap();
+    // Not assert_eq, which would print them all.
+    assert!(parallel == serial);
+    // Positions alone, as a range of other buffers that are not there.
+    parallel.positions.fill(glam::Vec3::ZERO);
+    let posed = kinopt::skinning::PosedVertices {
+        positions: &mut parallel.positions,
+        ..Default::default()
+    };
+    let rest = kinopt::skinning::RestVertices {
+        positions: &rest.positions,
+        ..Default::default()
+    };
+    deformation.deform_parallel(rest, posed).unwrap();
+    assert!(parallel.positions == serial.positions);
+}
+
+#[test]
+fn any_way_to_skin() {
+    let mut random = Random::new(7);
+    let (count, bones) = (50_003, 20);
+    let weights = weights(&mut random, count, bones, 4);
+    let packed = PackedWeights::new(&weights).unwrap();
+    let rest = Vertices::random(&mut random, count);
+    let transforms: Vec<Affine3A> = (0..bones).map(|_| rigid(&mut random)).collect();
+    same(&rest, &LinearBlend::new(&weights, &transforms).unwrap());
+    same(
+        &rest,
+        &DualQuaternionBlend::new(&weights, &transforms).unwrap(),
+    );
+    let fast = PackedLinearBlend::new(&packed, &transforms).unwrap();
+    same(&rest, &fast);
+    same(&rest, &fast.portable());
+    let fast = PackedDualQuaternionBlend::new(&packed, &transforms).unwrap();
+    same(&rest, &fast);
+    same(&rest, &fast.portable());
+}
+
+#[test]
+fn wrong_sizes_are_errors_there_too() {
+    let mut random = Random::new(8);
+    let weights = weights(&mut random, 10, 3, 2);
+    let blend = LinearBlend::new(&weights, &[Affine3A::IDENTITY; 3]).unwrap();
+    let rest = Vertices::random(&mut random, 11);
+    let mut posed = rest.clone();
+    assert_eq!(
+        blend.deform_parallel(rest.rest(), posed.posed()),
+        Err(SkinningError::VertexCount {
+            what: "rest positions",
+            given: 11,
+            vertices: 10
+        })
+    );
+}

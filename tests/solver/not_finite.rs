@@ -1,0 +1,253 @@
+//! Promise: numbers that are not finite, from a target, a start or a user's residual, end a solve
+//! with a finite q within its bounds and an honest reason.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::ik::{Restarts, SolveError};
+use kinopt::model::{FrameId, Model};
+use kinopt::problem::{Derivatives, Problem};
+use kinopt::solver::Termination;
+use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
+use kinopt::task::{LimitCentring, Orientation, Point, Pose, Posture, Quantity, Residual, Rows};
+use kinopt::{Scalar, Solution, Solver, Workspace};
+use support::methods::solvers;
+use support::{planar_arm, planar_tip};
+
+const LINKS: [f64; 3] = [0.5, 0.4, 0.3];
+const LIMITS: (f64, f64) = (-1.0, 1.2);
+
+fn arm() -> (Model, FrameId) {
+    let model = planar_arm(&LINKS, Some(LIMITS));
+    let tip = model.frame("tip").unwrap();
+    (model, tip)
+}
+
+fn assert_sound(label: &str, solution: &Solution, model: &Model) {
+    for (value, limits) in solution.q.iter().zip(model.limits()) {
+        assert!(limits.contains(*value), "{label}: {:?}", solution.q);
+    }
+}
+
+#[test]
+fn a_target_that_became_nan() {
+    let (model, tip) = arm();
+    let mut builder = Problem::builder(&model);
+    let task = builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
+    let mut problem = builder.build().unwrap();
+    for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+        for route in Derivatives::ALL {
+            problem.set_derivatives(route);
+            for solver in solvers() {
+                let target = [0.6, bad, 0.0];
+                problem.residual_mut(task).unwrap().set_target(target);
+                let mut workspace = Workspace::new();
+                let start = [9.0, 0.1, -9.0];
+                let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
+                let label = format!("{bad}, {}, {route:?}", solver.method());
+                assert_sound(&label, solution, &model);
+                assert_eq!(solution.termination, Termination::NonFinite, "{label}");
+                assert!(!solution.reached, "{label}");
+                assert!(solution.explain().contains("not a finite number"));
+                // The same workspace recovers.
+                let target = [0.6, 0.6, 0.0];
+                problem.residual_mut(task).unwrap().set_target(target);
+                let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
+                let fresh = solver.solve_once(&problem, &start).unwrap();
+                assert_eq!(solution.q, fresh.q, "{label}");
+            }
+        }
+    }
+}
+
+/// Each entry of a rotation counts, also those that the shortest formula for its angle leaves out.
+#[test]
+fn a_turn_that_became_nan() {
+    let (model, tip) = arm();
+    let turned = rotation_exp(Vector3::new(0.0, 0.0, 0.4));
+    // The tenth case breaks all of them.
+    for entry in 0..10 {
+        for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+            let mut columns = [turned.x, turned.y, turned.z].map(Vector3::to_array);
+            for k in (0..9).filter(|k| entry == 9 || *k == entry) {
+                columns[k / 3][k % 3] = bad;
+            }
+            let [x, y, z] = columns.map(Vector3::from);
+            let broken = Matrix3::from_columns(x, y, z);
+            let mut builder = Problem::builder(&model);
+            let orientation = builder.add(Orientation::new(tip, turned));
+            let mut problem = builder.build().unwrap();
+            let mut builder = Problem::builder(&model);
+            let pose = builder.add(Pose::new(tip, Placement::new(turned, Vector3::zero())));
+            let mut posed = builder.build().unwrap();
+            problem
+                .residual_mut(orientation)
+                .unwrap()
+                .set_target(broken);
+            let target = Placement::new(broken, Vector3::zero());
+            posed.residual_mut(pose).unwrap().set_target(target);
+            for problem in [&mut problem, &mut posed] {
+                for route in Derivatives::ALL {
+                    problem.set_derivatives(route);
+                    for solver in solvers() {
+                        let solution = solver.solve_once(problem, &[0.1, 0.2, 0.3]).unwrap();
+                        let label = format!("{entry}: {bad}, {}, {route:?}", solver.method());
+                        assert_sound(&label, &solution, &model);
+                        assert_eq!(solution.termination, Termination::NonFinite, "{label}");
+                        assert!(!solution.reached, "{label}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_start_that_is_not_finite_is_refused_by_name() {
+    let (model, tip) = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
+    let problem = builder.build().unwrap();
+    for bad in [f64::NAN, f64::INFINITY] {
+        let error = Solver::default().solve_once(&problem, &[0.0, bad, 0.0]);
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("joint 1"), "{message}");
+    }
+    let error = Solver::default().solve_once(&problem, &[0.0]).unwrap_err();
+    assert!(matches!(
+        error,
+        SolveError::StartLength {
+            given: 1,
+            expected: 3,
+            ..
+        }
+    ));
+}
+
+/// Wants the tip at a place, and is NaN wherever it stands above y = 0.3.
+struct Cliff {
+    tip: FrameId,
+    x: f64,
+    y: f64,
+}
+
+impl Residual for Cliff {
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.tip]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 2)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
+        let at = frames[0].translation;
+        let above = S::constant(0.3).less_than(at.y);
+        r[0] = at.x - S::constant(self.x);
+        r[1] = S::select(above, S::constant(f64::NAN), at.y - S::constant(self.y));
+    }
+}
+
+#[test]
+fn a_residual_that_is_nan_beyond_a_cliff() {
+    let (model, tip) = arm();
+    for (x, y) in [(0.7, 0.8), (0.9, 0.2)] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Cliff { tip, x, y });
+        let problem = builder.build().unwrap();
+        for solver in solvers() {
+            let solution = solver.solve_once(&problem, &[-0.2, 0.1, 0.1]).unwrap();
+            let label = format!("{y}, {}", solver.method());
+            assert_sound(&label, &solution, &model);
+            assert!(solution.cost.is_finite(), "{label}");
+            let at = planar_tip(&LINKS, &solution.q);
+            assert!(at.y <= 0.3 + 1e-12, "{label}: it fell off the cliff");
+            assert_eq!(solution.reached, y < 0.3, "{label}: {solution:?}");
+        }
+    }
+}
+
+#[test]
+fn a_start_beyond_the_cliff_is_left_by_a_restart() {
+    // The first attempt is NaN; any other that ends finite is better, also one that misses.
+    let (model, tip) = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(Cliff {
+        tip,
+        x: 5.0,
+        y: 0.1,
+    });
+    let problem = builder.build().unwrap();
+    for solver in solvers() {
+        let solution = solver.solve_once(&problem, &[1.0, 0.5, 0.5]).unwrap();
+        let name = solver.method();
+        assert_sound(name, &solution, &model);
+        assert!(solution.cost.is_finite(), "{name}: {solution:?}");
+        assert_ne!(solution.termination, Termination::NonFinite, "{name}");
+    }
+}
+
+/// A finite value whose derivative is not: the plain length of a vector that is zero at rest.
+struct CarelessLength {
+    tip: FrameId,
+}
+
+impl Residual for CarelessLength {
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.tip]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
+        let at = frames[0].translation;
+        r[0] = (at.y * at.y + at.z * at.z).sqrt() - S::constant(0.2);
+    }
+}
+
+#[test]
+fn a_derivative_that_is_nan_is_no_stationary_point() {
+    let (model, tip) = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(CarelessLength { tip });
+    let mut problem = builder.build().unwrap();
+    for route in [Derivatives::Analytic, Derivatives::Dual] {
+        problem.set_derivatives(route);
+        for solver in solvers() {
+            let alone = solver.with_restarts(Restarts::none());
+            let solution = alone.solve_once(&problem, &[0.0; 3]).unwrap();
+            let label = format!("{}, {route:?}", alone.method());
+            assert_eq!(solution.termination, Termination::NonFinite, "{label}");
+            assert_eq!(solution.iterations, 0, "{label}");
+            assert_sound(&label, &solution, &model);
+            // A start elsewhere has no such trouble.
+            let restarts = alone.with_restarts(Restarts::default());
+            assert!(restarts.solve_once(&problem, &[0.0; 3]).unwrap().reached);
+        }
+    }
+}
+
+#[test]
+fn a_residual_without_rows_is_no_panic() {
+    // Nothing to centre: continuous joints have no middle.
+    let model = planar_arm(&LINKS, None);
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(LimitCentring::new(&model));
+    builder.add(Posture::of_joints([]));
+    builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
+    let mut problem = builder.build().unwrap();
+    for route in Derivatives::ALL {
+        problem.set_derivatives(route);
+        for solver in solvers() {
+            let solution = solver.solve_once(&problem, &[0.1; 3]).unwrap();
+            assert!(solution.q.iter().all(|v| v.is_finite()));
+        }
+    }
+    assert!(
+        Solver::default()
+            .solve_once(&problem, &[0.1; 3])
+            .unwrap()
+            .reached
+    );
+}

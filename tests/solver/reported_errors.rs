@@ -1,0 +1,230 @@
+//! Promise: a solution tells the truth about the q that it returns: errors, cost, what is reached,
+//! and which limits block it, recomputed here from q alone.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::ik::{Restarts, Side};
+use kinopt::problem::Problem;
+use kinopt::solver::Stopping;
+use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::{Solution, Workspace};
+use nalgebra as na;
+use support::methods::solvers;
+use support::placement;
+use support::random::Random;
+use support::trees::RandomTree;
+use support::{Rigid, rigid};
+
+const METRE: f64 = 2.0;
+const RADIAN: f64 = 0.5;
+const PULL: f64 = 0.01;
+const METRES_WITHIN: f64 = 1e-5;
+const RADIANS_WITHIN: f64 = 1e-4;
+
+struct Asked {
+    tree: RandomTree,
+    pose: Rigid,
+    point: na::Vector3<f64>,
+    problem: Problem,
+    slots: [usize; 2],
+}
+
+/// A pose for one frame, a point for another and a pull on the joints.
+fn ask(seed: u64, reachable: bool) -> Asked {
+    let tree = RandomTree::new(seed, 14);
+    let mut random = Random::new(seed);
+    let slots = [13, 12];
+    let q = tree.configuration(&mut random);
+    let at = tree.frames_at(&q);
+    let mut pose = at[slots[0]];
+    let mut point = at[slots[1]].translation.vector;
+    if !reachable {
+        pose = rigid(
+            random.rotation(),
+            pose.translation.vector + random.vector(2.0),
+        );
+        point += random.vector(3.0);
+    }
+    let [a, b] = slots.map(|s| tree.frames[s]);
+    let mut builder = Problem::builder(&tree.model);
+    builder.add(
+        Task::new(Pose::new(a, placement(&pose)))
+            .weight(Quantity::Metres, METRE)
+            .weight(Quantity::Radians, RADIAN)
+            .tolerance(Quantity::Metres, METRES_WITHIN)
+            .tolerance(Quantity::Radians, RADIANS_WITHIN),
+    );
+    builder.add(Task::new(Point::new(b, point)).tolerance(Quantity::Metres, METRES_WITHIN));
+    if !reachable {
+        let rest = vec![0.0; q.len()];
+        let pull = Posture::new(&tree.model, &rest);
+        builder.add(Task::new(pull).weight(Quantity::JointUnits, PULL));
+    }
+    let problem = builder.build().unwrap();
+    Asked {
+        tree,
+        pose,
+        point,
+        problem,
+        slots,
+    }
+}
+
+/// Position error, orientation error, point error, posture error.
+fn errors(asked: &Asked, q: &[f64]) -> [f64; 4] {
+    let at = asked.tree.frames_at(q);
+    let [a, b] = asked.slots.map(|s| at[s]);
+    let turn = a.rotation * asked.pose.rotation.inverse();
+    [
+        (a.translation.vector - asked.pose.translation.vector).norm(),
+        na::UnitQuaternion::from_rotation_matrix(&turn).angle(),
+        (b.translation.vector - asked.point).norm(),
+        q.iter().map(|v| v * v).sum::<f64>().sqrt(),
+    ]
+}
+
+fn cost(asked: &Asked, q: &[f64], posture: bool) -> f64 {
+    let [position, angle, point, pull] = errors(asked, q);
+    let pull = if posture { PULL * pull } else { 0.0 };
+    0.5 * ((METRE * position).powi(2) + (RADIAN * angle).powi(2) + point.powi(2) + pull.powi(2))
+}
+
+fn check(label: &str, asked: &Asked, solution: &Solution, posture: bool) {
+    let expected = errors(asked, &solution.q);
+    let tasks: Vec<_> = solution.tasks().collect();
+    assert_eq!(tasks.len(), asked.problem.tasks());
+    let ours = [
+        tasks[0].position_error().unwrap(),
+        tasks[0].orientation_error().unwrap(),
+        tasks[1].position_error().unwrap(),
+    ];
+    for (ours, theirs) in ours.iter().zip(&expected) {
+        assert!((ours - theirs).abs() < 1e-12, "{label}: {ours} is {theirs}");
+    }
+    if posture {
+        let pull = tasks[2].error(Quantity::JointUnits).unwrap();
+        assert!((pull - expected[3]).abs() < 1e-12);
+    }
+    let own_cost = cost(asked, &solution.q, posture);
+    assert!(
+        (solution.cost - own_cost).abs() <= 1e-12 * own_cost.max(1e-3),
+        "{label}"
+    );
+
+    let [position, angle, point, _] = expected;
+    let pose_met = position <= METRES_WITHIN && angle <= RADIANS_WITHIN;
+    let reached = pose_met && point <= METRES_WITHIN;
+    assert_eq!(solution.reached, reached, "{label}: {expected:?}");
+    assert_eq!(tasks[0].reached, pose_met, "{label}");
+    assert_eq!(tasks[1].reached, point <= METRES_WITHIN, "{label}");
+    assert!(
+        solution
+            .explain()
+            .starts_with(if reached { "Reached" } else { "Not reached" })
+    );
+    check_limits(label, asked, solution, posture);
+}
+
+/// Each named limit is stood on and the cost falls beyond it; no joint that stands on a limit and
+/// is pushed against it goes unnamed.
+fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) {
+    let model = &asked.tree.model;
+    let step = 1e-5;
+    let mut named = Vec::new();
+    for limit in solution.active_limits() {
+        assert!(!solution.reached, "{label}");
+        let joint = model.joint(limit.joint).unwrap();
+        let c = model.coordinate(joint).unwrap();
+        let range = model.joints()[joint.index()].limits;
+        let (end, outward) = match limit.side {
+            Side::Lower => (range.lower, -1.0),
+            Side::Upper => (range.upper, 1.0),
+        };
+        assert_eq!(
+            solution.q[c].to_bits(),
+            end.to_bits(),
+            "{label}: not on its limit"
+        );
+        assert_eq!(limit.value.to_bits(), end.to_bits());
+        let shifted = |by: f64| {
+            let mut q = solution.q.clone();
+            q[c] += by;
+            cost(asked, &q, posture)
+        };
+        let fall = (shifted(-outward * step) - shifted(outward * step)) / (2.0 * step);
+        let close = (fall - limit.push).abs() <= 1e-6 * (1.0 + fall.abs());
+        assert!(
+            limit.push > 0.0 && close,
+            "{label}: push {} is {fall}",
+            limit.push
+        );
+        named.push(c);
+    }
+    if solution.reached {
+        return;
+    }
+    for (c, range) in model.limits().enumerate() {
+        let outward = if solution.q[c] == range.lower {
+            -1.0
+        } else if solution.q[c] == range.upper {
+            1.0
+        } else {
+            continue;
+        };
+        let mut q = solution.q.clone();
+        q[c] += outward * step;
+        let falls = cost(asked, &q, posture) < solution.cost - 1e-3 * step;
+        assert!(
+            !falls || named.contains(&c),
+            "{label}: joint {c} blocks but is not named"
+        );
+    }
+}
+
+#[test]
+fn solutions_tell_the_truth() {
+    let mut seen = [0; 2];
+    let mut workspace = Workspace::new();
+    for seed in 0..12 {
+        for reachable in [true, false] {
+            let asked = ask(seed, reachable);
+            let start = asked.tree.configuration(&mut Random::new(seed + 100));
+            for solver in solvers() {
+                for iterations in [0, 3, 100] {
+                    let solver = solver
+                        .clone()
+                        .with_stopping(Stopping::default().with_max_iterations(iterations))
+                        .with_restarts(Restarts::default().with_attempts(3));
+                    let solution = solver
+                        .solve(&asked.problem, &start, &mut workspace)
+                        .unwrap();
+                    let label = format!("tree {seed}, {}, {iterations}", solver.method());
+                    check(&label, &asked, solution, !reachable);
+                    seen[usize::from(solution.reached)] += 1;
+                }
+            }
+        }
+    }
+    assert!(
+        seen[0] > 50 && seen[1] > 20,
+        "both outcomes must occur: {seen:?}"
+    );
+}
+
+#[test]
+fn lengths_are_told_in_the_models_own_unit() {
+    let rig = kinopt::io::rig::Rig::read("models/humanoid/humanoid.json").unwrap();
+    let hand = rig.skeleton.tip(rig.skeleton.bone("left_hand").unwrap());
+    let mut builder = Problem::builder(rig.skeleton.model());
+    builder.add(Point::new(hand, [0.0, 50.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let rest = rig.skeleton.model().neutral();
+    let text = kinopt::Solver::default().solve_once(&problem, &rest);
+    let text = text.unwrap().explain();
+    assert!(text.contains(" units.") && !text.contains(" m."), "{text}");
+
+    let asked = ask(1, false);
+    let start = asked.tree.model.neutral();
+    let text = kinopt::Solver::default().solve_once(&asked.problem, &start);
+    let text = text.unwrap().explain();
+    assert!(text.contains(" m") && !text.contains("units"), "{text}");
+}

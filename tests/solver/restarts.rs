@@ -1,0 +1,200 @@
+//! Promise: restarts are numbered and seeded: the first attempt is the caller's start, every other
+//! lies within the bounds and depends on the seed and its number alone, the lowest success wins.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+use kinopt::ik::Restarts;
+use kinopt::model::Model;
+use kinopt::problem::Problem;
+use kinopt::solver::{Iteration, Stopping};
+use kinopt::task::{Point, Posture, Task};
+use kinopt::{Solver, Workspace};
+use support::random::Random;
+use support::trees::RandomTree;
+
+/// Where every attempt starts, for a target that none of them reaches.
+fn attempts(model: &Model, seed: u64, attempts: usize, start: &[f64]) -> Vec<Vec<f64>> {
+    let mut builder = Problem::builder(model);
+    for frame in model.frame_ids() {
+        builder.add(Point::new(frame, [1e3, 2e3, 3e3]));
+    }
+    let problem = builder.build().unwrap();
+    let solver = Solver::default()
+        .with_stopping(Stopping::default().with_max_iterations(1))
+        .with_restarts(Restarts::default().with_attempts(attempts).with_seed(seed));
+    let mut seen = Vec::new();
+    let mut watch = |iteration: &Iteration<'_>| {
+        if iteration.index == 0 {
+            seen.push(iteration.x.to_vec());
+        }
+        ControlFlow::Continue(())
+    };
+    let mut workspace = Workspace::new();
+    let solution = solver
+        .solve_observed(&problem, start, &mut workspace, &mut watch)
+        .unwrap();
+    assert_eq!(solution.attempts, attempts);
+    seen
+}
+
+#[test]
+fn starts_lie_within_bounds_and_unbounded_joints_near_the_start() {
+    for seed in 0..5 {
+        let tree = RandomTree::new(seed, 12);
+        let start = tree.configuration(&mut Random::new(seed));
+        let all = attempts(&tree.model, seed, 32, &start);
+        assert_eq!(all[0], start);
+        for x in &all {
+            for ((value, from), limits) in x.iter().zip(&start).zip(tree.model.limits()) {
+                assert!(limits.contains(*value));
+                // A continuous joint is drawn over two turns, not over infinity.
+                let finite = limits.lower.is_finite();
+                assert!(finite || (value - from).abs() <= 2.0 * PI + 1e-12);
+            }
+        }
+        // Whole ranges are drawn from, not their middles.
+        let joint = tree
+            .model
+            .limits()
+            .position(|l| l.lower.is_finite())
+            .unwrap();
+        let limits = tree.model.limits().nth(joint).unwrap();
+        let range = limits.upper - limits.lower;
+        let values = all
+            .iter()
+            .step_by(2)
+            .map(|x| (x[joint] - limits.lower) / range);
+        let (low, high) = values.fold((1.0, 0.0), |(l, h): (f64, f64), v| (l.min(v), h.max(v)));
+        assert!(low < 0.25 && high > 0.75, "{low} to {high}");
+    }
+}
+
+#[test]
+fn starts_depend_on_seed_and_number_alone() {
+    let tree = RandomTree::new(3, 10);
+    let start = tree.configuration(&mut Random::new(3));
+    let few = attempts(&tree.model, 7, 5, &start);
+    let many = attempts(&tree.model, 7, 20, &start);
+    assert_eq!(few[..], many[..5]);
+    let other = attempts(&tree.model, 8, 5, &start);
+    assert_eq!(few[0], other[0]);
+    for k in 1..5 {
+        assert_ne!(few[k], other[k]);
+        assert_ne!(many[k], many[k + 1]);
+    }
+    // Even attempts are drawn over the whole box, wherever the caller's start is.
+    let elsewhere = tree.configuration(&mut Random::new(99));
+    let moved = attempts(&tree.model, 7, 5, &elsewhere);
+    let bounded: Vec<usize> = (0..start.len())
+        .filter(|&c| tree.model.limits().nth(c).unwrap().upper.is_finite())
+        .collect();
+    for k in [2, 4] {
+        for &c in &bounded {
+            assert!((few[k][c] - moved[k][c]).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn the_lowest_success_wins() {
+    // Two elbow poses reach the target; which one depends on where an attempt starts.
+    let links = [1.0, 1.0];
+    let model = support::planar_arm(&links, Some((-3.0, 3.0)));
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [-0.5, 0.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let mut answers = Vec::new();
+    for seed in 0..12 {
+        let with = |attempts| {
+            let restarts = Restarts::default()
+                .with_seed(seed)
+                .with_attempts(attempts)
+                .with_agreeing(99);
+            let solver = Solver::default().with_restarts(restarts);
+            solver.solve_once(&problem, &[0.0, 0.0]).unwrap()
+        };
+        let full = with(32);
+        assert!(full.reached && full.attempts > 1);
+        // Nothing after the first success, and nothing before it succeeds.
+        let exact = with(full.attempts);
+        assert_eq!(exact.q, full.q);
+        assert_eq!(exact.attempts, full.attempts);
+        assert!(!with(full.attempts - 1).reached);
+        answers.push(full.q[1] > 0.0);
+    }
+    let up = answers.iter().filter(|&&a| a).count();
+    assert!(
+        up > 0 && up < answers.len(),
+        "the seed must matter: {answers:?}"
+    );
+}
+
+#[test]
+fn the_best_miss_is_returned() {
+    let tree = RandomTree::new(5, 10);
+    let start = tree.configuration(&mut Random::new(5));
+    let mut builder = Problem::builder(&tree.model);
+    builder.add(Point::new(tree.far_frame(), [9.0, 9.0, 9.0]));
+    builder.add(Task::new(Posture::new(&tree.model, &start)).preference());
+    let problem = builder.build().unwrap();
+    let mut last = f64::INFINITY;
+    for attempts in 1..8 {
+        let restarts = Restarts::default()
+            .with_attempts(attempts)
+            .with_agreeing(99);
+        let solver = Solver::default()
+            .with_stopping(Stopping::default().with_max_iterations(6))
+            .with_restarts(restarts);
+        let solution = solver.solve_once(&problem, &start).unwrap();
+        assert_eq!(solution.attempts, attempts);
+        assert!(solution.cost <= last);
+        last = solution.cost;
+    }
+}
+
+#[test]
+fn attempts_that_agree_on_a_miss_end_the_search() {
+    let model = support::planar_arm(&[1.0, 1.0], Some((-1.0, 1.0)));
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [5.0, 0.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let mut last = 1;
+    for agreeing in [1, 2, 5] {
+        let solver = Solver::default().with_restarts(Restarts::default().with_agreeing(agreeing));
+        let solution = solver.solve_once(&problem, &[0.3, 0.2]).unwrap();
+        // Quick attempts that stall say nothing; those that end do, and more are asked for.
+        assert!(solution.attempts >= last && solution.attempts < 32);
+        assert!((solution.q[0].hypot(solution.q[1])) < 1e-6, "stretched out");
+        last = solution.attempts;
+    }
+    let none = Solver::default().with_restarts(Restarts::none());
+    assert_eq!(none.solve_once(&problem, &[0.3, 0.2]).unwrap().attempts, 1);
+}
+
+#[test]
+fn what_no_task_feels_stays() {
+    // Two arms on one base; only the right one has a target, and one out of reach.
+    let rig = support::bones::RandomRig::new(11);
+    let model = rig.skeleton.model();
+    let tip = rig.tips[2];
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(rig.skeleton.tip(tip), [90.0, 80.0, 70.0]));
+    let problem = builder.build().unwrap();
+    let mut chain = Vec::new();
+    let mut bone = Some(tip);
+    while let Some(id) = bone {
+        chain.push(id);
+        bone = rig.skeleton.bones()[id.index()].parent;
+    }
+    let start = support::trees::configuration_of(model, &mut Random::new(4));
+    let solution = Solver::default().solve_once(&problem, &start).unwrap();
+    assert!(!solution.reached && solution.attempts > 4);
+    for (k, (q, from)) in solution.q.iter().zip(&start).enumerate() {
+        let felt = chain.iter().any(|id| id.index() == k / 3);
+        assert!(felt || q == from, "angle {k} moved from {from} to {q}");
+    }
+}

@@ -1,0 +1,138 @@
+//! Promise: a search ends for the reason it gives: time, cancellation, iterations, or success.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use kinopt::ik::Restarts;
+use kinopt::problem::Problem;
+use kinopt::solver::{Iteration, Stopping, Termination};
+use kinopt::task::{Point, Posture};
+use kinopt::{Solver, Workspace};
+use support::methods::solvers;
+use support::planar_arm;
+
+const START: [f64; 3] = [0.3, 0.2, 0.1];
+
+fn problem(target: [f64; 3]) -> Problem {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), target));
+    builder.build().unwrap()
+}
+
+#[test]
+fn a_time_limit_of_nothing_ends_at_once() {
+    for solver in solvers() {
+        let solver = solver.with_stopping(Stopping::default().with_time_limit(Duration::ZERO));
+        let solution = solver
+            .solve_once(&problem([0.2, 0.7, 0.0]), &START)
+            .unwrap();
+        assert_eq!(solution.termination, Termination::TimeLimit);
+        assert_eq!((solution.iterations, solution.attempts), (0, 1));
+        assert_eq!(solution.q, START);
+        assert!(!solution.reached);
+        assert!(solution.explain().contains("time limit"));
+    }
+}
+
+#[test]
+fn a_time_limit_without_end_is_none() {
+    for limit in [Duration::from_secs(3600), Duration::MAX] {
+        let solver = Solver::default().with_stopping(Stopping::default().with_time_limit(limit));
+        let solution = solver
+            .solve_once(&problem([0.2, 0.7, 0.0]), &START)
+            .unwrap();
+        assert_eq!(solution.termination, Termination::Reached);
+    }
+}
+
+#[test]
+fn an_observer_cancels() {
+    for solver in solvers() {
+        for after in [0, 2] {
+            let mut seen = Vec::new();
+            let mut watch = |iteration: &Iteration<'_>| {
+                seen.push((iteration.index, iteration.cost));
+                if iteration.index == after {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            };
+            let mut workspace = Workspace::new();
+            let far = problem([0.2, 0.7, 0.0]);
+            let solution = solver
+                .solve_observed(&far, &START, &mut workspace, &mut watch)
+                .unwrap();
+            assert_eq!(
+                solution.termination,
+                Termination::Cancelled,
+                "{}",
+                solver.method()
+            );
+            assert_eq!((solution.iterations, solution.attempts), (after, 1));
+            assert!(solution.explain().contains("observer"));
+            let indices: Vec<usize> = seen.iter().map(|s| s.0).collect();
+            assert_eq!(indices, (0..=after).collect::<Vec<_>>());
+            let lowest = seen.iter().fold(f64::INFINITY, |m, s| m.min(s.1));
+            assert_eq!(solution.cost, lowest, "the best seen is returned");
+        }
+    }
+}
+
+#[test]
+fn the_iteration_limit_counts_each_attempt() {
+    for solver in solvers() {
+        let solver = solver
+            .with_stopping(Stopping::default().with_max_iterations(1))
+            .with_restarts(Restarts::default().with_attempts(4));
+        let solution = solver
+            .solve_once(&problem([-0.3, -0.9, 0.0]), &START)
+            .unwrap();
+        assert!(!solution.reached);
+        assert_eq!(solution.termination, Termination::IterationLimit);
+        assert_eq!((solution.iterations, solution.attempts), (4, 4));
+    }
+}
+
+#[test]
+fn success_at_the_start_costs_no_step() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
+    let at = support::planar_tip(&[0.5, 0.4, 0.3], &START);
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), at));
+    let problem = builder.build().unwrap();
+    for solver in solvers() {
+        let solution = solver.solve_once(&problem, &START).unwrap();
+        assert_eq!(solution.termination, Termination::Reached);
+        assert_eq!((solution.iterations, solution.attempts), (0, 1));
+        assert_eq!(solution.q, START);
+        assert!(solution.reached);
+    }
+}
+
+#[test]
+fn preferences_do_not_search_until_the_limit() {
+    // Goals are met and the pull has found its minimum: that is an end, not a lack of patience.
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [0.6, 0.6, 0.0]));
+    builder.add(Posture::new(&model, &[0.0; 3]));
+    builder.tolerance(kinopt::task::Quantity::Metres, 10.0);
+    let problem = builder.build().unwrap();
+    for solver in solvers() {
+        // The source's descent zigzags for longer than anyone would wait.
+        if solver.method() == "projected-gradient" {
+            continue;
+        }
+        let solution = solver.solve_once(&problem, &START).unwrap();
+        assert!(solution.reached);
+        let settled = [Termination::Stationary, Termination::SmallStep];
+        assert!(
+            settled.contains(&solution.termination),
+            "{}: {solution:?}",
+            solver.method()
+        );
+    }
+}

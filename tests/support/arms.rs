@@ -1,0 +1,114 @@
+//! Arms for tests, and forward kinematics by nalgebra, joint by joint from the model's numbers.
+
+use kinopt::arm::Arm;
+use kinopt::model::{JointKind, Model};
+use kinopt::robot::Robot;
+use kinopt::spatial::Placement;
+use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+
+/// SplitMix64: reproducible numbers with no dependency.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 * 0.5f64.powi(53)
+    }
+
+    /// Within the limits; unbounded joints within half a turn of zero.
+    pub fn configuration(&mut self, arm: &Arm) -> Vec<f64> {
+        let pi = std::f64::consts::PI;
+        let ends: Vec<_> = arm
+            .limits()
+            .map(|l| {
+                let end = |v: f64, other: f64| if v.is_finite() { v } else { other };
+                (end(l.lower, -pi), end(l.upper, pi))
+            })
+            .collect();
+        ends.iter()
+            .map(|(l, u)| l + self.unit() * (u - l))
+            .collect()
+    }
+}
+
+/// How many cases of something: fewer in a debug build, and as many as `KINOPT_CASES` asks for.
+pub fn cases(release: usize, debug: usize) -> usize {
+    let asked = std::env::var("KINOPT_CASES").ok();
+    let usual = if cfg!(debug_assertions) {
+        debug
+    } else {
+        release
+    };
+    asked.map_or(usual, |count| count.parse().unwrap())
+}
+
+pub fn robot(name: &str) -> Robot {
+    Robot::read(format!("models/{name}.urdf")).unwrap()
+}
+
+/// world_from_frame at a configuration of the whole model.
+pub fn frame(model: &Model, q: &[f64], name: &str) -> Isometry3<f64> {
+    let mut world: Vec<Isometry3<f64>> = Vec::new();
+    for id in model.joint_ids() {
+        let joint = &model.joints()[id.index()];
+        let value = model.coordinate(id).map_or(0.0, |c| q[c]);
+        let axis = Vector3::from(joint.axis);
+        let motion = match joint.kind {
+            JointKind::Fixed => Isometry3::identity(),
+            JointKind::Prismatic => {
+                Isometry3::from_parts(Translation3::from(axis * value), UnitQuaternion::identity())
+            }
+            _ => Isometry3::from_parts(
+                Translation3::identity(),
+                UnitQuaternion::from_axis_angle(&Unit::new_normalize(axis), value),
+            ),
+        };
+        let parent = joint
+            .parent
+            .map_or(Isometry3::identity(), |p| world[p.index()]);
+        world.push(parent * Isometry3::from(&joint.parent_from_joint) * motion);
+    }
+    let frame = &model.frames()[model.frame(name).unwrap().index()];
+    let joint = frame
+        .joint
+        .map_or(Isometry3::identity(), |j| world[j.index()]);
+    joint * Isometry3::from(&frame.joint_from_frame)
+}
+
+/// base_from_tip by the whole model's kinematics at the arm's joints, the rest at neutral.
+pub fn base_from_tip(model: &Model, arm: &Arm, q: &[f64], base: &str, tip: &str) -> Isometry3<f64> {
+    let mut all = model.neutral();
+    arm.configuration(q, &mut all).unwrap();
+    frame(model, &all, base).inverse() * frame(model, &all, tip)
+}
+
+/// Distance (m) and angle (rad) between two placements.
+pub fn apart(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
+    let distance = (a.translation.vector - b.translation.vector).norm();
+    (distance, a.rotation.angle_to(&b.rotation))
+}
+
+/// Whether every value lies within its limits, bit for bit.
+pub fn within_limits(arm: &Arm, q: &[f64]) -> bool {
+    arm.limits()
+        .zip(q)
+        .all(|(l, v)| l.lower <= *v && *v <= l.upper)
+}
+
+pub fn placement(isometry: &Isometry3<f64>) -> Placement<f64> {
+    Placement::from(isometry)
+}
+
+pub fn panda() -> (Robot, &'static str, &'static str) {
+    (robot("franka_panda"), "base", "flange")
+}
+
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b) * (a - b))
+        .sum::<f64>()
+        .sqrt()
+}

@@ -1,0 +1,88 @@
+//! What the tests share: random models with an evaluation of their own, written with nalgebra alone,
+//! so that no promise is judged by the code that it is about; files put together by hand.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "only tests use it"
+)]
+
+pub mod armatures;
+pub mod arms;
+pub mod bones;
+pub mod classics;
+pub mod gltf_text;
+pub mod lane_chains;
+pub mod limbs;
+pub mod maps;
+pub mod methods;
+pub mod random;
+pub mod skins;
+pub mod small_rig;
+pub mod state_machines;
+pub mod tasks;
+pub mod trees;
+pub mod urdf_matrices;
+
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra as na;
+
+/// A rigid motion of the independent evaluation.
+pub type Rigid = na::IsometryMatrix3<f64>;
+
+/// The same rigid motion as the library takes it, bit for bit.
+pub fn placement(rigid: &Rigid) -> Placement<f64> {
+    Placement::new(
+        rigid.rotation.into_inner().into(),
+        rigid.translation.vector.into(),
+    )
+}
+
+pub fn rigid(rotation: na::Rotation3<f64>, translation: na::Vector3<f64>) -> Rigid {
+    Rigid::from_parts(na::Translation3::from(translation), rotation)
+}
+
+/// The largest difference between two placements, entry by entry.
+pub fn apart(ours: &Placement<f64>, theirs: &Rigid) -> f64 {
+    let rotation: na::Matrix3<f64> = ours.rotation.into();
+    let translation: na::Vector3<f64> = ours.translation.into();
+    let turned = (rotation - theirs.rotation.matrix()).amax();
+    turned.max((translation - theirs.translation.vector).amax())
+}
+
+pub fn vector(v: na::Vector3<f64>) -> Vector3<f64> {
+    v.into()
+}
+
+/// A planar arm in the xy plane: links along x, joints about z, a frame `tip` at the end.
+pub fn planar_arm(links: &[f64], limits: Option<(f64, f64)>) -> kinopt::Model {
+    use kinopt::model::{Limits, Model};
+    let mut builder = Model::builder("planar arm");
+    let about_z = Vector3::new(0.0, 0.0, 1.0);
+    let along_x = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
+    let (mut parent, mut offset) = (None, Placement::identity());
+    for (k, &link) in links.iter().enumerate() {
+        let name = format!("joint {k}");
+        parent = Some(match limits {
+            Some((lower, upper)) => {
+                builder.revolute(name, parent, offset, about_z, Limits::new(lower, upper))
+            }
+            None => builder.continuous(name, parent, offset, about_z),
+        });
+        offset = along_x(link);
+    }
+    builder.frame("tip", parent, offset);
+    builder.build().unwrap()
+}
+
+/// Where the tip of a planar arm is.
+pub fn planar_tip(links: &[f64], q: &[f64]) -> na::Vector3<f64> {
+    let mut angle = 0.0;
+    let mut tip = na::Vector3::zeros();
+    for (link, turn) in links.iter().zip(q) {
+        angle += turn;
+        tip += na::Vector3::new(f64::cos(angle), f64::sin(angle), 0.0) * *link;
+    }
+    tip
+}

@@ -1,0 +1,486 @@
+//! Promise: what is wrong with a model, a map, a problem, a skeleton or a start is an error that
+//! names the culprit, and for names the valid ones.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fmt::Display;
+
+use kinopt::model::{FrameId, JointId, Limits, Model, ModelBuilder, ParameterMap};
+use kinopt::problem::{Problem, ProblemBuilder};
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::{
+    Camera, Distance, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture, Quantity, Ray,
+    Residual, Smoothness, Task,
+};
+use kinopt::{Solver, Workspace};
+
+const NAN: f64 = f64::NAN;
+const Z: Vector3<f64> = Vector3::<f64>::UNITS[2];
+
+fn names<T, E: Display>(result: Result<T, E>, parts: &[&str]) {
+    let message = match result {
+        Ok(_) => panic!("was accepted; it should speak of {parts:?}"),
+        Err(error) => error.to_string(),
+    };
+    for part in parts {
+        assert!(message.contains(part), "no `{part}` in: {message}");
+    }
+}
+
+fn still() -> Placement<f64> {
+    Placement::identity()
+}
+
+fn stretched() -> Placement<f64> {
+    let mut placement = still();
+    placement.rotation.x.x = 1.1;
+    placement
+}
+
+fn mirror() -> Placement<f64> {
+    let mut placement = still();
+    placement.rotation.z.z = -1.0;
+    placement
+}
+
+/// A model of one joint `elbow` with a frame `hand`, changed by `edit` before it is built.
+fn model_with(edit: impl FnOnce(&mut ModelBuilder, JointId)) -> Result<Model, impl Display> {
+    let mut builder = Model::builder("arm");
+    let elbow = builder.revolute("elbow", None, still(), Z, Limits::new(-1.0, 2.0));
+    builder.frame("hand", Some(elbow), still());
+    edit(&mut builder, elbow);
+    builder.build()
+}
+
+/// An id that a model of fewer joints does not have.
+fn foreign_joint() -> JointId {
+    let mut builder = Model::builder("other");
+    (0..50)
+        .map(|k| builder.fixed(format!("{k}"), None, still()))
+        .last()
+        .unwrap()
+}
+
+fn foreign_frame() -> FrameId {
+    let mut builder = Model::builder("other");
+    (0..50)
+        .map(|k| builder.frame(format!("{k}"), None, still()))
+        .last()
+        .unwrap()
+}
+
+#[test]
+fn models() {
+    names(
+        model_with(|b, _| {
+            b.fixed("elbow", None, still());
+        }),
+        &["joint", "`elbow`", "twice"],
+    );
+    names(
+        model_with(|b, _| {
+            b.frame("hand", None, still());
+        }),
+        &["frame", "`hand`", "twice"],
+    );
+    names(
+        model_with(|b, _| {
+            b.fixed("lost", Some(foreign_joint()), still());
+        }),
+        &["joint", "`lost`"],
+    );
+    names(
+        model_with(|b, _| {
+            b.frame("lost", Some(foreign_joint()), still());
+        }),
+        &["frame", "`lost`"],
+    );
+    for (lower, upper) in [
+        (1.0, -1.0),
+        (NAN, 1.0),
+        (0.0, NAN),
+        (f64::INFINITY, f64::INFINITY),
+    ] {
+        names(
+            model_with(|b, e| {
+                b.prismatic("slide", Some(e), still(), Z, Limits::new(lower, upper));
+            }),
+            &["`slide`", "limits", &lower.to_string(), &upper.to_string()],
+        );
+    }
+    for axis in [
+        [0.0; 3],
+        [NAN, 0.0, 1.0],
+        [f64::INFINITY, 0.0, 0.0],
+        [1.0, NAN, 0.0],
+    ] {
+        names(
+            model_with(|b, e| {
+                b.continuous("wheel", Some(e), still(), axis.into());
+            }),
+            &["`wheel`", "axis"],
+        );
+    }
+    let nowhere = Placement::translation(Vector3::new(NAN, 0.0, 0.0));
+    let wrong = [
+        (stretched(), "orthonormal"),
+        (mirror(), "mirrors"),
+        (nowhere, "finite"),
+    ];
+    for (placement, problem) in wrong {
+        names(
+            model_with(|b, e| {
+                b.fixed("bent", Some(e), placement);
+            }),
+            &["joint", "`bent`", problem],
+        );
+        names(
+            model_with(|b, e| {
+                b.frame("bent", Some(e), placement);
+            }),
+            &["frame", "`bent`", problem],
+        );
+    }
+    names(
+        model_with(|b, e| b.configuration_order(vec![e, e])),
+        &["order", "2", "1"],
+    );
+    let axis = [3e-200, 0.0, 0.0];
+    let tiny = model_with(|b, e| {
+        b.continuous("wheel", Some(e), still(), axis.into());
+    });
+    let Ok(tiny) = tiny else {
+        panic!("an axis of any length has a direction")
+    };
+    assert_eq!(tiny.joints()[1].axis.to_array(), [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn names_that_are_not_there() {
+    let Ok(model) = model_with(|_, _| ()) else {
+        panic!()
+    };
+    names(model.joint("knee"), &["joint", "`knee`", "elbow"]);
+    names(model.frame("foot"), &["frame", "`foot`", "hand"]);
+    let rig = support::bones::RandomRig::new(1);
+    names(
+        rig.skeleton.bone("tail"),
+        &["bone", "`tail`", "bone/0", "bone/18"],
+    );
+}
+
+/// elbow [−1, 2], wrist [0, 0.5], and a joint that is fixed.
+fn arm() -> (Model, [JointId; 3], FrameId) {
+    let mut builder = Model::builder("arm");
+    let elbow = builder.revolute("elbow", None, still(), Z, Limits::new(-1.0, 2.0));
+    let wrist = builder.revolute("wrist", Some(elbow), still(), Z, Limits::new(0.0, 0.5));
+    let weld = builder.fixed("weld", Some(wrist), still());
+    let hand = builder.frame(
+        "hand",
+        Some(weld),
+        Placement::translation(Vector3::UNITS[0]),
+    );
+    (builder.build().unwrap(), [elbow, wrist, weld], hand)
+}
+
+#[test]
+fn parameter_maps() {
+    let (model, [elbow, wrist, weld], _) = arm();
+    let map = || ParameterMap::builder(&model);
+    names(
+        map().lock(weld, 0.0).build(),
+        &["`weld`", "fixed", "locked"],
+    );
+    names(
+        map().couple(weld, elbow, 1.0, 0.0).build(),
+        &["`weld`", "coupled"],
+    );
+    names(
+        map().couple(elbow, weld, 1.0, 0.0).build(),
+        &["`weld`", "followed"],
+    );
+    names(map().only(&[weld], &[]).build(), &["`weld`", "freed"]);
+    names(map().lock(foreign_joint(), 0.0).build(), &["`arm`"]);
+    names(map().lock(wrist, 0.7).build(), &["`wrist`", "0.7", "0.5"]);
+    names(map().lock(wrist, NAN).build(), &["`wrist`", "NaN"]);
+    names(
+        map().couple(wrist, elbow, NAN, 0.0).build(),
+        &["`wrist`", "ratio"],
+    );
+    names(
+        map().couple(wrist, elbow, 1.0, f64::INFINITY).build(),
+        &["`wrist`", "offset"],
+    );
+    names(
+        map().couple(elbow, elbow, 1.0, 0.0).build(),
+        &["`elbow`", "follows itself"],
+    );
+    names(
+        map()
+            .couple(elbow, wrist, 1.0, 0.0)
+            .couple(wrist, elbow, 1.0, 0.0)
+            .build(),
+        &["follows itself"],
+    );
+    names(
+        map().couple(wrist, elbow, 1.0, 9.0).build(),
+        &["`elbow`", "no value"],
+    );
+    names(
+        map().couple(wrist, elbow, 0.0, 9.0).build(),
+        &["`elbow`", "no value"],
+    );
+    names(
+        map()
+            .couple(wrist, elbow, 1.0, 0.0)
+            .lock(elbow, 1.5)
+            .build(),
+        &["`wrist`", "1.5"],
+    );
+}
+
+fn problem<R: Residual>(task: impl Into<Task<R>>) -> Result<Problem, impl Display> {
+    let (model, _, _) = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(task);
+    builder.build()
+}
+
+#[test]
+fn problems() {
+    let (model, [elbow, wrist, weld], hand) = arm();
+    let with = |edit: &dyn Fn(&mut ProblemBuilder<'_>)| {
+        let mut builder = Problem::builder(&model);
+        builder.add(Task::new(Point::new(hand, [0.0; 3])).named("reach"));
+        edit(&mut builder);
+        builder.build()
+    };
+    names(Problem::builder(&model).build(), &["no task", "`arm`"]);
+    let locked = ParameterMap::builder(&model)
+        .only(&[], &[])
+        .build()
+        .unwrap();
+    names(
+        with(&|b| {
+            b.parameters(locked.clone());
+        }),
+        &["no free joint", "`arm`"],
+    );
+    let other = support::planar_arm(&[1.0; 4], None);
+    names(
+        with(&|b| {
+            b.parameters(ParameterMap::free(&other));
+        }),
+        &["`arm`", "4", "2"],
+    );
+    names(
+        problem(Point::new(foreign_frame(), [0.0; 3])),
+        &["frame", "`arm`"],
+    );
+    names(
+        problem(Posture::of_joints([(weld, 0.0)])),
+        &["moving joint", "`arm`"],
+    );
+    let reach = || Task::new(Point::new(hand, [0.0; 3])).named("reach");
+    for weight in [-1.0, NAN, f64::INFINITY] {
+        names(
+            problem(reach().weight(Quantity::Metres, weight)),
+            &["reach", "weight", "metres"],
+        );
+    }
+    for tolerance in [-1.0, NAN] {
+        names(
+            problem(reach().tolerance(Quantity::Metres, tolerance)),
+            &["reach", "tolerance", "metres"],
+        );
+        names(
+            with(&|b| {
+                b.tolerance(Quantity::Metres, tolerance);
+            }),
+            &["reach", "tolerance"],
+        );
+    }
+    names(
+        problem(reach().weight(Quantity::Pixels, 1.0)),
+        &["reach", "no rows", "pixels"],
+    );
+    let bad_bounds = [
+        (elbow, 3.0, 4.0, "`elbow`"),
+        (elbow, NAN, 1.0, "`elbow`"),
+        (elbow, 1.0, NAN, "`elbow`"),
+        (elbow, 1.0, 0.0, "`elbow`"),
+        (wrist, -2.0, -1.0, "`wrist`"),
+        (weld, 1.0, 2.0, "`weld`"),
+        (foreign_joint(), 0.0, 1.0, "`arm`"),
+    ];
+    for (joint, lower, upper, name) in bad_bounds {
+        names(
+            with(&|b| {
+                b.bound(joint, Limits::new(lower, upper));
+            }),
+            &[name, "bounds"],
+        );
+    }
+    let coupled = ParameterMap::builder(&model).couple(wrist, elbow, 0.1, 0.1);
+    let coupled = coupled.build().unwrap();
+    names(
+        with(&|b| {
+            b.parameters(coupled.clone());
+            b.bound(wrist, Limits::new(0.45, 0.5));
+        }),
+        &["`wrist`", "bounds"],
+    );
+}
+
+#[test]
+fn tasks() {
+    let (model, [elbow, ..], hand) = arm();
+    let here = [0.0; 3];
+    let camera = |entry: f64| Camera {
+        pixel_from_world: [[entry; 4]; 3],
+    };
+    let bent: Matrix3<f64> = stretched().rotation;
+    names(
+        problem(Point::new(hand, [NAN, 0.0, 0.0])),
+        &["point of `hand`", "target", "NaN"],
+    );
+    names(
+        problem(Point::new(hand, here).at([0.0, NAN, 0.0])),
+        &["offset"],
+    );
+    names(
+        problem(Ray::new(hand, here, here)),
+        &["ray of `hand`", "coincide"],
+    );
+    names(
+        problem(Ray::new(hand, [NAN; 3], here)),
+        &["ray of `hand`", "NaN"],
+    );
+    names(
+        problem(Pixel::new(hand, camera(1.0), [NAN, 0.0])),
+        &["pixel"],
+    );
+    names(
+        problem(Pixel::new(hand, camera(NAN), [0.0, 0.0])),
+        &["camera"],
+    );
+    names(
+        problem(Orientation::new(hand, bent)),
+        &["orientation of `hand`", "orthonormal"],
+    );
+    names(
+        problem(Pose::new(hand, stretched())),
+        &["pose of `hand`", "orthonormal"],
+    );
+    names(problem(Pose::new(hand, mirror())), &["mirrors"]);
+    names(
+        problem(LookAt::new(hand, here, [1.0; 3])),
+        &["look-at", "axis"],
+    );
+    names(
+        problem(LookAt::new(hand, [1.0; 3], [NAN; 3])),
+        &["look-at", "target"],
+    );
+    names(problem(Plane::new(hand, here, here)), &["plane", "normal"]);
+    names(
+        problem(Distance::new(hand, hand, -1.0)),
+        &["distance", "negative"],
+    );
+    names(
+        problem(Distance::new(hand, hand, NAN)),
+        &["distance", "NaN"],
+    );
+    names(
+        problem(Posture::of_joints([(elbow, NAN)])),
+        &["posture", "NaN"],
+    );
+    names(
+        problem(Smoothness::new(&model, &[0.0; 2], 0.0)),
+        &["smoothness", "time step"],
+    );
+    names(
+        problem(Smoothness::new(&model, &[NAN; 2], 0.1)),
+        &["smoothness", "NaN"],
+    );
+}
+
+#[test]
+fn skeletons() {
+    let bone = |name: &str| Bone {
+        name: name.to_owned(),
+        parent: None,
+        length: 1.0,
+        model_from_rest: still(),
+        limits: [Limits::new(-1.0, 1.0); 3],
+    };
+    let build = |bones: Vec<Bone>| Skeleton::new("rig", bones);
+    let rig = support::bones::RandomRig::new(1);
+    let later = rig.skeleton.bone_at(5);
+    names(
+        build(vec![
+            bone("a"),
+            Bone {
+                parent: later,
+                ..bone("b")
+            },
+        ]),
+        &["`b`", "parent"],
+    );
+    let own = rig.skeleton.bone_at(0);
+    names(
+        build(vec![Bone {
+            parent: own,
+            ..bone("a")
+        }]),
+        &["`a`", "parent"],
+    );
+    for length in [-1.0, NAN, f64::INFINITY] {
+        names(
+            build(vec![Bone {
+                length,
+                ..bone("a")
+            }]),
+            &["`a`", "length"],
+        );
+    }
+    for (k, angle) in ["first twist", "bend", "second twist"]
+        .into_iter()
+        .enumerate()
+    {
+        let mut wrong = bone("a");
+        wrong.limits[k] = Limits::new(1.0, -1.0);
+        names(build(vec![wrong]), &["`a`", angle, "[1, -1]"]);
+    }
+    for (rest, problem) in [(stretched(), "orthonormal"), (mirror(), "mirrors")] {
+        let wrong = Bone {
+            model_from_rest: rest,
+            ..bone("a")
+        };
+        names(build(vec![wrong]), &["`a`", "rest", problem]);
+    }
+    names(build(vec![bone("a"), bone("a")]), &["`a`", "twice"]);
+    // A bone may not take the name of another bone's tip.
+    names(build(vec![bone("a"), bone("a/tip")]), &["`a/tip`", "twice"]);
+}
+
+#[test]
+fn starts() {
+    let (model, _, hand) = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(hand, [0.0; 3]));
+    let problem = builder.build().unwrap();
+    let solver = Solver::default();
+    let mut workspace = Workspace::new();
+    names(
+        solver.solve(&problem, &[0.0], &mut workspace),
+        &["`arm`", "1", "2"],
+    );
+    names(
+        solver.solve(&problem, &[0.0; 3], &mut workspace),
+        &["3", "2"],
+    );
+    names(
+        solver.solve(&problem, &[0.0, NAN], &mut workspace),
+        &["`wrist`", "NaN"],
+    );
+}

@@ -1,0 +1,235 @@
+//! Promise: slices of the wrong length, ids beyond a model's own and indices beyond a residual's
+//! own are answered with NaN, nothing or a named end, never with a panic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::model::{FrameId, Limits, Model, ModelError, ParameterMap};
+use kinopt::problem::{Evaluation, Problem};
+use kinopt::scalar::Scalar;
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::solver::{LeastSquares, Memory, Outcome, Silent, Stopping, Termination, minimise};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{LocalJacobian, Point, Quantity, Residual, Rows};
+use nalgebra::DMatrix;
+use support::methods::methods;
+use support::planar_arm;
+
+fn problem() -> Problem {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-1.0, 1.0)));
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [0.6, 0.4, 0.0]));
+    builder.build().unwrap()
+}
+
+#[test]
+fn parameter_maps_give_nan_for_what_is_missing() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], None);
+    let map = ParameterMap::identity(&model);
+    let mut q = [7.0; 3];
+    map.expand(&[1.0], &mut q);
+    assert_eq!(q[0], 1.0);
+    assert!(q[1].is_nan() && q[2].is_nan());
+    let mut x = [7.0; 3];
+    map.reduce(&[1.0, 2.0], &mut x);
+    assert_eq!(x[..2], [1.0, 2.0]);
+    assert!(x[2].is_nan());
+    map.expand_within_limits(&[], &mut q);
+    map.reduce(&[], &mut [0.0; 9]);
+}
+
+#[test]
+fn evaluations_of_wrong_shapes_are_nan() {
+    let problem = problem();
+    // Memory of another problem is no memory of this one.
+    let mut scratch = self::problem().scratch();
+    let mut evaluation = Evaluation::new(&problem, &mut scratch);
+    let mut r = [0.0; 3];
+    evaluation.residual(&[0.1, 0.2, 0.3], &mut r);
+    assert!(r.iter().all(|v| v.is_finite()));
+    for x in [&[][..], &[0.1, 0.2], &[0.1; 4]] {
+        evaluation.residual(x, &mut r);
+        assert!(r.iter().all(|v| v.is_nan()));
+        let mut jacobian = DMatrix::zeros(3, 3);
+        evaluation.jacobian(x, &mut jacobian);
+        assert!(jacobian.iter().all(|v| v.is_nan()));
+        let mut gradient = [0.0; 3];
+        evaluation.gradient(x, &[0.0; 3], &mut gradient, &mut jacobian);
+        assert!(gradient.iter().all(|v| v.is_nan()));
+    }
+    evaluation.residual(&[0.1; 3], &mut [0.0; 2]);
+    evaluation.jacobian(&[0.1; 3], &mut DMatrix::zeros(2, 3));
+    assert!(!problem.is_reached(&[]) && !problem.is_reached(&[0.0; 2]));
+    assert!(problem.is_reached(&[0.0; 3]));
+}
+
+/// r(x) = x − 2 with bounds of any lengths.
+struct Shifted {
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+}
+
+impl LeastSquares for Shifted {
+    fn variables(&self) -> usize {
+        2
+    }
+    fn rows(&self) -> usize {
+        2
+    }
+    fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+    fn upper(&self) -> &[f64] {
+        &self.upper
+    }
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        for (r, x) in residual.iter_mut().zip(x) {
+            *r = x - 2.0;
+        }
+    }
+    fn jacobian(&mut self, _x: &[f64], jacobian: &mut DMatrix<f64>) {
+        jacobian.fill_with_identity();
+    }
+}
+
+fn search(lower: &[f64], upper: &[f64], start: &[f64]) -> Vec<(Outcome, Vec<f64>)> {
+    let mut ends = Vec::new();
+    for method in methods() {
+        let mut problem = Shifted {
+            lower: lower.to_vec(),
+            upper: upper.to_vec(),
+        };
+        let mut memory = Memory::default();
+        let stopping = Stopping::default();
+        let outcome = minimise(
+            &mut problem,
+            &*method,
+            start,
+            &stopping,
+            &mut Silent,
+            &mut memory,
+        );
+        ends.push((outcome, memory.x().to_vec()));
+    }
+    ends
+}
+
+#[test]
+fn searches_of_wrong_shapes_end_at_once() {
+    let (low, high) = ([1.0, -5.0], [5.0, 5.0]);
+    for start in [
+        &[][..],
+        &[3.0],
+        &[3.0; 3],
+        &[f64::NAN, 9.0],
+        &[3.0, f64::INFINITY],
+    ] {
+        for (outcome, x) in search(&low, &high, start) {
+            assert_eq!(outcome.termination, Termination::NonFinite);
+            assert_eq!(x.len(), 2);
+            for j in 0..2 {
+                assert!(low[j] <= x[j] && x[j] <= high[j], "{x:?}");
+            }
+        }
+    }
+    for (lower, upper) in [(&low[..1], &high[..]), (&low[..], &high[..0])] {
+        for (outcome, x) in search(lower, upper, &[3.0, 3.0]) {
+            assert_eq!(outcome.termination, Termination::NonFinite);
+            assert_eq!(x.len(), 2);
+        }
+    }
+    for (outcome, x) in search(&low, &high, &[3.0, 3.0]) {
+        assert_ne!(outcome.termination, Termination::NonFinite);
+        assert!(x.iter().all(|v| (v - 2.0).abs() < 1e-6), "{x:?}");
+    }
+}
+
+/// Writes derivatives for frames and joints that it does not read.
+struct Careless(FrameId);
+
+impl Residual for Careless {
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.0]
+    }
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
+        r[0] = frames[0].translation.x;
+    }
+    fn differentiate(
+        &self,
+        _frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        for index in [1, 7, usize::MAX] {
+            assert!(jacobian.linear_mut(index).is_empty());
+            assert!(jacobian.angular_mut(index).is_empty());
+            assert!(jacobian.joint_mut(index).is_empty());
+            assert!(jacobian.linear(index).is_empty() && jacobian.angular(index).is_empty());
+        }
+        jacobian.linear_mut(0)[0] = Vector3::new(1.0, 0.0, 0.0);
+        true
+    }
+}
+
+#[test]
+fn derivatives_of_what_is_not_read_have_no_room() {
+    let model = planar_arm(&[0.5, 0.4], None);
+    let mut builder = Problem::builder(&model);
+    builder.add(Careless(model.frame("tip").unwrap()));
+    let problem = builder.build().unwrap();
+    let mut jacobian = DMatrix::zeros(1, 2);
+    Evaluation::new(&problem, &mut problem.scratch()).jacobian(&[0.3, 0.4], &mut jacobian);
+    let height = |a: f64| -a.sin();
+    assert!((jacobian[(0, 1)] - 0.4 * height(0.7)).abs() < 1e-14);
+}
+
+#[test]
+fn bones_of_another_skeleton_are_nowhere() {
+    let bone = |name: &str, parent| Bone {
+        name: name.to_owned(),
+        parent,
+        length: 1.0,
+        model_from_rest: Placement::identity(),
+        limits: [Limits::UNBOUNDED; 3],
+    };
+    let one = Skeleton::new("one", vec![bone("a", None)]).unwrap();
+    let two = Skeleton::new("two", vec![bone("a", None), bone("b", None)]).unwrap();
+    let foreign = two.bone("b").unwrap();
+    let pose = one.pose(&[0.0; 3]);
+    assert!(pose.tail(foreign).x.is_nan() && pose.tip(&one, foreign).x.is_nan());
+    assert!(pose.tip(&two, foreign).x.is_nan());
+}
+
+#[test]
+fn ratios_that_overflow_along_a_chain_are_named() {
+    let mut builder = Model::builder("chain");
+    let axis = Vector3::new(0.0, 0.0, 1.0);
+    let mut joint = |name: &str| builder.continuous(name, None, Placement::identity(), axis);
+    let [a, b, c] = ["a", "b", "c"].map(&mut joint);
+    let model = builder.build().unwrap();
+    let map = ParameterMap::builder(&model)
+        .couple(b, a, 1e200, 0.0)
+        .couple(c, b, 1e200, 0.0)
+        .build();
+    assert!(
+        matches!(map, Err(ModelError::NotFinite { ref joint, .. }) if joint == "c"),
+        "{map:?}"
+    );
+}
+
+#[test]
+fn a_fixed_joint_needs_no_axis() {
+    use kinopt::model::{Joint, JointKind};
+    let mut builder = Model::builder("fixed");
+    builder.joint(Joint {
+        name: "weld".to_owned(),
+        parent: None,
+        parent_from_joint: Placement::identity(),
+        kind: JointKind::Fixed,
+        axis: Vector3::zero(),
+        limits: Limits::new(0.0, 0.0),
+    });
+    assert!(builder.build().is_ok());
+}

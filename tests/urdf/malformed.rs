@@ -1,0 +1,477 @@
+//! Every defect of a URDF file is an error that names the file, the line, the element and the
+//! problem; none becomes a silent default.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::model::ModelError;
+use kinopt::robot::{Fault, Robot, UrdfError};
+
+/// A sound robot of two joints, to be damaged.
+const SOUND: &str = r#"<?xml version="1.0"?>
+<robot name="two">
+  <link name="base"/>
+  <link name="upper"/>
+  <link name="fore"/>
+  <joint name="shoulder" type="revolute">
+    <origin xyz="0 0 0.5" rpy="0 0.1 0"/>
+    <parent link="base"/>
+    <child link="upper"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-1" upper="2" velocity="1" effort="10"/>
+  </joint>
+  <joint name="elbow" type="prismatic">
+    <origin xyz="0 0 0.4" rpy="0 0 0"/>
+    <parent link="upper"/>
+    <child link="fore"/>
+    <axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.3" velocity="1" effort="10"/>
+  </joint>
+</robot>
+"#;
+
+fn parse(text: &str) -> Result<Robot, UrdfError> {
+    Robot::parse(text, "two.urdf")
+}
+
+/// The sound robot with one passage exchanged, which must be there.
+fn damaged(from: &str, to: &str) -> String {
+    assert!(SOUND.contains(from), "{from}");
+    SOUND.replacen(from, to, 1)
+}
+
+#[test]
+fn the_undamaged_robot_is_read() {
+    assert_eq!(parse(SOUND).unwrap().model().degrees_of_freedom(), 2);
+}
+
+/// What is exchanged, by what, and the whole message.
+const DEFECTS: &[(&str, &str, &str)] = &[
+    // Limits.
+    (
+        r#"<limit lower="-1" upper="2" velocity="1" effort="10"/>"#,
+        "",
+        "two.urdf:6: joint `shoulder`: a revolute joint needs <limit> with `lower` and `upper`; one that turns without end is `continuous`",
+    ),
+    (
+        r#"<limit lower="0" upper="0.3" velocity="1" effort="10"/>"#,
+        r#"<limit velocity="1" effort="10"/>"#,
+        "two.urdf:18: joint `elbow`, <limit>: a prismatic joint needs <limit> with `lower` and `upper`",
+    ),
+    (
+        r#" upper="2""#,
+        "",
+        "two.urdf:11: joint `shoulder`, <limit>: `upper` is missing, and a revolute joint needs both limits; if zero is meant, write it",
+    ),
+    (
+        r#"lower="0" upper"#,
+        "upper",
+        "two.urdf:18: joint `elbow`, <limit>: `lower` is missing, and a prismatic joint needs both limits; if zero is meant, write it",
+    ),
+    (
+        r#"upper="2""#,
+        r#"upper="-1.5""#,
+        "two.urdf:11: joint `shoulder`, <limit>: lower limit -1 is above upper limit -1.5",
+    ),
+    (
+        r#"upper="2""#,
+        r#"upper="inf""#,
+        "two.urdf:11: joint `shoulder`, <limit>: attribute `upper` must be 1 finite number(s), not `inf`",
+    ),
+    (
+        r#"lower="-1""#,
+        r#"lower="NaN""#,
+        "two.urdf:11: joint `shoulder`, <limit>: attribute `lower` must be 1 finite number(s), not `NaN`",
+    ),
+    (
+        r#"upper="2""#,
+        r#"uper="2""#,
+        "two.urdf:11: joint `shoulder`, <limit>: `uper` is not known; `upper` may be meant",
+    ),
+    (
+        r#"upper="2" velocity="1""#,
+        r#"upper="2""#,
+        "two.urdf:11: joint `shoulder`, <limit>: attribute `velocity` is missing or empty",
+    ),
+    (
+        r#"effort="10"/>"#,
+        r#"effort="ten"/>"#,
+        "two.urdf:11: joint `shoulder`, <limit>: attribute `effort` must be 1 finite number(s), not `ten`",
+    ),
+    // Axes.
+    (
+        r#"<axis xyz="0 1 0"/>"#,
+        r#"<axis xyz="0 0 0"/>"#,
+        "two.urdf:10: joint `shoulder`, <axis>: the axis is zero and has no direction",
+    ),
+    (
+        r#"<axis xyz="0 1 0"/>"#,
+        "<axis/>",
+        "two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` is missing or empty",
+    ),
+    (
+        r#"<axis xyz="0 1 0"/>"#,
+        r#"<axis xyz="0 1"/>"#,
+        "two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` must be 3 finite number(s), not `0 1`",
+    ),
+    (
+        r#"<axis xyz="0 1 0"/>"#,
+        r#"<axis xyz="0, 1, 0"/>"#,
+        "two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` must be 3 finite number(s), not `0, 1, 0`",
+    ),
+    (
+        r#"<axis xyz="0 1 0"/>"#,
+        r#"<axis xyz="0 1 0"/><axis xyz="0 1 0"/>"#,
+        "two.urdf:10: joint `shoulder`: <axis> is given twice",
+    ),
+    // Origins.
+    (
+        r#"rpy="0 0.1 0""#,
+        r#"rpy="0 1e999 0""#,
+        "two.urdf:7: joint `shoulder`, <origin>: attribute `rpy` must be 3 finite number(s), not `0 1e999 0`",
+    ),
+    (
+        r#"xyz="0 0 0.5""#,
+        r#"xzy="0 0 0.5""#,
+        "two.urdf:7: joint `shoulder`, <origin>: `xzy` is not known; `xyz` may be meant",
+    ),
+    (
+        "<origin xyz=\"0 0 0.5\"",
+        "<Origin xyz=\"0 0 0.5\"",
+        "two.urdf:7: joint `shoulder`: `Origin` is not known; `origin` may be meant",
+    ),
+    (
+        r#"rpy="0 0.1 0""#,
+        r#"quat_xyzw="0 0 0 1""#,
+        "two.urdf:7: joint `shoulder`, <origin>: attribute `quat_xyzw` needs <robot version=\"1.1\">",
+    ),
+    // Types.
+    (
+        "revolute",
+        "floating",
+        "two.urdf:6: joint `shoulder`: joint type `floating` is not supported: write it as prismatic and revolute joints in a row, or as fixed",
+    ),
+    (
+        "revolute",
+        "planar",
+        "two.urdf:6: joint `shoulder`: joint type `planar` is not supported: write it as prismatic and revolute joints in a row, or as fixed",
+    ),
+    (
+        "revolute",
+        "hinge",
+        "two.urdf:6: joint `shoulder`: joint type `hinge` is not known; valid types: revolute, continuous, prismatic, fixed",
+    ),
+    (
+        r#" type="revolute""#,
+        "",
+        "two.urdf:6: joint `shoulder`: attribute `type` is missing or empty",
+    ),
+    // Names.
+    (
+        r#"<joint name="shoulder" "#,
+        "<joint ",
+        "two.urdf:6: <joint>: attribute `name` is missing or empty",
+    ),
+    (
+        r#"<link name="upper"/>"#,
+        r#"<link name=" "/>"#,
+        "two.urdf:4: <link>: attribute `name` is missing or empty",
+    ),
+    (
+        r#" name="two""#,
+        "",
+        "two.urdf:2: <robot>: attribute `name` is missing or empty",
+    ),
+    (
+        r#"name="elbow""#,
+        r#"name="shoulder""#,
+        "two.urdf:13: joint `shoulder`: the name is already used on line 6",
+    ),
+    (
+        r#"<link name="fore"/>"#,
+        r#"<link name="upper"/>"#,
+        "two.urdf:5: link `upper`: the name is already used on line 4",
+    ),
+    (
+        r#"<child link="fore"/>"#,
+        r#"<child link="hand"/>"#,
+        "two.urdf:13: joint `elbow`: no link named `hand`; valid names: base, upper, fore",
+    ),
+    (
+        r#"<parent link="base"/>"#,
+        r#"<parent link="world"/>"#,
+        "two.urdf:6: joint `shoulder`: no link named `world`; valid names: base, upper, fore",
+    ),
+    (
+        r#"<parent link="base"/>"#,
+        "",
+        "two.urdf:6: joint `shoulder`: <parent> is missing",
+    ),
+    (
+        r#"<parent link="base"/>"#,
+        "<parent/>",
+        "two.urdf:8: joint `shoulder`, <parent>: attribute `link` is missing or empty",
+    ),
+    // The tree.
+    (
+        r#"<child link="fore"/>"#,
+        r#"<child link="upper"/>"#,
+        "two.urdf:13: joint `elbow`: its child link `upper` already hangs on joint `shoulder`",
+    ),
+    (
+        r#"<parent link="base"/>"#,
+        r#"<parent link="fore"/>"#,
+        "two.urdf:6: joint `shoulder`: the joint is part of a ring: following parents from it comes back to it",
+    ),
+    (
+        r#"<parent link="upper"/>"#,
+        r#"<parent link="fore"/>"#,
+        "two.urdf:13: joint `elbow`: the joint is part of a ring: following parents from it comes back to it",
+    ),
+    (
+        r#"<link name="fore"/>"#,
+        r#"<link name="fore"/><link name="loose"/>"#,
+        "two.urdf:2: <robot>: links base, loose all have no parent joint; a robot has one root",
+    ),
+    // Mimic.
+    (
+        "<axis xyz=\"0 0 1\"/>",
+        r#"<axis xyz="0 0 1"/><mimic joint="wrist"/>"#,
+        "two.urdf:13: joint `elbow`: no joint named `wrist`; valid names: shoulder, elbow",
+    ),
+    (
+        "<axis xyz=\"0 0 1\"/>",
+        r#"<axis xyz="0 0 1"/><mimic multiplier="2"/>"#,
+        "two.urdf:17: joint `elbow`, <mimic>: attribute `joint` is missing or empty",
+    ),
+    (
+        "<axis xyz=\"0 0 1\"/>",
+        r#"<axis xyz="0 0 1"/><mimic joint="shoulder" multiplier="two"/>"#,
+        "two.urdf:17: joint `elbow`, <mimic>: attribute `multiplier` must be 1 finite number(s), not `two`",
+    ),
+    (
+        "<axis xyz=\"0 0 1\"/>",
+        r#"<axis xyz="0 0 1"/><mimic joint="elbow"/>"#,
+        "two.urdf: joint `elbow` follows itself through its masters",
+    ),
+    (
+        "<axis xyz=\"0 0 1\"/>",
+        r#"<axis xyz="0 0 1"/><mimic joint="shoulder" offset="-9"/>"#,
+        "two.urdf: joint `shoulder` and the joints that follow it have no value within all limits",
+    ),
+    // Macros, which would need a program to run.
+    (
+        r#"<robot name="two">"#,
+        r#"<robot name="two" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="l" value="1"/>"#,
+        "two.urdf:2: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`",
+    ),
+    (
+        r#"<link name="base"/>"#,
+        r#"<xacro:arm prefix="left"/>"#,
+        "two.urdf:3: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`",
+    ),
+    (
+        r#"xyz="0 0 0.5""#,
+        r#"xyz="0 0 ${height}""#,
+        "two.urdf:7: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`",
+    ),
+];
+
+#[test]
+fn each_defect_is_named_with_its_place() {
+    for (from, to, message) in DEFECTS {
+        match parse(&damaged(from, to)) {
+            Ok(_) => panic!("`{from}` -> `{to}` was read"),
+            Err(error) => assert_eq!(error.to_string(), *message),
+        }
+    }
+}
+
+#[test]
+fn what_is_no_urdf_document_is_named() {
+    for text in ["", "robot", "<robot", "<robot name='r'>", "<a/><b/>", "\0"] {
+        let error = parse(text).unwrap_err();
+        assert!(matches!(error, UrdfError::NotXml { .. }), "{text}: {error}");
+        assert!(error.to_string().starts_with("two.urdf: not well-formed"));
+    }
+    // Entities may blow up without end; URDF needs none.
+    let doctype = SOUND.replace("<robot", "<!DOCTYPE r [<!ENTITY a \"b\">]><robot");
+    assert!(matches!(parse(&doctype), Err(UrdfError::NotXml { .. })));
+    let sdf = "<sdf version='1.7'><model name='m'/></sdf>";
+    assert_eq!(
+        parse(sdf).unwrap_err().to_string(),
+        "two.urdf:1: <sdf>: the root element must be <robot>"
+    );
+    assert!(matches!(
+        parse("<robot name='nobody'/>").unwrap_err(),
+        UrdfError::Element {
+            fault: Fault::NoLinks,
+            line: 1,
+            ..
+        }
+    ));
+}
+
+#[test]
+fn a_ring_without_any_root_is_found() {
+    let text = damaged(r#"<link name="fore"/>"#, "")
+        .replace(r#"<child link="fore"/>"#, r#"<child link="base"/>"#);
+    assert!(matches!(
+        parse(&text).unwrap_err(),
+        UrdfError::Element {
+            fault: Fault::Cycle,
+            ..
+        }
+    ));
+}
+
+#[test]
+fn a_file_that_is_not_there_or_not_text_is_named() {
+    let error = Robot::read("models/no_such_robot.urdf").unwrap_err();
+    let message = error.to_string();
+    assert!(message.starts_with("models/no_such_robot.urdf: cannot be read: "));
+    let message = Robot::read("models").unwrap_err().to_string();
+    assert_eq!(message, "models: is not a regular file");
+
+    let path = std::env::temp_dir().join(format!("kinopt_latin1_{}.urdf", std::process::id()));
+    std::fs::write(&path, b"<robot name='\xe9t\xe9'/>").unwrap();
+    let error = Robot::read(&path).unwrap_err();
+    std::fs::remove_file(&path).unwrap();
+    assert!(error.to_string().ends_with("is not UTF-8 text"), "{error}");
+}
+
+#[test]
+fn a_ring_of_followers_is_found_however_long() {
+    let joints: String = (0..40)
+        .map(|i| {
+            format!(
+                "<link name='l{i}'/><joint name='j{i}' type='revolute'><parent link='{}'/>\
+                 <child link='l{i}'/><limit lower='-1' upper='1' velocity='1'/>\
+                 <mimic joint='j{}'/></joint>",
+                if i == 0 {
+                    "base".into()
+                } else {
+                    format!("l{}", i - 1)
+                },
+                (i + 1) % 40
+            )
+        })
+        .collect();
+    let ring = format!("<robot name='ring'><link name='base'/>{joints}</robot>");
+    assert!(matches!(
+        parse(&ring),
+        Err(UrdfError::Model {
+            source: ModelError::CouplingCycle { .. },
+            ..
+        })
+    ));
+}
+
+#[test]
+fn followers_of_fixed_joints_are_refused() {
+    let text = damaged("revolute", "fixed").replace(
+        "<axis xyz=\"0 0 1\"/>",
+        r#"<axis xyz="0 0 1"/><mimic joint="shoulder"/>"#,
+    );
+    assert_eq!(
+        parse(&text).unwrap_err().to_string(),
+        "two.urdf: joint `shoulder` is fixed and cannot be followed"
+    );
+}
+
+#[test]
+fn what_kinematics_does_not_read_cannot_stop_it() {
+    let text = damaged(
+        r#"<link name="upper"/>"#,
+        r#"<link name="upper"><inertial><mass value="heavy"/></inertial>
+           <visual><geometry><mesh filename="package://nowhere/upper.dae"/></geometry></visual>
+           <visual><geometry><torus/></geometry></visual>
+           <collision><geometry><box size="1"/></geometry></collision></link>
+           <transmission name="t"><joint name="shoulder"/></transmission>
+           <gazebo reference="upper"><link name="upper"/></gazebo>"#,
+    )
+    .replace(
+        "<axis xyz=\"0 0 1\"/>",
+        "<axis xyz=\"0 0 1\"/><dynamics damping=\"much\"/><hardware/>",
+    );
+    let robot = parse(&text).unwrap();
+    assert_eq!(robot.model().degrees_of_freedom(), 2);
+    assert_eq!(robot.model().frames().len(), 3);
+}
+
+#[test]
+fn elements_and_attributes_of_other_namespaces_are_extensions() {
+    let text = damaged(
+        r#"<robot name="two">"#,
+        r#"<robot name="two" xmlns:x="http://x">"#,
+    )
+    .replace(
+        r#"<origin xyz="0 0 0.5""#,
+        r#"<origin x:xyz="nan" xyz="0 0 0.5""#,
+    )
+    .replace(
+        r#"<axis xyz="0 1 0"/>"#,
+        r#"<x:axis xyz="0 0 0"/><x:origin xyz="?"/>"#,
+    )
+    .replace(
+        r#"<link name="base"/>"#,
+        r#"<link name="base"/><x:link name="base"/>"#,
+    );
+    let robot = parse(&text).unwrap();
+    let shoulder = &robot.model().joints()[0];
+    assert_eq!(
+        shoulder.parent_from_joint.translation.to_array(),
+        [0.0, 0.0, 0.5]
+    );
+    assert_eq!(shoulder.axis.to_array(), [1.0, 0.0, 0.0]);
+    assert_eq!(robot.model().frames().len(), 3);
+}
+
+#[test]
+fn later_versions_of_the_standard_hide_nothing() {
+    let later = |from: &str, to: &str| {
+        damaged(from, to).replace(r#"name="two""#, r#"name="two" version="1.2""#)
+    };
+    // A missing end means no limit there, but 0 before; neither is taken silently.
+    let error = parse(&later(r#" upper="2""#, "")).unwrap_err();
+    assert!(matches!(
+        error,
+        UrdfError::Element {
+            fault: Fault::OneLimit { .. },
+            ..
+        }
+    ));
+    let both = later(r#"rpy="0 0.1 0""#, r#"rpy="0 0 0" quat_xyzw="0 0 0 1""#);
+    assert_eq!(
+        parse(&both).unwrap_err().to_string(),
+        "two.urdf:7: joint `shoulder`, <origin>: attribute `quat_xyzw` and `rpy` are both given"
+    );
+    let zero = later(r#"rpy="0 0.1 0""#, r#"quat_xyzw="0 0 0 0""#);
+    assert_eq!(
+        parse(&zero).unwrap_err().to_string(),
+        "two.urdf:7: joint `shoulder`, <origin>: attribute `quat_xyzw` is zero and no rotation"
+    );
+    assert!(parse(&later(r#"rpy="0 0.1 0""#, r#"quat_xyzw="0 0 0 2""#)).is_ok());
+}
+
+#[test]
+fn nesting_beyond_use_does_no_harm() {
+    let (open, close) = ("<a>".repeat(100_000), "</a>".repeat(100_000));
+    for text in [
+        damaged(
+            r#"<link name="upper"/>"#,
+            &format!(r#"<link name="upper">{open}{close}</link>"#),
+        ),
+        damaged(
+            r#"<link name="upper"/>"#,
+            &format!(r#"<link name="upper"/>{open}{close}"#),
+        ),
+        damaged(
+            r#"<axis xyz="0 1 0"/>"#,
+            &format!(r#"<axis xyz="0 1 0">{open}{close}</axis>"#),
+        ),
+    ] {
+        // Read or refused, as the XML parser likes, but not a crash.
+        if let Ok(robot) = parse(&text) {
+            assert_eq!(robot.model().degrees_of_freedom(), 2);
+        }
+    }
+}

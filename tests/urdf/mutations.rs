@@ -1,0 +1,215 @@
+//! Thousands of damaged copies of the shipped files: each is an error with the file's name, or a
+//! model that holds together. Never a panic, never a hang.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeMap;
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::robot::{Robot, UrdfError};
+
+const FILES: [&str; 8] = [
+    "models/adept_cobra_s600.urdf",
+    "models/aldebaran_nao.urdf",
+    "models/franka_panda.urdf",
+    "models/kuka_iiwa14.urdf",
+    "models/rethink_baxter.urdf",
+    "models/universal_ur10e.urdf",
+    "models/universal_ur5e.urdf",
+    "tests/reference/oblique.urdf",
+];
+const COPIES_PER_FILE: u64 = 600;
+
+/// Steele, Lea and Flood's SplitMix64: a fixed stream from a seed.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.next() % count.max(1) as u64) as usize
+    }
+
+    fn pick<'a, T>(&mut self, things: &'a [T]) -> &'a T {
+        &things[self.below(things.len())]
+    }
+}
+
+const VALUES: [&str; 22] = [
+    "",
+    " ",
+    "0",
+    "-0",
+    "1",
+    "nan",
+    "-inf",
+    "1e400",
+    "1e308",
+    "-1e308",
+    "4e-324",
+    "0 0 0",
+    "1 2",
+    "1 2 3 4",
+    "0x10",
+    "1,5",
+    "joint1",
+    "torso",
+    "${x}",
+    "&lt;",
+    "\u{1F916}",
+    "fixed",
+];
+const TYPES: [&str; 9] = [
+    "revolute",
+    "continuous",
+    "prismatic",
+    "fixed",
+    "floating",
+    "planar",
+    "spherical",
+    "Fixed",
+    "screw",
+];
+const PIECES: [&str; 14] = [
+    "<",
+    ">",
+    "\"",
+    "/>",
+    "</joint>",
+    "<joint>",
+    "<mimic joint=\"joint1\"/>",
+    "<axis xyz=\"0 0 0\"/>",
+    "<limit lower=\"1\" upper=\"0\" velocity=\"1\"/>",
+    "<!--",
+    "]]>",
+    "<?x?>",
+    "\0",
+    "&#x41;",
+];
+
+/// The byte ranges of attribute values.
+fn values(text: &str) -> Vec<(usize, usize)> {
+    let quotes: Vec<usize> = text.match_indices('"').map(|(at, _)| at).collect();
+    quotes
+        .chunks_exact(2)
+        .map(|pair| (pair[0] + 1, pair[1]))
+        .collect()
+}
+
+fn mutate(text: &str, random: &mut Random) -> String {
+    let boundary = |mut at: usize| {
+        while !text.is_char_boundary(at) {
+            at -= 1;
+        }
+        at
+    };
+    match random.below(8) {
+        // A value becomes another value.
+        0 | 1 => {
+            let (from, to) = *random.pick(&values(text));
+            let value = *random.pick(&VALUES);
+            format!("{}{value}{}", &text[..from], &text[to..])
+        }
+        // A value becomes one from elsewhere in the file: links and joints get mixed up.
+        2 | 3 => {
+            let all = values(text);
+            let ((from, to), (a, b)) = (*random.pick(&all), *random.pick(&all));
+            format!("{}{}{}", &text[..from], &text[a..b], &text[to..])
+        }
+        4 => {
+            let kinds: Vec<_> = text
+                .match_indices("type=\"")
+                .map(|(at, _)| at + 6)
+                .collect();
+            let from = *random.pick(&kinds);
+            let to = from + text[from..].find('"').unwrap_or(0);
+            format!("{}{}{}", &text[..from], random.pick(&TYPES), &text[to..])
+        }
+        // A line is lost, doubled or moved.
+        5 => {
+            let mut lines: Vec<&str> = text.lines().collect();
+            let (from, to) = (random.below(lines.len()), random.below(lines.len()));
+            match random.below(3) {
+                0 => drop(lines.remove(from)),
+                1 => lines.insert(to, lines[from]),
+                _ => lines.swap(from, to),
+            }
+            lines.join("\n")
+        }
+        6 => {
+            let at = boundary(random.below(text.len()));
+            format!("{}{}{}", &text[..at], random.pick(&PIECES), &text[at..])
+        }
+        // A stretch is cut out.
+        _ => {
+            let from = boundary(random.below(text.len()));
+            let to = boundary((from + random.below(40)).min(text.len()));
+            format!("{}{}", &text[..from], &text[to.max(from)..])
+        }
+    }
+}
+
+fn assert_sound(robot: &Robot) {
+    let model = robot.model();
+    for joint in model.joints() {
+        let [x, y, z] = joint.axis.to_array();
+        assert!(((x * x + y * y + z * z).sqrt() - 1.0).abs() < 1e-12);
+        assert!(joint.limits.is_valid());
+    }
+    let map = robot.map();
+    for (lower, upper) in map.lower().iter().zip(map.upper()) {
+        assert!(lower <= upper);
+    }
+    let mut x = vec![0.0; map.variables()];
+    map.reduce(&model.neutral(), &mut x);
+    let mut q = vec![0.0; model.degrees_of_freedom()];
+    map.expand_within_limits(&x, &mut q);
+    for (value, limits) in q.iter().zip(model.limits()) {
+        assert!(limits.contains(*value), "{value} outside {limits:?}");
+    }
+    let frames: Vec<_> = model.frame_ids().collect();
+    let mut kinematics = ForwardKinematics::under(model, map, &frames).unwrap();
+    assert_eq!(kinematics.place(&x).unwrap().len(), frames.len());
+}
+
+#[test]
+fn a_damaged_file_is_an_error_or_a_sound_model() {
+    let mut outcomes: BTreeMap<&str, u32> = BTreeMap::new();
+    for (number, file) in FILES.iter().enumerate() {
+        let text = std::fs::read_to_string(file).unwrap();
+        for copy in 0..COPIES_PER_FILE {
+            let mut random = Random(1_000_000 * number as u64 + copy);
+            let mut damaged = text.clone();
+            for _ in 0..=random.below(3) {
+                damaged = mutate(&damaged, &mut random);
+            }
+            let outcome = match Robot::parse(&damaged, "damaged.urdf") {
+                Ok(robot) => {
+                    assert_sound(&robot);
+                    "read"
+                }
+                Err(error) => {
+                    let message = error.to_string();
+                    assert!(message.starts_with("damaged.urdf:"), "{message}");
+                    match error {
+                        UrdfError::NotXml { .. } => "not XML",
+                        UrdfError::Xacro { .. } => "xacro",
+                        UrdfError::Element { .. } => "element",
+                        UrdfError::Model { .. } => "model",
+                        other => panic!("{file}, copy {copy}: {other}"),
+                    }
+                }
+            };
+            *outcomes.entry(outcome).or_default() += 1;
+        }
+    }
+    // The copies are damaged enough, and not all beyond reading.
+    let kinds: Vec<_> = outcomes.keys().copied().collect();
+    assert_eq!(kinds, ["element", "model", "not XML", "read", "xacro"]);
+    assert!(outcomes["read"] > 500 && outcomes["element"] > 1000);
+}

@@ -1,0 +1,112 @@
+//! Any base and tip, any subset of joints, a tool on any frame: each is natural to ask for, and a
+//! wrong name lists the right ones.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{JointId, ModelError};
+use kinopt::robot::{Robot, ToolError};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+
+fn names(robot: &Robot, joints: &[JointId]) -> Vec<String> {
+    let joint = |id: &JointId| robot.model().joints()[id.index()].name.clone();
+    joints.iter().map(joint).collect()
+}
+
+#[test]
+fn a_chain_leads_from_base_to_tip_over_the_common_ancestor() {
+    let robot = Robot::read("models/rethink_baxter.urdf").unwrap();
+    let arm = robot.chain("torso", "left_tool").unwrap();
+    let seven = ["s0", "s1", "e0", "e1", "w0", "w1", "w2"];
+    assert_eq!(names(&robot, &arm), seven.map(|n| format!("left_{n}")));
+
+    let both = robot.chain("right_e0_link", "left_e0_link").unwrap();
+    let wanted = [
+        "right_e0", "right_s1", "right_s0", "left_s0", "left_s1", "left_e0",
+    ];
+    assert_eq!(names(&robot, &both), wanted);
+
+    let forearm = robot.chain("left_upper_arm", "left_w0_link").unwrap();
+    assert_eq!(names(&robot, &forearm), ["left_e0", "left_e1", "left_w0"]);
+    assert!(robot.chain("torso", "torso").unwrap().is_empty());
+
+    let message = robot.chain("torso", "left_hand").unwrap_err().to_string();
+    assert!(message.starts_with("no frame named `left_hand`; valid names: torso, "));
+    assert!(message.contains("left_tool"));
+}
+
+#[test]
+fn tips_are_where_the_tree_ends() {
+    let tips = |file: &str| -> Vec<String> {
+        let robot = Robot::read(file).unwrap();
+        let name = |id: kinopt::model::FrameId| robot.model().frames()[id.index()].name.clone();
+        robot.tips().into_iter().map(name).collect()
+    };
+    assert_eq!(tips("models/universal_ur5e.urdf"), ["flange"]);
+    assert_eq!(
+        tips("models/rethink_baxter.urdf"),
+        ["left_tool", "right_tool"]
+    );
+    let panda = tips("models/franka_panda.urdf");
+    assert_eq!(panda, ["tool", "finger_left", "finger_right"]);
+}
+
+#[test]
+fn a_subset_moves_while_the_rest_stays_where_it_was_put() {
+    let robot = Robot::read("models/kuka_iiwa14.urdf").unwrap();
+    let rest = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
+    let wrist = robot.joints(&["joint7", "joint5"]).unwrap();
+    let map = robot.parameters().only(&wrist, &rest).build().unwrap();
+    assert_eq!(map.variables(), 2);
+    let mut q = [0.0; 7];
+    map.expand(&[-0.5, -0.7], &mut q);
+    assert_eq!(q, [0.1, 0.2, 0.3, 0.4, -0.5, 0.6, -0.7]);
+
+    let message = robot.joints(&["joint7", "joint9"]).unwrap_err().to_string();
+    assert!(message.starts_with("no joint named `joint9`; valid names: joint1, joint2"));
+}
+
+#[test]
+fn a_tool_hangs_on_its_frame_at_every_configuration() {
+    let offset = Placement::new(
+        rotation_exp(Vector3::new(0.3, -0.2, 1.1)),
+        Vector3::new(0.01, -0.02, 0.2),
+    );
+    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let coordinates = robot.model().degrees_of_freedom();
+    let robot = robot.with_tool("welder", "hand", offset).unwrap();
+    assert_eq!(robot.model().degrees_of_freedom(), coordinates);
+    let frames = ["hand", "welder"].map(|name| robot.model().frame(name).unwrap());
+    let mut kinematics = ForwardKinematics::under(robot.model(), robot.map(), &frames).unwrap();
+    let x: Vec<f64> = (0..kinematics.variables())
+        .map(|i| 0.3 - 0.1 * i as f64)
+        .collect();
+    let placed = kinematics.place(&x).unwrap();
+    let (hand, welder) = (placed[0], placed[1]);
+    let wanted = hand * offset;
+    assert!((welder.translation - wanted.translation).norm() < 1e-15);
+    for (got, wanted) in [
+        (welder.rotation.x, wanted.rotation.x),
+        (welder.rotation.y, wanted.rotation.y),
+    ] {
+        assert!((got - wanted).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn a_tool_that_cannot_be_is_an_error() {
+    let robot = Robot::read("models/universal_ur5e.urdf").unwrap();
+    let put = |name, link, placement| robot.clone().with_tool(name, link, placement).unwrap_err();
+    assert!(matches!(
+        put("tool", "hand", Placement::identity()),
+        ToolError::UnknownLink(_)
+    ));
+    assert!(matches!(
+        put("flange", "flange", Placement::identity()),
+        ToolError::Model(ModelError::DuplicateName { .. })
+    ));
+    let bad = Placement::translation(Vector3::new(f64::NAN, 0.0, 0.0));
+    assert!(matches!(
+        put("tool", "flange", bad),
+        ToolError::Model(ModelError::BadPlacement { .. })
+    ));
+}
