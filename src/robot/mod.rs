@@ -37,6 +37,8 @@ pub struct Robot {
     model: Model,
     mimics: Vec<Mimic>,
     map: ParameterMap,
+    /// By joint index; shorter where the last joints have none.
+    velocity_limits: Vec<Option<f64>>,
 }
 
 impl Robot {
@@ -47,7 +49,12 @@ impl Robot {
     /// their master no value.
     pub fn new(model: Model, mimics: Vec<Mimic>) -> Result<Self, ModelError> {
         let map = coupled(&model, &mimics).build()?;
-        Ok(Self { model, mimics, map })
+        Ok(Self {
+            model,
+            mimics,
+            map,
+            velocity_limits: Vec::new(),
+        })
     }
 
     /// The robot's name.
@@ -72,6 +79,26 @@ impl Robot {
     #[must_use]
     pub fn mimics(&self) -> &[Mimic] {
         &self.mimics
+    }
+
+    /// How fast a joint may move, in rad/s or m/s: `velocity` of its `<limit>` in the file. `None`
+    /// where the file states none, for fixed joints and for ids beyond this robot's joints.
+    ///
+    /// A `velocity` of 0 or less is `None` too: URDF demands the attribute, and files that know no
+    /// speed write 0; a joint that cannot move at all is a fixed one.
+    ///
+    /// ```
+    /// # #[cfg(feature = "urdf")] {
+    /// # use kinopt::robot::Robot;
+    /// let robot = Robot::read("models/universal_ur5e.urdf")?;
+    /// let wrist = robot.model().joint("joint6")?;
+    /// assert_eq!(robot.velocity_limit(wrist), Some(std::f64::consts::PI));
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn velocity_limit(&self, joint: JointId) -> Option<f64> {
+        self.velocity_limits.get(joint.index()).copied().flatten()
     }
 
     /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.

@@ -8,3 +8,4 @@ mod mutations;
 mod robot_subsets;
 mod shipped_tables;
 mod systematic_damage;
+mod velocity_limits;

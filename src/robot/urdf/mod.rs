@@ -32,6 +32,7 @@ impl Robot {
     /// the order of the file. Meshes, masses and extensions are not looked at, so `package://` paths
     /// need no ROS. `mimic` joints follow their master, and their limits restrict it. An axis need
     /// not be of unit length, and is x where none is given. A missing `lower` or `upper` is an error.
+    /// Speeds are kept: see [`velocity_limit`](Self::velocity_limit).
     ///
     /// ```
     /// use kinopt::robot::Robot;
@@ -77,12 +78,14 @@ impl Robot {
         let mut builder = Model::builder(document.robot.name.as_str());
         let mut carrier: Vec<Option<JointId>> = vec![None; document.links.len()];
         let mut ids: Vec<Option<JointId>> = vec![None; document.joints.len()];
+        let mut velocity_limits = Vec::with_capacity(document.joints.len());
         for branch in &topology.branches {
             let element = &document.joints[branch.joint];
             let value = &values.joints[branch.joint];
             let id = builder.joint(joint(element, value, carrier[branch.parent_link]));
             carrier[branch.child_link] = Some(id);
             ids[branch.joint] = Some(id);
+            velocity_limits.push(velocity_limit(value));
         }
         for (link, joint) in document.links.iter().zip(&carrier) {
             builder.frame(link.name.as_str(), *joint, Placement::identity());
@@ -108,6 +111,10 @@ impl Robot {
         builder
             .build()
             .and_then(|model| Self::new(model, mimics))
+            .map(|robot| Self {
+                velocity_limits,
+                ..robot
+            })
             .map_err(|source| UrdfError::Model {
                 file: file.to_owned(),
                 source,
@@ -140,6 +147,12 @@ fn joint(element: &JointElement, value: &urdf_rs::Joint, parent: Option<JointId>
         axis,
         limits,
     }
+}
+
+/// What a file that knows no speed writes, 0, is no limit.
+fn velocity_limit(value: &urdf_rs::Joint) -> Option<f64> {
+    let moves = value.joint_type != urdf_rs::JointType::Fixed;
+    (moves && value.limit.velocity > 0.0).then_some(value.limit.velocity)
 }
 
 fn limits(value: &urdf_rs::Joint) -> Limits {

@@ -1,0 +1,97 @@
+//! The speed that a file allows a joint is kept; what states none is none.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::model::JointKind;
+use kinopt::robot::Robot;
+
+/// Joints on one base, each from its type and what stands in it.
+fn star(joints: &[(&str, &str)]) -> Robot {
+    let joints: String = (joints.iter().enumerate())
+        .map(|(i, (kind, body))| {
+            format!(
+                "<link name='l{i}'/><joint name='j{i}' type='{kind}'><parent link='base'/>\
+                 <child link='l{i}'/>{body}</joint>"
+            )
+        })
+        .collect();
+    let text = format!("<robot name='star'><link name='base'/>{joints}</robot>");
+    Robot::parse(&text, "star.urdf").unwrap()
+}
+
+fn speeds(robot: &Robot) -> Vec<Option<f64>> {
+    let ids = robot.model().joint_ids();
+    ids.map(|joint| robot.velocity_limit(joint)).collect()
+}
+
+#[test]
+fn the_speed_of_the_file_is_kept_whatever_the_joint() {
+    let robot = star(&[
+        ("revolute", "<limit lower='-1' upper='1' velocity='2.5'/>"),
+        ("continuous", "<limit velocity='7'/>"),
+        ("prismatic", "<limit lower='0' upper='1' velocity='0.125'/>"),
+        (
+            "revolute",
+            "<limit lower='-1' upper='1' velocity='3'/><mimic joint='j0'/>",
+        ),
+    ]);
+    let wanted = [2.5, 7.0, 0.125, 3.0].map(Some);
+    assert_eq!(speeds(&robot), wanted);
+}
+
+#[test]
+fn nothing_zero_and_less_are_no_speed() {
+    let robot = star(&[
+        ("revolute", "<limit lower='-1' upper='1' velocity='0'/>"),
+        ("prismatic", "<limit lower='-1' upper='1' velocity='-1'/>"),
+        ("continuous", ""),
+        ("fixed", "<limit lower='0' upper='0' velocity='1'/>"),
+    ]);
+    assert_eq!(speeds(&robot), [None; 4]);
+    let other = Robot::read("models/franka_panda.urdf").unwrap();
+    let beyond = other.model().joint_ids().last().unwrap();
+    assert_eq!(robot.velocity_limit(beyond), None);
+}
+
+#[test]
+fn speeds_go_with_their_joints_and_not_with_the_order_of_the_file() {
+    // The joint of the hand stands before that of the arm that carries it.
+    let text = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>
+        <joint name='hand' type='continuous'><parent link='b'/><child link='c'/>
+        <limit velocity='2'/></joint>
+        <joint name='arm' type='continuous'><parent link='a'/><child link='b'/>
+        <limit velocity='1'/></joint></robot>";
+    let robot = Robot::parse(text, "r.urdf").unwrap();
+    let speed = |name| robot.velocity_limit(robot.model().joint(name).unwrap());
+    assert_eq!((speed("arm"), speed("hand")), (Some(1.0), Some(2.0)));
+}
+
+#[test]
+fn every_moving_joint_of_a_shipped_arm_has_its_speed() {
+    for file in [
+        "franka_panda",
+        "kuka_iiwa14",
+        "universal_ur5e",
+        "rethink_baxter",
+    ] {
+        let robot = Robot::read(format!("models/{file}.urdf")).unwrap();
+        let tool = robot.clone().with_tool(
+            "probe",
+            robot.model().frames()[0].name.as_str(),
+            kinopt::spatial::Placement::identity(),
+        );
+        for robot in [robot, tool.unwrap()] {
+            for (id, joint) in robot.model().joint_ids().zip(robot.model().joints()) {
+                let speed = robot.velocity_limit(id);
+                assert_eq!(
+                    speed.is_some(),
+                    joint.kind != JointKind::Fixed,
+                    "{}",
+                    joint.name
+                );
+            }
+        }
+    }
+    let panda = Robot::read("models/franka_panda.urdf").unwrap();
+    let first = panda.model().joint("joint1").unwrap();
+    assert_eq!(panda.velocity_limit(first), Some(2.175));
+}
