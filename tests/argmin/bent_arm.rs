@@ -1,4 +1,5 @@
 //! An arm of seven joints of every kind, and small problems on it.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
 use kinopt::model::{Joint, JointKind, Limits, Model};

@@ -1,4 +1,5 @@
 //! What a BVH file says, by 3 × 3 matrices in double precision: nothing of the library's is used.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write;
 

@@ -1,4 +1,5 @@
 //! The problems of `minima.json`, and each of them stated through [`Problem`].
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::path::Path;
