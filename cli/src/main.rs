@@ -5,7 +5,10 @@
 
 mod animate;
 mod animated_armature;
+#[cfg(feature = "bench")]
 mod bench;
+#[cfg(not(feature = "bench"))]
+mod bench_left_out;
 mod configuration;
 mod countdown;
 mod failure;
@@ -35,6 +38,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+#[cfg(not(feature = "bench"))]
+use bench_left_out as bench;
 use failure::Failure;
 
 const AFTER_HELP: &str = "\
@@ -52,7 +57,11 @@ Examples:
   kinopt animate arm.json --fps 24 --out frames
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
   kinopt skin-report --out twist.svg
-  kinopt bench robot.urdf --problems random:100 --out results";
+  kinopt bench robot.urdf --problems random:100 --out results
+
+kinopt bench and the picture of skin-report are in builds with the features `bench` and `charts`:
+  cargo run --release -p kinopt-cli --features bench -- bench robot.urdf --out results
+  cargo install --path cli --features bench";
 
 /// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
 /// bring their frames where you want them, within the joints' limits.

@@ -1,9 +1,6 @@
 //! Promise: --out writes the mesh in the pose found, and it reads back.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-
-use forked_rig::{Folder, json, rig};
+use crate::forked_rig::{Folder, json, kinopt, rig};
 use glam::Vec3;
 use kinopt::io::ply;
 
@@ -97,5 +94,5 @@ fn dual_quaternions_move_rigid_parts_alike_and_need_an_output() {
     assert_eq!(json(&arguments)["reached"], true);
     // Every vertex of this rig follows one bone.
     close(ply::read(&out).unwrap().positions());
-    assert_eq!(forked_rig::kinopt(&common).status.code(), Some(2));
+    assert_eq!(kinopt(&common).status.code(), Some(2));
 }

@@ -1,10 +1,7 @@
 //! Promise: `skin-report` says what each way to skin keeps of a twisted tube, as a table, as JSON and
 //! as a picture: linear blend loses what theory says, dual quaternions next to nothing.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-
-use forked_rig::{Folder, json, kinopt, stderr, stdout};
+use crate::forked_rig::{json, kinopt, stderr, stdout};
 
 #[test]
 fn volumes_follow_theory() {
@@ -33,8 +30,10 @@ fn the_table_has_a_row_per_twist() {
     assert!(lines[0].contains("twist, °") && lines[1].contains("-30.000"));
 }
 
+#[cfg(feature = "charts")]
 #[test]
 fn the_picture_shows_both() {
+    use crate::forked_rig::Folder;
     let folder = Folder::new("twist");
     let file = folder.file("twist.svg");
     let output = kinopt(&["skin-report", "--out", &file]);

@@ -1,7 +1,7 @@
 //! argmin's particle swarm, which searches the whole range of the joints, on an inverse
 //! kinematics problem, and our Levenberg-Marquardt to finish what it finds.
 //!
-//! `cargo run --release --features argmin --example argmin_particle_swarm`
+//! `cargo run --release -p kinopt-argmin-examples --example argmin_particle_swarm`
 #![allow(clippy::print_stdout)]
 
 mod seven_joint_arm;

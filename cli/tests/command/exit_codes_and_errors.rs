@@ -1,12 +1,9 @@
 //! Promise: 0 is done, 1 is failed with a one-line reason, 2 is wrong usage; and each error names
 //! the thing and, where there is a list, the valid names. Never anything on standard output.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod forked_rig;
 
 use std::process::{Command, Stdio};
 
-use forked_rig::{Folder, kinopt, rig, stderr, stdout};
+use crate::forked_rig::{Folder, kinopt, rig, stderr, stdout};
 
 /// Runs the command, which must end with `code` and say all of `words`.
 fn refused(arguments: &[&str], code: i32, words: &[&str]) {

@@ -1,8 +1,8 @@
 //! A small rig with two arms, written by the library, and the command run on it.
-#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::PathBuf;
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Vec3;
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
@@ -19,7 +19,10 @@ pub(crate) struct Folder(PathBuf);
 
 impl Folder {
     pub(crate) fn new(test: &str) -> Self {
-        let name = format!("kinopt-cli-{}-{test}", std::process::id());
+        // Two tests may choose the same name.
+        static MADE: AtomicUsize = AtomicUsize::new(0);
+        let made = MADE.fetch_add(1, Ordering::Relaxed);
+        let name = format!("kinopt-cli-{}-{made}-{test}", std::process::id());
         let path = std::env::temp_dir().join(name);
         std::fs::create_dir_all(&path).unwrap();
         Self(path)

@@ -1,12 +1,8 @@
 //! Promise: a file of targets gives every target's own answer, the same to the bit on any number of
 //! threads, within the limits and on the target; and a malformed file is named with the place.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-mod seeded_robot;
-
-use forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
-use seeded_robot::Seeded;
+use crate::forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
+use crate::seeded_robot::Seeded;
 use serde_json::{Value, json};
 
 fn robots() -> [Seeded; 4] {

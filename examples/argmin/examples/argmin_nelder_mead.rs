@@ -1,7 +1,7 @@
 //! argmin's Nelder-Mead, which needs no derivatives, on an inverse kinematics problem with joint
 //! limits. It comes close and takes its time; the comparison shows what derivatives are worth.
 //!
-//! `cargo run --release --features argmin --example argmin_nelder_mead`
+//! `cargo run --release -p kinopt-argmin-examples --example argmin_nelder_mead`
 #![allow(clippy::print_stdout)]
 
 mod seven_joint_arm;

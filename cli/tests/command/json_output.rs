@@ -1,10 +1,7 @@
 //! Promise: with --json there is one document on standard output and nothing else, and it says what
 //! the design says it says.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-
-use forked_rig::{Folder, distance, json, kinopt, numbers, stdout};
+use crate::forked_rig::{Folder, distance, json, kinopt, numbers, stdout};
 use serde_json::Value;
 
 /// bone/2's tip with bend −1 in the elbow.

@@ -1,10 +1,7 @@
 //! Promise: `kinopt bench` compares solvers on a robot or a rig, writes results that can be read
 //! again, and keeps what is done when it is interrupted.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-
-use forked_rig::{Folder, json, kinopt, stderr};
+use crate::forked_rig::{Folder, json, kinopt, stderr};
 use serde_json::{Value, json};
 
 fn model(name: &str) -> String {

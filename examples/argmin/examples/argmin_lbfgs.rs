@@ -1,6 +1,6 @@
 //! argmin's L-BFGS on an inverse kinematics problem with joint limits.
 //!
-//! `cargo run --release --features argmin --example argmin_lbfgs`
+//! `cargo run --release -p kinopt-argmin-examples --example argmin_lbfgs`
 #![allow(clippy::print_stdout)]
 
 mod seven_joint_arm;

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::Args;
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MeshWeights, SkinningMethod, TwistedTube};
-use kinopt_charts::{Axis, Chart, Figure};
 use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
@@ -14,11 +13,18 @@ use crate::number_list::Numbers;
 use crate::output;
 use crate::table::{Align, Table};
 
+#[cfg(feature = "charts")]
+mod picture;
+
 const EXAMPLES: &str = "\
 Examples:
   kinopt skin-report                        the table
   kinopt skin-report --out twist.svg        and a picture
   kinopt skin-report --twists 0,30,60 --json";
+
+#[cfg(not(feature = "charts"))]
+const LEFT_OUT: &str = "--out: pictures are not in this build; to have them: \
+    cargo run --release -p kinopt-cli --features charts -- skin-report --out twist.svg";
 
 /// How much of a twisted tube's volume each way to skin keeps.
 ///
@@ -34,6 +40,8 @@ pub(crate) struct Arguments {
     twists: Numbers,
 
     /// Draw volumes over the twist, and the tube's radius along it, as .svg. Default: not drawn.
+    ///
+    /// Needs a build with the feature `charts`.
     #[arg(long, value_name = "FILE", value_parser = picture_file)]
     out: Option<PathBuf>,
 }
@@ -81,6 +89,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             "--twists: {beyond} degrees is beyond half a turn, where dual quaternions turn the other way"
         )));
     }
+    #[cfg(not(feature = "charts"))]
+    if arguments.out.is_some() {
+        return Err(Failure::new(LEFT_OUT));
+    }
     let subject = Subject::new(TwistedTube::default())?;
     let rows = twists.iter().map(|&degrees| {
         Ok(Row {
@@ -102,6 +114,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     } else {
         output::result(&text)?;
     }
+    #[cfg(feature = "charts")]
     if let Some(path) = &arguments.out {
         let furthest = twists
             .iter()
@@ -167,28 +180,5 @@ impl Subject {
             volume: posed.signed_volume() / self.volume,
             waist: waist / self.tube.radius,
         })
-    }
-
-    /// Volumes up to `furthest` degrees, and the tube's outline there.
-    fn picture(&self, furthest: f64) -> Outcome<Figure> {
-        const STEPS: u32 = 36;
-        let mut volumes = Chart::new("Volume kept")
-            .x(Axis::linear("twist, degrees"))
-            .y(Axis::linear("volume, %").range(0.0, 105.0));
-        let mut outline = Chart::new(format!("Radius at {furthest} degrees"))
-            .x(Axis::linear("place along the tube"))
-            .y(Axis::linear("radius").range(0.0, 1.05 * self.tube.radius));
-        for method in SkinningMethod::ALL {
-            let mut points = Vec::new();
-            for step in 0..=STEPS {
-                let degrees = furthest * f64::from(step) / f64::from(STEPS);
-                points.push((degrees, 100.0 * self.kept(method, degrees)?.volume));
-            }
-            volumes = volumes.series(method.name(), points);
-            let posed = self.posed(method, furthest)?;
-            outline = outline.series(method.name(), self.tube.ring_radii(&posed));
-        }
-        let figure = Figure::new("A tube of two bones, twisted");
-        Ok(figure.chart(volumes).chart(outline))
     }
 }

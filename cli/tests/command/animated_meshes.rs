@@ -1,9 +1,6 @@
 //! Promise: `animate` writes the mesh that the keyframes pose, at one time or frame by frame.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-
-use forked_rig::{Folder, json, kinopt, rig, stderr, stdout};
+use crate::forked_rig::{Folder, json, kinopt, rig, stderr, stdout};
 use glam::Vec3;
 use kinopt::animation::Playback;
 use kinopt::io::ply;

@@ -1,4 +1,4 @@
 //! argmin's solvers and executor.
 
 mod bent_arm;
-mod bridge;
+mod promises;

@@ -1,12 +1,8 @@
 //! Promise: a URDF robot is shown as a tree of links, placed by its joints' values, and solved for one
 //! target or several, within its limits.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-mod seeded_robot;
-
-use forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
-use seeded_robot::{Seeded, seven, typed};
+use crate::forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
+use crate::seeded_robot::{Seeded, seven, typed};
 use serde_json::json;
 
 #[test]

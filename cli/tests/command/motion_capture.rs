@@ -1,10 +1,7 @@
 //! Promise: `info` says what a motion capture file holds, and `fk` where its joints are at rest and at
 //! any time of it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-
-use forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
+use crate::forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
 use serde_json::json;
 
 const WAVE: &str = "HIERARCHY

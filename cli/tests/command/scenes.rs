@@ -1,9 +1,6 @@
 //! Promise: `info`, `fk` and `animate` take scenes in glTF files, and any posed mesh may become one.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod forked_rig;
-
-use forked_rig::{Folder, json, kinopt, stderr, stdout};
+use crate::forked_rig::{Folder, json, kinopt, stderr, stdout};
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::rotation::RotationCurve;

@@ -1,5 +1,4 @@
 //! Robots of models/, and targets that seeded configurations reach.
-#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;

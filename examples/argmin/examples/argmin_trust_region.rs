@@ -1,7 +1,7 @@
 //! argmin's trust region, with either of its subproblem solvers, on an inverse kinematics problem
 //! with joint limits.
 //!
-//! `cargo run --release --features argmin --example argmin_trust_region`
+//! `cargo run --release -p kinopt-argmin-examples --example argmin_trust_region`
 #![allow(clippy::print_stdout)]
 
 mod seven_joint_arm;

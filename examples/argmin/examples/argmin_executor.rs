@@ -1,7 +1,7 @@
 //! Our Levenberg-Marquardt under argmin's executor: observed, interrupted, and resumed from its
 //! checkpoint as if nothing had happened.
 //!
-//! `cargo run --release --features argmin --example argmin_executor`
+//! `cargo run --release -p kinopt-argmin-examples --example argmin_executor`
 #![allow(clippy::print_stdout)]
 
 mod seven_joint_arm;

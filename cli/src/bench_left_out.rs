@@ -1,0 +1,30 @@
+//! `kinopt bench` in builds without it.
+
+use std::ffi::OsString;
+
+use clap::Args;
+
+use crate::failure::{Failure, Outcome};
+
+/// Compare solvers: not in this build, needs the feature `bench`.
+///
+/// cargo run --release -p kinopt-cli --features bench -- bench robot.urdf --out results
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Whatever the comparison would take.
+    #[arg(hide = true, allow_hyphen_values = true, trailing_var_arg = true)]
+    rest: Vec<OsString>,
+}
+
+pub(crate) fn run(arguments: &Arguments, _json: bool) -> Outcome<()> {
+    let rest: Vec<_> = arguments
+        .rest
+        .iter()
+        .map(|word| word.to_string_lossy())
+        .collect();
+    Err(Failure::new(format!(
+        "bench is not in this build; to have it: \
+         cargo run --release -p kinopt-cli --features bench -- bench {}",
+        rest.join(" ")
+    )))
+}

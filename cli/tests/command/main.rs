@@ -1,0 +1,17 @@
+//! What the command promises: a module a promise.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod animated_meshes;
+mod exit_codes_and_errors;
+mod forked_rig;
+mod json_output;
+mod many_targets;
+mod motion_capture;
+mod posed_mesh;
+mod robots;
+mod scenes;
+mod seeded_robot;
+mod skin_report;
+#[cfg(feature = "bench")]
+mod solvers_compared;
+mod without_features;
