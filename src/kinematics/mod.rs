@@ -16,4 +16,4 @@ pub(crate) use geometric_jacobian::Partials;
 pub(crate) use joint_axis::JointAxis;
 pub(crate) use reverse::{Wrench, Wrenches};
 pub(crate) use state::TreeState;
-pub(crate) use tree::{FrameSlot, Tree};
+pub(crate) use tree::{FrameSlot, Tree, TreeMemory};

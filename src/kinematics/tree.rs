@@ -151,19 +151,51 @@ pub(super) struct Leaf {
 pub(crate) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Leaf>,
+    frames: Vec<FrameId>,
     /// Where the first root joint stands in the world. Nodes are placed as seen from there, so
     /// that levers lose no digits in a model far from the world's origin.
     pub(super) origin: Vector3<f64>,
     variables: usize,
 }
 
+/// Memory for compiling a tree again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TreeMemory {
+    /// By joint: whether a frame hangs on it.
+    needed: Vec<bool>,
+    /// By joint: the node that carries it and where it stands on that node.
+    carried: Vec<(Option<usize>, Placement<f64>)>,
+}
+
 impl Tree {
     /// Compiles `model` for the given frames under `map`, both its own; slot k of the tree is
     /// `frames[k]`.
     pub(crate) fn new(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
+        let mut own = Self {
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            frames: frames.to_vec(),
+            origin: Vector3::zero(),
+            variables: map.variables(),
+        };
+        own.compile(model, map, &mut TreeMemory::default());
+        own
+    }
+
+    /// Takes the places of joints and frames anew from the model it was compiled of, whose joints now
+    /// stand elsewhere; in memory that is there after the first time.
+    pub(crate) fn compile(&mut self, model: &Model, map: &ParameterMap, memory: &mut TreeMemory) {
         let joints = model.joints();
-        let mut needed = vec![false; joints.len()];
-        for frame in frames {
+        let Self {
+            nodes,
+            leaves,
+            frames,
+            ..
+        } = self;
+        let TreeMemory { needed, carried } = memory;
+        needed.clear();
+        needed.resize(joints.len(), false);
+        for frame in &*frames {
             let mut at = model.frames()[frame.index()].joint;
             while let Some(joint) = at.filter(|j| !needed[j.index()]) {
                 needed[joint.index()] = true;
@@ -171,9 +203,9 @@ impl Tree {
             }
         }
 
-        let mut nodes: Vec<Node> = Vec::new();
-        // For every needed joint: the node that carries it and where it stands on that node.
-        let mut carried = vec![(None, Placement::identity()); joints.len()];
+        nodes.clear();
+        carried.clear();
+        carried.resize(joints.len(), (None, Placement::identity()));
         for (index, joint) in joints.iter().enumerate().filter(|(i, _)| needed[*i]) {
             let (node, node_from_parent) = match joint.parent {
                 Some(parent) => carried[parent.index()],
@@ -217,26 +249,19 @@ impl Tree {
             node.parent_from_node = node.parent_from_node.shifted(-origin);
         }
 
-        let leaves = frames
-            .iter()
-            .map(|frame| {
-                let frame = &model.frames()[frame.index()];
-                let (node, node_from_joint) = match frame.joint {
-                    Some(joint) => carried[joint.index()],
-                    None => (None, Placement::identity()),
-                };
-                Leaf {
-                    node,
-                    node_from_frame: Offset::new(node_from_joint * frame.joint_from_frame),
-                }
-            })
-            .collect();
-        Self {
-            nodes,
-            leaves,
-            origin,
-            variables: map.variables(),
-        }
+        leaves.clear();
+        leaves.extend(frames.iter().map(|frame| {
+            let frame = &model.frames()[frame.index()];
+            let (node, node_from_joint) = match frame.joint {
+                Some(joint) => carried[joint.index()],
+                None => (None, Placement::identity()),
+            };
+            Leaf {
+                node,
+                node_from_frame: Offset::new(node_from_joint * frame.joint_from_frame),
+            }
+        }));
+        self.origin = origin;
     }
 
     /// How many variables it reads.

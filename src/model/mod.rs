@@ -18,7 +18,7 @@ pub use joint::{Joint, JointKind, Limits};
 pub use length_unit::LengthUnit;
 pub use parameter_map::{ParameterMap, ParameterMapBuilder, Source};
 
-use crate::spatial::Placement;
+use crate::spatial::{Placement, Vector3};
 
 /// A named place on a joint: a link, a bone's tip, a tool point.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,6 +133,20 @@ impl Model {
         self.frame_by_name.get(name).copied().ok_or_else(|| {
             UnknownName::new("frame", name, self.frames.iter().map(|f| f.name.as_str()))
         })
+    }
+
+    /// Puts a joint elsewhere on its parent, turned as it was; for layers that own the model.
+    pub(crate) fn move_joint(&mut self, joint: JointId, translation: Vector3<f64>) {
+        if let Some(own) = self.joints.get_mut(joint.index()) {
+            own.parent_from_joint.translation = translation;
+        }
+    }
+
+    /// Puts a frame elsewhere on its joint, turned as it was.
+    pub(crate) fn move_frame(&mut self, frame: FrameId, translation: Vector3<f64>) {
+        if let Some(own) = self.frames.get_mut(frame.index()) {
+            own.joint_from_frame.translation = translation;
+        }
     }
 
     /// The configuration closest to all zeros within the limits.

@@ -17,7 +17,7 @@ pub(crate) use names::Names;
 
 use std::sync::Arc;
 
-use crate::kinematics::Tree;
+use crate::kinematics::{Tree, TreeMemory};
 use crate::model::{Limits, Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
 pub(crate) use compiled_task::CompiledTask;
@@ -195,6 +195,11 @@ impl Problem {
     pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
         self.lower.copy_from_slice(lower);
         self.upper.copy_from_slice(upper);
+    }
+
+    /// Takes the places of joints and frames anew from its model, whose joints now stand elsewhere.
+    pub(crate) fn take_places(&mut self, model: &Model, memory: &mut TreeMemory) {
+        self.tree.compile(model, &self.map, memory);
     }
 
     /// The compiled kinematics that the tasks' slots refer to.

@@ -91,6 +91,15 @@ impl Skeleton {
         Self::new(self.model.name(), bones)
     }
 
+    /// Puts a bone's joint elsewhere on its parent and its tip elsewhere on the bone, in the model
+    /// alone: for layers that own the skeleton and solve on that.
+    pub(crate) fn stand(&mut self, bone: BoneId, on_parent: Vector3<f64>, tip: Vector3<f64>) {
+        let first = JointId::new(ANGLES_PER_BONE * bone.index());
+        let frame = self.tip(bone);
+        self.model.move_joint(first, on_parent);
+        self.model.move_frame(frame, tip);
+    }
+
     /// The bones, parents before children.
     #[must_use]
     pub fn bones(&self) -> &[Bone] {

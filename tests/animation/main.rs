@@ -21,6 +21,7 @@ mod pose_blending;
 mod poses;
 mod quaternion_algebra;
 mod reach_layers;
+mod reach_over_moving_hips;
 mod rotation_conversions;
 mod rotation_interpolation;
 mod splines;

@@ -3,12 +3,10 @@
 use glam::{Affine3A, DMat3, DQuat};
 
 use crate::animation::Armature;
+use crate::animation::pose::scales_evenly;
 use crate::model::Limits;
 use crate::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
-
-/// How far a bone's scales may differ, as a share of the largest.
-const UNIFORM_WITHIN: f32 = 1e-4;
 
 impl Armature {
     /// The skeleton with the same bones and ids, at rest where the armature is: what
@@ -35,7 +33,9 @@ impl Armature {
             let (above, turned) = parent
                 .and_then(|parent| placed.get(parent.index()).copied())
                 .unwrap_or((Affine3A::IDENTITY, DQuat::IDENTITY));
-            if let Some(parent) = parent.filter(|parent| !self.scales_evenly(*parent)) {
+            if let Some(parent) =
+                parent.filter(|parent| !scales_evenly(self.rest().local(*parent).scale))
+            {
                 return Err(SkeletonError::BadRest {
                     bone: self
                         .names()
@@ -64,11 +64,5 @@ impl Armature {
             });
         }
         Skeleton::new(name, bones)
-    }
-
-    fn scales_evenly(&self, bone: BoneId) -> bool {
-        let scale = self.rest().local(bone).scale;
-        let (least, most) = (scale.min_element(), scale.max_element());
-        least > 0.0 && most - least <= UNIFORM_WITHIN * most
     }
 }

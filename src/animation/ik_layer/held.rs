@@ -37,17 +37,15 @@ impl Held {
     }
 
     /// The clip's rotation, turned by the weight's share of the shortest arc to the one wanted.
-    pub(super) fn target(&self, clip: &Matrix3<f64>) -> Matrix3<f64> {
-        if self.weight == 0.0 {
-            return *clip;
+    pub(super) fn target(&self, clip: DQuat) -> Matrix3<f64> {
+        let mut turned = clip;
+        if self.weight > 0.0 {
+            let turn = self.wanted * clip.conjugate();
+            let turn = if turn.w < 0.0 { -turn } else { turn };
+            // Not glam's slerp, whose arc cosine loses half the digits of small angles.
+            turned = DQuat::from_scaled_axis(turn.to_scaled_axis() * self.weight) * clip;
         }
-        let Quaternion { w, v } = Quaternion::from_matrix(clip);
-        let from = DQuat::from_xyzw(v.x, v.y, v.z, w).normalize();
-        let turn = self.wanted * from.conjugate();
-        let turn = if turn.w < 0.0 { -turn } else { turn };
-        // Not glam's slerp, whose arc cosine loses half the digits of small angles.
-        let turn = DQuat::from_scaled_axis(turn.to_scaled_axis() * self.weight);
-        let DQuat { x, y, z, w } = turn * from;
+        let DQuat { x, y, z, w } = turned;
         let v = Vector3::new(x, y, z);
         Quaternion { w, v }.to_matrix()
     }

@@ -8,6 +8,7 @@ mod held;
 mod limb;
 mod placed;
 mod reach;
+mod stance;
 
 pub use aim::{Aim, AimError, AimGoal};
 pub use bridge::PoseBridge;

@@ -7,10 +7,12 @@ use glam::Quat;
 
 use super::bridge::PoseBridge;
 use super::held::Held;
+use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
 use crate::ik::{Solution, SolveError, Solver, Workspace};
+use crate::kinematics::TreeMemory;
 use crate::problem::{Problem, ProblemError, TaskId};
-use crate::skeleton::{BoneId, Posing, Skeleton};
+use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
 use crate::task::{Point, Quantity};
 
@@ -20,13 +22,14 @@ const TOLERANCE: f64 = 1e-6;
 /// Inverse kinematics over an animated pose: tasks for the tips of bones, each with a weight, on top
 /// of the pose that clips gave. Slower than a [`Limb`](super::Limb), but for any bones, with joint
 /// limits, and several tips that share a spine. The search starts at the clip's pose, so what does not
-/// help a tip stays. The pose's rotations count; its translations and scales are those of rest.
+/// help a tip stays. Joints stand where the pose's own translations and scales put them, so that what
+/// the solution says of a tip is what the posed bones show: W (ℓ, 0, 0) for a bone of length ℓ.
 #[derive(Debug)]
 pub struct ReachLayer {
     bridge: PoseBridge,
-    skeleton: Skeleton,
-    posing: Posing,
+    stances: Stances,
     problem: Problem,
+    places: TreeMemory,
     effectors: Vec<Effector>,
     held: Vec<Held>,
     /// Those that the tasks move, by index.
@@ -61,6 +64,15 @@ pub enum ReachError {
     /// The pose is of another armature than the skeleton's.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
+    /// A bone's scale would shear what hangs on it as that turns.
+    #[error(
+        "bone `{bone}` scales what hangs on it by different numbers along its axes, mirrors it or \
+         takes its size away, so it cannot be reached with"
+    )]
+    Sheared {
+        /// The bone.
+        bone: String,
+    },
     /// The search did not start.
     #[error(transparent)]
     Solve(#[from] SolveError),
@@ -108,14 +120,16 @@ impl ReachLayer {
         if size > 0.0 {
             builder.tolerance(Quantity::Metres, TOLERANCE * size);
         }
+        let problem = builder.build()?;
+        let moved = above(skeleton, tips.iter().chain(held));
         Ok(Self {
             bridge: PoseBridge::new(skeleton),
-            problem: builder.build()?,
-            skeleton: skeleton.clone(),
-            posing: Posing::new(skeleton),
+            problem,
+            places: TreeMemory::default(),
+            stances: Stances::new(skeleton, &moved),
             effectors,
             held: turned,
-            moved: above(skeleton, tips.iter().chain(held)),
+            moved,
             solver,
             workspace: Workspace::new(),
             q: rest,
@@ -170,7 +184,7 @@ impl ReachLayer {
 
     fn none_of(&self, bone: BoneId, others: impl Iterator<Item = BoneId>) -> NoEffector {
         let name = |bone: BoneId| {
-            let bones = self.skeleton.bones();
+            let bones = self.stances.skeleton().bones();
             let bone = bones.get(bone.index()).map(|bone| bone.name.clone());
             bone.unwrap_or_default()
         };
@@ -186,33 +200,37 @@ impl ReachLayer {
     /// all are, also outside the limits.
     ///
     /// # Errors
-    /// The pose has another number of bones than the skeleton. Missing a target is no error; the
-    /// solution says by how much.
+    /// The pose has another number of bones than the skeleton, or scales a bone, on which others of
+    /// the layer hang, by different numbers along its axes or by none above 0; the pose stays as it
+    /// is. Missing a target is no error; the solution says by how much.
     pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, ReachError> {
-        SizeMismatch::check(
-            "bones in the pose",
-            pose.bones(),
-            self.skeleton.bones().len(),
-        )?;
+        let bones = self.stances.skeleton().bones();
+        SizeMismatch::check("bones in the pose", pose.bones(), bones.len())?;
         let weights = self.effectors.iter().map(|own| own.weight);
         let mut weights = weights.chain(self.held.iter().map(|own| own.weight));
         if weights.all(|weight| weight == 0.0) {
             return Ok(None);
         }
         self.bridge.angles_of(pose, &mut self.q);
-        let posed = self.posing.pose(&self.q);
+        let skeleton = self.stances.take(pose, &self.moved)?;
+        self.problem.take_places(skeleton.model(), &mut self.places);
         for own in &self.effectors {
-            let tip = posed.tip(&self.skeleton, own.bone);
-            let target = tip * (1.0 - own.weight) + own.target * own.weight;
-            if let Some(task) = self.problem.residual_mut(own.task) {
-                task.set_target(target);
+            let (stance, task) = (
+                self.stances.of(own.bone),
+                self.problem.residual_mut(own.task),
+            );
+            if let Some((stance, task)) = stance.zip(task) {
+                let tip = Vector3::from(stance.tip.to_array());
+                task.set_target(tip * (1.0 - own.weight) + own.target * own.weight);
             }
         }
         for own in &self.held {
-            let placed = posed.model_from_bone.get(own.bone.index());
-            let task = self.problem.residual_mut(own.task);
-            if let Some((task, placed)) = task.zip(placed) {
-                task.set_target(own.target(&placed.rotation));
+            let (stance, task) = (
+                self.stances.of(own.bone),
+                self.problem.residual_mut(own.task),
+            );
+            if let Some((stance, task)) = stance.zip(task) {
+                task.set_target(own.target(stance.rotation));
             }
         }
         let solution = self

@@ -2,6 +2,9 @@
 
 use glam::{Affine3A, Mat3A, Quat, Vec3A, Vec4, Vec4Swizzles};
 
+/// How far the scales along a bone's axes may differ, as a share of the largest.
+const EVEN_WITHIN: f32 = 1e-4;
+
 /// A bone's place in its parent: scaled, then turned, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalTransform {
@@ -41,6 +44,13 @@ impl LocalTransform {
             && self.rotation.is_finite()
             && self.rotation.is_normalized()
     }
+}
+
+/// Whether a scale is the same along all axes and above 0, so that what hangs on the bone may turn
+/// without shearing.
+pub(crate) fn scales_evenly(scale: Vec3A) -> bool {
+    let (least, most) = (scale.min_element(), scale.max_element());
+    least > 0.0 && most - least <= EVEN_WITHIN * most
 }
 
 /// The columns of a unit quaternion's rotation matrix. Six products of vectors instead of the

@@ -7,4 +7,5 @@ mod pose;
 
 pub use armature::{Armature, ArmatureBone, ArmatureError};
 pub use local_transform::LocalTransform;
+pub(crate) use local_transform::scales_evenly;
 pub use pose::{LocalError, Pose, SizeMismatch};

@@ -1,0 +1,174 @@
+//! Promise: what a reach layer says of its tips is what the posed bones show, also where the pose
+//! moves or scales bones that stand still at rest.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::print_stderr)] // To say that nothing was tested.
+
+use glam::{Quat, Vec3A};
+use kinopt::Solver;
+use kinopt::animation::{
+    Armature, ArmatureBone, Cursor, Playback, Pose, PoseBridge, ReachError, ReachLayer,
+};
+use kinopt::io::bvh;
+use kinopt::model::Limits;
+use kinopt::skeleton::{BoneId, Skeleton};
+use support::armatures::{apart, model_by_ancestors, vector};
+use support::bones::RandomRig;
+use support::random::Random;
+
+fn tip(armature: &Armature, skeleton: &Skeleton, pose: &Pose, bone: BoneId) -> Vec3A {
+    let along = Vec3A::X * skeleton.bones()[bone.index()].length as f32;
+    model_by_ancestors(armature, pose)[bone.index()].transform_point3a(along)
+}
+
+fn target(of: Vec3A) -> kinopt::spatial::Vector3<f64> {
+    of.to_array().map(f64::from).into()
+}
+
+/// Moves every bone in its parent and scales it, each evenly.
+fn move_and_scale(pose: &mut Pose, armature: &Armature, random: &mut Random) {
+    for index in 0..armature.bones() {
+        let bone = armature.bone_at(index).unwrap();
+        let mut local = pose.local(bone);
+        local.translation += vector(random, if index == 0 { 2.0 } else { 0.05 });
+        local.scale = Vec3A::splat(random.within(0.9, 1.1) as f32);
+        pose.set_local(bone, local).unwrap();
+    }
+}
+
+#[test]
+fn moved_and_scaled_bones_are_reached_with_as_they_are() {
+    let mut reached = 0;
+    for seed in 0..8 {
+        let rig = RandomRig::new(400 + seed);
+        let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseBridge::new(skeleton));
+        let mut random = Random::new(seed);
+        let mut within = |low: f64, high: f64| -> Vec<f64> {
+            let limits = skeleton.model().limits();
+            limits
+                .map(|l| l.lower + (l.upper - l.lower) * random.within(low, high))
+                .collect()
+        };
+        let (clip, goal) = (within(0.4, 0.6), within(0.35, 0.65));
+        let mut pose = armature.rest().clone();
+        move_and_scale(&mut pose, &armature, &mut random);
+        let mut there = pose.clone();
+        bridge.pose_of(&clip, &mut pose);
+        bridge.pose_of(&goal, &mut there);
+
+        let mut layer = ReachLayer::holding(skeleton, tips, &tips[1..], Solver::default()).unwrap();
+        let wanted = tip(&armature, skeleton, &there, tips[0]);
+        let kept = tip(&armature, skeleton, &pose, tips[1]);
+        layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
+        let mut posed = pose.clone();
+        let told: Vec<f64> = {
+            let solution = layer.apply(&mut posed).unwrap().unwrap();
+            reached += usize::from(solution.reached);
+            let reports = solution.tasks().take(2);
+            reports.map(|task| task.rows[0].error).collect()
+        };
+        let shown = [(tips[0], wanted), (tips[1], kept)]
+            .map(|(bone, at)| (tip(&armature, skeleton, &posed, bone) - at).length());
+        for (told, shown) in told.iter().zip(shown) {
+            assert!(
+                (told - f64::from(shown)).abs() < 1e-5,
+                "seed {seed}: {told} {shown}"
+            );
+        }
+        // A held hand stays turned as it was.
+        let turned = |pose: &Pose| {
+            let own = model_by_ancestors(&armature, pose)[tips[1].index()];
+            Quat::from_mat3a(&glam::Mat3A::from_cols(
+                own.matrix3.x_axis.normalize(),
+                own.matrix3.y_axis.normalize(),
+                own.matrix3.z_axis.normalize(),
+            ))
+        };
+        if told.iter().all(|error| *error < 1e-5) {
+            assert!(apart(turned(&pose), turned(&posed)) < 1e-3);
+        }
+        assert_eq!(posed.translations(), pose.translations());
+        assert_eq!(posed.scales(), pose.scales());
+    }
+    assert!(reached >= 6, "{reached} of 8");
+}
+
+#[test]
+fn a_bone_that_would_shear_what_hangs_on_it_is_named() {
+    let rig = RandomRig::new(500);
+    let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+    let armature = Armature::of_skeleton(skeleton);
+    let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
+    let at = tip(&armature, skeleton, armature.rest(), bone);
+    layer.set_goal(bone, target(at), 1.0).unwrap();
+    for (scale, refused) in [
+        (Vec3A::new(1.0, 1.2, 1.0), true),
+        (Vec3A::splat(-1.0), true),
+        (Vec3A::splat(0.0), true),
+        (Vec3A::splat(1.2), false),
+    ] {
+        let mut pose = armature.rest().clone();
+        let trunk = armature.bone_at(1).unwrap();
+        let mut local = pose.local(trunk);
+        local.scale = scale;
+        pose.set_local(trunk, local).unwrap();
+        let before = pose.clone();
+        match layer.apply(&mut pose) {
+            Err(ReachError::Sheared { bone }) => {
+                assert!(refused && bone == skeleton.bones()[1].name, "{scale}");
+                assert_eq!(pose, before);
+            }
+            other => assert!(!refused && other.is_ok(), "{scale}: {other:?}"),
+        }
+        // A bone on which nothing of the layer hangs may be scaled as it likes.
+        let mut pose = armature.rest().clone();
+        let other = rig.tips[4];
+        let mut local = pose.local(other);
+        local.scale = scale;
+        pose.set_local(other, local).unwrap();
+        assert!(layer.apply(&mut pose).is_ok());
+    }
+}
+
+/// Walks that people captured, whose hips go across the room.
+#[test]
+fn a_captured_walk_is_reached_with_where_it_is() {
+    let Some(shared) = std::env::var_os("KINOPT_SHARED") else {
+        eprintln!("SKIPPED: KINOPT_SHARED is not set, so no captured walk was tried");
+        return;
+    };
+    let path = std::path::Path::new(&shared).join("assets/bvh/01_01.bvh");
+    let capture = bvh::read(&path).unwrap();
+    // The tips of bones have frames of such names already.
+    let bones = (0..capture.armature.bones()).map(|index| {
+        let bone = capture.armature.bone_at(index).unwrap();
+        ArmatureBone {
+            name: capture.armature.names()[index].replace('/', " "),
+            parent: capture.armature.parent(bone).map(BoneId::index),
+            rest: capture.armature.rest().local(bone),
+        }
+    });
+    let armature = &Armature::new(bones.collect(), Vec::new()).unwrap();
+    let free = |_| [Limits::UNBOUNDED; 3];
+    let skeleton = armature.skeleton("captured", free).unwrap();
+    let hand = armature.bone("RightHand").unwrap();
+    let mut layer = ReachLayer::new(&skeleton, &[hand], Solver::default()).unwrap();
+    let (mut reached, size) = (0, skeleton.size());
+    let mut cursor = Cursor::new();
+    for frame in 0..40 {
+        let mut pose = armature.rest().clone();
+        let time = f64::from(capture.clip.span()[1]) * f64::from(frame) / 40.0;
+        capture
+            .clip
+            .sample(time, Playback::Hold, &mut cursor, &mut pose)
+            .unwrap();
+        let at = tip(armature, &skeleton, &pose, hand);
+        let wanted = at + Vec3A::new(0.02, 0.03, -0.02) * size as f32;
+        layer.set_goal(hand, target(wanted), 1.0).unwrap();
+        reached += usize::from(layer.apply(&mut pose).unwrap().unwrap().reached);
+        let shown = tip(armature, &skeleton, &pose, hand);
+        let off = f64::from((shown - wanted).length()) / size;
+        assert!(off < 1e-5, "frame {frame}: {off} of the figure's size");
+    }
+    assert_eq!(reached, 40);
+}
