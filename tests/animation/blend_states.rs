@@ -180,6 +180,47 @@ fn a_state_entered_in_step_starts_where_the_one_left_is() {
     }
 }
 
+/// A fade from walking to a jump is broken off by walking's own transition to a run: the feet of the run
+/// keep step with the walk that it leads from, not with the jump.
+#[test]
+fn a_fade_broken_off_by_its_source_keeps_step_with_the_source() {
+    for (interruption, from, place) in [
+        ("source", "\"from\": \"walk\", ", 0.75),
+        ("either", "\"from\": \"walk\", ", 0.75),
+        ("target", "\"from\": \"jump\", ", 0.5),
+        ("either", "\"from\": \"jump\", ", 0.5),
+        // Without a state of its own it leads from the one that is heard first.
+        ("source", "", 0.75),
+        ("target", "", 0.5),
+        ("either", "", 0.75),
+    ] {
+        let mut run = run_of(&format!(
+            r#"{{
+              "parameters": {{"leap": "trigger", "go": "trigger"}},
+              "initial": "walk",
+              "states": [{{"name": "walk", "clip": "walk"}}, {{"name": "jump", "clip": "jump"}},
+                         {{"name": "run", "clip": "run"}}],
+              "transitions": [
+                {{"from": "walk", "to": "jump", "seconds": 1, "when": [{{"parameter": "leap"}}],
+                  "interruption": "{interruption}"}},
+                {{{from}"to": "run", "in_step": true, "when": [{{"parameter": "go"}}]}}
+              ]
+            }}"#
+        ));
+        // The walk of 2 s is at 1.25 s, then at 1.5 s; the jump of half a second at 0.25 s.
+        step(&mut run, 1.25);
+        run.trigger("leap").unwrap();
+        step(&mut run, 0.25);
+        run.trigger("go").unwrap();
+        let [x, y] = step(&mut run, 0.0);
+        assert_eq!(run.state(), "run");
+        assert!(
+            (x - place).abs() < 1e-6 && y == 20.0,
+            "{interruption}, {from}: {x} {y}"
+        );
+    }
+}
+
 #[test]
 fn mere_poses_do_not_count_for_the_length() {
     let armature = armature();

@@ -1,8 +1,12 @@
 //! Promise: a state machine says where it is and what it goes by, and its data survives a round trip.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::animation::{ParameterValue, StateMachine, StateMachineDefinition, StateMachineRun};
-use support::state_machines::{clips, hips, machine, run_of};
+use std::sync::Arc;
+
+use kinopt::animation::{
+    Clip, ParameterValue, StateMachine, StateMachineDefinition, StateMachineRun,
+};
+use support::state_machines::{armature, clips, hips, machine, run_of};
 
 const MACHINE: &str = r#"{
   "parameters": {"go": "trigger", "stop": "trigger"},
@@ -66,6 +70,31 @@ fn it_says_what_its_parameters_are() {
     assert_eq!(values(&run), expected(true));
     run.update(0.1, |_| {}).unwrap();
     assert_eq!(values(&run), expected(false));
+}
+
+/// A clip of 80 ns that loops has 200 000 events in a frame of 16 ms.
+#[test]
+fn events_of_one_update_are_bounded_and_it_says_so() {
+    let armature = armature();
+    let mut builder = Clip::builder("buzz", &armature);
+    builder.span(0.0, 8e-8).unwrap();
+    builder.event(4e-8, "tick").unwrap();
+    let buzz = Arc::new(builder.build());
+    let definition =
+        r#"{"initial": "buzz", "states": [{"name": "buzz", "clip": "buzz"}], "transitions": []}"#;
+    let definition: StateMachineDefinition = serde_json::from_str(definition).unwrap();
+    let machine = Arc::new(StateMachine::new(&definition, &[buzz]).unwrap());
+    let mut run = StateMachineRun::new(machine, armature.rest()).unwrap();
+    let heard = |run: &mut StateMachineRun, seconds: f64| {
+        let mut heard = 0;
+        run.update(seconds, |_| heard += 1).unwrap();
+        (heard, run.events_left_out())
+    };
+    assert_eq!(heard(&mut run, 4e-8 * 9.5), (5, false));
+    let most = StateMachineRun::MOST_EVENTS;
+    assert_eq!(heard(&mut run, 0.016), (most, true));
+    assert_eq!(heard(&mut run, 1e9), (most, true));
+    assert_eq!(heard(&mut run, 0.0), (0, false));
 }
 
 #[test]

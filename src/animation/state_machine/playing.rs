@@ -49,19 +49,21 @@ impl Playing {
     }
 
     /// Plays on; `on_event` hears each event passed by a clip with its weight, and the share of the
-    /// step at which it was.
+    /// step at which it was, while there is any budget of them left. Says whether it heard all.
     pub(super) fn advance(
         &mut self,
         state: &State,
         mix: Mix,
         seconds: f64,
+        budget: &mut usize,
         mut on_event: impl FnMut(&Clip, f32, Fired<'_>, f64),
-    ) {
+    ) -> bool {
         self.seconds += seconds;
         let length = state.motion.length(mix);
         let times = if length > 0.0 { seconds / length } else { 0.0 };
         let passage = self.head.advance(times);
         let playing = state.motion.playing(mix);
+        let mut all = true;
         for (clip, weight) in playing.filter(|(clip, _)| !clip.events().is_empty()) {
             let [from, to] = [passage.from, passage.to].map(|times| times * clip.duration());
             let passage = Passage {
@@ -70,6 +72,11 @@ impl Playing {
                 ..passage
             };
             for fired in clip.fired(state.playback, passage) {
+                if *budget == 0 {
+                    all = false;
+                    break;
+                }
+                *budget -= 1;
                 let share = if from == to {
                     0.0
                 } else {
@@ -78,6 +85,7 @@ impl Playing {
                 on_event(clip, weight, fired, share);
             }
         }
+        all
     }
 
     /// Writes the pose; `other` is room for one.

@@ -19,6 +19,8 @@ pub struct StateMachineRun {
     pub(super) fade: Option<Fade>,
     /// The transitions taken at this moment.
     pub(super) taken: Vec<usize>,
+    /// Whether the last update passed more events than it may tell.
+    events_left_out: bool,
     /// The pose as shown.
     pub(super) pose: Pose,
     /// What a cross-fade leads to, and room for what that is blended of.
@@ -28,6 +30,9 @@ pub struct StateMachineRun {
 impl StateMachineRun {
     /// The most transitions that one update takes.
     pub const MOST_TRANSITIONS: usize = 64;
+    /// The most events that one update tells: a clip that is tiny beside the step passes its events
+    /// without end.
+    pub const MOST_EVENTS: usize = 1024;
 
     /// A character in the machine's initial state. `rest` is the rest pose of its armature.
     ///
@@ -40,6 +45,7 @@ impl StateMachineRun {
             current: Playing::start(&machine, machine.initial),
             fade: None,
             taken: Vec::new(),
+            events_left_out: false,
             pose: rest.clone(),
             others: [rest.clone(), rest.clone()],
             machine,
@@ -96,6 +102,13 @@ impl StateMachineRun {
         Some(&self.machine.states[leaving.state].name)
     }
 
+    /// Whether the last update passed more than [`MOST_EVENTS`](Self::MOST_EVENTS) events, of which it
+    /// told the first.
+    #[must_use]
+    pub fn events_left_out(&self) -> bool {
+        self.events_left_out
+    }
+
     /// The pose as of the last update.
     #[must_use]
     pub fn pose(&self) -> &Pose {
@@ -109,7 +122,8 @@ impl StateMachineRun {
     /// At one moment each transition is taken at most once, so transitions that lead in a ring stop;
     /// and after [`MOST_TRANSITIONS`](Self::MOST_TRANSITIONS) in one update, the rest of its time is
     /// spent in the state entered last. `on_event` hears the events of the clips, also of a state that
-    /// is being left. Seconds that are negative or not finite count as 0.
+    /// is being left, but no more than [`MOST_EVENTS`](Self::MOST_EVENTS) in one update; whether there were more,
+    /// [`events_left_out`](Self::events_left_out) says. Seconds that are negative or not finite count as 0.
     ///
     /// # Errors
     /// Never for a run that [`new`](Self::new) made; sizes were checked there.
@@ -125,13 +139,15 @@ impl StateMachineRun {
             0.0
         };
         let mut most = Self::MOST_TRANSITIONS;
+        let mut budget = Self::MOST_EVENTS;
+        self.events_left_out = false;
         loop {
             most -= self.take_all(&machine, most)?;
             let step = match most {
                 0 => left,
                 _ => left.min(self.until_change(&machine)),
             };
-            self.advance(&machine, step, &mut on_event);
+            self.advance(&machine, step, &mut budget, &mut on_event);
             left -= step;
             if left <= 0.0 {
                 return self.show();
@@ -144,8 +160,10 @@ impl StateMachineRun {
         &mut self,
         machine: &StateMachine,
         seconds: f64,
+        budget: &mut usize,
         on_event: &mut impl FnMut(StateEvent<'_>),
     ) {
+        let mut all = true;
         let progress = self.fade.as_ref().map(|fade| fade.progress);
         // The share of the state that is being entered, at a share of this step.
         let entered = |at: f64| progress.map_or(1.0, |progress| progress.share(at * seconds));
@@ -153,7 +171,7 @@ impl StateMachineRun {
             if let Origin::State(from) = &mut fade.from {
                 let state = &machine.states[from.state];
                 let mix = state.motion.mix(&self.values);
-                from.advance(state, mix, seconds, |clip, weight, fired, at| {
+                all &= from.advance(state, mix, seconds, budget, |clip, weight, fired, at| {
                     on_event(StateEvent {
                         state: &state.name,
                         clip: clip.name(),
@@ -168,8 +186,9 @@ impl StateMachineRun {
         }
         let state = &machine.states[self.current.state];
         let mix = state.motion.mix(&self.values);
-        self.current
-            .advance(state, mix, seconds, |clip, weight, fired, at| {
+        all &= self
+            .current
+            .advance(state, mix, seconds, budget, |clip, weight, fired, at| {
                 on_event(StateEvent {
                     state: &state.name,
                     clip: clip.name(),
@@ -177,6 +196,7 @@ impl StateMachineRun {
                     weight: weight * entered(at),
                 });
             });
+        self.events_left_out |= !all;
     }
 
     /// Writes the pose.

@@ -7,6 +7,15 @@ use super::playing::{Fade, MOMENT, Origin, Playing, Progress};
 use super::run::StateMachineRun;
 use crate::animation::SizeMismatch;
 
+/// A transition whose conditions hold.
+struct Open<'a> {
+    index: usize,
+    /// The state that it leads from.
+    left: &'a Playing,
+    /// The seconds until it may be taken.
+    wait: f64,
+}
+
 impl StateMachineRun {
     /// Takes the transitions of this moment: at most so many, and none of them twice, so that a ring
     /// of them ends. Says how many.
@@ -17,12 +26,18 @@ impl StateMachineRun {
     ) -> Result<usize, SizeMismatch> {
         self.taken.clear();
         while self.taken.len() < most {
-            let due = |(index, wait): &(usize, f64)| *wait <= MOMENT && !self.taken.contains(index);
-            let Some((index, _)) = self.open(machine).find(due) else {
+            let due = |open: &Open| open.wait <= MOMENT && !self.taken.contains(&open.index);
+            let Some(Open { index, left, .. }) = self.open(machine).find(due) else {
                 break;
             };
+            let transition = &machine.transitions[index];
+            // In step with the state it leads from, which a fade that is broken off may be leaving.
+            let entered = match transition.in_step {
+                true => left.start_in_step(machine, transition.to),
+                false => Playing::start(machine, transition.to),
+            };
             self.taken.push(index);
-            self.take(machine, &machine.transitions[index])?;
+            self.take(transition, entered)?;
         }
         Ok(self.taken.len())
     }
@@ -31,21 +46,24 @@ impl StateMachineRun {
     /// will be.
     pub(super) fn until_change(&self, machine: &StateMachine) -> f64 {
         let fade = self.fade.as_ref().map(|fade| fade.progress.left());
-        let waits = self.open(machine).map(|(_, wait)| wait);
+        let waits = self.open(machine).map(|open| open.wait);
         let waits = waits.filter(|wait| *wait > MOMENT);
         waits.chain(fade).fold(f64::INFINITY, f64::min)
     }
 
-    /// The transitions whose conditions hold, in order of precedence, and the seconds until each may
-    /// be taken.
-    fn open<'a>(&'a self, machine: &'a StateMachine) -> impl Iterator<Item = (usize, f64)> + 'a {
+    /// The transitions whose conditions hold, in order of precedence.
+    fn open<'a>(&'a self, machine: &'a StateMachine) -> impl Iterator<Item = Open<'a>> + 'a {
         let sources = self.sources().into_iter().flatten();
         sources.flat_map(move |playing| {
             let transitions = machine.transitions.iter().enumerate();
             transitions
                 .filter(move |(_, own)| self.leads_away(playing, own))
                 .filter(|(_, own)| own.conditions.iter().all(|c| self.holds(*c)))
-                .map(move |(index, own)| (index, self.wait(machine, playing, own)))
+                .map(move |(index, own)| Open {
+                    index,
+                    left: playing,
+                    wait: self.wait(machine, playing, own),
+                })
         })
     }
 
@@ -71,11 +89,7 @@ impl StateMachineRun {
         }
     }
 
-    fn take(
-        &mut self,
-        machine: &StateMachine,
-        transition: &Transition,
-    ) -> Result<(), SizeMismatch> {
+    fn take(&mut self, transition: &Transition, entered: Playing) -> Result<(), SizeMismatch> {
         for condition in &transition.conditions {
             if let Condition::Triggered { parameter } = condition {
                 self.triggered[*parameter] = false;
@@ -88,10 +102,6 @@ impl StateMachineRun {
             self.show()?;
         }
         self.fade = None;
-        let entered = match transition.in_step {
-            true => self.current.start_in_step(machine, transition.to),
-            false => Playing::start(machine, transition.to),
-        };
         let left = std::mem::replace(&mut self.current, entered);
         self.fade = fades.then(|| Fade {
             from: match broken {

@@ -23,8 +23,9 @@ pub struct TransitionDefinition {
     /// entered, wherever in its clips that was.
     #[serde(default)]
     pub after: Option<f64>,
-    /// Whether the state entered starts at the share of its clips at which those of the state left are,
-    /// so that feet keep step; without it, at their start.
+    /// Whether the state entered starts at the share of its clips at which those of the state are that the
+    /// transition leads from, so that feet keep step; without it, at their start. One without `from` that
+    /// breaks off a cross-fade leads from the first state that may break it off.
     #[serde(default)]
     pub in_step: bool,
     /// Not before so many seconds in the state.
