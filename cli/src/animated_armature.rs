@@ -166,6 +166,9 @@ impl AnimatedArmature {
                 std::array::from_fn(|axis| pick(corner[axis], point[axis]))
             })
         };
+        if placements.is_empty() {
+            return Ok(0.0);
+        }
         let low = Vector3::from(corner(f64::min, f64::INFINITY));
         let high = Vector3::from(corner(f64::max, f64::NEG_INFINITY));
         Ok((high - low).norm())

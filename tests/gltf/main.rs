@@ -2,6 +2,7 @@
 
 mod files_of_others;
 mod known_answers;
+mod legal_files;
 mod malformed;
 mod meshes;
 mod round_trips;

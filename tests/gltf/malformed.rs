@@ -51,15 +51,6 @@ fn the_document() {
         ],
     );
     assert_eq!(extension("KHR_texture_transform"), "");
-    says(
-        &changed(r#""mode":4"#, r#""mode":1"#),
-        &[
-            "meshes[0].primitives[0].mode",
-            "`tube`",
-            "Lines",
-            "TriangleFan",
-        ],
-    );
     says(&changed(r#""mode":4"#, r#""mode":9"#), &["mode", "unknown"]);
     says(&read(b"").unwrap_err().to_string(), &["EOF"]);
     says(&read(b"{}").unwrap_err().to_string(), &["asset"]);

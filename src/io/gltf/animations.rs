@@ -9,6 +9,7 @@ use super::keys::{Keys, curve, rotation};
 use super::meshes::Meshes;
 use super::nodes::{Nodes, label, missing_node, node_label};
 use super::note::Note;
+use super::omissions::Nodeless;
 use super::source::Source;
 use crate::animation::{Armature, Channel, Clip, ClipBuilder};
 use crate::io::ReadError;
@@ -27,6 +28,7 @@ struct Context<'a, 'b> {
 
 pub(super) fn read(
     source: &Source<'_>,
+    nodeless: &Nodeless,
     nodes: &Nodes,
     meshes: &Meshes,
     armature: &Armature,
@@ -48,6 +50,12 @@ pub(super) fn read(
         };
         let mut builder = Clip::builder(name, armature);
         for channel in 0..animation.channels.len() {
+            if nodeless.contains(&(index, channel)) {
+                let place = format!("{}.channels[{channel}].target", context.path);
+                let what = format!("{}: a channel without a node", context.title);
+                notes.push(Note::left_out(place, what));
+                continue;
+            }
             context.channel(channel, &mut builder, notes)?;
         }
         Ok(builder.build())

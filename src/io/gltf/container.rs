@@ -3,6 +3,7 @@
 use ::gltf::json::Root;
 use serde::Deserialize;
 
+use super::omissions::{Nodeless, parse_with_omissions};
 use crate::io::json::parse;
 use crate::io::{Place, ReadError};
 
@@ -16,9 +17,11 @@ const HARMLESS: [&str; 7] = [
     "EXT_texture_",
     "MSFT_texture_",
     "KHR_lights_",
-    "KHR_mesh_quantization",
+    QUANTIZATION,
     "KHR_xmp",
 ];
+/// The extension that reading applies.
+pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// The JSON and the binary chunk of a file.
 pub(super) struct Chunks<'a> {
@@ -102,7 +105,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
 }
 
 /// The document, once its version is known to be 2 and it requires nothing that is not supported.
-pub(super) fn document(json: &[u8], name: &str) -> Result<Root, ReadError> {
+pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
     let heading: Heading = parse(json, name)?;
     let asset = heading.asset;
     let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
@@ -127,7 +130,7 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<Root, ReadError> {
             return Err(ReadError::malformed(name, place, problem));
         }
     }
-    parse(json, name)
+    parse_with_omissions(json, name)
 }
 
 /// As people write a family of extensions.

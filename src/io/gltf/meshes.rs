@@ -31,7 +31,7 @@ pub(super) fn read(
 ) -> Result<Meshes, ReadError> {
     let mut own = Meshes::default();
     let mut raws: BTreeMap<usize, RawMesh> = BTreeMap::new();
-    let (mut taken, mut left_out) = (BTreeSet::new(), BTreeSet::new());
+    let (mut taken, mut left_out, mut used) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     // In the order of the bones, so that a scene that was written is read in the same order.
     let mut order: Vec<usize> = (0..source.root.nodes.len()).collect();
     order.sort_by_key(|&node| nodes.bone_of[node]);
@@ -56,13 +56,21 @@ pub(super) fn read(
             None => {
                 let raw = primitives::read(source, mesh)?;
                 left_out.extend(raw.left_out.iter().cloned());
-                for name in &raw.dropped {
-                    let what = format!("{name}, which not every primitive has");
-                    notes.push(Note::left_out(format!("meshes[{mesh}]"), what));
+                for (primitive, mode) in &raw.without_triangles {
+                    let place = format!("meshes[{mesh}].primitives[{primitive}]");
+                    notes.push(Note::left_out(
+                        place,
+                        format!("a primitive drawn as {mode}"),
+                    ));
                 }
                 raws.entry(mesh).or_insert(raw)
             }
         };
+        // A mesh of lines and points alone is none.
+        if raw.positions.is_empty() && !raw.without_triangles.is_empty() {
+            continue;
+        }
+        used.extend(node.skin.map(|skin| skin.value()));
         own.of_node.insert(index, own.meshes.len());
         add(
             source,
@@ -73,6 +81,9 @@ pub(super) fn read(
             &mut taken,
             notes,
         )?;
+    }
+    for skin in (0..source.root.skins.len()).filter(|skin| !used.contains(skin)) {
+        skins::check(source, skin)?;
     }
     if !left_out.is_empty() {
         let names: Vec<String> = left_out.into_iter().collect();

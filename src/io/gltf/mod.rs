@@ -10,7 +10,7 @@
 //!   be the rest pose. So posing a skin takes [`Skin::joint_from_mesh`], as [`ScenePosing`] does,
 //!   and not [`Armature::skinning_transforms`].
 //! - **Meshes** are the primitives of a glTF mesh joined, indexed or not, strips and fans as
-//!   triangles. Weights that are negative or do not sum to 1 are put right, which a [`Note`] says.
+//!   triangles; primitives of points and lines are left out. Weights that are negative or do not sum to 1 are put right, which a [`Note`] says.
 //! - **Morph targets** are those of all meshes in one list, the armature's; their weights at rest are
 //!   the file's.
 //! - **Animations** are [`Clip`]s: steps, lines (rotations: slerp) and cubic splines.
@@ -44,6 +44,7 @@ mod morph_targets;
 mod node_transform;
 mod nodes;
 mod note;
+mod omissions;
 mod posing;
 mod primitives;
 mod raw_mesh;
@@ -97,7 +98,7 @@ pub fn from_bytes(
     open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Scene, ReadError> {
     let chunks = container::split(bytes, name)?;
-    let root = container::document(chunks.json, name)?;
+    let (root, nodeless) = container::document(chunks.json, name)?;
     let buffers = buffers::load(&root, chunks.binary, name, open)?;
     let source = Source::new(name, &root, chunks.json.len(), buffers);
     let mut notes = left_out(&root);
@@ -108,7 +109,7 @@ pub fn from_bytes(
         .map_err(|error| source.fail("nodes", error.to_string()))?
         .with_rest_morph_weights(&meshes.target_weights)
         .map_err(|error| source.fail("meshes", error.to_string()))?;
-    let clips = animations::read(&source, &nodes, &meshes, &armature, &mut notes)?;
+    let clips = animations::read(&source, &nodeless, &nodes, &meshes, &armature, &mut notes)?;
     Ok(Scene {
         armature,
         meshes: meshes.meshes,
@@ -139,7 +140,8 @@ fn left_out(root: &Root) -> Vec<Note> {
     let filled = lists.into_iter().filter(|(_, count)| *count > 0);
     let lists = filled.map(|(what, count)| Note::left_out(what, format!("{count} {what}")));
     let extensions = root.extensions_used.iter().enumerate();
-    let extensions = extensions.map(|(index, name)| {
+    let ignored = extensions.filter(|(_, name)| *name != container::QUANTIZATION);
+    let extensions = ignored.map(|(index, name)| {
         Note::left_out(
             format!("extensionsUsed[{index}]"),
             format!("extension `{name}`"),

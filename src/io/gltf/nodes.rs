@@ -41,7 +41,7 @@ pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> Result<Nodes, 
     let nodes = &source.root.nodes;
     let parents = parents(source)?;
     let order = order(source, &parents)?;
-    let names = names(nodes, notes);
+    let names = names(source, notes);
     let mut place = vec![0; nodes.len()];
     let mut bones = Vec::with_capacity(nodes.len());
     for (at, &index) in order.iter().enumerate() {
@@ -118,14 +118,19 @@ fn order(source: &Source<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>, R
     }
 }
 
-/// The nodes' own names where they have any; the first of several that share one keeps it.
-fn names(nodes: &[Node], notes: &mut Vec<Note>) -> Vec<String> {
+/// The nodes' own names where they have any. Of several that share one a joint keeps it, else what is
+/// animated, else the first.
+fn names(source: &Source<'_>, notes: &mut Vec<Note>) -> Vec<String> {
+    let nodes = &source.root.nodes;
     let given = |node: &Node| node.name.clone().filter(|name| !name.is_empty());
     let mut taken: BTreeSet<String> = BTreeSet::new();
-    let keeps: Vec<Option<String>> = nodes
-        .iter()
-        .map(|node| given(node).filter(|name| taken.insert(name.clone())))
-        .collect();
+    let mut order: Vec<usize> = (0..nodes.len()).collect();
+    let ranks = ranks(source);
+    order.sort_by_key(|&index| Reverse(ranks[index]));
+    let mut keeps = vec![None; nodes.len()];
+    for index in order {
+        keeps[index] = given(&nodes[index]).filter(|name| taken.insert(name.clone()));
+    }
     let named = keeps.into_iter().zip(nodes).enumerate();
     named
         .map(|(index, (kept, node))| {
@@ -140,6 +145,30 @@ fn names(nodes: &[Node], notes: &mut Vec<Note>) -> Vec<String> {
             })
         })
         .collect()
+}
+
+/// What a node is for by which its name counts, rising.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Other,
+    Animated,
+    Joint,
+}
+
+fn ranks(source: &Source<'_>) -> Vec<Rank> {
+    let mut ranks = vec![Rank::Other; source.root.nodes.len()];
+    let mut raise = |node: usize, to: Rank| {
+        if let Some(rank) = ranks.get_mut(node) {
+            *rank = to.max(*rank);
+        }
+    };
+    for channel in source.root.animations.iter().flat_map(|own| &own.channels) {
+        raise(channel.target.node.value(), Rank::Animated);
+    }
+    for joint in source.root.skins.iter().flat_map(|skin| &skin.joints) {
+        raise(joint.value(), Rank::Joint);
+    }
+    ranks
 }
 
 /// The name, or with a mark at its end where it is taken; taken from now on.

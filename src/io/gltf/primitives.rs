@@ -46,9 +46,16 @@ pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadErr
     let mut having = Having::default();
     let mut blocks: BTreeMap<VertexKey, (u32, usize)> = BTreeMap::new();
     let target_count = |primitive: &Primitive| primitive.targets.as_ref().map_or(0, Vec::len);
-    let targets = mesh.primitives.first().map_or(0, target_count);
-    raw.targets = vec![Deltas::default(); targets];
+    let mut solid = Vec::with_capacity(mesh.primitives.len());
     for (number, primitive) in mesh.primitives.iter().enumerate() {
+        match triangles::without_triangles(primitive) {
+            None => solid.push((number, primitive)),
+            Some(mode) => raw.without_triangles.push((number, format!("{mode:?}"))),
+        }
+    }
+    let targets = solid.first().map_or(0, |(_, first)| target_count(first));
+    raw.targets = vec![Deltas::default(); targets];
+    for (number, primitive) in solid {
         let path = format!("meshes[{index}].primitives[{number}]");
         let user = format!("{name}, primitive {number}");
         if target_count(primitive) != targets {

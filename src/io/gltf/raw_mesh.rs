@@ -25,8 +25,8 @@ pub(super) struct RawMesh {
     /// Whether every primitive has joints.
     pub(super) is_skinned: bool,
     pub(super) targets: Vec<Deltas>,
+    /// The primitives of points and lines by their numbers, and what they are.
+    pub(super) without_triangles: Vec<(usize, String)>,
     /// Attributes that nothing here is for, by name.
     pub(super) left_out: BTreeSet<String>,
-    /// Attributes that only some primitives have, by name.
-    pub(super) dropped: Vec<&'static str>,
 }

@@ -112,6 +112,12 @@ impl SceneMesh {
             skin.joint_from_mesh.len(),
             skin.joints.len(),
         )?;
+        let finite = skin.joint_from_mesh.iter().filter(|m| m.is_finite());
+        same(
+            "finite inverse bind matrices",
+            finite.count(),
+            skin.joint_from_mesh.len(),
+        )?;
         same(
             "bones in the weights",
             skin.weights.bone_count(),

@@ -50,6 +50,15 @@ pub(super) fn read(
     })
 }
 
+/// Checks the inverse bind matrices of a skin that no mesh which is read has.
+pub(super) fn check(source: &Source<'_>, index: usize) -> Result<(), ReadError> {
+    let entry = source.root.skins.get(index);
+    entry.map_or(Ok(()), |entry| {
+        let user = label("skin", index, entry.name.as_ref());
+        bound(source, entry, index, &user).map(|_| ())
+    })
+}
+
 /// The inverse bind matrices, one for each joint; identities where the file has none.
 fn bound(
     source: &Source<'_>,

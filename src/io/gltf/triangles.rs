@@ -7,6 +7,15 @@ use super::raw_mesh::RawMesh;
 use super::source::Source;
 use crate::io::ReadError;
 
+/// How a primitive is drawn, where it has no triangles: as points or lines.
+pub(super) fn without_triangles(primitive: &Primitive) -> Option<Mode> {
+    match primitive.mode {
+        Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => None,
+        Checked::Valid(mode) => Some(mode),
+        Checked::Invalid => None,
+    }
+}
+
 /// Appends the triangles over vertices that start at `first`, `count` of them.
 pub(super) fn append(
     source: &Source<'_>,
@@ -18,14 +27,8 @@ pub(super) fn append(
 ) -> Result<(), ReadError> {
     let mode = match primitive.mode {
         Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
-        other => {
-            let what = match other {
-                Checked::Valid(mode) => format!("{mode:?}"),
-                Checked::Invalid => "an unknown mode".into(),
-            };
-            let problem = format!(
-                "{user}: is drawn as {what}; Triangles, TriangleStrip and TriangleFan are read"
-            );
+        _ => {
+            let problem = format!("{user}: is drawn in an unknown mode");
             return Err(source.fail(format!("{path}.mode"), problem));
         }
     };

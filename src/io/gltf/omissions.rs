@@ -1,0 +1,92 @@
+//! What a document may leave out though the gltf crate's types ask for it: the nodes of a scene, and
+//! the node of an animation's channel.
+
+use std::collections::BTreeSet;
+
+use ::gltf::json::Root;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use serde_json::{Map, Value};
+
+use crate::io::ReadError;
+use crate::io::json::{parse, parse_value};
+
+/// As much of a document as says what it leaves out.
+#[derive(Deserialize)]
+struct Outline {
+    #[serde(default)]
+    scenes: Vec<Scene>,
+    #[serde(default)]
+    animations: Vec<Animation>,
+}
+
+#[derive(Deserialize)]
+struct Scene {
+    nodes: Option<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+struct Animation {
+    #[serde(default)]
+    channels: Vec<Channel>,
+}
+
+#[derive(Deserialize)]
+struct Channel {
+    target: Option<Target>,
+}
+
+#[derive(Deserialize)]
+struct Target {
+    node: Option<IgnoredAny>,
+}
+
+impl Channel {
+    fn has_no_node(&self) -> bool {
+        let target = self.target.as_ref();
+        target.is_some_and(|target| target.node.is_none())
+    }
+}
+
+/// The channels without a node, by animation and channel.
+pub(super) type Nodeless = BTreeSet<(usize, usize)>;
+
+/// The document, with an empty list of nodes for scenes without one, and with any node for channels
+/// without one, which are told besides.
+pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
+    // Where it is no outline, the whole says why.
+    let outline: Option<Outline> = serde_json::from_slice(json).ok();
+    let omits = outline.is_some_and(|outline| {
+        let channels = outline.animations.iter().flat_map(|own| &own.channels);
+        outline.scenes.iter().any(|scene| scene.nodes.is_none())
+            || channels.into_iter().any(Channel::has_no_node)
+    });
+    if !omits {
+        return Ok((parse(json, name)?, Nodeless::new()));
+    }
+    let mut document: Map<String, Value> = parse(json, name)?;
+    for scene in objects(&mut document, "scenes") {
+        scene.entry("nodes").or_insert(Value::Array(Vec::new()));
+    }
+    let mut nodeless = Nodeless::new();
+    for (number, animation) in objects(&mut document, "animations").enumerate() {
+        for (channel, own) in objects(animation, "channels").enumerate() {
+            let target = own.get_mut("target").and_then(Value::as_object_mut);
+            let Some(target) = target.filter(|target| !target.contains_key("node")) else {
+                continue;
+            };
+            target.insert("node".into(), 0.into());
+            nodeless.insert((number, channel));
+        }
+    }
+    Ok((parse_value(Value::Object(document), name)?, nodeless))
+}
+
+/// The objects in a list of a document.
+fn objects<'a>(
+    document: &'a mut Map<String, Value>,
+    list: &str,
+) -> impl Iterator<Item = &'a mut Map<String, Value>> {
+    let list = document.get_mut(list).and_then(Value::as_array_mut);
+    list.into_iter().flatten().filter_map(Value::as_object_mut)
+}

@@ -1,0 +1,212 @@
+//! Promise: what the specification allows is read; what nothing here is for is left out, with a note.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::io::gltf::{Note, Scene};
+use support::gltf_text::{Numbers, read, small};
+
+fn notes(scene: &Scene) -> Vec<String> {
+    scene.notes.iter().map(Note::to_string).collect()
+}
+
+/// Changes one piece of the small file, which must be there once, and reads it.
+fn changed(from: &str, to: &str) -> Scene {
+    let (numbers, rest) = small();
+    let text = numbers.document(&rest);
+    assert_eq!(text.matches(from).count(), 1, "{from} in {text}");
+    read(text.replacen(from, to, 1).as_bytes()).unwrap()
+}
+
+#[test]
+fn a_scene_may_have_no_nodes() {
+    let scene = changed(r#"{"nodes":[3]}"#, r#"{"name":"empty"}"#);
+    assert_eq!((scene.armature.bones(), scene.meshes.len()), (4, 0));
+    let noted = notes(&scene);
+    assert!(noted.iter().any(|note| note.contains("mesh")), "{noted:?}");
+    let empty = read(br#"{"asset":{"version":"2.0"},"scenes":[{}],"scene":0}"#).unwrap();
+    assert_eq!((empty.armature.bones(), empty.clips.len()), (0, 0));
+}
+
+#[test]
+fn a_channel_without_a_node_is_left_out() {
+    let pointer =
+        r#""target":{"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/x"}}}"#;
+    let without = [r#""target":{"path":"translation"}"#, pointer];
+    for target in without {
+        let scene = changed(r#""target":{"node":1,"path":"translation"}"#, target);
+        let noted = notes(&scene);
+        let own = "animations[0].channels[1].target";
+        assert!(
+            noted
+                .iter()
+                .any(|note| note.contains(own) && note.contains("node")),
+            "{noted:?}"
+        );
+        // The channels beside it are read.
+        assert_eq!(scene.clips[0].span(), [0.0, 0.5]);
+    }
+    let (numbers, rest) = small();
+    let rest = rest
+        .replace(r#""target":{"node":0,"#, r#""target":{"#)
+        .replace(
+            r#""target":{"node":1,"path":"translation"}"#,
+            r#""target":{"node":1,"path":"pointer"}"#,
+        );
+    let noted = notes(&numbers.read(&rest));
+    for own in ["channels[0].target", "channels[1].target.path"] {
+        assert!(noted.iter().any(|note| note.contains(own)), "{noted:?}");
+    }
+}
+
+#[test]
+fn a_channel_with_a_node_that_does_not_exist_is_refused() {
+    for nobody in ["4", "4294967295"] {
+        let (numbers, rest) = small();
+        // Also beside one that has none.
+        for first in [r#""node":0,"#, ""] {
+            let rest = rest
+                .replace(
+                    r#""node":1,"path":"translation""#,
+                    &format!(r#""node":{nobody},"path":"translation""#),
+                )
+                .replace(r#""target":{"node":0,"#, &format!(r#""target":{{{first}"#));
+            let error = numbers.refused(&rest);
+            let words = [
+                "animations[0].channels[1].target.node",
+                nobody,
+                "nodes are 0 to 3",
+            ];
+            assert!(words.iter().all(|word| error.contains(word)), "{error}");
+        }
+    }
+}
+
+#[test]
+fn primitives_of_lines_and_points_are_left_out() {
+    let mut numbers = Numbers::default();
+    let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let others = numbers.floats(&[[5.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
+    for (mode, word) in [
+        (0, "Points"),
+        (1, "Lines"),
+        (2, "LineLoop"),
+        (3, "LineStrip"),
+    ] {
+        let scene = numbers.read(&format!(
+            r#""nodes":[{{"mesh":0}},{{"mesh":1}}],"meshes":[{{"name":"cage","primitives":[
+            {{"mode":{mode},"attributes":{{"POSITION":{others}}}}},
+            {{"attributes":{{"POSITION":{positions}}},"targets":[{{"POSITION":{positions}}}]}}]}},
+            {{"name":"wire","primitives":[{{"mode":{mode},"attributes":{{"POSITION":{others}}}}}]}}]"#
+        ));
+        // Neither their vertices nor a mesh of nothing.
+        assert_eq!(scene.meshes.len(), 1, "{word}");
+        let mesh = &scene.meshes[0];
+        assert_eq!(
+            (mesh.name.as_str(), mesh.mesh.positions().len()),
+            ("cage", 3)
+        );
+        assert_eq!(mesh.morph_targets.targets().len(), 1);
+        let noted = notes(&scene);
+        for place in ["meshes[0].primitives[0]", "meshes[1].primitives[0]"] {
+            let about = |note: &&String| note.contains(place) && note.contains(word);
+            assert_eq!(noted.iter().filter(about).count(), 1, "{noted:?}");
+        }
+    }
+}
+
+#[test]
+fn a_texture_may_have_no_image() {
+    let scene = changed(r#""scene":0"#, r#""textures":[{"sampler":0},{}],"scene":0"#);
+    assert_eq!(scene.meshes.len(), 1);
+}
+
+#[test]
+fn an_extension_that_is_applied_is_not_said_to_be_left_out() {
+    let scene = changed(
+        r#""scene":0"#,
+        r#""extensionsUsed":["KHR_mesh_quantization","KHR_xmp"],"extensionsRequired":["KHR_mesh_quantization"],"scene":0"#,
+    );
+    let noted = notes(&scene);
+    assert!(
+        !noted.iter().any(|note| note.contains("quantization")),
+        "{noted:?}"
+    );
+    assert!(
+        noted.iter().any(|note| note.contains("KHR_xmp")),
+        "{noted:?}"
+    );
+}
+
+#[test]
+fn of_nodes_with_one_name_the_joint_keeps_it_then_what_is_animated() {
+    let (numbers, rest) = small();
+    // The mesh's node before the joint, and both called so; of the other two the animated one keeps it.
+    let rest = rest
+        .replace(r#""name":"upper""#, r#""name":"arm""#)
+        .replace(r#""name":"lower""#, r#""name":"arm""#)
+        .replace(r#""name":"body""#, r#""name":"arm""#);
+    let swapped = rest
+        .replace(
+            r#"{"name":"arm","translation":[0,1,0]},{"name":"arm","children":[0],"rotation":[0,0,0,1]},"#,
+            "",
+        )
+        .replace(
+            r#"{"children":[1,2],"#,
+            r#"{"name":"arm","translation":[0,1,0]},{"name":"lower","children":[1],"rotation":[0,0,0,1]},{"name":"lower","children":[2,0],"#,
+        )
+        .replace(r#""joints":[1,0]"#, r#""joints":[1]"#)
+        .replace(r#""target":{"node":1,"#, r#""target":{"node":3,"#)
+        .replace(r#""target":{"node":0,"#, r#""target":{"node":1,"#)
+        .replace(r#""target":{"node":2,"#, r#""target":{"node":0,"#);
+    let scene = numbers.read(
+        &swapped
+            .replace(r#""JOINTS_0""#, r#""_JOINTS""#)
+            .replace(r#""WEIGHTS_0""#, r#""_WEIGHTS""#)
+            .replace(r#","skin":0"#, ""),
+    );
+    let names = |wanted: &str| scene.armature.bone(wanted).map(|bone| bone.index());
+    // By the file's nodes: 0 the mesh's, 1 the joint, 2 still, 3 animated and its parent.
+    let bone_of = |node: usize| [1, 3, 2, 0][node];
+    assert_eq!(names("arm").unwrap(), bone_of(1));
+    assert_eq!(names("arm/0").unwrap(), bone_of(0));
+    assert_eq!(names("lower").unwrap(), bone_of(3));
+    assert_eq!(names("lower/2").unwrap(), bone_of(2));
+    // Joints among themselves: the first one.
+    let scene = numbers.read(&rest);
+    let skin = scene.meshes[0].skin.as_ref().unwrap();
+    let joints = skin
+        .joints
+        .iter()
+        .map(|joint| &scene.armature.names()[joint.index()]);
+    assert_eq!(joints.collect::<Vec<_>>(), ["arm/1", "arm"]);
+}
+
+#[test]
+fn inverse_bind_matrices_that_are_not_finite_are_refused() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for entry in 0..16 {
+            let mut matrix = [
+                1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+            ];
+            matrix[entry] = bad;
+            let (mut numbers, rest) = small();
+            let bound = numbers.floats(&[[0.0; 16], matrix]);
+            let mut identity = matrix;
+            identity[entry] = if entry % 5 == 0 { 1.0 } else { 0.0 };
+            let second = numbers.floats(&[identity, matrix]);
+            let from = rest.find(r#""inverseBindMatrices":"#).unwrap();
+            let end = from + rest[from..].find('}').unwrap();
+            let own = |accessor: usize| {
+                let entry = format!(r#""inverseBindMatrices":{accessor}"#);
+                format!("{}{entry}{}", &rest[..from], &rest[end..])
+            };
+            assert!(numbers.refused(&own(bound)).contains("joint 0"));
+            let error = numbers.refused(&own(second));
+            let words = ["skins[0].inverseBindMatrices", "skin 0", "joint 1"];
+            assert!(words.iter().all(|word| error.contains(word)), "{error}");
+            // Also of a skin that no mesh has.
+            let unused = own(second).replace(r#","skin":0"#, "");
+            let error = numbers.refused(&unused);
+            assert!(error.contains("joint 1"), "{error}");
+        }
+    }
+}
