@@ -23,6 +23,8 @@ pub(crate) struct AnimatedArmature {
     pub(crate) clips: Vec<Clip>,
     /// How the motion was captured, where it was.
     pub(crate) frames: Option<CapturedFrames>,
+    /// What reading changed or left out.
+    pub(crate) notes: Vec<String>,
     /// The meshes of a scene, with the same armature and clips.
     pub(crate) scene: Option<Box<Scene>>,
 }
@@ -59,8 +61,10 @@ impl AnimatedArmature {
             frames,
             frame_time,
             channels,
+            notes,
         } = capture;
         Self {
+            notes: notes.iter().map(ToString::to_string).collect(),
             file,
             kind: "motion capture",
             armature,
@@ -76,6 +80,7 @@ impl AnimatedArmature {
 
     fn of_scene(file: String, scene: Scene) -> Self {
         Self {
+            notes: scene.notes.iter().map(ToString::to_string).collect(),
             file,
             kind: "scene",
             armature: scene.armature.clone(),

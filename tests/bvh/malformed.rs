@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use kinopt::animation::{Cursor, Playback};
-use kinopt::io::bvh::{self, MotionCapture};
+use kinopt::io::bvh::{self, BvhNote, MotionCapture};
 use kinopt::io::{Place, ReadProblem};
 
 static GOOD: &str = "HIERARCHY
@@ -300,8 +300,39 @@ fn errors_say_what_was_expected_where() {
         &edit("61 71\n", "61 71\n\n5"),
         &["line 31: expected the end of the file after 2 frames of 10 numbers, found `5`"],
     );
+    refused(
+        &edit("61 71\n", "61 71\n1 2 3 4 5 6 7 8 9 10 11"),
+        &["line 30: expected the end of the file after 2 frames of 10 numbers, found `1`"],
+    );
     let long = format!("HIERARCHY {}", "ä".repeat(1000));
     assert!(read(&long).unwrap_err().len() < 200);
+}
+
+/// Frames beyond those announced are nothing of the motion, as to three.js and Assimp.
+#[test]
+fn surplus_frames_are_left_out_with_a_note() {
+    let good = read(GOOD).unwrap();
+    assert!(good.notes.is_empty());
+    let more = format!("{GOOD}\n1 2 3 4 5 6 7 8 9 10\n1 2 3 4 5 6 7 8 9 1e1\n\n");
+    let surplus = read(&more).unwrap();
+    let note = BvhNote::SurplusFrames {
+        line: 31,
+        announced: 2,
+        surplus: 2,
+    };
+    assert_eq!((surplus.clip, surplus.frames), (good.clip, 2));
+    assert_eq!(
+        note.to_string(),
+        "line 31: 2 frames more than the 2 announced: left out"
+    );
+    assert_eq!(surplus.notes, [note]);
+    let one = GOOD.replace("Frames: 2", "Frames: 1");
+    assert_eq!(read(&one).unwrap().notes.len(), 1);
+    // Numbers that are none are no frames.
+    refused(
+        &more.replace("1e1", "nan"),
+        &["line 31: expected the end of the file"],
+    );
 }
 
 #[test]

@@ -22,15 +22,10 @@ pub(super) struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     captured: Option<CapturedDocument>,
     /// Only of scenes.
-    #[serde(flatten)]
-    scene: Option<SceneDocument<'a>>,
-}
-
-#[derive(Serialize)]
-struct SceneDocument<'a> {
-    meshes: Vec<MeshDocument<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    meshes: Option<Vec<MeshDocument<'a>>>,
     /// What reading changed or left out.
-    notes: Vec<String>,
+    notes: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -105,7 +100,8 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
         bones: bones.collect(),
         clips: animated.clips.iter().map(clip).collect(),
         captured: animated.frames.as_ref().map(captured),
-        scene: animated.scene.as_deref().map(scene),
+        meshes: animated.scene.as_deref().map(meshes),
+        notes: &animated.notes,
     })
 }
 
@@ -116,12 +112,9 @@ fn joints(scene: &Scene) -> BTreeSet<usize> {
     joints.map(|joint| joint.index()).collect()
 }
 
-fn scene(scene: &Scene) -> SceneDocument<'_> {
-    let armature = &scene.armature;
-    SceneDocument {
-        meshes: scene.meshes.iter().map(|own| mesh(own, armature)).collect(),
-        notes: scene.notes.iter().map(ToString::to_string).collect(),
-    }
+fn meshes(scene: &Scene) -> Vec<MeshDocument<'_>> {
+    let meshes = scene.meshes.iter();
+    meshes.map(|own| mesh(own, &scene.armature)).collect()
 }
 
 fn mesh<'a>(mesh: &'a SceneMesh, armature: &'a Armature) -> MeshDocument<'a> {
@@ -185,11 +178,10 @@ pub(super) fn text(document: &Document) -> String {
             ),
         ]);
     }
-    let scene = document.scene.as_ref();
-    for mesh in scene.iter().flat_map(|scene| &scene.meshes) {
+    for mesh in document.meshes.iter().flatten() {
         lines.push(("mesh", mesh_line(mesh)));
     }
-    for note in scene.iter().flat_map(|scene| &scene.notes) {
+    for note in document.notes {
         lines.push(("note", note.clone()));
     }
     let mut text = String::new();

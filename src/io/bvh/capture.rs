@@ -17,7 +17,7 @@ use crate::io::{Place, ReadError};
 pub(super) fn capture(
     lexer: &Lexer,
     joints: Vec<Joint>,
-    motion: &Motion,
+    motion: Motion,
 ) -> Result<MotionCapture, ReadError> {
     let bones = joints.iter().map(|joint| ArmatureBone {
         name: joint.name.clone(),
@@ -30,7 +30,7 @@ pub(super) fn capture(
     let armature = Armature::new(bones.collect(), Vec::new());
     let armature = armature
         .map_err(|error| ReadError::malformed(lexer.file(), Place::File, error.to_string()))?;
-    let clip = clip(lexer.file(), &armature, &joints, motion);
+    let clip = clip(lexer.file(), &armature, &joints, &motion);
     let clip = clip.map_err(|error| lexer.error(motion.frame_time_line, error.to_string()))?;
     Ok(MotionCapture {
         armature,
@@ -38,6 +38,7 @@ pub(super) fn capture(
         frames: motion.frames,
         frame_time: motion.frame_time,
         channels: joints.into_iter().map(|joint| joint.channels).collect(),
+        notes: motion.surplus.into_iter().collect(),
     })
 }
 

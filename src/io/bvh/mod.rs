@@ -22,7 +22,8 @@
 //!   they also jump from 180° to −180° wherever the file wraps them; no capture turns a joint half
 //!   round from one frame to the next.
 //! - **Frame k** is at k times the `Frame Time`, so a clip of n frames lasts n − 1 of them. One frame
-//!   is a pose that stays; without any frames all is at rest.
+//!   is a pose that stays; without any frames all is at rest. Whole frames beyond those that `Frames:`
+//!   announces are left out, with a [note](BvhNote), as three.js and Assimp do; fewer are an error.
 //! - The **unit of length** is the file's own: centimetres, inches and others occur, and no file says
 //!   which.
 //! - Keywords may be in capitals or not, numbers and braces on any lines.
@@ -35,10 +36,12 @@ mod hierarchy;
 mod layout;
 mod lexer;
 mod motion;
+mod note;
 mod write;
 
 pub use channel::BvhChannel;
 pub use error::BvhError;
+pub use note::BvhNote;
 pub use write::{poses_to_text, to_text, write, write_poses};
 
 use std::path::Path;
@@ -66,6 +69,8 @@ pub struct MotionCapture {
     pub frame_time: f64,
     /// The channels of each bone in the order of the file; none for End Sites.
     pub channels: Vec<Vec<BvhChannel>>,
+    /// What reading left out.
+    pub notes: Vec<BvhNote>,
 }
 
 /// Reads motion capture from the bytes of a BVH file; `name` is for messages and the clip.
@@ -99,13 +104,13 @@ pub struct MotionCapture {
 ///
 /// # Errors
 /// A [`ReadError`] with the line: a word that is not the one expected there, a number that is not
-/// finite or missing, counts that do not match, a name used twice, a frame time that is not
+/// finite or missing, fewer frames than announced, a name used twice, a frame time that is not
 /// positive, frames too many to tell their times apart in single precision.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<MotionCapture, ReadError> {
     let mut lexer = Lexer::new(bytes, name)?;
     let joints = hierarchy::read(&mut lexer)?;
     let motion = motion::read(&mut lexer, &joints)?;
-    capture::capture(&lexer, joints, &motion)
+    capture::capture(&lexer, joints, motion)
 }
 
 /// Reads a BVH file of at most 1 GiB.

@@ -4,6 +4,7 @@ use super::LONGEST;
 use super::channel::BvhChannel;
 use super::hierarchy::Joint;
 use super::lexer::Lexer;
+use super::note::BvhNote;
 use crate::io::{Place, ReadError};
 
 /// The fewest bytes that a number takes: a digit and the white space before it.
@@ -19,6 +20,7 @@ pub(super) struct Motion {
     pub(super) frame_time_line: usize,
     /// Frame by frame, the joints' channels in the order of the file. In degrees and the file's unit.
     pub(super) values: Vec<f64>,
+    pub(super) surplus: Option<BvhNote>,
 }
 
 /// Reads what follows the word `MOTION`, to the end of the file.
@@ -46,16 +48,43 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
             }
         }
     }
-    if let Some(word) = lexer.word() {
-        let expected = format!("the end of the file after {frames} frames of {channels} numbers");
-        return Err(lexer.unexpected(&expected, Some(word)));
-    }
+    let surplus = surplus(lexer, frames, channels)?;
     Ok(Motion {
         frames,
         frame_time,
         frame_time_line,
         values,
+        surplus,
     })
+}
+
+/// What is there after the frames announced: nothing, or whole frames more.
+fn surplus(
+    lexer: &mut Lexer,
+    announced: usize,
+    channels: usize,
+) -> Result<Option<BvhNote>, ReadError> {
+    let Some(first) = lexer.word() else {
+        return Ok(None);
+    };
+    let (mut next, mut numbers) = (Some(first), 0);
+    while let Some(word) = next {
+        if !word.text.parse::<f64>().is_ok_and(f64::is_finite) {
+            break;
+        }
+        numbers += 1;
+        next = lexer.word();
+    }
+    if next.is_some() || channels == 0 || numbers % channels != 0 {
+        let expected =
+            format!("the end of the file after {announced} frames of {channels} numbers");
+        return Err(lexer.unexpected(&expected, Some(first)));
+    }
+    Ok(Some(BvhNote::SurplusFrames {
+        line: first.line,
+        announced,
+        surplus: numbers / channels,
+    }))
 }
 
 /// Whether the numbers announced can be in the rest of the file.
