@@ -3,19 +3,18 @@
 use std::time::Instant;
 
 use super::QueryError;
+use super::options::Search;
 use super::query::Arm;
 use super::report::Reply;
-use super::workspace::Workspace;
+use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// Iterations after which the engine's best is first handed to the core, whose damping by gain
-/// ratio comes through narrow valleys that the engine's does not.
+/// Iterations after which the start's own end and the engine's best are first handed to the core,
+/// whose damping by gain ratio comes through narrow valleys that the engine's does not.
 pub(super) const QUICK: u32 = 600;
-/// Iterations of the engine where that did not help.
-const PATIENT: u32 = 2000;
 
 impl Arm {
     /// Whether the lane engine's answer to a question is the arm's, if it reaches.
@@ -24,83 +23,68 @@ impl Arm {
         options.max_move.is_none() && options.posture.is_none() && !options.search.compares()
     }
 
-    /// Answers a question that is checked. `follow` wants the solution nearest to the start, whatever
-    /// the search.
+    /// Answers a question that is checked.
     pub(super) fn answer(
         &self,
         target: &Placement<f64>,
         start: &[f64],
-        follow: bool,
         solution: &mut Solution,
-    ) -> Result<(), QueryError> {
+    ) -> Result<Reply, QueryError> {
         let deadline = self.deadline();
-        let options = &self.options;
-        let alone = options.max_move.is_none() && options.posture.is_none();
-        let (Some(lanes), true) = (&self.lanes, self.is_plain() || follow && alone) else {
+        let (Some(lanes), true) = (&self.lanes, self.is_plain()) else {
             return self.with_workspace(|workspace| {
-                self.answer_at(workspace, target, start, follow, deadline, solution);
+                self.answer_at(workspace, target, start, deadline, solution)
             });
         };
-        let search = self.lane_search(follow);
-        solution.q.resize(self.joint_count(), 0.0);
-        let outcome = lanes.solve_checked(
-            target,
-            start,
-            search,
-            QUICK,
-            deadline,
-            follow,
-            &mut solution.q,
-        );
-        let reply = Reply::of(&outcome);
-        if outcome.reached && !follow {
-            self.report(&reply, solution);
-            return Ok(());
-        }
+        let n = self.joint_count();
+        // The second half is for the best of all, where the start's own attempt misses.
+        solution.q.resize(2 * n, 0.0);
+        let (q, best) = solution.q.split_at_mut(n);
+        let query = self.first_attempts(target, start, deadline);
+        let mut answer = lanes::Answer {
+            q,
+            best,
+            best_attempt: 0,
+        };
+        let outcome = lanes.race(&query, false, &mut answer);
+        let best_attempt = answer.best_attempt;
+        let mut reply = Reply::of(&outcome);
         if outcome.reached {
-            // The start's own attempt led far away: the nearest of all keeps a path together.
-            return self.with_workspace(|workspace| {
-                workspace.aim(target);
-                self.open_window(workspace, start);
-                self.gather(workspace, target, start, deadline);
-                let ended = Termination::Reached;
-                let reply = self.nearest(workspace, target, start, ended, deadline);
-                let rescued = self.distance(&solution.q, &workspace.start);
-                if reply.errors.reached && self.distance(&workspace.x, &workspace.start) < rescued {
-                    self.report_workspace(&reply, workspace, solution);
-                } else {
-                    self.report(&Reply::of(&outcome), solution);
-                }
-            });
+            solution.q.truncate(n);
+            self.report(&reply, solution);
+            return Ok(reply);
         }
         self.with_workspace(|workspace| {
-            self.explain_miss(workspace, target, start, reply, deadline, solution)
+            let (own, best) = solution.q.split_at(n);
+            workspace.x.copy_from_slice(own);
+            workspace.best.copy_from_slice(match self.options.search {
+                Search::First => own,
+                _ => best,
+            });
+            reply.winner = Some(best_attempt);
+            workspace.aim(target);
+            self.open_window(workspace, start);
+            self.finish(workspace, target, start, &mut reply, deadline);
+            self.report_workspace(&reply, workspace, solution);
+            reply
         })
     }
 
-    pub(super) fn lane_search(&self, follow: bool) -> lanes::Search {
-        if follow {
-            lanes::Search::Start
-        } else {
-            self.options.search.lanes()
-        }
-    }
-
-    /// Goes on from the best configuration that the engine left in the solution, and reports it.
-    pub(super) fn explain_miss(
+    /// The engine's first attempts at a question.
+    fn first_attempts<'a>(
         &self,
-        workspace: &mut Workspace,
-        target: &Placement<f64>,
-        start: &[f64],
-        mut reply: Reply,
+        target: &'a Placement<f64>,
+        start: &'a [f64],
         deadline: Option<Instant>,
-        solution: &mut Solution,
-    ) {
-        workspace.aim(target);
-        self.open_window(workspace, start);
-        workspace.x.copy_from_slice(&solution.q);
-        self.finish(workspace, target, start, &mut reply, deadline);
-        self.report_workspace(&reply, workspace, solution);
+    ) -> lanes::Query<'a> {
+        lanes::Query {
+            target,
+            start,
+            search: self.options.search.lanes(),
+            attempts: (0, self.options.attempts),
+            budget: self.options.budget().min(QUICK),
+            deadline,
+        }
     }
 
     /// Answers with a workspace: bounded moves, searches that compare, postures, chains with followers.
@@ -109,18 +93,16 @@ impl Arm {
         workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
-        follow: bool,
         deadline: Option<Instant>,
         solution: &mut Solution,
-    ) {
+    ) -> Reply {
         workspace.aim(target);
         self.open_window(workspace, start);
-        let compares = self.options.search.compares() && !follow;
-        let mut reply = if compares {
+        let mut reply = if self.options.search.compares() {
             let ended = self.gather(workspace, target, start, deadline);
-            self.nearest(workspace, target, start, ended, deadline)
+            self.nearest(workspace, ended, deadline)
         } else {
-            self.one_search(workspace, target, start, follow, deadline)
+            self.one_search(workspace, target, start, deadline)
         };
         self.finish(workspace, target, start, &mut reply, deadline);
         if let (true, Some(posture)) = (reply.errors.reached, &self.options.posture) {
@@ -128,30 +110,60 @@ impl Arm {
             reply.errors = workspace.judge_x();
         }
         self.report_workspace(&reply, workspace, solution);
+        reply
     }
 
-    /// The engine's or the core's own search, into the workspace's x.
-    pub(super) fn one_search(
+    /// The engine's or the core's own search, into the workspace's x; after a miss that is where the
+    /// start's own attempt ended, and the workspace's best is the best of all: the reply's winner.
+    fn one_search(
         &self,
         workspace: &mut Workspace,
         target: &Placement<f64>,
         start: &[f64],
-        follow: bool,
         deadline: Option<Instant>,
     ) -> Reply {
         let Some(lanes) = &self.lanes else {
-            return self.search_by_core(workspace, start, deadline);
+            let reply = self.search_by_core(workspace, start, deadline);
+            if !reply.errors.reached {
+                workspace.best.copy_from_slice(&workspace.x);
+                workspace.x.copy_from_slice(&workspace.start);
+            }
+            return reply;
         };
-        let search = self.lane_search(follow);
-        let Workspace { windowed, x, .. } = workspace;
+        let Workspace {
+            windowed, x, best, ..
+        } = workspace;
+        let mut query = self.first_attempts(target, start, deadline);
+        let mut lone = false;
         let lanes = match windowed {
-            Some(windowed) if self.options.max_move.is_some() => windowed,
+            Some(windowed) if self.options.max_move.is_some() => {
+                // Within bounded moves the start's own way is tried to its end before others are.
+                query.attempts.1 = 1;
+                lone = true;
+                windowed
+            }
             _ => lanes,
         };
-        Reply::of(&lanes.solve_checked(target, start, search, QUICK, deadline, follow, x))
+        let mut answer = lanes::Answer {
+            q: x,
+            best,
+            best_attempt: 0,
+        };
+        let outcome = lanes.race(&query, lone, &mut answer);
+        let best_attempt = answer.best_attempt;
+        if self.options.search == Search::First {
+            best.copy_from_slice(x);
+        }
+        Reply {
+            winner: outcome.winner.or(Some(best_attempt)),
+            ..Reply::of(&outcome)
+        }
     }
 
-    /// Takes a miss to the place where nothing near is better, and names how it ended.
+    /// Takes a miss to the place where nothing near is better: first the start's own way, whose end is
+    /// in the workspace's x, then, for a target that it does not reach, the best of all attempts and
+    /// the attempts that are left. A target that none reaches is answered by the start's own end,
+    /// unless the arm searches everywhere on a miss.
     pub(super) fn finish(
         &self,
         workspace: &mut Workspace,
@@ -164,32 +176,45 @@ impl Arm {
             return;
         }
         let late = || deadline.is_some_and(|at| Instant::now() >= at);
+        let best = reply.winner;
+        // Under `First` the own end is the best of all.
+        reply.winner = match self.options.search {
+            Search::First => best,
+            _ => Some(0),
+        };
         let mut termination = self.settle(workspace, reply, deadline);
-        if let (false, Some(lanes)) = (reply.errors.reached || late(), &self.lanes) {
-            // More attempts, and again from the best of all.
-            let cost = self.cost(reply.errors.position, reply.errors.orientation);
-            let Workspace {
-                windowed, trial, ..
-            } = &mut *workspace;
-            let lanes = match windowed {
-                Some(windowed) if self.options.max_move.is_some() => windowed,
-                _ => lanes,
-            };
-            let search = lanes::Search::First;
-            let more = lanes.solve_checked(target, start, search, PATIENT, deadline, false, trial);
-            reply.iterations += more.iterations as usize;
-            reply.attempts = reply.attempts.max(more.attempts as usize);
-            if more.reached {
-                workspace.x.copy_from_slice(&workspace.trial);
-                reply.errors = Reply::of(&more).errors;
-            } else if self.cost(more.position_error, more.orientation_error) < cost {
-                workspace.x.copy_from_slice(&workspace.trial);
-                termination = self.settle(workspace, reply, deadline);
+        if !reply.errors.reached && !late() {
+            let own = reply.errors;
+            // Taken out and put back, so that nothing is allocated.
+            let mut kept = std::mem::take(&mut workspace.kept);
+            kept.copy_from_slice(&workspace.x);
+            reply.winner = best;
+            let other = self.search_elsewhere(workspace, target, start, reply, deadline);
+            let lower = |errors: Errors, than: Errors| self.cost_of(errors) < self.cost_of(than);
+            if reply.errors.reached || self.options.leaps_on_miss() && lower(reply.errors, own) {
+                termination = other;
+            } else {
+                reply.errors = own;
+                workspace.x.copy_from_slice(&kept);
             }
+            workspace.kept = kept;
         }
-        reply.termination = if reply.errors.reached {
+        if !reply.errors.reached {
+            reply.winner = None;
+        }
+        reply.termination = self.ended(reply.errors, termination, late());
+    }
+
+    /// How a question ended that was taken to its end.
+    pub(super) fn ended(
+        &self,
+        errors: Errors,
+        termination: Termination,
+        late: bool,
+    ) -> Termination {
+        if errors.reached {
             Termination::Reached
-        } else if late() {
+        } else if late {
             Termination::TimeLimit
         } else if self.options.max_move.is_some() {
             Termination::CannotContinue
@@ -199,7 +224,66 @@ impl Arm {
                 Termination::Reached => Termination::SmallStep,
                 other => other,
             }
+        }
+    }
+
+    /// Settles from the workspace's best, then runs the attempts that are left and settles from their
+    /// best; the lower of the two ends is in x and in the reply.
+    fn search_elsewhere(
+        &self,
+        workspace: &mut Workspace,
+        target: &Placement<f64>,
+        start: &[f64],
+        reply: &mut Reply,
+        deadline: Option<Instant>,
+    ) -> Termination {
+        workspace.x.copy_from_slice(&workspace.best);
+        let termination = self.settle(workspace, reply, deadline);
+        let Some(lanes) = &self.lanes else {
+            return termination;
         };
+        let first = u32::try_from(reply.attempts).unwrap_or(u32::MAX);
+        let spent = u32::try_from(reply.iterations).unwrap_or(u32::MAX);
+        let query = lanes::Query {
+            target,
+            start,
+            search: self.options.search.lanes(),
+            attempts: (first, self.options.attempts),
+            budget: self.options.budget().saturating_sub(spent.min(QUICK)),
+            deadline,
+        };
+        let late = deadline.is_some_and(|at| Instant::now() >= at);
+        if reply.errors.reached || late || first >= query.attempts.1 || query.budget == 0 {
+            return termination;
+        }
+        let Workspace {
+            windowed, trial, ..
+        } = &mut *workspace;
+        let lanes = match windowed {
+            Some(windowed) if self.options.max_move.is_some() => windowed,
+            _ => lanes,
+        };
+        let mut answer = lanes::Answer::of(trial);
+        let more = lanes.race(&query, false, &mut answer);
+        let best_attempt = answer.best_attempt;
+        reply.iterations += more.iterations as usize;
+        reply.attempts += more.attempts as usize;
+        if more.reached {
+            workspace.x.copy_from_slice(&workspace.trial);
+            reply.errors = Reply::of(&more).errors;
+            reply.winner = more.winner;
+        } else if self.cost(more.position_error, more.orientation_error)
+            < self.cost_of(reply.errors)
+        {
+            workspace.x.copy_from_slice(&workspace.trial);
+            reply.winner = Some(best_attempt);
+            return self.settle(workspace, reply, deadline);
+        }
+        termination
+    }
+
+    fn cost_of(&self, errors: Errors) -> f64 {
+        self.cost(errors.position, errors.orientation)
     }
 
     fn settle(

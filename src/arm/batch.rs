@@ -1,14 +1,18 @@
 //! Many questions at once.
 
+use super::answer::QUICK;
 use super::query::Arm;
 use super::report::Reply;
 use super::{Outcome, QueryError};
 use crate::ik::Solution;
-use crate::solver::Termination;
+use crate::lanes::PoseSolver;
 use crate::spatial::Placement;
 
 /// Questions that are handed to the lanes together: enough to keep them filled.
 const CHUNK: usize = 128;
+/// Attempts of a question beside others; one that none of these reaches is answered alone. A question
+/// alone makes at least so many too, so that both ways come to the same answer.
+const TOGETHER: u32 = 8;
 
 /// Some of the questions, and room for their answers.
 struct Chunk<'a> {
@@ -23,9 +27,10 @@ type AnswerChunk<'a> = dyn Fn(Chunk<'_>) -> Result<(), QueryError> + Sync + 'a;
 impl Arm {
     /// Solves many targets; `starts` holds one configuration a target, one after another. The lanes
     /// of the engine are filled with different questions, which is faster than one after another.
-    /// What a question gives depends on nothing but itself; among its attempts the lowest that
-    /// reaches wins, so with [`Search::First`](super::Search::First) the answer may be another one
-    /// than [`solve`](Self::solve)'s.
+    /// What a question gives depends on nothing but itself: the configuration and the errors are
+    /// [`solve`](Self::solve)'s bit for bit, but for [`Search::First`](super::Search::First), where
+    /// among the attempts the lowest that reaches wins and not the quickest. The counts of iterations
+    /// and attempts are those of the batch.
     ///
     /// # Errors
     /// As [`solve`](Self::solve); the error names the first bad question.
@@ -98,9 +103,10 @@ impl Arm {
             })
     }
 
-    /// Whether the engine's batch can answer: it knows no clock.
+    /// Whether the engine's batch can answer: it knows no clock, and no budget so small that a
+    /// question alone may make fewer attempts.
     fn batches_by_lanes(&self) -> bool {
-        self.is_plain() && self.options.time_limit.is_none()
+        self.is_plain() && self.options.time_limit.is_none() && self.options.budget() >= QUICK
     }
 
     /// Answers all questions; `run` hands out the chunks, one after another or to threads.
@@ -135,33 +141,36 @@ impl Arm {
         let queries = || targets.iter().zip(starts.chunks(n));
         let (Some(lanes), true) = (&self.lanes, self.batches_by_lanes()) else {
             for ((target, start), solution) in queries().zip(solutions) {
-                self.answer(target, start, false, solution)?;
+                self.answer(target, start, solution)?;
             }
             return Ok(());
         };
         let mut q = vec![0.0; n * targets.len()];
         let mut outcomes = vec![Outcome::default(); targets.len()];
-        lanes.run_batch(
-            targets,
-            starts,
-            self.lane_search(false),
-            &mut q,
-            &mut outcomes,
-        );
+        self.run_together(lanes, targets, starts, &mut q, &mut outcomes);
         let answers = q.chunks(n).zip(&outcomes).zip(solutions);
         for ((target, start), ((q, outcome), solution)) in queries().zip(answers) {
-            solution.q.clear();
-            solution.q.extend_from_slice(q);
-            let reply = Reply::of(outcome);
             if outcome.reached {
-                self.report(&reply, solution);
+                solution.q.extend_from_slice(q);
+                self.report(&Reply::of(outcome), solution);
             } else {
-                self.with_workspace(|workspace| {
-                    self.explain_miss(workspace, target, start, reply, None, solution);
-                })?;
+                self.answer(target, start, solution)?;
             }
         }
         Ok(())
+    }
+
+    fn run_together(
+        &self,
+        lanes: &PoseSolver,
+        targets: &[Placement<f64>],
+        starts: &[f64],
+        q: &mut [f64],
+        outcomes: &mut [Outcome],
+    ) {
+        let attempts = self.options.attempts.min(TOGETHER);
+        let search = self.options.search.lanes();
+        lanes.run_batch(targets, starts, search, attempts, q, outcomes);
     }
 
     fn outcomes_of_chunk(
@@ -174,7 +183,7 @@ impl Arm {
         let n = self.joint_count();
         let by_lanes = match (&self.lanes, self.batches_by_lanes()) {
             (Some(lanes), true) => {
-                lanes.run_batch(targets, starts, self.lane_search(false), q, outcomes);
+                self.run_together(lanes, targets, starts, q, outcomes);
                 true
             }
             _ => false,
@@ -185,37 +194,11 @@ impl Arm {
             if by_lanes && outcome.reached {
                 continue;
             }
-            if by_lanes {
-                solution.q.clear();
-                solution.q.extend_from_slice(q);
-                let reply = Reply::of(outcome);
-                self.with_workspace(|workspace| {
-                    self.explain_miss(workspace, target, start, reply, None, &mut solution);
-                })?;
-            } else {
-                self.answer(target, start, false, &mut solution)?;
-            }
+            let reply = self.answer(target, start, &mut solution)?;
             q.copy_from_slice(&solution.q);
-            *outcome = self.outcome(&solution);
+            *outcome = outcome_of(&reply);
         }
         self.with_workspace(|workspace| workspace.spare = solution)
-    }
-
-    /// A solution's figures alone.
-    fn outcome(&self, solution: &Solution) -> Outcome {
-        let error = |pick: fn(&crate::ik::TaskReport<'_>) -> Option<f64>| {
-            solution.tasks().find_map(|task| pick(&task)).unwrap_or(0.0)
-        };
-        let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
-        debug_assert!(solution.reached || solution.termination != Termination::Reached);
-        Outcome {
-            reached: solution.reached,
-            position_error: error(|task| task.position_error()),
-            orientation_error: error(|task| task.orientation_error()),
-            iterations: count(solution.iterations),
-            attempts: count(solution.attempts),
-            winner: None,
-        }
     }
 
     fn check_batch_into(
@@ -237,5 +220,17 @@ impl Arm {
             self.check_query(query, target, start)?;
         }
         Ok(())
+    }
+}
+
+fn outcome_of(reply: &Reply) -> Outcome {
+    let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+    Outcome {
+        reached: reply.errors.reached,
+        position_error: reply.errors.position,
+        orientation_error: reply.errors.orientation,
+        iterations: count(reply.iterations),
+        attempts: count(reply.attempts),
+        winner: reply.winner,
     }
 }

@@ -2,9 +2,8 @@
 
 use std::time::Duration;
 
-use super::answer::QUICK;
 use super::coordinates::Coordinates;
-use super::options::{Options, Search};
+use super::options::{ATTEMPTS, LIMIT_AVOIDANCE, Options, Search};
 use super::query::Arm;
 use super::route;
 use super::serial::Serial;
@@ -66,7 +65,10 @@ pub struct ArmBuilder<'m> {
     weights: Option<Vec<f64>>,
     max_move: Option<Vec<f64>>,
     posture: Option<Vec<f64>>,
-    attempts: u32,
+    attempts: Option<u32>,
+    iterations: Option<u32>,
+    leaps: bool,
+    limit_avoidance: f64,
     time_limit: Option<Duration>,
     seed: u64,
     atlas: bool,
@@ -109,7 +111,10 @@ impl Arm {
             weights: None,
             max_move: None,
             posture: None,
-            attempts: 200,
+            attempts: None,
+            iterations: None,
+            leaps: false,
+            limit_avoidance: LIMIT_AVOIDANCE,
             time_limit: None,
             seed: 0,
             atlas: true,
@@ -192,9 +197,9 @@ impl ArmBuilder<'_> {
 
     /// How far each joint may move from the start (from the start within its limits), radians or
     /// metres, one number of at least 0 a joint; infinity for a joint that may go anywhere. A hard
-    /// bound: where it leaves no solution, the answer ends as
-    /// [`CannotContinue`](crate::solver::Termination::CannotContinue) with the best configuration
-    /// within it. Default: no bound.
+    /// bound: where no solution is found within it, the answer ends as
+    /// [`CannotContinue`](crate::solver::Termination::CannotContinue) at the nearest place on the
+    /// start's own way. Default: no bound.
     #[must_use]
     pub fn with_max_move(mut self, max_move: &[f64]) -> Self {
         self.max_move = Some(max_move.to_vec());
@@ -211,10 +216,40 @@ impl ArmBuilder<'_> {
         self
     }
 
-    /// Most attempts of one query, at least 1. Default 200.
+    /// Most attempts of one query, at least 1: a target that none reaches has so many, unless
+    /// [`with_iterations`](Self::with_iterations) or a time limit ends them first. Default: 200, and no
+    /// attempt begins after 2 600 iterations.
     #[must_use]
     pub fn with_attempts(mut self, attempts: u32) -> Self {
-        self.attempts = attempts;
+        self.attempts = Some(attempts);
+        self
+    }
+
+    /// No attempt begins after so many iterations of all attempts of a query together, at least 1.
+    /// Default: none where [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
+    #[must_use]
+    pub fn with_iterations(mut self, iterations: u32) -> Self {
+        self.iterations = Some(iterations);
+        self
+    }
+
+    /// Whether a target that no attempt reaches is answered by the best place that any of them came
+    /// to, wherever that is, and a path whose branch ends goes on by a jump to another. Otherwise a
+    /// miss stays on the start's own way, and a path on its branch, at the nearest place there.
+    /// [`Search::First`] has no start to stay near and always takes the best. Default false.
+    #[must_use]
+    pub fn with_global_search_on_miss(mut self, everywhere: bool) -> Self {
+        self.leaps = everywhere;
+        self
+    }
+
+    /// While following ([`Arm::track`], [`Arm::follower`], [`Arm::servo`]), how strongly the freedom
+    /// that the goal leaves keeps joints away from their limits: radians of a joint that stands on
+    /// its limit a radian of path, less before it, nothing in the middle of the range. At least 0; 0
+    /// leaves it. Default 0.5.
+    #[must_use]
+    pub fn with_limit_avoidance(mut self, rate: f64) -> Self {
+        self.limit_avoidance = rate;
         self
     }
 
@@ -305,9 +340,17 @@ impl ArmBuilder<'_> {
         }
         let free = self.goal.has_position() || self.goal.has_orientation();
         check("goal", f64::INFINITY, free, "some component must count")?;
-        if self.attempts == 0 {
-            check("attempts", 0.0, false, "at least 1")?;
+        for (option, value) in [("attempts", self.attempts), ("iterations", self.iterations)] {
+            check(option, 0.0, value != Some(0), "at least 1")?;
         }
+        let rate = self.limit_avoidance;
+        let fine = rate >= 0.0 && rate.is_finite();
+        check(
+            "limit_avoidance",
+            rate,
+            fine,
+            "a finite number of at least 0",
+        )?;
         if let Search::Distinct { k, distance } = self.search {
             check("distinct k", k as f64, k > 0, "at least 1")?;
             let fine = distance >= 0.0 && distance.is_finite();
@@ -373,7 +416,11 @@ impl ArmBuilder<'_> {
             weights,
             max_move: self.max_move.clone(),
             posture,
-            attempts: self.attempts,
+            attempts: self.attempts.unwrap_or(ATTEMPTS),
+            iterations: self.iterations,
+            attempts_asked: self.attempts.is_some(),
+            leaps: self.leaps,
+            limit_avoidance: self.limit_avoidance,
             time_limit: self.time_limit,
             seed: self.seed,
         })
@@ -387,7 +434,6 @@ impl ArmBuilder<'_> {
             axes: options.goal.axes(),
             attempts: options.attempts,
             seed: options.seed,
-            total_iterations: QUICK,
             // Atlas seeds stand anywhere; a bound on moves keeps to the start.
             atlas: self.atlas && options.max_move.is_none(),
             ..LaneOptions::default()

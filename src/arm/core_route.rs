@@ -12,10 +12,11 @@ use crate::model::JointKind;
 use crate::random::RandomStream;
 use crate::solver::{Stopping, Termination};
 
-/// Attempts that stop at the same miss before a target counts as out of reach: after six, five
+/// Attempts that stop at the same miss before a target counts as out of reach, where no number of
+/// attempts is asked for: after six, five
 /// reachable poses in 4 000 of two chains with followers were missed, after ten none.
 const AGREEING: usize = 10;
-/// Steps of all attempts together: the longest of those 4 000 took 802.
+/// Steps of all attempts together where nothing else is asked for: the longest of those 4 000 took 802.
 const STEPS: usize = 1500;
 
 impl Arm {
@@ -31,11 +32,18 @@ impl Arm {
             let left = deadline.saturating_duration_since(Instant::now());
             stopping = stopping.with_time_limit(left);
         }
+        let options = &self.options;
+        let (steps, agreeing) = match (options.iterations, options.attempts_asked) {
+            (Some(steps), true) => (steps as usize, usize::MAX),
+            (Some(steps), false) => (steps as usize, AGREEING),
+            (None, true) => (usize::MAX, usize::MAX),
+            (None, false) => (STEPS, AGREEING),
+        };
         let restarts = Restarts::default()
-            .with_attempts(self.options.attempts as usize)
-            .with_steps(STEPS)
-            .with_agreeing(AGREEING)
-            .with_seed(self.options.seed);
+            .with_attempts(options.attempts as usize)
+            .with_steps(steps)
+            .with_agreeing(agreeing)
+            .with_seed(options.seed);
         let solver = workspace
             .solver
             .clone()
@@ -60,6 +68,7 @@ impl Arm {
             termination,
             iterations,
             attempts,
+            winner: u32::try_from(attempts.saturating_sub(1)).ok(),
         }
     }
 

@@ -10,15 +10,15 @@ use super::QueryError;
 use super::query::Arm;
 use super::report::Reply;
 use crate::ik::Solution;
-use crate::lanes;
 use crate::spatial::Placement;
 
 /// The share of the last motion that a step begins with. Less than all of it, so that motion in the
 /// null space dies away.
 const MOMENTUM: f64 = 0.8;
-/// How fast a joint on its limit is pulled towards the middle of its range, radians a radian of
-/// path (metres by the weight of the cost).
-const CENTRING: f64 = 0.1;
+/// The share of a joint's half range from which on it is drawn back.
+const MIDDLE: f64 = 0.6;
+/// A target that goes further than this in a step is followed by small steps: radians.
+const FAR: f64 = 0.05;
 /// Longest path step that pulls, radians.
 const LONGEST_PULL: f64 = 0.1;
 /// A step in which a joint moves further than this is looked at: radians; a slide counts by the
@@ -36,8 +36,8 @@ pub struct Jump {
     /// How far it moves, radians; a slide by the metres that weigh as much.
     pub distance: f64,
     /// Whether small steps along the straight way between the two poses lead there: a fast motion
-    /// or a coarse path. If not, the branch ended and this is a flip to another. Not looked at, and
-    /// false, with bounded moves, a posture, or joints that follow others.
+    /// or a coarse path. If not, the branch ended and this is a flip to another, which an arm makes only
+    /// where it is [asked](super::ArmBuilder::with_global_search_on_miss) to.
     pub continuous: bool,
 }
 
@@ -56,8 +56,10 @@ pub struct Follower<'a> {
 }
 
 impl Arm {
-    /// A follower that stands at `start`. Unlike [`track`](Self::track) it cannot know what comes;
-    /// where a branch ends it jumps at once and says so.
+    /// A follower that stands at `start`. A target that the branch does not reach is answered by the
+    /// nearest place on it, and the arm comes back from there as it came; it never leaves the branch,
+    /// unless it is [asked](super::ArmBuilder::with_global_search_on_miss) to, and then says so. For
+    /// velocity limits see [`servo`](Self::servo).
     ///
     /// # Errors
     /// A start of the wrong length or not finite.
@@ -78,14 +80,8 @@ impl Arm {
     /// The joint that moves furthest, and how far, radians (see [`LONG_STEP`] for slides).
     pub(super) fn longest_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
         let mut longest = (0, 0.0);
-        let angles = &self.names.variable_is_angle;
-        for (i, ((a, b), is_angle)) in from.iter().zip(to).zip(angles).enumerate() {
-            let moved = (a - b).abs();
-            let moved = if *is_angle {
-                moved
-            } else {
-                moved / self.options.metres_per_radian
-            };
+        for (i, ((a, b), scale)) in from.iter().zip(to).zip(&self.scale).enumerate() {
+            let moved = (a - b).abs() * scale;
             if moved > longest.1 {
                 longest = (i, moved);
             }
@@ -110,8 +106,10 @@ impl Follower<'_> {
         &self.q
     }
 
-    /// Goes on to the next target. A step in which a joint moves far is told as a [`Jump`]. Nothing
-    /// is allocated after the first few steps.
+    /// Goes on to the next target. No joint moves further than 0.2 rad (a slide by the metres that weigh
+    /// as much) but in a [`Jump`], which is told: after a target that went far itself, or where jumps
+    /// are asked for. Where a step ends short of the nearest place the next goes on. Nothing is
+    /// allocated after the first few steps.
     ///
     /// # Errors
     /// As [`Arm::solve`].
@@ -121,11 +119,28 @@ impl Follower<'_> {
         solution: &mut Solution,
     ) -> Result<Option<Jump>, QueryError> {
         let target = base_from_tool.into();
-        self.arm.check_query(self.steps, &target, &self.q)?;
+        let arm = self.arm;
+        arm.check_query(self.steps, &target, &self.q)?;
         let mut continuous = self.try_branch(&target, None, solution);
         if !continuous {
-            continuous = self.arm.rescue(&target, &self.q, solution)?;
+            continuous = self.goes_far(&target)? && arm.go_far(&target, &self.q, solution)?;
         }
+        if !continuous {
+            arm.keep_to_branch(&target, &self.q, solution)?;
+            if !solution.reached && arm.options.leaps {
+                arm.leap(&target, &self.q, solution)?;
+            }
+        }
+        Ok(self.take(&target, solution, continuous))
+    }
+
+    /// Stands where a step ends; the jump that it was.
+    fn take(
+        &mut self,
+        target: &Placement<f64>,
+        solution: &Solution,
+        continuous: bool,
+    ) -> Option<Jump> {
         let (joint, distance) = self.arm.longest_move(&self.q, &solution.q);
         let jump = (distance > LONG_STEP).then_some(Jump {
             step: self.steps,
@@ -133,8 +148,35 @@ impl Follower<'_> {
             distance,
             continuous,
         });
-        self.stand_at(&target, &solution.q);
-        Ok(jump)
+        self.stand_at(target, &solution.q);
+        jump
+    }
+
+    /// As [`advance`](Self::advance) for the first target of a whole path, to which the arm comes from
+    /// wherever it stands.
+    pub(super) fn begin(
+        &mut self,
+        target: Placement<f64>,
+        solution: &mut Solution,
+    ) -> Result<Option<Jump>, QueryError> {
+        if !self.goes_far(&target)? {
+            return self.advance(target, solution);
+        }
+        let arm = self.arm;
+        let continuous = arm.go_far(&target, &self.q, solution)?;
+        if !continuous {
+            arm.answer(&target, &self.q, solution)?;
+        }
+        Ok(self.take(&target, solution, continuous))
+    }
+
+    /// Whether a target is far from the last one, at first from the tool.
+    fn goes_far(&self, target: &Placement<f64>) -> Result<bool, QueryError> {
+        let last = match self.target {
+            Some(last) => last,
+            None => self.arm.base_from_tool(&self.q)?,
+        };
+        Ok(self.arm.pose_distance(target, &last) > FAR)
     }
 
     /// Tries to go on to a target by the step's own attempt alone; whether that reaches it with no
@@ -152,18 +194,7 @@ impl Follower<'_> {
         };
         self.fill_seed(target, towards);
         solution.q.resize(arm.joint_count(), 0.0);
-        let search = lanes::Search::Start;
-        let deadline = arm.deadline();
-        // A budget of one iteration begins no other attempt.
-        let outcome = lanes.solve_checked(
-            target,
-            &self.seed,
-            search,
-            1,
-            deadline,
-            true,
-            &mut solution.q,
-        );
+        let outcome = lanes.own_attempt(target, &self.seed, arm.deadline(), &mut solution.q);
         let kept = outcome.reached && arm.longest_move(&self.q, &solution.q).1 <= LONG_STEP;
         if kept {
             arm.report(&Reply::of(&outcome), solution);
@@ -197,7 +228,7 @@ impl Follower<'_> {
         } else {
             0.0
         };
-        let pull = CENTRING * path.min(LONGEST_PULL);
+        let pull = self.arm.options.limit_avoidance * path.min(LONGEST_PULL);
         let rate = towards.map_or(0.0, |(_, rate)| rate) * path.min(LONGEST_PULL);
         let map = &self.arm.serial.map;
         let bounds = map.lower().iter().zip(map.upper());
@@ -207,19 +238,28 @@ impl Follower<'_> {
         {
             let last = q - before;
             // A jump is no motion to go on with.
-            if last.abs() <= LONG_STEP {
+            let scale = self.arm.scale[i];
+            if last.abs() * scale <= LONG_STEP {
                 *value += share * last;
             }
             if let Some(wanted) = towards.and_then(|(wanted, _)| wanted.get(i)) {
-                *value += (wanted - q).clamp(-rate, rate);
+                *value += (wanted - q).clamp(-rate / scale, rate / scale);
             } else {
-                let half = 0.5 * (upper - lower);
-                if half > 0.0 && half.is_finite() {
-                    let u = (q - lower) / half - 1.0;
-                    *value -= pull * u * u * u;
-                }
+                *value -= pull * outwards(*q, lower, upper) / scale;
             }
             *value = value.max(lower).min(upper);
         }
     }
+}
+
+/// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on
+/// its upper.
+pub(super) fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
+    let half = 0.5 * (upper - lower);
+    if !(half > 0.0 && half.is_finite()) {
+        return 0.0;
+    }
+    let u = (q - lower) / half - 1.0;
+    let beyond = (u.abs() - MIDDLE).max(0.0) / (1.0 - MIDDLE);
+    beyond * beyond * u.signum()
 }

@@ -39,6 +39,7 @@ mod rescue;
 mod route;
 mod search;
 mod serial;
+mod settle;
 mod stationary;
 mod tool_pose;
 mod track;

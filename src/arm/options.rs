@@ -8,11 +8,13 @@ use super::Goal;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Search {
-    /// The one that the start's own attempt comes to, if it succeeds; others only rescue it. For
-    /// continuity. The default.
+    /// The one that the start's own attempt comes to, if it succeeds; others only rescue it, the
+    /// lowest that reaches first. A target that none reaches is answered by the nearest place on the
+    /// start's own way. For continuity. The default.
     #[default]
     Start,
-    /// Whichever takes the fewest iterations.
+    /// Whichever takes the fewest iterations. A target that none reaches is answered by the best of
+    /// all attempts, wherever that is.
     First,
     /// The one nearest to the start in weighted joint distance, among many attempts; on redundant
     /// arms it is then moved towards the start within the null space. Where a time limit cuts the
@@ -44,6 +46,12 @@ impl Search {
     }
 }
 
+/// Attempts of a question for which nothing else is asked, and the iterations of all together.
+pub(super) const ATTEMPTS: u32 = 200;
+const ITERATIONS: u32 = 2600;
+/// How strongly joints are drawn away from their limits while following.
+pub(super) const LIMIT_AVOIDANCE: f64 = 0.5;
+
 /// All options, checked.
 #[derive(Clone, Debug)]
 pub(super) struct Options {
@@ -58,6 +66,28 @@ pub(super) struct Options {
     pub(super) max_move: Option<Vec<f64>>,
     pub(super) posture: Option<Vec<f64>>,
     pub(super) attempts: u32,
+    /// What was asked for.
+    pub(super) iterations: Option<u32>,
+    pub(super) attempts_asked: bool,
+    pub(super) leaps: bool,
+    /// Radians a radian of path.
+    pub(super) limit_avoidance: f64,
     pub(super) time_limit: Option<Duration>,
     pub(super) seed: u64,
+}
+
+impl Options {
+    /// Iterations of all attempts together after which none begins.
+    pub(super) fn budget(&self) -> u32 {
+        match self.iterations {
+            Some(iterations) => iterations,
+            None if self.attempts_asked => u32::MAX,
+            None => ITERATIONS,
+        }
+    }
+
+    /// Whether a miss is answered by the best of all attempts, wherever that is.
+    pub(super) fn leaps_on_miss(&self) -> bool {
+        self.leaps || self.search == Search::First
+    }
 }

@@ -31,6 +31,8 @@ pub struct Arm {
     pub(super) lanes: Option<PoseSolver>,
     pub(super) coordinates: Coordinates,
     pub(super) names: Arc<Names>,
+    /// What a radian or metre of each joint counts as, radians.
+    pub(super) scale: Vec<f64>,
     /// Memory of the slower ways, taken out while one is under way.
     workspaces: Mutex<Vec<Box<Workspace>>>,
 }
@@ -57,6 +59,7 @@ impl Arm {
         };
         let workspace = Workspace::new(&serial, &options)?;
         Ok(Self {
+            scale: serial.scales(options.metres_per_radian),
             serial,
             options,
             lanes,
@@ -105,7 +108,10 @@ impl Arm {
     }
 
     /// Solves for one target from one start (which may lie outside the limits and is then projected
-    /// into them).
+    /// into them). A target that is not reached is answered by the nearest place on the start's own
+    /// way, unless the arm searches
+    /// [everywhere](super::ArmBuilder::with_global_search_on_miss) or for the
+    /// [first](super::Search::First).
     ///
     /// # Errors
     /// A start of the wrong length or not finite; a target that is not a rigid motion. A target out
@@ -134,7 +140,8 @@ impl Arm {
         let target = base_from_tool.into();
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &target, start)?;
-        self.answer(&target, start, false, solution)
+        self.answer(&target, start, solution)?;
+        Ok(())
     }
 
     pub(super) fn deadline(&self) -> Option<Instant> {

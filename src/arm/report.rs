@@ -14,6 +14,8 @@ pub(super) struct Reply {
     pub(super) termination: Termination,
     pub(super) iterations: usize,
     pub(super) attempts: usize,
+    /// The attempt whose way led to a target that is reached.
+    pub(super) winner: Option<u32>,
 }
 
 impl Reply {
@@ -31,6 +33,7 @@ impl Reply {
             },
             iterations: outcome.iterations as usize,
             attempts: outcome.attempts as usize,
+            winner: outcome.winner,
         }
     }
 }
@@ -93,10 +96,8 @@ impl Arm {
             let (x, lower, upper) = (&workspace.x, &workspace.lower, &workspace.upper);
             solution.name_limits(x, lower, upper, &workspace.gradient, negligible);
             solution.projected_gradient = Some(workspace.projected_gradient(x));
-            if self.options.max_move.is_some() {
-                let map = &self.serial.map;
-                solution.mark_moves(map.lower(), map.upper());
-            }
+            let map = &self.serial.map;
+            solution.mark_moves(map.lower(), map.upper());
         }
     }
 }

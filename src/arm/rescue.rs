@@ -4,9 +4,10 @@ use super::QueryError;
 use super::follower::LONG_STEP;
 use super::query::Arm;
 use super::report::Reply;
+use super::settle::Settling;
 use super::workspace::Workspace;
 use crate::ik::Solution;
-use crate::lanes::{self, PoseSolver};
+use crate::lanes::PoseSolver;
 use crate::solver::Termination;
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
@@ -14,6 +15,10 @@ use crate::spatial::{Placement, Quaternion, rotation_exp};
 const FRACTIONS: usize = 64;
 /// The smallest of them.
 const SMALLEST: f64 = 1.0 / 128.0;
+/// The longest move of a step that settles, radians.
+const SETTLING_STEP: f64 = 0.5 * LONG_STEP;
+/// Steps of one settling; the next target goes on from there.
+const SETTLING_STEPS: usize = 60;
 
 impl Arm {
     /// Whether steps of a path are the lane engine's alone.
@@ -21,33 +26,95 @@ impl Arm {
         self.options.max_move.is_none() && self.options.posture.is_none()
     }
 
-    /// Finds a solution for a step from `from`; whether small steps lead there.
-    pub(super) fn rescue(
+    /// Goes on to a target on the branch that `from` stands on, without a long move: to a solution or
+    /// to the nearest place.
+    pub(super) fn keep_to_branch(
+        &self,
+        target: &Placement<f64>,
+        from: &[f64],
+        solution: &mut Solution,
+    ) -> Result<(), QueryError> {
+        let deadline = self.deadline();
+        self.with_workspace(|workspace| {
+            workspace.aim(target);
+            self.open_step(workspace, from, SETTLING_STEP);
+            workspace.x.copy_from_slice(&workspace.start);
+            let how = Settling {
+                steps: SETTLING_STEPS,
+                anchor: 0.0,
+                floor: 0.0,
+                deadline,
+            };
+            let (termination, iterations) = workspace.settle_near(&how);
+            let mut errors = workspace.judge_x();
+            if let (true, Some(posture)) = (errors.reached, &self.options.posture) {
+                self.descend(workspace, posture, deadline);
+                errors = workspace.judge_x();
+            }
+            let late = termination == Termination::TimeLimit;
+            let reply = Reply {
+                errors,
+                termination: self.ended(errors, termination, late),
+                iterations,
+                attempts: 1,
+                winner: errors.reached.then_some(0),
+            };
+            self.report_workspace(&reply, workspace, solution);
+        })
+    }
+
+    /// Goes on to a target that is far from the last by small steps along the straight way between the
+    /// poses; whether they lead there.
+    pub(super) fn go_far(
         &self,
         target: &Placement<f64>,
         from: &[f64],
         solution: &mut Solution,
     ) -> Result<bool, QueryError> {
-        if let (Some(lanes), true) = (&self.lanes, self.follows_by_lanes()) {
-            let by_fractions = self.with_workspace(|workspace| {
-                workspace.x.copy_from_slice(from);
-                let iterations = self.go_by_fractions(workspace, lanes, target)?;
-                workspace.aim(target);
-                let reply = Reply {
-                    errors: workspace.judge_x(),
-                    termination: Termination::Reached,
-                    iterations,
-                    attempts: 1,
-                };
-                self.report_workspace(&reply, workspace, solution);
-                solution.reached.then_some(())
-            })?;
-            if by_fractions.is_some() {
-                return Ok(true);
-            }
+        let (Some(lanes), true) = (&self.lanes, self.follows_by_lanes()) else {
+            return Ok(false);
+        };
+        self.with_workspace(|workspace| {
+            workspace.x.copy_from_slice(from);
+            let Some(iterations) = self.go_by_fractions(workspace, lanes, target) else {
+                return false;
+            };
+            workspace.aim(target);
+            let reply = Reply {
+                errors: workspace.judge_x(),
+                termination: Termination::Reached,
+                iterations,
+                attempts: 1,
+                winner: Some(0),
+            };
+            self.report_workspace(&reply, workspace, solution);
+            solution.reached
+        })
+    }
+
+    /// Leaves the branch for the nearest solution of all, or where there is none for the best place.
+    pub(super) fn leap(
+        &self,
+        target: &Placement<f64>,
+        from: &[f64],
+        solution: &mut Solution,
+    ) -> Result<(), QueryError> {
+        self.answer(target, from, solution)?;
+        if !(solution.reached && self.follows_by_lanes()) {
+            return Ok(());
         }
-        self.answer(target, from, true, solution)?;
-        Ok(false)
+        // The start's own attempt may have led far away.
+        let deadline = self.deadline();
+        self.with_workspace(|workspace| {
+            workspace.aim(target);
+            self.open_window(workspace, from);
+            self.gather(workspace, target, from, deadline);
+            let reply = self.nearest(workspace, Termination::Reached, deadline);
+            let found = self.distance(&solution.q, &workspace.start);
+            if reply.errors.reached && self.distance(&workspace.x, &workspace.start) < found {
+                self.report_workspace(&reply, workspace, solution);
+            }
+        })
     }
 
     /// Other solutions of a pose, nearest to `from` first.
@@ -92,10 +159,9 @@ impl Arm {
                 *target
             };
             let Workspace { x, trial, .. } = workspace;
-            let search = lanes::Search::Start;
-            let outcome = lanes.solve_checked(&pose, x, search, 1, None, true, trial);
+            let outcome = lanes.own_attempt(&pose, x, None, trial);
             iterations += outcome.iterations as usize;
-            if outcome.reached && self.longest_move(x, trial).1 <= 0.5 * LONG_STEP {
+            if outcome.reached && self.longest_move(x, trial).1 <= SETTLING_STEP {
                 x.copy_from_slice(trial);
                 done = to;
                 fraction *= 2.0;

@@ -12,9 +12,6 @@ use crate::lanes::{self, Outcome};
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// Attempts that the nearest is chosen among: with 200 it is farther than the best of 100 random
-/// restarts in 11 of 300 cases on a Panda, with 96 in 20.
-const NEAREST_ATTEMPTS: u32 = 200;
 /// Attempts between two looks at the clock.
 const GROUP: u32 = 16;
 /// How many of the nearest are moved towards the start.
@@ -58,14 +55,15 @@ impl Arm {
         deadline: Option<Instant>,
     ) -> Termination {
         let n = self.joint_count();
-        let wanted = match self.options.search {
-            Search::Nearest => self.options.attempts.min(NEAREST_ATTEMPTS),
-            _ => self.options.attempts,
-        };
+        let wanted = self.options.attempts;
+        let budget = self
+            .options
+            .iterations
+            .map_or(usize::MAX, |most| most as usize);
         workspace.found.clear();
         workspace.outcomes.clear();
         let mut first = 0;
-        while first < wanted {
+        while first < wanted && spent(&workspace.outcomes) < budget {
             let count = GROUP.min(wanted - first);
             match &self.lanes {
                 None => self.attempts_by_core(workspace, start, first, count, deadline),
@@ -106,7 +104,7 @@ impl Arm {
         workspace
             .order
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if first < wanted {
+        if deadline.is_some_and(|at| Instant::now() >= at) && first < wanted {
             Termination::TimeLimit
         } else {
             Termination::Reached
@@ -118,26 +116,34 @@ impl Arm {
     pub(super) fn nearest(
         &self,
         workspace: &mut Workspace,
-        target: &Placement<f64>,
-        start: &[f64],
         mut ended: Termination,
         deadline: Option<Instant>,
     ) -> Reply {
         let n = self.joint_count();
-        let total = |outcomes: &[Outcome]| -> usize {
-            outcomes.iter().map(|o| o.iterations as usize).sum()
-        };
-        let (iterations, attempts) = (total(&workspace.outcomes), workspace.outcomes.len());
+        let (iterations, attempts) = (spent(&workspace.outcomes), workspace.outcomes.len());
         let Some(&(_, place)) = workspace.order.first() else {
-            // Nothing reached: all attempts may be needed, or the target is out of reach.
-            let mut reply = self.one_search(workspace, target, start, false, deadline);
-            reply.iterations += iterations;
-            reply.attempts += attempts;
-            return reply;
+            // None reached: the start's own end, and the best of all.
+            let cost = |o: &Outcome| self.cost(o.position_error, o.orientation_error);
+            let costs = workspace.outcomes.iter().map(cost).enumerate();
+            let best = costs
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map_or(0, |best| best.0);
+            workspace.x.copy_from_slice(&workspace.found[..n]);
+            workspace
+                .best
+                .copy_from_slice(&workspace.found[best * n..(best + 1) * n]);
+            return Reply {
+                errors: workspace.judge_x(),
+                termination: ended,
+                iterations,
+                attempts,
+                winner: Some(best as u32),
+            };
         };
         workspace
             .x
             .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
+        let mut winner = place;
         let goal = self.options.goal;
         if n > goal.rows() || goal.has_room() {
             let mut best = f64::INFINITY;
@@ -157,17 +163,19 @@ impl Arm {
                 let distance = self.distance(&workspace.x, &reference);
                 if distance < best {
                     best = distance;
-                    workspace.found[..n].copy_from_slice(&workspace.x);
+                    winner = place;
+                    workspace.best.copy_from_slice(&workspace.x);
                 }
             }
             workspace.start = reference;
-            workspace.x.copy_from_slice(&workspace.found[..n]);
+            workspace.x.copy_from_slice(&workspace.best);
         }
         Reply {
             errors: workspace.judge_x(),
             termination: ended,
             iterations,
             attempts,
+            winner: Some(winner as u32),
         }
     }
 
@@ -204,6 +212,7 @@ impl Arm {
                 termination: ended,
                 iterations: outcome.iterations as usize,
                 attempts: 1,
+                winner: outcome.winner,
             };
             self.report(&reply, &mut solution);
             chosen.push(solution);
@@ -219,4 +228,9 @@ impl Arm {
             .sum::<f64>()
             .sqrt()
     }
+}
+
+/// Iterations of all attempts together.
+fn spent(outcomes: &[Outcome]) -> usize {
+    outcomes.iter().map(|o| o.iterations as usize).sum()
 }

@@ -57,6 +57,18 @@ pub(super) fn source_of(full: &ParameterMap, coordinate: usize) -> Source {
 }
 
 impl Serial {
+    /// What a radian or a metre of each variable counts as, radians, where so many metres weigh as much
+    /// as a radian.
+    pub(super) fn scales(&self, metres_per_radian: f64) -> Vec<f64> {
+        let leader = |&c: &usize| self.model.moving_joints()[c].index();
+        let leaders = self.map.leaders().iter().map(leader);
+        let scale = |joint: usize| match self.model.joints()[joint].kind {
+            JointKind::Prismatic => metres_per_radian.recip(),
+            _ => 1.0,
+        };
+        leaders.map(scale).collect()
+    }
+
     /// Folds the parts; `full` says which joints of `source` are free.
     pub(super) fn new(
         source: &Model,

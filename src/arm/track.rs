@@ -27,9 +27,12 @@ pub struct Track {
 
 impl Arm {
     /// Follows a path: every step goes on from the one before on the same branch, whatever the
-    /// arm's search. Where the branch ends (in a limit, mostly, that the null space ran into), it
-    /// looks for another way through the steps before; where there is none it jumps to the nearest
-    /// solution and says so in [`Track::jumps`].
+    /// arm's search; the first, if the start is far from it, is [`solve`](Self::solve)'s. Where the
+    /// branch ends (in a limit, mostly, that the null space ran into), the arm looks for another way
+    /// through the steps before. Where there is none it stays on its branch, at the nearest place to
+    /// each target, until that reaches again; if it is
+    /// [asked](super::ArmBuilder::with_global_search_on_miss) to, it jumps to the nearest solution
+    /// instead and says so in [`Track::jumps`].
     ///
     /// # Errors
     /// As [`solve`](Self::solve); the error names the first bad target.
@@ -45,17 +48,24 @@ impl Arm {
         let mut track = Track::default();
         track.solutions.reserve(base_from_tools.len());
         let mut back_left = LOOK_BACK * base_from_tools.len();
+        let mut missing = false;
         for (step, target) in base_from_tools.iter().enumerate() {
             let mut solution = Solution::default();
-            let jump = follower.advance(*target, &mut solution)?;
-            track.solutions.push(solution);
-            let Some(jump) = jump else {
-                continue;
-            };
-            if self.go_round(base_from_tools, step, &mut track, &mut back_left)? {
-                follower = self.follower_at(base_from_tools, step, &track)?;
+            let jump = if step == 0 {
+                follower.begin(*target, &mut solution)?
             } else {
-                track.jumps.push(jump);
+                follower.advance(*target, &mut solution)?
+            };
+            let reached = solution.reached;
+            track.solutions.push(solution);
+            // A branch ends where it is left or first misses.
+            let ends = jump.is_some() || !reached && !missing;
+            missing = !reached;
+            if ends && self.go_round(base_from_tools, step, &mut track, &mut back_left)? {
+                follower = self.follower_at(base_from_tools, step, &track)?;
+                missing = false;
+            } else {
+                track.jumps.extend(jump);
             }
         }
         Ok(track)
@@ -75,9 +85,9 @@ impl Arm {
             return Ok(false);
         };
         let others = self.landings(&targets[step], &track.solutions[last].q, LANDINGS)?;
-        let first = track.solutions[step].clone();
+        let first = Some(track.solutions[step].clone()).filter(|first| first.reached);
         for pull in PULLS {
-            for landing in std::iter::once(&first).chain(&others) {
+            for landing in first.iter().chain(&others) {
                 let way = self.way_back(targets, step, landing, pull, track, back_left)?;
                 if let Some(way) = way {
                     let meeting = step - way.len();

@@ -6,33 +6,55 @@ use super::workspace::Workspace;
 impl Arm {
     /// Sets the workspace's bounds and its start, which is projected into the limits.
     pub(super) fn open_window(&self, workspace: &mut Workspace, start: &[f64]) {
+        self.set_start(workspace, start);
+        match &self.options.max_move {
+            Some(max_move) => {
+                self.narrow(workspace, |i| max_move[i]);
+                if let Some(lanes) = &self.lanes {
+                    workspace
+                        .windowed
+                        .get_or_insert_with(|| lanes.without_atlas())
+                        .set_bounds(&workspace.lower, &workspace.upper);
+                }
+            }
+            None => self.narrow(workspace, |_| f64::INFINITY),
+        }
+    }
+
+    /// As [`open_window`](Self::open_window) for a step that moves no joint further than
+    /// `radians`, a slide by the metres that weigh as much.
+    pub(super) fn open_step(&self, workspace: &mut Workspace, start: &[f64], radians: f64) {
+        self.open_window(workspace, start);
+        let max_move = self.options.max_move.as_deref();
+        let most = |i: usize| max_move.map_or(f64::INFINITY, |most| most[i]);
+        self.narrow(workspace, |i| (radians / self.scale[i]).min(most(i)));
+    }
+
+    fn set_start(&self, workspace: &mut Workspace, start: &[f64]) {
         let map = &self.serial.map;
         for (i, value) in workspace.start.iter_mut().enumerate() {
             *value = start[i].max(map.lower()[i]).min(map.upper()[i]);
         }
-        let Some(max_move) = &self.options.max_move else {
-            return;
-        };
-        for (i, &most) in max_move.iter().enumerate() {
-            workspace.lower[i] = map.lower()[i].max(within(workspace.start[i], -most));
-            workspace.upper[i] = map.upper()[i].min(within(workspace.start[i], most));
+    }
+
+    /// Bounds the question to so much from the workspace's start, a joint.
+    fn narrow(&self, workspace: &mut Workspace, most: impl Fn(usize) -> f64) {
+        let map = &self.serial.map;
+        for i in 0..self.joint_count() {
+            let (start, most) = (workspace.start[i], most(i));
+            workspace.lower[i] = map.lower()[i].max(within(start, -most));
+            workspace.upper[i] = map.upper()[i].min(within(start, most));
         }
         workspace
             .problem
             .set_bounds(&workspace.lower, &workspace.upper);
-        if let Some(lanes) = &self.lanes {
-            workspace
-                .windowed
-                .get_or_insert_with(|| lanes.without_atlas())
-                .set_bounds(&workspace.lower, &workspace.upper);
-        }
     }
 }
 
 /// `start + by`, rounded so that it is no further away than `by` in floating point.
-fn within(start: f64, by: f64) -> f64 {
+pub(super) fn within(start: f64, by: f64) -> f64 {
     let end = start + by;
-    if (end - start).abs() <= by.abs() {
+    if end.is_infinite() || (end - start).abs() <= by.abs() {
         end
     } else if by > 0.0 {
         end.next_down()

@@ -57,6 +57,14 @@ pub(super) struct Workspace {
     pub(super) trial: Vec<f64>,
     pub(super) projected: Vec<f64>,
     pub(super) wanted: Vec<f64>,
+    /// The best of all attempts, where the start's own misses.
+    pub(super) best: Vec<f64>,
+    /// The start's own end, while others are looked for.
+    pub(super) kept: Vec<f64>,
+    /// Where a settling counts moves from.
+    pub(super) anchor: Vec<f64>,
+    /// What a joint's radian or metre counts as, radians.
+    pub(super) scale: Vec<f64>,
     pub(super) jacobian: DMatrix<f64>,
     /// The cost's gradient, at wherever it was taken last.
     pub(super) gradient: Vec<f64>,
@@ -107,6 +115,10 @@ impl Workspace {
             trial: vec![0.0; n],
             projected: vec![0.0; n],
             wanted: vec![0.0; n],
+            best: vec![0.0; n],
+            kept: vec![0.0; n],
+            anchor: vec![0.0; n],
+            scale: serial.scales(options.metres_per_radian),
             jacobian: DMatrix::zeros(6, n),
             gradient: vec![0.0; n],
             found: Vec::new(),
@@ -144,7 +156,11 @@ impl Workspace {
 
     /// What a weighted residual means.
     fn errors(&self, residual: &[f64; 6]) -> Errors {
-        let norm = |rows: &[f64]| rows.iter().map(|v| v * v).sum::<f64>().sqrt();
+        // Errors that overflow are infinite.
+        let norm = |rows: &[f64]| {
+            let norm = rows.iter().map(|v| v * v).sum::<f64>().sqrt();
+            if norm.is_nan() { f64::INFINITY } else { norm }
+        };
         let position = norm(&residual[..3]);
         let turn = norm(&residual[3..]) / self.metres_per_radian;
         let pose = self.problem.residual(self.task);
@@ -171,7 +187,8 @@ impl Workspace {
         residual
     }
 
-    /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt.
+    /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt. Where
+    /// nothing is finite x stays.
     pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
         let outcome = minimise_until(
             &mut Evaluation::new(&self.problem, &mut self.scratch),
@@ -182,8 +199,16 @@ impl Workspace {
             &mut Silent,
             &mut self.memory,
         );
-        self.x.copy_from_slice(self.memory.x());
+        if outcome.termination != Termination::NonFinite {
+            self.x.copy_from_slice(self.memory.x());
+        }
         (outcome.termination, outcome.iterations)
+    }
+
+    /// An error that is far within the tolerances, metres.
+    pub(super) fn negligible_error(&self) -> f64 {
+        let turn = self.orientation_tolerance * self.metres_per_radian;
+        1e-3 * self.position_tolerance.min(turn)
     }
 
     /// Where the tool stands.

@@ -130,7 +130,9 @@ fn why(termination: Termination) -> &'static str {
         Termination::SmallStep => "steps became too small to change anything",
         Termination::Stalled => "progress became too slow",
         Termination::IterationLimit => "the iteration limit was hit",
-        Termination::CannotContinue => "no solution lies within the moves allowed from the start",
+        Termination::CannotContinue => {
+            "none of these came to a solution within the moves allowed from the start"
+        }
         Termination::TimeLimit => "the time limit was hit",
         Termination::Cancelled => "the observer stopped the search",
         Termination::NonFinite => "a residual or a derivative is not a finite number",

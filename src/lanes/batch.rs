@@ -35,6 +35,8 @@ pub(crate) struct Work<'a> {
     pub(crate) search: Search,
     /// Run only this attempt and those that follow it, one a result, of the single target.
     pub(crate) attempts_from: Option<u32>,
+    /// Most attempts of one query.
+    pub(crate) attempts: u32,
     pub(crate) q: &'a mut [f64],
     pub(crate) outcomes: &'a mut [Outcome],
 }
@@ -62,6 +64,7 @@ pub(crate) fn batch<
         starts,
         search,
         attempts_from,
+        attempts,
         q: q_out,
         outcomes,
     } = work;
@@ -77,6 +80,7 @@ pub(crate) fn batch<
                         target,
                         start: &starts[source * n..(source + 1) * n],
                         search,
+                        attempts: (0, attempts),
                         budget: options.total_iterations,
                         deadline: None,
                     };
@@ -122,7 +126,13 @@ pub(crate) fn batch<
                         continue;
                     }
                 }
-                if errors.is_none() && (reached || group.cost(lane) < job.best_cost) {
+                // A miss keeps the start's own end where that counts, else the best. The first attempt
+                // is kept even where costs overflow.
+                let kept = match search {
+                    Search::Start => job.begun == 0,
+                    Search::First => job.begun == 0 || group.cost(lane) < job.best_cost,
+                };
+                if errors.is_none() && (reached || kept) {
                     job.best_cost = group.cost(lane);
                     group.point(lane, q);
                 }
@@ -133,7 +143,7 @@ pub(crate) fn batch<
                 job.begun += 1;
                 if reached
                     || attempts_from.is_some()
-                    || job.begun >= options.attempts
+                    || job.begun >= attempts
                     || job.iterations >= options.total_iterations
                 {
                     let winner = reached.then_some(attempt);

@@ -21,6 +21,10 @@ pub(crate) fn judge<V: LaneScalar, const N: usize, const AXES: bool>(
     let links = &prepared.links;
     let mut errors = errors::<V, N, AXES>(links, &prepared.settings, goal_from_first, q);
     errors.position *= links.metres_per_length;
+    // Far beyond what can be told apart from infinity.
+    if errors.position.is_nan() {
+        errors.position = f64::INFINITY;
+    }
     let reached = errors.position <= prepared.options.position_tolerance
         && errors.orientation <= prepared.options.orientation_tolerance;
     (reached, errors)

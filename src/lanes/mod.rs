@@ -38,5 +38,6 @@ mod turns;
 pub use chain::{Chain, ChainError, ChainJoint, JointKind, MAX_JOINTS};
 pub use goal::AxisGoal;
 pub use options::{LaneError, LaneOptions, Outcome, Search};
+pub(crate) use query::{Answer, Query};
 pub use solver::PoseSolver;
 pub(crate) use turns::reduced;

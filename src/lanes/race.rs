@@ -10,7 +10,7 @@ use super::kernel;
 use super::lane::LaneScalar;
 use super::options::{Outcome, Search};
 use super::prepared::Prepared;
-use super::query::Query;
+use super::query::{Answer, Query};
 use super::seeds::QuerySeeds;
 use super::turns::unwrap_towards;
 
@@ -26,8 +26,9 @@ const MAX_LANES: usize = 8;
 
 /// Runs numbered attempts, a group of lanes in lock step, until the rule of the search has a winner.
 ///
-/// Among lanes that reach, the fewest iterations win, then the lowest attempt. A lane that gives up
-/// is refilled with the next attempt at once. Nothing here depends on time unless a deadline is set.
+/// Under [`Search::Start`] the lowest attempt that reaches wins, as in a batch; under
+/// [`Search::First`] the fewest iterations win, then the lowest attempt. A lane that gives up is
+/// refilled with the next attempt at once. Nothing here depends on time unless a deadline is set.
 ///
 /// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
 /// tracking, where it nearly never does.
@@ -36,34 +37,43 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
     prepared: &Prepared,
     query: &Query<'_>,
     lone: bool,
-    q_out: &mut [f64],
+    answer: &mut Answer<'_>,
 ) -> Outcome {
     let settings = &prepared.settings;
     let options = &prepared.options;
     let n = prepared.links.links.len();
     let goal_from_first = prepared.links.goal_from_first::<AXES>(query.target);
     let mut seeds = QuerySeeds::new(prepared, query);
-    let attempts = options.attempts.max(1);
+    let (first, end) = query.attempts;
+    let by_number = query.search == Search::Start;
+    // Whether the start's own attempt is among these.
+    let own = by_number && first == 0;
+    let Answer {
+        q: q_out,
+        best: best_out,
+        best_attempt,
+    } = answer;
 
     let mut group = Group::<V, N>::new(n);
     let mut seed = [0.0; MAX_JOINTS];
     let (mut attempt, mut age) = ([0u32; MAX_LANES], [0u32; MAX_LANES]);
-    let (mut active, mut next, mut iterations) = (0u32, 0u32, 0u32);
+    let (mut active, mut next, mut iterations) = (0u32, first, 0u32);
     let mut fill_to = if lone { 1 } else { V::WIDTH };
-    let mut best_cost = f64::INFINITY;
+    // Cost and attempt of the best so far.
+    let mut best: Option<(f64, u32)> = None;
     let mut winner: Option<Winner> = None;
     let mut late = false;
     loop {
         for lane in 0..fill_to {
             if active >> lane & 1 == 0
-                && next < attempts
+                && next < end
                 && winner.is_none()
                 && !late
                 && iterations < query.budget.max(1)
             {
                 seeds.fill::<V>(next, &mut seed);
                 // Before the first step all lanes take harmless numbers.
-                let last = if next == 0 { V::WIDTH } else { lane + 1 };
+                let last = if next == first { V::WIDTH } else { lane + 1 };
                 for lane in lane..last {
                     group.load(lane, &goal_from_first, &seed, settings);
                 }
@@ -90,14 +100,10 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
             let bit = 1 << lane;
             over &= over - 1;
             let close = (ended.reached | ended.closing) & bit != 0;
-            // The start's own attempt beats the others under `Start`, fewer iterations otherwise.
             let better = winner.as_ref().is_none_or(|old| {
-                let key = |attempt, iterations| {
-                    (
-                        query.search == Search::Start && attempt != 0,
-                        iterations,
-                        attempt,
-                    )
+                let key = |attempt, iterations| match by_number {
+                    true => (attempt, 0),
+                    false => (iterations, attempt),
                 };
                 key(attempt[lane], age[lane]) < key(old.attempt, old.iterations)
             });
@@ -122,16 +128,27 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
             }
             if failed & bit != 0 {
                 active &= !bit;
-                if winner.is_none() && group.cost(lane) < best_cost {
-                    best_cost = group.cost(lane);
+                if winner.is_some() {
+                    continue;
+                }
+                // Costs that overflow are all alike: the lowest attempt, the start itself, is kept.
+                let found = (group.cost(lane), attempt[lane]);
+                let betters = best
+                    .is_none_or(|best| found.0 < best.0 || !(best.0 < found.0) && found.1 < best.1);
+                if betters {
+                    best = Some(found);
+                    *best_attempt = found.1;
+                    let into = if own { &mut **best_out } else { &mut **q_out };
+                    group.point(lane, into);
+                }
+                if own && attempt[lane] == 0 {
                     group.point(lane, q_out);
                 }
             }
         }
         if let Some(winner) = &winner {
-            let start_runs = query.search == Search::Start
-                && (0..V::WIDTH).any(|lane| active >> lane & 1 != 0 && attempt[lane] == 0);
-            if winner.attempt == 0 || !start_runs {
+            let lower = |lane: usize| active >> lane & 1 != 0 && attempt[lane] < winner.attempt;
+            if !by_number || !(0..V::WIDTH).any(lower) {
                 break;
             }
         }
@@ -143,6 +160,10 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
     let (reached, errors) = match &winner {
         Some(winner) => (true, winner.errors),
         None => {
+            if own {
+                unwrap_towards(prepared, query.start, best_out);
+                prepared.links.to_metres(best_out);
+            }
             unwrap_towards(prepared, query.start, q_out);
             judge::<V, N, AXES>(prepared, &goal_from_first, q_out)
         }
@@ -153,7 +174,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
         position_error: errors.position,
         orientation_error: errors.orientation,
         iterations,
-        attempts: next,
+        attempts: next - first,
         winner: winner.map(|winner| winner.attempt),
     }
 }

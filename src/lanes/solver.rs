@@ -9,7 +9,7 @@ use super::check;
 use super::dispatch;
 use super::options::{LaneError, LaneOptions, Outcome, Search};
 use super::prepared::Prepared;
-use super::query::Query;
+use super::query::{Answer, Query};
 use crate::spatial::Placement;
 
 /// Solves poses for one chain. It never changes once built, and is `Send` and `Sync`; solving
@@ -19,8 +19,10 @@ use crate::spatial::Placement;
 /// after another in one slice. Every q that comes back lies within the bounds bit for bit, and the
 /// errors beside it are those of that q. A joint that can turn right round comes out within half a
 /// turn of the start; of a start beyond a million radians, where sines lose their digits, whole turns
-/// are taken off first. Lengths may be in any unit, as long as it is the same everywhere. Where the target is not reached q is the point of least
-/// cost `½(|p|² + (metres_per_radian)² · 2(1 − cos θ))` over all attempts.
+/// are taken off first. Lengths may be in any unit, as long as it is the same everywhere. Where the
+/// target is not reached, q is the end of the start's own attempt under [`Search::Start`], also where
+/// a deadline cut it short, and under [`Search::First`] the point of least cost
+/// `½(|p|² + (metres_per_radian)² · 2(1 − cos θ))` over all attempts.
 #[derive(Debug)]
 pub struct PoseSolver {
     prepared: Prepared,
@@ -49,8 +51,8 @@ impl PoseSolver {
         self.prepared.atlas.as_ref().map_or(0, Atlas::memory)
     }
 
-    /// Solves for one pose `base_from_target`, and writes the joint values to `q`. With a deadline
-    /// it gives up between two iterations after that time; without one, the same question has the
+    /// Solves for one pose `base_from_target`, and writes the joint values to `q`. Under
+    /// [`Search::Start`] the lowest attempt that reaches wins, as in a batch. With a deadline it gives up between two iterations after that time; without one, the same question has the
     /// same answer bit for bit.
     ///
     /// # Errors
@@ -67,38 +69,40 @@ impl PoseSolver {
         check::length("start", start.len(), n)?;
         check::length("q", q.len(), n)?;
         check::query(0, base_from_target, start)?;
-        Ok(self.solve_checked(
-            base_from_target,
+        let options = &self.prepared.options;
+        let query = Query {
+            target: base_from_target,
             start,
             search,
-            self.prepared.options.total_iterations,
+            attempts: (0, options.attempts.max(1)),
+            budget: options.total_iterations,
             deadline,
-            false,
-            q,
-        ))
+        };
+        Ok(self.race(&query, false, &mut Answer::of(q)))
     }
 
-    /// As [`solve`](Self::solve) for input that is checked already. `lone` runs the start's attempt
-    /// by itself first.
-    #[allow(clippy::too_many_arguments)]
-    pub(crate) fn solve_checked(
+    /// Answers a query that is checked already. `lone` runs the first attempt by itself at first.
+    pub(crate) fn race(&self, query: &Query<'_>, lone: bool, answer: &mut Answer<'_>) -> Outcome {
+        dispatch::race(&self.prepared, query, lone, answer)
+    }
+
+    /// The start's own attempt alone, for input that is checked already.
+    pub(crate) fn own_attempt(
         &self,
         base_from_target: &Placement<f64>,
         start: &[f64],
-        search: Search,
-        budget: u32,
         deadline: Option<Instant>,
-        lone: bool,
         q: &mut [f64],
     ) -> Outcome {
         let query = Query {
             target: base_from_target,
             start,
-            search,
-            budget,
+            search: Search::Start,
+            attempts: (0, 1),
+            budget: u32::MAX,
             deadline,
         };
-        dispatch::race(&self.prepared, &query, lone, q)
+        self.race(&query, true, &mut Answer::of(q))
     }
 
     /// A solver for the same chain whose bounds may be moved, without an atlas.
@@ -130,7 +134,14 @@ impl PoseSolver {
         outcomes: &mut [Outcome],
     ) -> Result<(), LaneError> {
         check::batch(self.joints(), base_from_targets, starts, q, outcomes)?;
-        self.run_batch(base_from_targets, starts, search, q, outcomes);
+        self.run_batch(
+            base_from_targets,
+            starts,
+            search,
+            self.prepared.options.attempts.max(1),
+            q,
+            outcomes,
+        );
         Ok(())
     }
 
@@ -158,7 +169,8 @@ impl PoseSolver {
             .zip(q.par_chunks_mut(CHUNK * n))
             .zip(outcomes.par_chunks_mut(CHUNK))
             .for_each(|(((targets, starts), q), outcomes)| {
-                self.run_batch(targets, starts, search, q, outcomes);
+                let attempts = self.prepared.options.attempts.max(1);
+                self.run_batch(targets, starts, search, attempts, q, outcomes);
             });
         Ok(())
     }
@@ -202,6 +214,7 @@ impl PoseSolver {
             starts: start,
             search,
             attempts_from: Some(first),
+            attempts: 1,
             q,
             outcomes,
         };
@@ -238,21 +251,24 @@ impl PoseSolver {
                 target,
                 start: &last[..n],
                 search: Search::Start,
+                attempts: (0, self.prepared.options.attempts.max(1)),
                 budget: self.prepared.options.total_iterations,
                 deadline: None,
             };
-            *outcome = dispatch::race(&self.prepared, &query, true, q);
+            *outcome = self.race(&query, true, &mut Answer::of(q));
             last[..n].copy_from_slice(q);
         }
         Ok(())
     }
 
-    /// As [`solve_batch`](Self::solve_batch) for input that is checked already.
+    /// As [`solve_batch`](Self::solve_batch) for input that is checked already, with at most so many
+    /// attempts each.
     pub(crate) fn run_batch(
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
         search: Search,
+        attempts: u32,
         q: &mut [f64],
         outcomes: &mut [Outcome],
     ) {
@@ -261,6 +277,7 @@ impl PoseSolver {
             starts,
             search,
             attempts_from: None,
+            attempts,
             q,
             outcomes,
         };

@@ -129,7 +129,8 @@ pub enum Termination {
     /// The wall-clock limit. Of a solution that is reached: it is one, but the search that compares
     /// several was cut short.
     TimeLimit,
-    /// No solution lies within the moves allowed from the start.
+    /// No solution was found within the moves allowed from the start: there the nearest place on the
+    /// start's own way is returned.
     CannotContinue,
     /// The observer said stop.
     Cancelled,

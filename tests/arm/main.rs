@@ -1,6 +1,8 @@
 //! Poses, batches and paths of arms.
 
 mod any_chain;
+mod lines_out_of_reach;
+mod misses;
 mod options;
 mod peer_defects;
 mod same_bits;

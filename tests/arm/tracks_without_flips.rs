@@ -57,7 +57,8 @@ fn flips(own: &[Vec<f64>], track: &Track) -> Vec<usize> {
 /// Follows `count` paths; every pose is reached, every flip is told. How many paths had one.
 fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize {
     let robot = robot(name);
-    let arm = Arm::new(&robot, base, tip).unwrap();
+    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = arm.with_global_search_on_miss(true).build().unwrap();
     let mut random = Random(31);
     let mut all = 0;
     for _ in 0..count {
@@ -153,7 +154,8 @@ fn through_singular_configurations() {
     }
 }
 
-/// A path that leaves the reach of a branch has to flip, and says so; bounded moves refuse to.
+/// A path that leaves the reach of a branch stays on it at the nearest place; an arm that is asked to
+/// flips, and says so; bounded moves refuse to.
 #[test]
 fn a_branch_that_ends_is_told() {
     let robot = robot("adept_cobra_s600");
@@ -169,6 +171,18 @@ fn a_branch_that_ends_is_told() {
     let start = [limit - 0.3, -0.9, 0.1, 0.0];
     let targets: Vec<_> = (0..60).map(|k| at(0.01 * f64::from(k))).collect();
     let track = arm.track(&targets, &start).unwrap();
+    assert!(track.jumps.is_empty());
+    let reached = track.solutions.iter().map(|solution| solution.reached);
+    assert!(
+        reached
+            .enumerate()
+            .all(|(step, reached)| reached == (step < 31))
+    );
+    assert!(track.solutions[31..].iter().all(|s| s.q[0] == limit));
+
+    let leaping = Arm::builder(&robot, "base", "flange").unwrap();
+    let leaping = leaping.with_global_search_on_miss(true).build().unwrap();
+    let track = leaping.track(&targets, &start).unwrap();
     let told: Vec<_> = track.jumps.iter().map(|j| (j.step, j.continuous)).collect();
     assert_eq!(told, [(31, false)], "{:?}", track.jumps);
     assert!(track.solutions.iter().all(|solution| solution.reached));

@@ -15,6 +15,7 @@ pub mod classics;
 pub mod gltf_text;
 pub mod lane_chains;
 pub mod limbs;
+pub mod lines;
 pub mod maps;
 pub mod methods;
 pub mod random;

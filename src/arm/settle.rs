@@ -1,0 +1,159 @@
+//! Settling: from where an arm stands to the nearest place that nothing near it betters.
+//!
+//! The cost is lowered within the workspace's bounds, step by step: with the pose linearised at x a
+//! step d minimises ½|r + J d|² + ½ Σ wᵢ dᵢ² over the box, exactly, and is taken if it lowers the cost.
+//! The damping w is no less than |r| times the longest column of J, which bounds the curvature that
+//! linearising leaves out: at a workspace's edge, where a singular configuration and an error come
+//! together, steps fall short of the minimum rather than cross it. An arm that is stretched out comes
+//! to rest on the side that its elbow is bent to, and comes back bent the same way.
+//!
+//! The box is kept by the dual: d(y) = clamp(c − Jᵀy / w) with six multipliers y = r + J d, found by
+//! a semismooth Newton iteration (Li & Li 2011, "Projections onto a box and hyperplanes").
+
+use std::time::Instant;
+
+use nalgebra::{Matrix6, Vector6};
+
+use super::workspace::Workspace;
+use crate::solver::Termination;
+
+/// Times that the damping is raised where a step does not lower the cost.
+const RAISES: usize = 12;
+/// A slope of this share of the error's own scale is none: far above what rounding makes of it where
+/// the arm is stretched out, so that the side is kept.
+const LEVEL: f64 = 1e-6;
+/// Newton's steps for one box.
+const NEWTON: usize = 24;
+
+/// How a settling is led.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Settling {
+    /// Most steps.
+    pub(super) steps: usize,
+    /// What moving costs: ½ of this times the squared way from where it began, m² a rad².
+    pub(super) anchor: f64,
+    /// The smallest damping of a step, m² a rad².
+    pub(super) floor: f64,
+    pub(super) deadline: Option<Instant>,
+}
+
+impl Workspace {
+    /// Lowers the cost from x (within the bounds) and says how that ended and after how many steps.
+    /// Nothing is allocated.
+    pub(super) fn settle_near(&mut self, how: &Settling) -> (Termination, usize) {
+        self.anchor.copy_from_slice(&self.x);
+        self.settle_anchored(how)
+    }
+
+    /// As [`settle_near`](Self::settle_near), moving being counted from the workspace's anchor.
+    pub(super) fn settle_anchored(&mut self, how: &Settling) -> (Termination, usize) {
+        let mut x = std::mem::take(&mut self.x);
+        let ended = self.settle_from(&mut x, how);
+        self.x = x;
+        ended
+    }
+
+    fn settle_from(&mut self, x: &mut [f64], how: &Settling) -> (Termination, usize) {
+        let mut raised = 1.0;
+        for step in 0..how.steps {
+            let residual = Vector6::from(self.linearise(x));
+            let error = residual.norm();
+            if !error.is_finite() {
+                return (Termination::NonFinite, step);
+            }
+            if error <= self.negligible_error() && how.anchor == 0.0 {
+                return (Termination::Reached, step);
+            }
+            let longest = self.longest_column();
+            if self.is_level(x, &residual, LEVEL * longest * error, how.anchor) {
+                return (Termination::Stationary, step);
+            }
+            if how.deadline.is_some_and(|at| Instant::now() >= at) {
+                return (Termination::TimeLimit, step);
+            }
+            let before = self.anchored_cost(x, error, how.anchor);
+            let mut lowered = false;
+            for _ in 0..RAISES {
+                let damping = how.floor + raised * error * longest;
+                self.box_step(x, &residual, damping, how.anchor);
+                let trial = std::mem::take(&mut self.trial);
+                let error = Vector6::from(self.residual(&trial)).norm();
+                let after = self.anchored_cost(&trial, error, how.anchor);
+                lowered = after < before;
+                if lowered {
+                    x.copy_from_slice(&trial);
+                }
+                self.trial = trial;
+                if lowered {
+                    break;
+                }
+                raised *= 4.0;
+            }
+            if !lowered {
+                return (Termination::SmallStep, step);
+            }
+            raised = (0.25 * raised).max(1.0);
+        }
+        (Termination::IterationLimit, how.steps)
+    }
+
+    /// ½|r|² and what moving costs.
+    fn anchored_cost(&self, x: &[f64], error: f64, anchor: f64) -> f64 {
+        let moved = x.iter().zip(&self.anchor).zip(&self.scale);
+        let moved: f64 = moved.map(|((x, a), s)| ((x - a) * s).powi(2)).sum();
+        0.5 * (error * error + anchor * moved)
+    }
+
+    /// Norm of the longest column of the Jacobian that is here, a slide's taken for the metres that
+    /// weigh as much as a radian.
+    fn longest_column(&self) -> f64 {
+        let columns = self.jacobian.column_iter().zip(&self.scale);
+        columns.fold(0.0, |most, (column, scale)| most.max(column.norm() / scale))
+    }
+
+    /// Whether no joint that can move has a slope of more than `negligible`.
+    fn is_level(&self, x: &[f64], residual: &Vector6<f64>, negligible: f64, anchor: f64) -> bool {
+        let ends = self.lower.iter().zip(&self.upper).zip(&self.scale);
+        let columns = self.jacobian.column_iter();
+        let joints = columns.zip(x.iter().zip(&self.anchor)).zip(ends);
+        joints
+            .into_iter()
+            .all(|((column, (x, a)), ((lower, upper), scale))| {
+                let pull = anchor * scale * scale * (x - a);
+                let slope = column.dot(residual) + pull;
+                let held = x <= lower && slope > 0.0 || x >= upper && slope < 0.0;
+                held || slope.abs() <= negligible * scale
+            })
+    }
+
+    /// Writes x and the best step from it within the bounds into `trial`.
+    fn box_step(&mut self, x: &[f64], residual: &Vector6<f64>, damping: f64, anchor: f64) {
+        let n = x.len();
+        let weight = |scale: f64| (damping + anchor) * scale * scale;
+        let share = anchor / (damping + anchor);
+        let mut y = Vector6::<f64>::zeros();
+        for _ in 0..NEWTON {
+            let mut miss = y - residual;
+            let mut normal = Matrix6::<f64>::identity();
+            for i in 0..n {
+                let column: Vector6<f64> = self.jacobian.fixed_view::<6, 1>(0, i).into();
+                let inverse = 1.0 / weight(self.scale[i]);
+                let home = share * (self.anchor[i] - x[i]);
+                let free = x[i] + (home - column.dot(&y) * inverse);
+                let held = free.max(self.lower[i]).min(self.upper[i]);
+                self.trial[i] = held;
+                miss -= column * (held - x[i]);
+                if held == free {
+                    normal += column * column.transpose() * inverse;
+                }
+            }
+            if miss.norm() <= 1e-12 * (y.norm() + residual.norm()) {
+                return;
+            }
+            let Some(factor) = normal.cholesky() else {
+                return;
+            };
+            y -= factor.solve(&miss);
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Straight lines of 0.3 mm steps out of the workspace and back: an arm settles at the nearest point of
+//! its own branch, comes back on it, and never leaps to another. A debug build follows a few lines;
+//! `KINOPT_CASES` asks for another number of each robot.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::Arm;
+use kinopt::spatial::Placement;
+use support::arms::{Random, cases, robot, within_limits};
+use support::lines::{Line, ROBOTS, lines};
+
+/// What one way of following made of a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Seen {
+    steps: usize,
+    missed: usize,
+    /// Steps, and those to a miss, in which a joint moves by more than 0.2 rad or m.
+    jumps: usize,
+    leaps: usize,
+}
+
+fn longest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+impl Seen {
+    fn step(&mut self, arm: &Arm, from: &[f64], to: &Solution) {
+        assert!(within_limits(arm, &to.q));
+        self.steps += 1;
+        self.missed += usize::from(!to.reached);
+        let far = longest(from, &to.q) > 0.2;
+        self.jumps += usize::from(far);
+        self.leaps += usize::from(far && !to.reached);
+    }
+}
+
+type Follow = fn(&Arm, &[Placement<f64>], &[f64]) -> Vec<Solution>;
+
+fn by_follower(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
+    let mut follower = arm.follower(start).unwrap();
+    let step = |target: &Placement<f64>| {
+        let mut solution = Solution::default();
+        let jump = follower.advance(*target, &mut solution).unwrap();
+        assert_eq!(jump, None);
+        solution
+    };
+    targets.iter().map(step).collect()
+}
+
+fn by_track(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
+    let track = arm.track(targets, start).unwrap();
+    assert_eq!(track.jumps, []);
+    track.solutions
+}
+
+fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
+    let mut q = start.to_vec();
+    let step = |target: &Placement<f64>| {
+        let solution = arm.solve(*target, &q).unwrap();
+        q.clone_from(&solution.q);
+        solution
+    };
+    targets.iter().map(step).collect()
+}
+
+fn follow(name: &str, follow: Follow, count: usize) -> Seen {
+    let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
+    let robot = robot(name);
+    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = arm.with_atlas(false).build().unwrap();
+    let mut seen = Seen::default();
+    for Line { start, out } in lines(&arm, &mut Random(71), count) {
+        let back = out.iter().rev();
+        let targets: Vec<_> = out.iter().chain(back).copied().collect();
+        let solutions = follow(&arm, &targets, &start);
+        let mut from = &start;
+        for solution in &solutions {
+            seen.step(&arm, from, solution);
+            from = &solution.q;
+        }
+    }
+    seen
+}
+
+#[test]
+fn a_follower_never_leaps() {
+    for (name, ..) in ROBOTS {
+        let seen = follow(name, by_follower, cases(8, 1));
+        assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
+        assert_eq!(seen.jumps, 0, "{name}: {seen:?}");
+    }
+}
+
+#[test]
+fn a_track_never_leaps() {
+    for name in ["franka_panda", "universal_ur5e", "kuka_iiwa14"] {
+        let seen = follow(name, by_track, cases(4, 1));
+        assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
+        assert_eq!(seen.jumps, 0, "{name}: {seen:?}");
+    }
+}
+
+/// Each question from the answer before: a miss stays near its start.
+#[test]
+fn a_miss_stays_near_the_start() {
+    for name in ["franka_panda", "universal_ur5e", "kuka_iiwa14"] {
+        let seen = follow(name, by_solve, cases(4, 1));
+        assert_eq!(seen.leaps, 0, "{name}: {seen:?}");
+    }
+}

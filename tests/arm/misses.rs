@@ -1,0 +1,204 @@
+//! What a miss is answered by: the start's own way, also where the clock cuts it short or costs overflow;
+//! and options that bound a search do what they say.
+#![allow(clippy::unwrap_used)]
+
+use std::time::Duration;
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, Outcome, Search};
+use kinopt::lanes::{LaneOptions, PoseSolver};
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::{Random, panda, robot, within_limits};
+
+fn longest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+/// A target 2 cm away and no time at all: the answer is on the start's way, not at a seed elsewhere.
+#[test]
+fn cut_short_by_the_clock_it_stays_near_the_start() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = arm.with_time_limit(Duration::ZERO).build().unwrap();
+    let mut random = Random(81);
+    for _ in 0..20 {
+        let start = random.configuration(&arm);
+        let mut target = arm.base_from_tool(&start).unwrap();
+        target.translation = target.translation + Vector3::new(0.0, 0.012, 0.016);
+        let solution = arm.solve(target, &start).unwrap();
+        let moved = longest(&solution.q, &start);
+        assert!(
+            solution.reached || moved < 0.5,
+            "{moved} {}",
+            solution.explain()
+        );
+    }
+}
+
+fn far(start: &Placement<f64>, metres: f64) -> Placement<f64> {
+    Placement::new(start.rotation, Vector3::new(metres, -metres, 0.5 * metres))
+}
+
+/// Where the cost overflows the answer is the start within its limits, never what was there before.
+#[test]
+fn targets_beyond_all_numbers() {
+    for (name, search) in [
+        ("franka_panda", Search::Start),
+        ("franka_panda", Search::First),
+        ("franka_panda", Search::Nearest),
+        ("adept_cobra_s600", Search::Start),
+    ] {
+        let robot = robot(name);
+        let arm = Arm::builder(&robot, "base", "flange").unwrap();
+        let arm = arm.with_search(search).with_atlas(false).with_attempts(6);
+        let arm = arm.build().unwrap();
+        let n = arm.joint_count();
+        let limits: Vec<_> = arm.limits().collect();
+        let near = arm.base_from_tool(&vec![0.1; n]).unwrap();
+        for start in [vec![0.1; n], vec![40.0; n]] {
+            let clamped: Vec<f64> = limits
+                .iter()
+                .zip(&start)
+                .map(|(l, v)| l.clamp(*v))
+                .collect();
+            let mut solution = Solution::default();
+            for metres in [1e150, 1e155, 1e200, 1e300, 1e307] {
+                arm.solve_into(near, &vec![0.3; n], &mut solution).unwrap();
+                let target = far(&near, metres);
+                arm.solve_into(target, &start, &mut solution).unwrap();
+                assert!(!solution.reached && within_limits(&arm, &solution.q));
+                let task = solution.tasks().next().unwrap();
+                assert!(task.position_error().unwrap() > 0.1 * metres);
+                if metres > 1e154 && search == Search::Start {
+                    assert_eq!(solution.q, clamped, "{metres:e}");
+                }
+                let (mut q, mut outcomes) = (vec![99.0; n], [Outcome::default()]);
+                arm.solve_batch_into(&[target], &start, &mut q, &mut outcomes)
+                    .unwrap();
+                assert!(
+                    !outcomes[0].reached && within_limits(&arm, &q),
+                    "{metres:e}"
+                );
+                let track = arm.track(&[near, target, near], &start).unwrap();
+                assert!(track.solutions.iter().all(|s| within_limits(&arm, &s.q)));
+            }
+        }
+    }
+}
+
+#[test]
+fn targets_beyond_all_numbers_for_the_lanes() {
+    let chain = support::lane_chains::panda();
+    let options = LaneOptions {
+        atlas: false,
+        attempts: 6,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let target = far(&Placement::identity(), 1e200);
+    let start = [9.0; 7];
+    let clamped: Vec<f64> = chain
+        .joints()
+        .iter()
+        .map(|j| 9.0_f64.min(j.upper))
+        .collect();
+    for search in [kinopt::lanes::Search::Start, kinopt::lanes::Search::First] {
+        let (mut q, mut outcomes) = ([99.0; 7], [Outcome::default()]);
+        let outcome = solver.solve(&target, &start, search, None, &mut q).unwrap();
+        assert!(!outcome.reached && q.iter().zip(&clamped).all(|(q, c)| q <= c));
+        if search == kinopt::lanes::Search::Start {
+            assert_eq!(q, *clamped);
+        }
+        q = [99.0; 7];
+        solver
+            .solve_batch(&[target], &start, search, &mut q, &mut outcomes)
+            .unwrap();
+        assert!(!outcomes[0].reached && q.iter().zip(&clamped).all(|(q, c)| q <= c));
+    }
+}
+
+/// So many attempts as are asked for are made at a target that none reaches.
+#[test]
+fn attempts_and_iterations_are_what_was_asked_for() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let arm = builder().build().unwrap();
+    let mut target = arm.base_from_tool(&start).unwrap();
+    target.translation.x += 2.0;
+    for search in [Search::Start, Search::First, Search::Nearest] {
+        for attempts in [1, 7, 400] {
+            let arm = builder().with_search(search).with_attempts(attempts);
+            let solution = arm.build().unwrap().solve(target, &start).unwrap();
+            assert_eq!(solution.attempts, attempts as usize, "{search:?}");
+        }
+        let arm = builder().with_search(search).with_iterations(40);
+        let solution = arm.build().unwrap().solve(target, &start).unwrap();
+        assert!(solution.attempts < 40, "{search:?} {}", solution.attempts);
+    }
+    let nao = self::robot("aldebaran_nao");
+    let arm = Arm::builder(&nao, "left_sole", "right_sole").unwrap();
+    let arm = arm.with_attempts(25).build().unwrap();
+    let target = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
+    let solution = arm.solve(target, &vec![0.0; arm.joint_count()]).unwrap();
+    assert_eq!(solution.attempts, 25);
+}
+
+/// A miss is the start's own, unless everywhere is asked for: then it is no worse.
+#[test]
+fn a_global_search_on_a_miss_is_asked_for() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let own = builder().build().unwrap();
+    let everywhere = builder().with_global_search_on_miss(true).build().unwrap();
+    let mut random = Random(83);
+    let mut better = 0;
+    for _ in 0..8 {
+        let start = random.configuration(&own);
+        let mut target = own.base_from_tool(&random.configuration(&own)).unwrap();
+        target.translation = target.translation * 1.6;
+        let (a, b) = (own.solve(target, &start), everywhere.solve(target, &start));
+        let (a, b) = (a.unwrap(), b.unwrap());
+        assert_eq!(a.reached, b.reached);
+        if !a.reached {
+            assert!(b.cost <= a.cost * (1.0 + 1e-9));
+            better += usize::from(b.cost < a.cost * 0.99);
+        }
+    }
+    assert!(better > 0);
+}
+
+/// What solves alone is what solves together, and every solution has an attempt that won.
+#[test]
+fn a_batch_answers_as_a_single_question_does() {
+    for (name, base, tip) in [
+        ("franka_panda", "base", "flange"),
+        ("universal_ur5e", "base", "flange"),
+        ("aldebaran_nao", "torso", "right_sole"),
+    ] {
+        let robot = robot(name);
+        let arm = Arm::builder(&robot, base, tip).unwrap();
+        let arm = arm.with_atlas(false).build().unwrap();
+        let n = arm.joint_count();
+        let count = support::arms::cases(300, if name.contains("nao") { 6 } else { 40 });
+        let mut random = Random(84);
+        let goals: Vec<_> = (0..count)
+            .map(|_| arm.base_from_tool(&random.configuration(&arm)).unwrap())
+            .collect();
+        let starts: Vec<f64> = (0..count)
+            .flat_map(|_| random.configuration(&arm))
+            .collect();
+        let together = arm.solve_batch(&goals, &starts).unwrap();
+        let mut q = vec![0.0; starts.len()];
+        let mut outcomes = vec![Outcome::default(); count];
+        arm.solve_batch_into(&goals, &starts, &mut q, &mut outcomes)
+            .unwrap();
+        for (k, (goal, start)) in goals.iter().zip(starts.chunks(n)).enumerate() {
+            let alone = arm.solve(goal, start).unwrap();
+            assert_eq!(alone.q, together[k].q, "{name} {k}");
+            assert_eq!(alone.q, q[k * n..(k + 1) * n], "{name} {k}");
+            assert_eq!(outcomes[k].reached, outcomes[k].winner.is_some());
+        }
+    }
+}

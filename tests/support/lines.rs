@@ -1,0 +1,82 @@
+//! Straight lines out of an arm's workspace.
+
+use kinopt::Solution;
+use kinopt::arm::Arm;
+use kinopt::spatial::{Placement, Vector3};
+
+use crate::arms::Random;
+
+/// Every shipped robot: file, base, tip.
+pub const ROBOTS: [(&str, &str, &str); 7] = [
+    ("franka_panda", "base", "flange"),
+    ("universal_ur5e", "base", "flange"),
+    ("kuka_iiwa14", "base", "flange"),
+    ("universal_ur10e", "base", "flange"),
+    ("rethink_baxter", "torso", "left_tool"),
+    ("adept_cobra_s600", "base", "flange"),
+    ("aldebaran_nao", "torso", "right_sole"),
+];
+
+/// Metres between two targets of a line: 0.3 m/s at 1 kHz.
+pub const STEP: f64 = 3e-4;
+
+/// A line that ends out of reach of the branch it begins on.
+pub struct Line {
+    /// Reaches the first target.
+    pub start: Vec<f64>,
+    /// Targets of one orientation, [`STEP`] apart.
+    pub out: Vec<Placement<f64>>,
+}
+
+/// `count` lines in random directions, that are left by a branch somewhere in their middle.
+pub fn lines(arm: &Arm, random: &mut Random, count: usize) -> Vec<Line> {
+    let mut lines = Vec::new();
+    while lines.len() < count {
+        lines.extend(line(arm, random));
+    }
+    lines
+}
+
+/// None where the branch does not end within 1.5 m.
+fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
+    /// Metres of the search for the end of the branch.
+    const COARSE: f64 = 5e-3;
+    /// Metres before and behind the end.
+    const BEFORE: f64 = 0.03;
+    const BEHIND: f64 = 0.03;
+    let q = inner(arm, random);
+    let first = arm.base_from_tool(&q).ok()?;
+    let mut unit = || 2.0 * random.unit() - 1.0;
+    let way = Vector3::new(unit(), unit(), unit());
+    let way = way * way.norm().recip();
+    let at = |metres: f64| Placement::new(first.rotation, first.translation + way * metres);
+    let mut known = vec![q];
+    let mut solution = Solution::default();
+    let mut follower = arm.follower(&known[0]).ok()?;
+    for k in 1..300 {
+        let metres = f64::from(k) * COARSE;
+        let jump = follower.advance(at(metres), &mut solution).ok()?;
+        if solution.reached && jump.is_none() {
+            known.push(solution.q.clone());
+            continue;
+        }
+        let back = (BEFORE / COARSE) as usize;
+        let place = known.len().checked_sub(1 + back)?;
+        let from = place as f64 * COARSE;
+        let steps = ((BEFORE + BEHIND) / STEP) as usize;
+        return Some(Line {
+            start: known[place].clone(),
+            out: (0..steps).map(|k| at(from + k as f64 * STEP)).collect(),
+        });
+    }
+    None
+}
+
+/// A configuration in the middle of the ranges.
+fn inner(arm: &Arm, random: &mut Random) -> Vec<f64> {
+    let within = |l: kinopt::model::Limits| {
+        let (lower, upper) = (l.lower.max(-3.0), l.upper.min(3.0));
+        lower + (0.2 + 0.6 * random.unit()) * (upper - lower)
+    };
+    arm.limits().map(within).collect()
+}
