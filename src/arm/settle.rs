@@ -128,21 +128,20 @@ impl Workspace {
 
     /// Writes x and the best step from it within the bounds into `trial`.
     fn box_step(&mut self, x: &[f64], residual: &Vector6<f64>, damping: f64, anchor: f64) {
-        let n = x.len();
         let weight = |scale: f64| (damping + anchor) * scale * scale;
         let share = anchor / (damping + anchor);
         let mut y = Vector6::<f64>::zeros();
         for _ in 0..NEWTON {
             let mut miss = y - residual;
             let mut normal = Matrix6::<f64>::identity();
-            for i in 0..n {
+            for (i, &from) in x.iter().enumerate() {
                 let column: Vector6<f64> = self.jacobian.fixed_view::<6, 1>(0, i).into();
                 let inverse = 1.0 / weight(self.scale[i]);
-                let home = share * (self.anchor[i] - x[i]);
-                let free = x[i] + (home - column.dot(&y) * inverse);
+                let home = share * (self.anchor[i] - from);
+                let free = from + (home - column.dot(&y) * inverse);
                 let held = free.max(self.lower[i]).min(self.upper[i]);
                 self.trial[i] = held;
-                miss -= column * (held - x[i]);
+                miss -= column * (held - from);
                 if held == free {
                     normal += column * column.transpose() * inverse;
                 }

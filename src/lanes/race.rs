@@ -134,7 +134,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
                 // Costs that overflow are all alike: the lowest attempt, the start itself, is kept.
                 let found = (group.cost(lane), attempt[lane]);
                 let betters = best
-                    .is_none_or(|best| found.0 < best.0 || !(best.0 < found.0) && found.1 < best.1);
+                    .is_none_or(|best| found.0 < best.0 || found.0 == best.0 && found.1 < best.1);
                 if betters {
                     best = Some(found);
                     *best_attempt = found.1;
