@@ -25,7 +25,7 @@ fn cut_short_by_the_clock_it_stays_near_the_start() {
     for _ in 0..20 {
         let start = random.configuration(&arm);
         let mut target = arm.base_from_tool(&start).unwrap();
-        target.translation = target.translation + Vector3::new(0.0, 0.012, 0.016);
+        target.translation += Vector3::new(0.0, 0.012, 0.016);
         let solution = arm.solve(target, &start).unwrap();
         let moved = longest(&solution.q, &start);
         assert!(
