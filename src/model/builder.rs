@@ -79,6 +79,18 @@ impl ModelBuilder {
         JointId::new(self.joints.len() - 1)
     }
 
+    /// Leaves a joint only the values that `limits` allow too. An endless joint becomes one with
+    /// limits; a fixed one stays as it is.
+    pub(crate) fn narrow(&mut self, joint: JointId, limits: Limits) {
+        if let Some(joint) = self.joints.get_mut(joint.index()) {
+            joint.limits = joint.limits.intersection(&limits);
+            joint.kind = match joint.kind {
+                JointKind::Continuous => JointKind::Revolute,
+                kind => kind,
+            };
+        }
+    }
+
     /// Adds a joint that turns about `axis` (own frame), limits in radians.
     pub fn revolute(
         &mut self,

@@ -1,11 +1,16 @@
 //! Robots: a model with its mimic joints, and the reader for URDF files.
 
 mod chain;
+mod drive;
+mod link;
 #[cfg(feature = "urdf")]
 mod urdf;
 
+pub use link::{Geometry, Inertial, Link, Shape};
 #[cfg(feature = "urdf")]
-pub use urdf::{Fault, UrdfError};
+pub use urdf::{Fault, Mended, Repair, UrdfError, UrdfReader};
+
+use drive::Drive;
 
 use crate::model::{
     FrameId, JointId, Model, ModelBuilder, ModelError, ParameterMap, ParameterMapBuilder,
@@ -38,7 +43,11 @@ pub struct Robot {
     mimics: Vec<Mimic>,
     map: ParameterMap,
     /// By joint index; shorter where the last joints have none.
-    velocity_limits: Vec<Option<f64>>,
+    drives: Vec<Drive>,
+    /// By frame index; frames beyond are no links.
+    links: Vec<Link>,
+    #[cfg(feature = "urdf")]
+    repairs: Vec<Repair>,
 }
 
 impl Robot {
@@ -53,7 +62,10 @@ impl Robot {
             model,
             mimics,
             map,
-            velocity_limits: Vec::new(),
+            drives: Vec::new(),
+            links: Vec::new(),
+            #[cfg(feature = "urdf")]
+            repairs: Vec::new(),
         })
     }
 
@@ -81,24 +93,11 @@ impl Robot {
         &self.mimics
     }
 
-    /// How fast a joint may move, in rad/s or m/s: `velocity` of its `<limit>` in the file. `None`
-    /// where the file states none, for fixed joints and for ids beyond this robot's joints.
-    ///
-    /// A `velocity` of 0 or less is `None` too: URDF demands the attribute, and files that know no
-    /// speed write 0; a joint that cannot move at all is a fixed one.
-    ///
-    /// ```
-    /// # #[cfg(feature = "urdf")] {
-    /// # use kinopt::robot::Robot;
-    /// let robot = Robot::read("models/universal_ur5e.urdf")?;
-    /// let wrist = robot.model().joint("joint6")?;
-    /// assert_eq!(robot.velocity_limit(wrist), Some(std::f64::consts::PI));
-    /// # }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
+    /// The shapes and mass of a link, which is a frame; `None` for frames that are no links, such as
+    /// tools, and for robots that came from no file.
     #[must_use]
-    pub fn velocity_limit(&self, joint: JointId) -> Option<f64> {
-        self.velocity_limits.get(joint.index()).copied().flatten()
+    pub fn link(&self, frame: FrameId) -> Option<&Link> {
+        self.links.get(frame.index())
     }
 
     /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.

@@ -2,10 +2,14 @@
 
 mod joints;
 mod kinematics;
+mod lenient;
+mod links;
 mod malformed;
 mod mimic;
 mod mutations;
+mod real_files;
 mod robot_subsets;
 mod shipped_tables;
+mod soft_limits;
 mod systematic_damage;
 mod velocity_limits;

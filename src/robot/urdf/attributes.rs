@@ -3,30 +3,8 @@
 use roxmltree::Node;
 
 use super::error::{Fault, UrdfError};
-
-/// Where faults are reported: the file's name and its text, to count lines in.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'a> {
-    pub(super) file: &'a str,
-    pub(super) text: &'a str,
-}
-
-impl Place<'_> {
-    /// The line of a byte offset, from 1.
-    pub(super) fn line(&self, at: usize) -> u32 {
-        let before = self.text.as_bytes().iter().take(at);
-        1 + before.filter(|&&byte| byte == b'\n').count() as u32
-    }
-
-    pub(super) fn fault(&self, at: usize, element: String, fault: Fault) -> UrdfError {
-        UrdfError::Element {
-            file: self.file.to_owned(),
-            line: self.line(at),
-            element,
-            fault,
-        }
-    }
-}
+use super::reading::Reading;
+use super::repair::Mended;
 
 /// A link or joint by name, and where it starts in the text.
 #[derive(Clone, Debug)]
@@ -38,12 +16,12 @@ pub(super) struct Named {
 impl Named {
     /// Reads the name that an element must have.
     pub(super) fn read(
-        place: &Place<'_>,
+        reading: &Reading<'_>,
         node: Node<'_, '_>,
         label: &str,
     ) -> Result<Self, UrdfError> {
         Ok(Self {
-            name: name_attribute(place, node, label, "name")?,
+            name: name_attribute(reading, node, label, "name")?,
             at: node.range().start,
         })
     }
@@ -66,7 +44,7 @@ pub(super) fn text_of<'a>(node: Node<'a, '_>, attribute: &str) -> Option<&'a str
 
 /// An attribute that must be there and not be blank.
 pub(super) fn name_attribute(
-    place: &Place<'_>,
+    reading: &Reading<'_>,
     node: Node<'_, '_>,
     label: &str,
     attribute: &'static str,
@@ -75,14 +53,14 @@ pub(super) fn name_attribute(
         Some(name) if !name.trim().is_empty() => Ok(name.to_owned()),
         _ => {
             let fault = Fault::MissingAttribute { attribute };
-            Err(place.fault(node.range().start, label.to_owned(), fault))
+            Err(reading.fault(node.range().start, label.to_owned(), fault))
         }
     }
 }
 
 /// An attribute of exactly `N` finite numbers; `None` where it is not there.
 pub(super) fn numbers<const N: usize>(
-    place: &Place<'_>,
+    reading: &Reading<'_>,
     node: Node<'_, '_>,
     label: &str,
     attribute: &'static str,
@@ -90,59 +68,84 @@ pub(super) fn numbers<const N: usize>(
     let Some(text) = text_of(node, attribute) else {
         return Ok(None);
     };
+    if let Some(values) = exactly(text) {
+        return Ok(Some(values));
+    }
+    let at = node.range().start;
+    let fault = Fault::BadNumbers {
+        attribute,
+        count: N,
+        text: text.to_owned(),
+    };
+    // A decimal comma would make other numbers: only commas before blanks separate.
+    match exactly(&format!("{text} ").replace(", ", " ")) {
+        Some(values) => {
+            reading.mend(at, label, fault, |_| Mended::CommasAreBlanks { attribute })?;
+            Ok(Some(values))
+        }
+        None => Err(reading.fault(at, label.to_owned(), fault)),
+    }
+}
+
+/// As [`numbers`], of what kinematics can do without: a lenient reader leaves it out.
+pub(super) fn number_or_left_out(
+    reading: &Reading<'_>,
+    node: Node<'_, '_>,
+    label: &str,
+    attribute: &'static str,
+) -> Result<Option<f64>, UrdfError> {
+    let read = numbers::<1>(reading, node, label, attribute);
+    let read = match reading.lenient {
+        true => reading.or_left_out(read).flatten(),
+        false => read?,
+    };
+    Ok(read.map(|[value]| value))
+}
+
+fn exactly<const N: usize>(text: &str) -> Option<[f64; N]> {
     let parsed: Option<Vec<f64>> = text
         .split_whitespace()
         .map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()))
         .collect();
-    match parsed.and_then(|values| values.try_into().ok()) {
-        Some(values) => Ok(Some(values)),
-        None => {
-            let fault = Fault::BadNumbers {
-                attribute,
-                count: N,
-                text: text.to_owned(),
-            };
-            Err(place.fault(node.range().start, label.to_owned(), fault))
-        }
-    }
+    parsed?.try_into().ok()
 }
 
-/// The child element of a name, which may stand at most once.
+/// The child element of a name, which may stand once; to a lenient reader the first counts.
 pub(super) fn element_once<'a, 'input>(
-    place: &Place<'_>,
+    reading: &Reading<'_>,
     node: Node<'a, 'input>,
     label: &str,
     child: &'static str,
 ) -> Result<Option<Node<'a, 'input>>, UrdfError> {
     let mut found = node.children().filter(|inner| is(*inner, child));
     let first = found.next();
-    match found.next() {
-        Some(second) => {
-            let fault = Fault::RepeatedElement { child };
-            Err(place.fault(second.range().start, label.to_owned(), fault))
-        }
-        None => Ok(first),
+    if let Some(second) = found.next() {
+        let fault = Fault::RepeatedElement { child };
+        reading.mend(second.range().start, label, fault, |_| {
+            Mended::FirstCounts { child }
+        })?;
     }
+    Ok(first)
 }
 
-/// Refuses a child element whose name is nearly, but not, one of `known`.
+/// Finds fault with a child element whose name is nearly, but not, one of `known`.
 pub(super) fn refuse_misspelt(
-    place: &Place<'_>,
+    reading: &Reading<'_>,
     child: Node<'_, '_>,
     label: &str,
     known: &[&'static str],
 ) -> Result<(), UrdfError> {
     let tag = child.tag_name();
     match tag.namespace() {
-        None => check_known(place, child.range().start, label, tag.name(), known),
+        None => check_known(reading, child.range().start, label, tag.name(), known),
         Some(_) => Ok(()),
     }
 }
 
-/// Refuses a name that is nearly, but not, one of `known`. Other unknown names are extensions,
+/// Finds fault with a name that is nearly, but not, one of `known`. Other unknown names are extensions,
 /// which real files are full of.
 pub(super) fn check_known(
-    place: &Place<'_>,
+    reading: &Reading<'_>,
     at: usize,
     label: &str,
     name: &str,
@@ -154,7 +157,7 @@ pub(super) fn check_known(
     match known.iter().find(|meant| one_slip_apart(name, meant)) {
         Some(meant) => {
             let found = name.to_owned();
-            Err(place.fault(at, label.to_owned(), Fault::Misspelt { found, meant }))
+            reading.mend(at, label, Fault::Misspelt { found, meant }, Mended::LeftOut)
         }
         None => Ok(()),
     }

@@ -51,14 +51,6 @@ pub enum UrdfError {
         /// The joint and its problem.
         source: ModelError,
     },
-    /// urdf-rs refuses what passed every check here.
-    #[error("{file}: urdf-rs cannot read it: {problem}")]
-    Parser {
-        /// The path or name as given.
-        file: String,
-        /// What urdf-rs said.
-        problem: String,
-    },
 }
 
 /// What is wrong with one element.
@@ -125,24 +117,16 @@ pub enum Fault {
     },
     /// A revolute or prismatic joint whose limits are not stated.
     #[error(
-        "a {kind} joint needs <limit> with `lower` and `upper`{}",
+        "a {kind} joint needs <limit>{}",
         if *kind == "revolute" { "; one that turns without end is `continuous`" } else { "" }
     )]
     NoLimits {
         /// revolute or prismatic.
         kind: &'static str,
     },
-    /// A revolute or prismatic joint with one limit. Before URDF 1.2 the other one would be 0, from
-    /// then on there would be none; as most often it was forgotten, neither is taken silently.
-    #[error(
-        "`{missing}` is missing, and a {kind} joint needs both limits; if zero is meant, write it"
-    )]
-    OneLimit {
-        /// revolute or prismatic.
-        kind: &'static str,
-        /// lower or upper.
-        missing: &'static str,
-    },
+    /// A `<geometry>` without a body that the standard knows.
+    #[error("<geometry> holds none of box, cylinder, capsule, sphere, mesh")]
+    UnknownShape,
     /// Limits out of order.
     #[error("lower limit {lower} is above upper limit {upper}")]
     LimitsOutOfOrder {

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 use std::collections::VecDeque;
 
-use super::attributes::{Named, Place};
+use super::attributes::Named;
 use super::document::Document;
 use super::error::{Fault, UrdfError};
-use super::joint_element::JointElement;
+use super::joint_element::{Follows, JointElement};
+use super::reading::Reading;
 use crate::model::UnknownName;
 
 /// One joint in its place in the tree; all are positions in the document's lists.
@@ -26,13 +27,13 @@ pub(super) struct Topology {
 }
 
 /// Finds the tree that a document's links and joints form.
-pub(super) fn order(place: &Place<'_>, document: &Document) -> Result<Topology, UrdfError> {
+pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Result<Topology, UrdfError> {
     let Document { links, joints, .. } = document;
     if links.is_empty() {
-        return Err(place.fault(document.robot.at, "<robot>".into(), Fault::NoLinks));
+        return Err(reading.fault(document.robot.at, "<robot>".into(), Fault::NoLinks));
     }
-    let link_by_name = index(place, "link", links.iter())?;
-    let joint_by_name = index(place, "joint", joints.iter().map(|joint| &joint.named))?;
+    let link_by_name = index(reading, "link", links.iter().map(|link| &link.named))?;
+    let joint_by_name = index(reading, "joint", joints.iter().map(|joint| &joint.named))?;
 
     let mut carrier: Vec<Option<usize>> = vec![None; links.len()];
     let mut hanging: Vec<Vec<Branch>> = vec![Vec::new(); links.len()];
@@ -40,8 +41,8 @@ pub(super) fn order(place: &Place<'_>, document: &Document) -> Result<Topology, 
     for (index, joint) in joints.iter().enumerate() {
         let link = |name: &str| {
             link_by_name.get(name).copied().ok_or_else(|| {
-                let valid = links.iter().map(|link| link.name.as_str());
-                joint_fault(place, joint, UnknownName::new("link", name, valid).into())
+                let valid = links.iter().map(|link| link.named.name.as_str());
+                joint_fault(reading, joint, UnknownName::new("link", name, valid).into())
             })
         };
         let branch = Branch {
@@ -54,28 +55,33 @@ pub(super) fn order(place: &Place<'_>, document: &Document) -> Result<Topology, 
                 link: joint.child.clone(),
                 other: joints[other].named.name.clone(),
             };
-            return Err(joint_fault(place, joint, fault));
+            return Err(joint_fault(reading, joint, fault));
         }
         carrier[branch.child_link] = Some(index);
         hanging[branch.parent_link].push(branch);
-        masters.push(match &joint.master {
+        masters.push(match &joint.follows {
             None => None,
-            Some(master) => Some(*joint_by_name.get(master.as_str()).ok_or_else(|| {
-                let valid = joints.iter().map(|joint| joint.named.name.as_str());
-                joint_fault(
-                    place,
-                    joint,
-                    UnknownName::new("joint", master, valid).into(),
-                )
-            })?),
+            Some(Follows { master, .. }) => {
+                Some(*joint_by_name.get(master.as_str()).ok_or_else(|| {
+                    let valid = joints.iter().map(|joint| joint.named.name.as_str());
+                    joint_fault(
+                        reading,
+                        joint,
+                        UnknownName::new("joint", master, valid).into(),
+                    )
+                })?)
+            }
         });
     }
 
     let roots: Vec<usize> = (0..links.len()).filter(|&l| carrier[l].is_none()).collect();
     if roots.len() > 1 {
-        let roots = roots.iter().map(|&root| links[root].name.clone()).collect();
+        let roots = roots
+            .iter()
+            .map(|&root| links[root].named.name.clone())
+            .collect();
         let fault = Fault::SeveralRoots { roots };
-        return Err(place.fault(document.robot.at, "<robot>".into(), fault));
+        return Err(reading.fault(document.robot.at, "<robot>".into(), fault));
     }
     let mut branches = Vec::with_capacity(joints.len());
     let mut waiting: VecDeque<usize> = roots.into();
@@ -93,7 +99,7 @@ pub(super) fn order(place: &Place<'_>, document: &Document) -> Result<Topology, 
     match reached.iter().position(|&reached| !reached) {
         Some(outside) => {
             let ring = on_ring(outside, joints, &link_by_name, &carrier);
-            Err(joint_fault(place, &joints[ring], Fault::Cycle))
+            Err(joint_fault(reading, &joints[ring], Fault::Cycle))
         }
         None => Ok(Topology { branches, masters }),
     }
@@ -115,7 +121,7 @@ fn on_ring(
 }
 
 fn index<'a>(
-    place: &Place<'_>,
+    reading: &Reading<'_>,
     kind: &str,
     things: impl Iterator<Item = &'a Named>,
 ) -> Result<HashMap<&'a str, usize>, UrdfError> {
@@ -124,15 +130,15 @@ fn index<'a>(
     for (position, thing) in things.enumerate() {
         starts.push(thing.at);
         if let Some(first) = by_name.insert(thing.name.as_str(), position) {
-            let first_line = place.line(starts[first]);
+            let first_line = reading.line(starts[first]);
             let label = format!("{kind} `{}`", thing.name);
-            return Err(place.fault(thing.at, label, Fault::DuplicateName { first_line }));
+            return Err(reading.fault(thing.at, label, Fault::DuplicateName { first_line }));
         }
     }
     Ok(by_name)
 }
 
-fn joint_fault(place: &Place<'_>, joint: &JointElement, fault: Fault) -> UrdfError {
+fn joint_fault(reading: &Reading<'_>, joint: &JointElement, fault: Fault) -> UrdfError {
     let label = format!("joint `{}`", joint.named.name);
-    place.fault(joint.named.at, label, fault)
+    reading.fault(joint.named.at, label, fault)
 }

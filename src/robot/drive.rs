@@ -1,0 +1,70 @@
+//! What moves a joint, as far as files tell it: speed, effort, soft limits.
+
+use super::Robot;
+use crate::model::{JointId, Limits, ModelBuilder, ModelError};
+
+/// Limits of a joint's drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Drive {
+    /// rad/s or m/s.
+    pub(super) velocity: Option<f64>,
+    /// N·m or N.
+    pub(super) effort: Option<f64>,
+    /// Radians or metres.
+    pub(super) soft_limits: Option<Limits>,
+}
+
+impl Robot {
+    /// How fast a joint may move, in rad/s or m/s: `velocity` of its `<limit>` in the file. `None`
+    /// where the file states none, for fixed joints and for ids beyond this robot's joints.
+    ///
+    /// A `velocity` of 0 or less is `None` too: URDF demands the attribute, and files that know no
+    /// speed write 0; a joint that cannot move at all is a fixed one.
+    ///
+    /// ```
+    /// # #[cfg(feature = "urdf")] {
+    /// # use kinopt::robot::Robot;
+    /// let robot = Robot::read("models/universal_ur5e.urdf")?;
+    /// let wrist = robot.model().joint("joint6")?;
+    /// assert_eq!(robot.velocity_limit(wrist), Some(std::f64::consts::PI));
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn velocity_limit(&self, joint: JointId) -> Option<f64> {
+        self.drives.get(joint.index())?.velocity
+    }
+
+    /// How hard a joint may push, in N·m or N: `effort` of its `<limit>` in the file. `None` as for
+    /// [`velocity_limit`](Self::velocity_limit).
+    #[must_use]
+    pub fn effort_limit(&self, joint: JointId) -> Option<f64> {
+        self.drives.get(joint.index())?.effort
+    }
+
+    /// The range in which the joint's own safety controller leaves it alone, in radians or metres:
+    /// `<safety_controller>` in the file, unbounded on a side that it does not give. `None` where it
+    /// gives neither. It binds nothing unless [`with_soft_limits`](Self::with_soft_limits) is asked
+    /// for.
+    #[must_use]
+    pub fn soft_limits(&self, joint: JointId) -> Option<Limits> {
+        self.drives.get(joint.index())?.soft_limits
+    }
+
+    /// The same robot with every joint also within its [`soft_limits`](Self::soft_limits), where a
+    /// real robot's controller would stop or push it back.
+    ///
+    /// # Errors
+    /// The first joint whose soft limits leave it no value, or whose followers do.
+    pub fn with_soft_limits(self) -> Result<Self, ModelError> {
+        let mut builder = ModelBuilder::from_model(&self.model);
+        for joint in self.model.joint_ids() {
+            if let Some(soft) = self.soft_limits(joint) {
+                builder.narrow(joint, soft);
+            }
+        }
+        let model = builder.build()?;
+        let map = super::coupled(&model, &self.mimics).build()?;
+        Ok(Self { model, map, ..self })
+    }
+}

@@ -1,0 +1,197 @@
+//! From a file to a robot.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::document::{self, Document};
+use super::error::UrdfError;
+use super::reading::Reading;
+use super::repair::Repair;
+use super::topology::{self, Topology};
+use super::xml;
+use crate::io::{self, ReadError, read_bytes};
+use crate::model::{Joint, JointId, JointKind, Model, ModelError};
+use crate::robot::{Mimic, Robot};
+use crate::spatial::Placement;
+
+/// The longest file that is read; real robots stay below 1 MB.
+const LENGTH_LIMIT: u64 = 64 << 20;
+
+/// Reads URDF: strictly, unless it is told to be lenient.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct UrdfReader {
+    lenient: bool,
+}
+
+impl UrdfReader {
+    /// Mends what can be mended in one way only, and lists each repair: see
+    /// [`Robot::repairs`] and [`Mended`](super::Mended).
+    ///
+    /// Limits out of order are exchanged; a joint that needs `<limit>` and has none is held at 0; of
+    /// an element that stands twice the first counts; commas between numbers are blanks; misspelt
+    /// names, and speeds, efforts and soft limits that are no numbers, are left out; a robot without
+    /// a name gets one; XML declarations may stand anywhere and prefixes be undeclared. Whatever
+    /// would need a guess at the kinematics stays an error.
+    ///
+    /// ```
+    /// use kinopt::robot::Robot;
+    ///
+    /// let text = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
+    ///   <joint name="hinge" type="revolute"><parent link="frame"/><child link="leaf"/>
+    ///     <limit lower="1.5" upper="0"/></joint></robot>"#;
+    /// assert!(Robot::parse(text, "door.urdf").is_err());
+    /// let robot = Robot::reader().lenient().parse(text, "door.urdf")?;
+    /// assert_eq!(
+    ///     robot.repairs()[0].to_string(),
+    ///     "3: joint `hinge`, <limit>: limits out of order, taken as 0 to 1.5"
+    /// );
+    /// # Ok::<(), kinopt::robot::UrdfError>(())
+    /// ```
+    #[must_use]
+    pub fn lenient(mut self) -> Self {
+        self.lenient = true;
+        self
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// As [`Robot::read`].
+    pub fn read(&self, path: impl AsRef<Path>) -> Result<Robot, UrdfError> {
+        let path = path.as_ref();
+        let file = path.display().to_string();
+        let bytes = read_bytes(path, LENGTH_LIMIT)?;
+        match std::str::from_utf8(&bytes) {
+            Ok(text) => self.parse(text, &file),
+            Err(error) => {
+                let at = io::Place::Byte(error.valid_up_to());
+                Err(ReadError::malformed(&file, at, "is not UTF-8 text").into())
+            }
+        }
+    }
+
+    /// Reads a document from memory; `file` is the name that errors give it.
+    ///
+    /// # Errors
+    /// As [`Robot::read`].
+    pub fn parse(&self, text: &str, file: &str) -> Result<Robot, UrdfError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut repairs: Vec<Repair> = Vec::new();
+        let text = match self.lenient {
+            true => xml::mended(text, &mut repairs),
+            false => Cow::Borrowed(text),
+        };
+        let reading = Reading {
+            file,
+            text: &text,
+            lenient: self.lenient,
+            repairs: repairs.into(),
+        };
+        let document = document::read(&reading)?;
+        let topology = topology::order(&reading, &document)?;
+        let mut robot = robot(document, &topology).map_err(|source| UrdfError::Model {
+            file: file.to_owned(),
+            source,
+        })?;
+        robot.repairs = reading.repairs.into_inner();
+        robot.repairs.sort_by_key(|repair| repair.line);
+        Ok(robot)
+    }
+}
+
+fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
+    let mut builder = Model::builder(document.robot.name.as_str());
+    let mut carrier: Vec<Option<JointId>> = vec![None; document.links.len()];
+    let mut ids: Vec<Option<JointId>> = vec![None; document.joints.len()];
+    let mut drives = Vec::with_capacity(document.joints.len());
+    for branch in &topology.branches {
+        let element = &document.joints[branch.joint];
+        let id = builder.joint(Joint {
+            name: element.named.name.clone(),
+            parent: carrier[branch.parent_link],
+            parent_from_joint: element.parent_from_joint,
+            kind: element.kind,
+            axis: element.axis,
+            limits: element.limits,
+        });
+        carrier[branch.child_link] = Some(id);
+        ids[branch.joint] = Some(id);
+        drives.push(element.drive);
+    }
+    for (link, joint) in document.links.iter().zip(&carrier) {
+        builder.frame(link.named.name.as_str(), *joint, Placement::identity());
+    }
+    let in_file_order = (document.joints.iter().zip(&ids))
+        .filter(|(element, _)| element.kind != JointKind::Fixed)
+        .filter_map(|(_, id)| *id)
+        .collect();
+    builder.configuration_order(in_file_order);
+
+    let mimics = (document.joints.iter().zip(&ids).zip(&topology.masters))
+        .filter_map(|((element, joint), master)| {
+            let follows = element.follows.as_ref()?;
+            Some(Mimic {
+                joint: (*joint)?,
+                master: ids[(*master)?]?,
+                ratio: follows.ratio,
+                offset: follows.offset,
+            })
+        })
+        .collect();
+    let mut robot = Robot::new(builder.build()?, mimics)?;
+    robot.drives = drives;
+    robot.links = document.links.into_iter().map(|link| link.link).collect();
+    Ok(robot)
+}
+
+impl Robot {
+    /// How URDF is read: [`UrdfReader::lenient`] is the one choice.
+    #[must_use]
+    pub fn reader() -> UrdfReader {
+        UrdfReader::default()
+    }
+
+    /// Reads a URDF file.
+    ///
+    /// Links become frames; every joint keeps its name; a configuration lists the moving joints in
+    /// the order of the file. `mimic` joints follow their master, and their limits restrict it. An
+    /// axis need not be of unit length, and is x where none is given. A missing `lower` or `upper` is
+    /// 0, as the standard says (none from URDF 1.2 on), and noted in [`repairs`](Self::repairs).
+    ///
+    /// Speeds, efforts and soft limits are kept ([`velocity_limit`](Self::velocity_limit),
+    /// [`effort_limit`](Self::effort_limit), [`soft_limits`](Self::soft_limits)), and so are shapes
+    /// and masses ([`link`](Self::link)); files of meshes are not opened, so `package://` paths
+    /// need no ROS. Extensions are not looked at.
+    ///
+    /// ```
+    /// use kinopt::robot::Robot;
+    ///
+    /// let robot = Robot::read("models/universal_ur5e.urdf")?;
+    /// assert_eq!(robot.model().degrees_of_freedom(), 6);
+    /// let arm = robot.chain("base", "flange")?;
+    /// assert_eq!(arm.len(), 6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// What is wrong with the file, with line and name: see [`UrdfError`] and
+    /// [`Fault`](super::Fault). Floating, planar and spherical joints are refused by name, and xacro
+    /// files are not expanded.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, UrdfError> {
+        Self::reader().read(path)
+    }
+
+    /// Reads a URDF document from memory; `file` is the name that errors give it.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(text: &str, file: &str) -> Result<Self, UrdfError> {
+        Self::reader().parse(text, file)
+    }
+
+    /// What the file leaves to defaults or gets wrong, and what was taken instead, in its order.
+    #[must_use]
+    pub fn repairs(&self) -> &[Repair] {
+        &self.repairs
+    }
+}

@@ -1,0 +1,107 @@
+//! What a reader took where a file says nothing, or says what cannot be.
+
+use std::fmt;
+
+use super::error::Fault;
+
+/// One place of a file that was not taken at its word, and what was taken instead.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Repair {
+    /// Where the element starts, from 1.
+    pub line: u32,
+    /// The element, such as ``joint `elbow`, <limit>``.
+    pub element: String,
+    /// What was done.
+    pub mended: Mended,
+}
+
+/// What was done about one place of a file. The first two and [`LeftOut`](Self::LeftOut) of what
+/// belongs to a link come from strict readers too; the others from lenient ones alone.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Mended {
+    /// `lower` or `upper` is not given, and 0 by the standard, which from URDF 1.2 on is no limit.
+    /// A joint with neither cannot move (before 1.2).
+    BoundByDefault {
+        /// lower or upper.
+        missing: &'static str,
+        /// In radians or metres; infinite for no limit.
+        value: f64,
+    },
+    /// Something is wrong and counts for nothing.
+    LeftOut(Fault),
+    /// A revolute or prismatic joint has no `<limit>`: it is held at 0.
+    HeldAtZero,
+    /// Limits were out of order and are exchanged; these are the new ones, in radians or metres.
+    LimitsExchanged {
+        /// The smaller one.
+        lower: f64,
+        /// The larger one.
+        upper: f64,
+    },
+    /// An element that may stand once stands again; the first counts.
+    FirstCounts {
+        /// The element.
+        child: &'static str,
+    },
+    /// Commas between numbers count as blanks.
+    CommasAreBlanks {
+        /// The attribute.
+        attribute: &'static str,
+    },
+    /// The robot has no name and is given this one.
+    Named {
+        /// The name.
+        name: &'static str,
+    },
+    /// An XML declaration stood where none may and is not looked at.
+    DeclarationRemoved,
+    /// A namespace prefix that the file uses is declared nowhere; it counts as an extension's.
+    PrefixDeclared {
+        /// The prefix.
+        prefix: String,
+    },
+}
+
+impl fmt::Display for Mended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BoundByDefault { missing, value } if value.is_infinite() => {
+                write!(f, "`{missing}` is not given: no limit")
+            }
+            Self::BoundByDefault { missing, value } => {
+                write!(
+                    f,
+                    "`{missing}` is not given and taken as {value}, the default"
+                )
+            }
+            Self::LeftOut(fault) => write!(f, "left out: {fault}"),
+            Self::HeldAtZero => write!(f, "there is no <limit>: the joint is held at 0"),
+            Self::LimitsExchanged { lower, upper } => {
+                write!(f, "limits out of order, taken as {lower} to {upper}")
+            }
+            Self::FirstCounts { child } => {
+                write!(f, "<{child}> is given more than once; the first counts")
+            }
+            Self::CommasAreBlanks { attribute } => {
+                write!(f, "commas in `{attribute}` are taken as blanks")
+            }
+            Self::Named { name } => write!(f, "there is no name; the robot is called `{name}`"),
+            Self::DeclarationRemoved => write!(f, "it is not at the start, and is not looked at"),
+            Self::PrefixDeclared { prefix } => {
+                write!(
+                    f,
+                    "prefix `{prefix}` is declared nowhere; its elements are extensions"
+                )
+            }
+        }
+    }
+}
+
+/// "12: joint `elbow`, <limit>: what was done", to stand behind the file's name and a colon.
+impl fmt::Display for Repair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}: {}", self.line, self.element, self.mended)
+    }
+}

@@ -1,0 +1,29 @@
+//! Which version of the standard a file follows.
+
+use roxmltree::Node;
+
+use super::attributes::text_of;
+
+/// Major and minor version of the URDF standard; 1.0 where the file states none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Version(pub(super) u32, pub(super) u32);
+
+impl Version {
+    pub(super) fn of(robot: Node<'_, '_>) -> Self {
+        text_of(robot, "version")
+            .and_then(|version| {
+                let (major, minor) = version.trim().split_once('.')?;
+                Some(Self(major.parse().ok()?, minor.parse().ok()?))
+            })
+            .unwrap_or(Self(1, 0))
+    }
+
+    /// What a missing `lower` and `upper` mean.
+    pub(super) fn default_limits(self) -> (f64, f64) {
+        if self < Self(1, 2) {
+            (0.0, 0.0)
+        } else {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! From text to XML, where lenient readers mend what the XML standard refuses.
+
+use std::borrow::Cow;
+
+use roxmltree::{Document, Error};
+
+use super::error::UrdfError;
+use super::repair::{Mended, Repair};
+
+/// Undeclared prefixes that are put up with; real files have one.
+const MOST_PREFIXES: usize = 16;
+
+/// Parses well-formed XML.
+pub(super) fn parse<'a>(file: &str, text: &'a str) -> Result<Document<'a>, UrdfError> {
+    Document::parse(text).map_err(|error| match &error {
+        Error::UnknownNamespace(prefix, at) if prefix == "xacro" => UrdfError::Xacro {
+            file: file.to_owned(),
+            line: at.row,
+        },
+        _ => UrdfError::NotXml {
+            file: file.to_owned(),
+            problem: error.to_string(),
+        },
+    })
+}
+
+/// The text with late XML declarations blanked out and undeclared prefixes declared. Every line
+/// stays where it was.
+pub(super) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, str> {
+    let mut text = Cow::Borrowed(text);
+    for _ in 0..MOST_PREFIXES {
+        let next = match Document::parse(&text) {
+            Err(Error::UnexpectedDeclaration(at)) => {
+                let element = "<?xml?>".to_owned();
+                repairs.push(Repair {
+                    line: at.row,
+                    element,
+                    mended: Mended::DeclarationRemoved,
+                });
+                without_declaration(&text, at.row as usize)
+            }
+            Err(Error::UnknownNamespace(prefix, at)) if prefix != "xacro" => {
+                let next = with_prefix(&text, &prefix);
+                repairs.push(Repair {
+                    line: at.row,
+                    element: "<robot>".to_owned(),
+                    mended: Mended::PrefixDeclared { prefix },
+                });
+                next
+            }
+            _ => break,
+        };
+        match next {
+            Some(next) => text = Cow::Owned(next),
+            None => break,
+        }
+    }
+    text
+}
+
+/// Blanks out the first declaration on or after a line, keeping line ends.
+fn without_declaration(text: &str, row: usize) -> Option<String> {
+    let line_start: usize = text.split_inclusive('\n').take(row - 1).map(str::len).sum();
+    let start = line_start + text.get(line_start..)?.find("<?xml")?;
+    let end = start + text.get(start..)?.find("?>")? + 2;
+    let blank = text.get(start..end)?.replace(|c| c != '\n', " ");
+    Some(format!("{}{blank}{}", text.get(..start)?, text.get(end..)?))
+}
+
+/// Declares a prefix on the document's own element.
+fn with_prefix(text: &str, prefix: &str) -> Option<String> {
+    let at = text.find("<robot")? + "<robot".len();
+    Some(format!(
+        "{} xmlns:{prefix}=\"undeclared:{prefix}\"{}",
+        text.get(..at)?,
+        text.get(at..)?
+    ))
+}

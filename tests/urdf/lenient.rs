@@ -1,0 +1,229 @@
+//! What the standard leaves to defaults is read and noted; what it forbids is refused, unless the
+//! reader is told to be lenient: then each repair is listed with its place, and never silent.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::model::Limits;
+use kinopt::robot::{Mended, Robot};
+
+/// A robot of one joint `j` on line 2, of what stands in it.
+fn text(kind: &str, body: &str) -> String {
+    format!(
+        "<robot name=\"one\"><link name=\"a\"/><link name=\"b\"/>\n<joint name=\"j\" type=\"{kind}\">\
+         <parent link=\"a\"/><child link=\"b\"/>{body}</joint></robot>"
+    )
+}
+
+fn limits(robot: &Robot) -> Limits {
+    robot.model().joints()[0].limits
+}
+
+fn repairs(robot: &Robot) -> Vec<String> {
+    robot.repairs().iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn missing_bounds_are_those_of_the_standard_and_noted() {
+    let place = "2: joint `j`, <limit>:";
+    let lower = format!("{place} `lower` is not given and taken as 0, the default");
+    let upper = format!("{place} `upper` is not given and taken as 0, the default");
+    for kind in ["revolute", "prismatic"] {
+        for (body, wanted, notes) in [
+            ("<limit velocity='1'/>", (0.0, 0.0), vec![&lower, &upper]),
+            ("<limit lower='-1'/>", (-1.0, 0.0), vec![&upper]),
+            ("<limit upper='1'/>", (0.0, 1.0), vec![&lower]),
+            ("<limit lower='-1' upper='1'/>", (-1.0, 1.0), vec![]),
+        ] {
+            let text = text(kind, body);
+            for reader in [Robot::reader(), Robot::reader().lenient()] {
+                let robot = reader.parse(&text, "one.urdf").unwrap();
+                assert_eq!(limits(&robot), Limits::new(wanted.0, wanted.1));
+                assert!(repairs(&robot).iter().eq(notes.iter().copied()));
+                // A joint that cannot move is no variable, but has its place in a configuration.
+                let locked = wanted == (0.0, 0.0);
+                assert_eq!(robot.map().variables(), usize::from(!locked));
+                assert_eq!(robot.model().degrees_of_freedom(), 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn from_version_1_2_on_a_missing_bound_is_none() {
+    let text = text("revolute", "<limit lower='-1'/>").replace("<robot ", "<robot version='1.2' ");
+    let robot = Robot::parse(&text, "one.urdf").unwrap();
+    assert_eq!(limits(&robot), Limits::new(-1.0, f64::INFINITY));
+    let wanted = "2: joint `j`, <limit>: `upper` is not given: no limit";
+    assert_eq!(repairs(&robot), [wanted]);
+}
+
+#[test]
+fn a_follower_without_bounds_holds_its_leader() {
+    let two = text("revolute", "<limit lower='-1' upper='1'/>").replace(
+        "</robot>",
+        "<link name='c'/><joint name='k' type='revolute'><parent link='a'/><child link='c'/>\
+         <limit/><mimic joint='j'/></joint></robot>",
+    );
+    let robot = Robot::parse(&two, "two.urdf").unwrap();
+    assert_eq!((robot.map().lower(), robot.map().upper()), (&[0.0][..], &[0.0][..]));
+}
+
+/// What a joint holds, its repair, and the limits then.
+const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
+    (
+        "revolute",
+        "<limit lower='2' upper='-1'/>",
+        "2: joint `j`, <limit>: limits out of order, taken as -1 to 2",
+        (-1.0, 2.0),
+    ),
+    (
+        "revolute",
+        "",
+        "2: joint `j`: there is no <limit>: the joint is held at 0",
+        (0.0, 0.0),
+    ),
+    (
+        "revolute",
+        "<limit lower='-1' upper='2'/><axis xyz='0 1 0'/><axis xyz='0 0 1'/>",
+        "2: joint `j`: <axis> is given more than once; the first counts",
+        (-1.0, 2.0),
+    ),
+    (
+        "prismatic",
+        "<limit lower='-1' upper='2'/><limit lower='0' upper='0'/>",
+        "2: joint `j`: <limit> is given more than once; the first counts",
+        (-1.0, 2.0),
+    ),
+    (
+        "revolute",
+        "<limit lower='-1' upper='2' effort='ten'/>",
+        "2: joint `j`, <limit>: left out: attribute `effort` must be 1 finite number(s), not `ten`",
+        (-1.0, 2.0),
+    ),
+    (
+        "revolute",
+        "<limit lower='-1' upper='2'/><dynamics/><hardware/>",
+        "",
+        (-1.0, 2.0),
+    ),
+    (
+        "revolute",
+        "<limit lower='-1' upper='2'/><axiss xyz='0 0 1'/>",
+        "2: joint `j`: left out: `axiss` is not known; `axis` may be meant",
+        (-1.0, 2.0),
+    ),
+    (
+        "revolute",
+        "<origin xyz='1, 2, -3'/><limit lower='-1' upper='2'/>",
+        "2: joint `j`, <origin>: commas in `xyz` are taken as blanks",
+        (-1.0, 2.0),
+    ),
+];
+
+#[test]
+fn a_lenient_reader_mends_what_a_strict_one_refuses_and_says_so() {
+    for (kind, body, repair, wanted) in MENDED {
+        let text = text(kind, body);
+        let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
+        let strict = Robot::parse(&text, "one.urdf");
+        assert_eq!(limits(&robot), Limits::new(wanted.0, wanted.1), "{body}");
+        let listed: Vec<&str> = repair.split_terminator('\n').collect();
+        assert_eq!(repairs(&robot), listed, "{body}");
+        assert_eq!(strict.is_ok(), repair.is_empty(), "{body}");
+    }
+    let twice = text("revolute", MENDED[2].1);
+    let robot = Robot::reader().lenient().parse(&twice, "one.urdf").unwrap();
+    assert_eq!(robot.model().joints()[0].axis.to_array(), [0.0, 1.0, 0.0]);
+    let commas = text("revolute", MENDED[7].1);
+    let robot = Robot::reader().lenient().parse(&commas, "one").unwrap();
+    let origin = robot.model().joints()[0].parent_from_joint.translation;
+    assert_eq!(origin.to_array(), [1.0, 2.0, -3.0]);
+}
+
+#[test]
+fn a_lenient_reader_mends_the_xml_around_a_robot() {
+    let sound = text("revolute", "<limit lower='-1' upper='2'/>");
+    let nameless = sound.replacen(" name=\"one\"", "", 1);
+    let drake = sound.replace("</joint>", "<drake:ratio value='1'/></joint>");
+    let comment = format!("<!-- made by hand -->\n\n<?xml version=\"1.0\"?>\n{sound}");
+    for (text, repair) in [
+        (
+            nameless,
+            "1: <robot>: there is no name; the robot is called `robot`",
+        ),
+        (
+            drake,
+            "2: <robot>: prefix `drake` is declared nowhere; its elements are extensions",
+        ),
+        (
+            format!("\n<?xml version=\"1.0\"?>\n{sound}"),
+            "2: <?xml?>: it is not at the start, and is not looked at",
+        ),
+        (
+            comment,
+            "3: <?xml?>: it is not at the start, and is not looked at",
+        ),
+    ] {
+        assert!(Robot::parse(&text, "one.urdf").is_err());
+        let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
+        assert_eq!(repairs(&robot), [repair]);
+        assert_eq!(limits(&robot), Limits::new(-1.0, 2.0));
+    }
+}
+
+#[test]
+fn what_would_need_a_guess_stays_an_error() {
+    let sound = "<limit lower='-1' upper='2'/>";
+    for (kind, body) in [
+        ("floating", sound),
+        ("screw", sound),
+        ("revolute", "<limit lower='-1' upper='two'/>"),
+        ("revolute", "<limit lower='-1' upper='0,5'/>"),
+        ("revolute", "<limit lower='nan' upper='1'/>"),
+        (
+            "revolute",
+            "<axis xyz='0 0 0'/><limit lower='-1' upper='2'/>",
+        ),
+        (
+            "revolute",
+            "<origin rpy='0 0'/><limit lower='-1' upper='2'/>",
+        ),
+        (
+            "revolute",
+            "<mimic joint='nobody'/><limit lower='-1' upper='2'/>",
+        ),
+        (
+            "revolute",
+            "<mimic joint='j'/><limit lower='-1' upper='2'/>",
+        ),
+    ] {
+        let text = text(kind, body);
+        let read = Robot::reader().lenient().parse(&text, "one.urdf");
+        assert!(read.is_err(), "{kind} {body}");
+    }
+    for text in [
+        "",
+        "<robot",
+        "<sdf/>",
+        "<robot name='nobody'/>",
+        "<?xml?><?xml?>",
+    ] {
+        assert!(Robot::reader().lenient().parse(text, "one.urdf").is_err());
+    }
+}
+
+#[test]
+fn sound_files_need_no_repair() {
+    for entry in std::fs::read_dir("models").unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "urdf") {
+            let (strict, lenient) = (Robot::read(&path), Robot::reader().lenient().read(&path));
+            assert_eq!(strict.unwrap().repairs(), []);
+            assert_eq!(lenient.unwrap().repairs(), []);
+        }
+    }
+    let speed = text("revolute", "<limit lower='-1' upper='1' velocity='fast'/>");
+    let robot = Robot::reader().lenient().parse(&speed, "one.urdf").unwrap();
+    assert!(matches!(robot.repairs()[0].mended, Mended::LeftOut(_)));
+    let joint = robot.model().joint("j").unwrap();
+    assert_eq!(robot.velocity_limit(joint), None);
+}
