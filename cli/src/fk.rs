@@ -14,6 +14,7 @@ use crate::loaded_model::LoadedModel;
 use crate::number_format::LengthFormat;
 use crate::number_list::{self, Numbers};
 use crate::output;
+use crate::robot_options::RobotOptions;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -95,6 +96,9 @@ pub(crate) struct Arguments {
     /// The angles of --q are in degrees. Default: radians.
     #[arg(long, requires = "q", conflicts_with_all = ["time", "q_file"])]
     degrees: bool,
+
+    #[command(flatten)]
+    robot: RobotOptions,
 }
 
 #[derive(Serialize)]
@@ -114,9 +118,12 @@ struct AnimatedDocument<'a> {
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if AnimatedArmature::is_at(&arguments.model) {
+        arguments
+            .robot
+            .refuse(&arguments.model.display().to_string())?;
         return run_animated(arguments, json);
     }
-    let mut loaded = LoadedModel::read(&arguments.model)?;
+    let mut loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
     loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let q = configuration(&loaded, arguments)?;

@@ -13,6 +13,7 @@ use kinopt::skeleton::BoneId;
 
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
+use crate::robot_options::RobotOptions;
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
 const SUPPORTED: &str = ".urdf (a robot), .json (a rig), .glb and .gltf (a scene)";
@@ -39,8 +40,14 @@ pub(crate) struct LoadedModel {
 
 impl LoadedModel {
     /// Reads any supported file, told apart by its extension.
-    pub(crate) fn read(path: &Path) -> Outcome<Self> {
+    pub(crate) fn read(path: &Path, options: &RobotOptions) -> Outcome<Self> {
         let file = path.display().to_string();
+        let is_robot = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
+        if !is_robot {
+            options.refuse(&file)?;
+        }
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
         match extension.to_ascii_lowercase().as_str() {
             "json" => {
@@ -54,7 +61,7 @@ impl LoadedModel {
                 })
             }
             "glb" | "gltf" => Self::of_scene(file, gltf::read(path)?),
-            "urdf" => Ok(Self::of_robot(file, Robot::read(path)?)),
+            "urdf" => Ok(Self::of_robot(file, options.read(path)?)),
             "" => Err(Failure::new(format!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
             ))),

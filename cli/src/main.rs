@@ -27,6 +27,7 @@ mod number_list;
 mod output;
 mod placed_frames;
 mod progress;
+mod robot_options;
 mod skin_report;
 mod skinning_choice;
 mod solve;

@@ -64,7 +64,10 @@ fn a_follower_without_bounds_holds_its_leader() {
          <limit/><mimic joint='j'/></joint></robot>",
     );
     let robot = Robot::parse(&two, "two.urdf").unwrap();
-    assert_eq!((robot.map().lower(), robot.map().upper()), (&[0.0][..], &[0.0][..]));
+    assert_eq!(
+        (robot.map().lower(), robot.map().upper()),
+        (&[0.0][..], &[0.0][..])
+    );
 }
 
 /// What a joint holds, its repair, and the limits then.

@@ -18,6 +18,7 @@ use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::InterpolationChoice;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{MeshFile, MeshFormat};
+use crate::robot_options::RobotOptions;
 use crate::{number_list, output, skinning_choice};
 
 const EXAMPLES: &str = "\
@@ -112,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 }
 
 fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let mut loaded = LoadedModel::read(&arguments.model)?;
+    let mut loaded = LoadedModel::read(&arguments.model, &RobotOptions::default())?;
     loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let clip = loaded.keyframes("animate")?;

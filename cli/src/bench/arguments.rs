@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use kinopt_harness::{Budget, contenders};
 
 use crate::number_list;
+use crate::robot_options::RobotOptions;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -87,6 +88,9 @@ pub(crate) struct Arguments {
     /// Measure one Jacobian on chains of up to so many bones; 0 for none.
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub(super) bones: usize,
+
+    #[command(flatten)]
+    pub(super) robot: RobotOptions,
 }
 
 /// `--start`.

@@ -18,7 +18,7 @@ use crate::table::{Align, Table};
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let interrupt = Interrupt::listen()?;
-    let loaded = LoadedModel::read(&arguments.model)?;
+    let loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
     let set = problems::problems(&loaded, arguments)?;
     if arguments.problem >= set.cases().len() {
         return Err(Failure::usage(format!(

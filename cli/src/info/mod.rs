@@ -13,6 +13,7 @@ use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
+use crate::robot_options::RobotOptions;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,10 +35,16 @@ pub(crate) struct Arguments {
     /// The model: a robot's .urdf, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
+
+    #[command(flatten)]
+    robot: RobotOptions,
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if AnimatedArmature::is_at(&arguments.model) {
+        arguments
+            .robot
+            .refuse(&arguments.model.display().to_string())?;
         let animated = AnimatedArmature::read(&arguments.model)?;
         let document = animation::document(&animated)?;
         return if json {
@@ -46,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             output::result(&animation::text(&document))
         };
     }
-    let loaded = LoadedModel::read(&arguments.model)?;
+    let loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
     let document = document::document(&loaded);
     if json {
         output::json(&document)

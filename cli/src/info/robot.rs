@@ -1,7 +1,7 @@
 //! What a robot has beside its joints: links as a tree, tips, and who follows whom.
 
 use kinopt::model::{Joint, JointId, JointKind};
-use kinopt::robot::Robot;
+use kinopt::robot::{Geometry, Link, Repair, Robot};
 use serde::Serialize;
 
 use crate::loaded_model::LoadedModel;
@@ -17,6 +17,30 @@ pub(super) struct RobotDocument<'a> {
     pub(super) tips: Vec<&'a str>,
     /// The joints whose values a configuration lists, in its order.
     pub(super) moving_joints: Vec<&'a str>,
+    /// Of all links together, kg; none where no link states any.
+    pub(super) mass: Option<f64>,
+    pub(super) links: Vec<LinkDocument<'a>>,
+    /// What the file leaves to defaults or gets wrong, and what was taken instead.
+    pub(super) repairs: Vec<RepairDocument<'a>>,
+}
+
+#[derive(Serialize)]
+pub(super) struct LinkDocument<'a> {
+    pub(super) name: &'a str,
+    /// kg.
+    pub(super) mass: Option<f64>,
+    /// How many shapes it is seen by, and how many it collides by.
+    pub(super) visuals: usize,
+    pub(super) collisions: usize,
+    /// Files of its meshes, as they stand in the robot's file.
+    pub(super) meshes: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+pub(super) struct RepairDocument<'a> {
+    pub(super) line: u32,
+    pub(super) element: &'a str,
+    pub(super) repair: String,
 }
 
 /// Where a joint stands between links.
@@ -27,6 +51,11 @@ pub(super) struct PlaceDocument<'a> {
     /// Unit axis in the joint's own frame; none for a fixed joint.
     pub(super) axis: Option<[f64; 3]>,
     pub(super) mimic: Option<MimicDocument<'a>>,
+    /// rad/s or m/s, and N·m or N; none where the file states none.
+    pub(super) velocity: Option<f64>,
+    pub(super) effort: Option<f64>,
+    /// Where the joint's safety controller leaves it alone; null on a side without limit.
+    pub(super) soft_limits: Option<[Option<f64>; 2]>,
 }
 
 /// The joint's value is `ratio` times that of `joint`, plus `offset` (radians or metres).
@@ -43,6 +72,43 @@ pub(super) fn document<'a>(loaded: &'a LoadedModel, robot: &'a Robot) -> RobotDo
         root: loaded.root_link(),
         tips: loaded.tip_links(),
         moving_joints: loaded.joint_names(),
+        mass: links(robot)
+            .filter_map(|(_, link)| Some(link.inertial?.mass))
+            .reduce(|all, mass| all + mass),
+        links: links(robot).map(link_document).collect(),
+        repairs: robot.repairs().iter().map(repair_document).collect(),
+    }
+}
+
+fn links(robot: &Robot) -> impl Iterator<Item = (&str, &Link)> {
+    let frames = robot.model().frame_ids().zip(robot.model().frames());
+    frames.filter_map(|(id, frame)| Some((frame.name.as_str(), robot.link(id)?)))
+}
+
+fn link_document<'a>((name, link): (&'a str, &'a Link)) -> LinkDocument<'a> {
+    let shapes = link.visuals.iter().chain(&link.collisions);
+    let mut meshes: Vec<&str> = shapes
+        .filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh { file, .. } => Some(file.as_str()),
+            _ => None,
+        })
+        .collect();
+    meshes.sort_unstable();
+    meshes.dedup();
+    LinkDocument {
+        name,
+        mass: link.inertial.map(|inertial| inertial.mass),
+        visuals: link.visuals.len(),
+        collisions: link.collisions.len(),
+        meshes,
+    }
+}
+
+fn repair_document(repair: &Repair) -> RepairDocument<'_> {
+    RepairDocument {
+        line: repair.line,
+        element: &repair.element,
+        repair: repair.mended.to_string(),
     }
 }
 
@@ -53,6 +119,12 @@ pub(super) fn place<'a>(robot: &'a Robot, id: JointId, joint: &Joint) -> PlaceDo
         parent_link: link_on(robot, joint.parent),
         child_link: link_on(robot, Some(id)),
         axis: (joint.kind != JointKind::Fixed).then(|| joint.axis.to_array()),
+        velocity: robot.velocity_limit(id),
+        effort: robot.effort_limit(id),
+        soft_limits: robot.soft_limits(id).map(|soft| {
+            let finite = |limit: f64| limit.is_finite().then_some(limit);
+            [finite(soft.lower), finite(soft.upper)]
+        }),
         mimic: mimic.and_then(|mimic| {
             Some(MimicDocument {
                 joint: named(mimic.master)?,

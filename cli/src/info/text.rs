@@ -1,7 +1,7 @@
 //! The document for people.
 
 use super::document::{Document, KeyframesDocument, RigDocument};
-use super::robot;
+use super::robot::{self, LinkDocument};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits, three_digits};
 use crate::table::{Align, Table};
@@ -33,6 +33,17 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
     if let Some(robot) = &document.robot {
         lines.insert(1, ("name", robot.name.to_owned()));
         lines.push(("tips", robot.tips.join(", ")));
+        let total =
+            |count: fn(&LinkDocument) -> usize| robot.links.iter().map(count).sum::<usize>();
+        let shapes = format!(
+            "{} to be seen, {} to collide, {} files of meshes",
+            total(|link| link.visuals),
+            total(|link| link.collisions),
+            total(|link| link.meshes.len()),
+        );
+        lines.push(("shapes", shapes));
+        let mass = robot.mass.map(|mass| format!("{} kg", three_digits(mass)));
+        lines.push(("mass", mass.unwrap_or_else(|| "none".to_owned())));
     }
     let mut text = String::new();
     for (name, line) in lines {

@@ -18,6 +18,7 @@ use crate::loaded_model::LoadedModel;
 use crate::mesh_output::MeshFile;
 use crate::method_choice::{self, JacobianRoute};
 use crate::number_list;
+use crate::robot_options::RobotOptions;
 use crate::skinning_choice;
 use crate::target::{RayTarget, Start, Target};
 
@@ -201,6 +202,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "METHOD", requires = "out", conflicts_with = "file", default_value_t,
           value_parser = skinning_choice::parser())]
     pub(super) skinning: SkinningMethod,
+
+    #[command(flatten)]
+    pub(super) robot: RobotOptions,
 }
 
 /// A time limit that a clock can hold: above zero, at most 30 years.

@@ -31,7 +31,7 @@ use crate::output;
 use crate::progress::Progress;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let loaded = LoadedModel::read(&arguments.model)?;
+    let loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
     let robot = arguments.arm_of(&loaded)?;
     if let Some(file) = &arguments.file {
         return many::run(&loaded, robot, arguments, file, json);

@@ -8,6 +8,7 @@ mod json_output;
 mod many_targets;
 mod motion_capture;
 mod posed_mesh;
+mod robot_files;
 mod robots;
 mod scenes;
 mod seeded_robot;

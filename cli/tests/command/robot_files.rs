@@ -1,0 +1,113 @@
+//! Promise: what is wrong with a robot's file is refused, or mended on request and told; soft limits
+//! bind on request; shapes and masses are counted.
+
+use serde_json::json;
+
+use crate::forked_rig::{Folder, json, kinopt, stderr, stdout};
+
+const DOOR: &str = r#"<robot name="door"><link name="frame"/>
+<link name="leaf"><inertial><mass value="12.5"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+  <visual><geometry><mesh filename="package://door/leaf.stl"/></geometry></visual></link>
+<joint name="hinge" type="revolute"><parent link="frame"/><child link="leaf"/><axis xyz="0 0 1"/>
+  <limit lower="1.5" upper="-1" velocity="2" effort="30"/>
+  <safety_controller k_velocity="1" soft_lower_limit="-0.5"/></joint>
+<joint name="bolt" type="prismatic"><parent link="leaf"/><child link="tip"/><origin xyz="1 0 0"/>
+  <limit upper="0.1"/></joint><link name="tip"/></robot>"#;
+
+fn door(folder: &Folder, text: &str) -> String {
+    let file = folder.file("door.urdf");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
+#[test]
+fn a_damaged_robot_is_refused_with_a_hint_and_mended_on_request() {
+    let folder = Folder::new("lenient");
+    let file = door(&folder, DOOR);
+    let output = kinopt(&["info", &file]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = stderr(&output);
+    for words in ["door.urdf:5: joint `hinge`", "lower limit 1.5", "--lenient"] {
+        assert!(message.contains(words), "{message}");
+    }
+    let output = kinopt(&["info", &file, "--lenient", "--json"]);
+    let notes = stderr(&output);
+    for words in [
+        "note: ",
+        "door.urdf:5: joint `hinge`, <limit>: limits out of order, taken as -1 to 1.5",
+        "door.urdf:8: joint `bolt`, <limit>: `lower` is not given and taken as 0, the default",
+    ] {
+        assert!(notes.contains(words), "{notes}");
+    }
+    let info: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(info["repairs"][0]["line"], 5);
+    assert_eq!(info["repairs"][0]["element"], "joint `hinge`, <limit>");
+    assert_eq!(info["repairs"].as_array().unwrap().len(), 2);
+    assert_eq!(info["joints"][0]["lower"], -1.0);
+}
+
+#[test]
+fn a_file_that_only_leaves_things_to_defaults_needs_no_switch() {
+    let folder = Folder::new("defaults");
+    let sound = DOOR.replace("lower=\"1.5\" upper=\"-1\"", "lower=\"-1\" upper=\"1.5\"");
+    let file = door(&folder, &sound);
+    let output = kinopt(&["fk", &file, "--frame", "tip"]);
+    assert!(output.status.success());
+    assert!(stderr(&output).contains("`lower` is not given"));
+}
+
+#[test]
+fn shapes_masses_speeds_and_soft_limits_are_told() {
+    let folder = Folder::new("bodies");
+    let file = door(&folder, DOOR);
+    let info = json(&["info", &file, "--lenient", "--json"]);
+    assert_eq!(info["mass"], 12.5);
+    let leaf = json!({"name": "leaf", "mass": 12.5, "visuals": 1, "collisions": 0,
+                      "meshes": ["package://door/leaf.stl"]});
+    assert_eq!(info["links"][1], leaf);
+    assert_eq!(info["links"][0]["mass"], json!(null));
+    let hinge = &info["joints"][0];
+    assert_eq!(
+        (&hinge["velocity"], &hinge["effort"]),
+        (&json!(2.0), &json!(30.0))
+    );
+    assert_eq!(hinge["soft_limits"], json!([-0.5, null]));
+    assert_eq!(info["joints"][1]["velocity"], json!(null));
+    assert_eq!(info["joints"][1]["soft_limits"], json!(null));
+    let output = kinopt(&["info", &file, "--lenient"]);
+    let text = stdout(&output);
+    assert!(
+        text.contains("1 to be seen, 0 to collide, 1 files of meshes"),
+        "{text}"
+    );
+    assert!(text.contains("12.5") && text.contains("kg"), "{text}");
+}
+
+#[test]
+fn soft_limits_bind_on_request() {
+    let folder = Folder::new("soft");
+    let file = door(&folder, DOOR);
+    // A quarter turn to the right, which the soft limit cuts short.
+    let target = "--target=tip=0.5403,-0.8415,0";
+    let hinge = |more: &[&str]| {
+        let all = [&["solve", &file, target, "--lenient", "--json"], more].concat();
+        json(&all)["q"][0].as_f64().unwrap()
+    };
+    assert!(hinge(&[]) < -0.9);
+    assert_eq!(hinge(&["--soft-limits"]), -0.5);
+    let info = json(&["info", &file, "--lenient", "--soft-limits", "--json"]);
+    assert_eq!(info["joints"][0]["lower"], -0.5);
+}
+
+#[test]
+fn only_robots_are_read_so() {
+    let folder = Folder::new("rig");
+    let rig = folder.rig();
+    for option in ["--lenient", "--soft-limits"] {
+        for command in ["info", "fk"] {
+            let output = kinopt(&[command, &rig, option]);
+            assert_eq!(output.status.code(), Some(2));
+            assert!(stderr(&output).contains(option));
+        }
+    }
+}
