@@ -39,7 +39,7 @@ fn a_damaged_robot_is_refused_with_a_hint_and_mended_on_request() {
     ] {
         assert!(notes.contains(words), "{notes}");
     }
-    let info: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let info: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
     assert_eq!(info["repairs"][0]["line"], 5);
     assert_eq!(info["repairs"][0]["element"], "joint `hinge`, <limit>");
     assert_eq!(info["repairs"].as_array().unwrap().len(), 2);
