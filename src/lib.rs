@@ -51,6 +51,8 @@
 //! None is on by default: `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `rayon`
 //! (batches over threads), `argmin` (the bridge to argmin).
 
+#![warn(clippy::disallowed_methods)]
+
 pub mod animation;
 #[cfg(feature = "argmin")]
 pub mod argmin_bridge;

@@ -1,8 +1,16 @@
 //! What this processor can do, asked in one place.
 
-/// Whether functions compiled for AVX2 and FMA may run here.
+/// Whether functions compiled for AVX2 and FMA may run here: the processor has both, and the
+/// environment did not set `KINOPT_PORTABLE` when this was first asked (see `docs/same-bits.md`).
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub(crate) fn has_avx2_and_fma() -> bool {
-    std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma")
+    use std::sync::OnceLock;
+    static ANSWER: OnceLock<bool> = OnceLock::new();
+    *ANSWER.get_or_init(|| {
+        std::is_x86_feature_detected!("avx2")
+            && std::is_x86_feature_detected!("fma")
+            && std::env::var_os("KINOPT_PORTABLE")
+                .is_none_or(|value| value.is_empty() || value == "0")
+    })
 }

@@ -6,6 +6,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use nalgebra as na;
 
+use super::rotation::exponential::share_of;
 use crate::spatial::Polar;
 
 /// An affine map as translation · rotation · stretch.
@@ -58,11 +59,10 @@ impl Decomposition {
     /// the shorter arc.
     #[must_use]
     pub fn interpolate(&self, other: &Self, t: f64) -> Self {
-        let to = other.rotation;
-        let to = if self.rotation.dot(to) < 0.0 { -to } else { to };
+        let turn = self.rotation.conjugate() * other.rotation;
         Self {
             translation: self.translation * (1.0 - t) + other.translation * t,
-            rotation: self.rotation.slerp(to, t),
+            rotation: (self.rotation * share_of(turn, t)).normalize(),
             stretch: self.stretch * (1.0 - t) + other.stretch * t,
         }
     }

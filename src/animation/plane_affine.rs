@@ -6,6 +6,8 @@ use std::f64::consts::PI;
 
 use glam::{DAffine2, DMat2, DVec2};
 
+use crate::scalar::elementary;
+
 use super::NotFinite;
 
 /// An affine map of the plane as translation · rotation · stretch.
@@ -32,11 +34,11 @@ impl PlaneDecomposition {
         }
         let [[a, b], [c, d]] = map.matrix2.to_cols_array_2d();
         // Halves, so that no sum overflows.
-        let angle = (0.5 * b - 0.5 * c).atan2(0.5 * a + 0.5 * d);
+        let angle = elementary::atan2(0.5 * b - 0.5 * c, 0.5 * a + 0.5 * d);
         Ok(Self {
             translation: map.translation,
             angle,
-            stretch: DMat2::from_angle(-angle) * map.matrix2,
+            stretch: turned(-angle) * map.matrix2,
         })
     }
 
@@ -44,7 +46,7 @@ impl PlaneDecomposition {
     #[must_use]
     pub fn compose(&self) -> DAffine2 {
         DAffine2 {
-            matrix2: DMat2::from_angle(self.angle) * self.stretch,
+            matrix2: turned(self.angle) * self.stretch,
             translation: self.translation,
         }
     }
@@ -60,6 +62,12 @@ impl PlaneDecomposition {
             stretch: self.stretch * (1.0 - t) + other.stretch * t,
         }
     }
+}
+
+/// The rotation of the plane by an angle in radians.
+fn turned(angle: f64) -> DMat2 {
+    let (sin, cos) = elementary::sin_cos(angle);
+    DMat2::from_cols_array(&[cos, sin, -sin, cos])
 }
 
 /// The share `t` of the way from one affine map of the plane to another, by [`PlaneDecomposition`].

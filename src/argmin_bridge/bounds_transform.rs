@@ -4,6 +4,8 @@
 //! function minimization", Comput. Phys. Commun. 10), scaled so that a step in y is about the same
 //! step in x away from the bounds.
 
+use crate::scalar::elementary;
+
 /// How far from a bound a start is kept, as a share of half the range (or in the variable's own
 /// unit where only one side is bounded): on the bound dx/dy is 0 and no gradient could lead away.
 const NUDGE: f64 = 0.01;
@@ -57,7 +59,7 @@ impl BoundsTransform {
             },
             Self::Sine { lower, upper } => {
                 let (mid, half) = mid_and_half(lower, upper);
-                let (sin, cos) = (y / half).sin_cos();
+                let (sin, cos) = elementary::sin_cos(y / half);
                 Image {
                     value: within(mid + half * sin, lower, upper),
                     slope: cos,
@@ -65,19 +67,19 @@ impl BoundsTransform {
                 }
             }
             Self::Above { lower } => {
-                let root = y.hypot(1.0);
+                let root = elementary::hypot(y, 1.0);
                 Image {
                     value: (lower + rise(y)).max(lower),
                     slope: y / root,
-                    curvature: root.powi(-3),
+                    curvature: 1.0 / (root * root * root),
                 }
             }
             Self::Below { upper } => {
-                let root = y.hypot(1.0);
+                let root = elementary::hypot(y, 1.0);
                 Image {
                     value: (upper - rise(y)).min(upper),
                     slope: -y / root,
-                    curvature: -root.powi(-3),
+                    curvature: -1.0 / (root * root * root),
                 }
             }
         };
@@ -103,7 +105,7 @@ impl BoundsTransform {
             Self::Locked { .. } => 0.0,
             Self::Sine { lower, upper } => {
                 let (mid, half) = mid_and_half(lower, upper);
-                half * within((x - mid) / half, NUDGE - 1.0, 1.0 - NUDGE).asin()
+                half * elementary::asin(within((x - mid) / half, NUDGE - 1.0, 1.0 - NUDGE))
             }
             Self::Above { lower } => side(x - lower),
             Self::Below { upper } => side(upper - x),
@@ -117,7 +119,7 @@ fn mid_and_half(lower: f64, upper: f64) -> (f64, f64) {
 
 /// √(y² + 1) − 1 without cancellation near 0.
 fn rise(y: f64) -> f64 {
-    y * (y / (y.hypot(1.0) + 1.0))
+    y * (y / (elementary::hypot(y, 1.0) + 1.0))
 }
 
 /// Clamps; NaN stays NaN.

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::lanes::AxisGoal;
+use crate::scalar::elementary;
 
 /// An axis of the tool frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -92,7 +93,13 @@ impl Goal {
             position_weights: position.map(|h| weight(h == f64::INFINITY)),
             orientation_weights: turn.map(|h| weight(h >= PI)),
             position_half_widths: position.map(|h| if h.is_finite() { h } else { 0.0 }),
-            orientation_half_widths: turn.map(|h| if h < PI { 2.0 * (0.5 * h).sin() } else { 0.0 }),
+            orientation_half_widths: turn.map(|h| {
+                if h < PI {
+                    2.0 * elementary::sin(0.5 * h)
+                } else {
+                    0.0
+                }
+            }),
         }
     }
 

@@ -4,6 +4,7 @@ use super::query::Arm;
 use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes::Outcome;
+use crate::scalar::elementary;
 use crate::solver::{Counts, Termination};
 use crate::task::Quantity;
 
@@ -75,7 +76,7 @@ impl Arm {
         // Goals that leave room are solved in chords.
         let turned = match self.options.goal.is_full_pose() {
             true => orientation,
-            false => 2.0 * (0.5 * orientation).sin(),
+            false => 2.0 * elementary::sin(0.5 * orientation),
         };
         let turned = turned * self.options.metres_per_radian;
         0.5 * (position * position + turned * turned)

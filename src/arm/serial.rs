@@ -6,6 +6,7 @@ use crate::lanes::{self, Chain, ChainJoint};
 use crate::model::{
     FrameId, Joint, JointId, JointKind, Limits, Model, ModelBuilder, ParameterMap, Source,
 };
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Name of the frame that solving looks at.
@@ -226,8 +227,9 @@ pub(super) fn motion(kind: JointKind, axis: Vector3<f64>, value: f64) -> Placeme
     match kind {
         JointKind::Fixed => Placement::identity(),
         JointKind::Prismatic => Placement::translation(axis * value),
-        JointKind::Revolute | JointKind::Continuous => {
-            Placement::new(Matrix3::rotation(axis, value.sin_cos()), Vector3::zero())
-        }
+        JointKind::Revolute | JointKind::Continuous => Placement::new(
+            Matrix3::rotation(axis, elementary::sin_cos(value)),
+            Vector3::zero(),
+        ),
     }
 }

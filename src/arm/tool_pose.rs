@@ -3,6 +3,7 @@
 use crate::lanes::AxisGoal;
 use crate::model::FrameId;
 use crate::scalar::Scalar;
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 use crate::task::{Quantity, Residual, Rows};
 
@@ -32,7 +33,7 @@ impl ToolPose {
         if self.full {
             rows
         } else {
-            2.0 * (0.5 * rows).min(1.0).asin()
+            2.0 * elementary::asin((0.5 * rows).min(1.0))
         }
     }
 }

@@ -6,6 +6,7 @@ use super::turn::{Knob, Turn, turned, two_turns};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
 use crate::problem::Problem;
+use crate::scalar::elementary;
 use crate::spatial::Vector3;
 
 /// How often the joints of one group are gone through where the closed form does not do.
@@ -112,12 +113,12 @@ impl<'a> Fit<'a> {
         let along = direction.dot(u) * direction.dot(w);
         let (cosine, sine) = (u.dot(w) - along, direction.dot(w.cross(u)));
         let squares = distance * distance - u.norm_squared() - w.norm_squared();
-        let size = cosine.hypot(sine);
+        let size = elementary::hypot(cosine, sine);
         if !self.leads[joint] || size <= self.rounding * self.rounding {
             return;
         }
-        let apart = ((0.5 * squares - along) / size).clamp(-1.0, 1.0).acos();
-        let farthest = sine.atan2(cosine);
+        let apart = elementary::acos(((0.5 * squares - along) / size).clamp(-1.0, 1.0));
+        let farthest = elementary::atan2(sine, cosine);
         let angle = match counter_clockwise {
             true => farthest + apart,
             false => farthest - apart,

@@ -1,6 +1,7 @@
 //! The triangle of two bones and the way to their target: the law of cosines in space.
 
 use super::linkage::{Span, direction};
+use crate::scalar::elementary;
 use crate::spatial::Vector3;
 
 /// Two bones that reach for a target.
@@ -52,7 +53,7 @@ pub fn triangle(
     let beyond = (stretched - reached) * (stretched + reached);
     let within = (reached - folded) * (reached + folded);
     let (beyond, within) = (beyond.max(0.0).sqrt(), within.max(0.0).sqrt());
-    let turn = 2.0 * beyond.atan2(within);
+    let turn = 2.0 * elementary::atan2(beyond, within);
     // Twice the triangle's area is d · height and half of beyond · within.
     let (ahead, height) = if reached > 0.0 {
         let ahead = ((upper - lower) * stretched + reached * reached) / (2.0 * reached);
@@ -68,7 +69,7 @@ pub fn triangle(
     Triangle {
         mid: root + along * ahead + aside * height,
         tip: along.mul_add(reached, root),
-        swing: height.atan2(ahead),
+        swing: elementary::atan2(height, ahead),
         turn,
         span,
     }

@@ -15,6 +15,7 @@ use std::f64::consts::TAU;
 
 use crate::kinematics::JointAxis;
 use crate::model::Limits;
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};
 
 /// The terms of several vectors added up, for one axis.
@@ -27,7 +28,7 @@ pub(super) struct Turn {
 impl Turn {
     /// The turn that is best at `angle`.
     pub(super) fn towards(angle: f64) -> Self {
-        let (sine, cosine) = angle.sin_cos();
+        let (sine, cosine) = elementary::sin_cos(angle);
         Self { cosine, sine }
     }
 
@@ -46,7 +47,7 @@ impl Turn {
     /// The best δ within `range`, which holds 0. Half a turn away or more it may be taken the other
     /// way round; outside the range the better end is.
     pub(super) fn best(&self, range: Limits) -> f64 {
-        let direct = self.sine.atan2(self.cosine);
+        let direct = elementary::atan2(self.sine, self.cosine);
         if range.contains(direct) {
             return direct;
         }
@@ -55,7 +56,8 @@ impl Turn {
             return other_way;
         }
         // Both ends are finite, or one of the two ways were within them.
-        let gain = |delta: f64| self.cosine * delta.cos() + self.sine * delta.sin();
+        let gain =
+            |delta: f64| self.cosine * elementary::cos(delta) + self.sine * elementary::sin(delta);
         match gain(range.lower) > gain(range.upper) {
             true => range.lower,
             false => range.upper,
@@ -65,14 +67,14 @@ impl Turn {
 
 /// The matrix of a turn about an axis.
 pub(super) fn turned(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
-    Matrix3::rotation(axis, angle.sin_cos())
+    Matrix3::rotation(axis, elementary::sin_cos(angle))
 }
 
 /// The signed angle from u to v as seen along the axis; 0 where either stands on it.
 fn signed_angle(axis: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>) -> f64 {
     let mut turn = Turn::default();
     turn.pull(axis, u, v, 1.0);
-    turn.sine.atan2(turn.cosine)
+    elementary::atan2(turn.sine, turn.cosine)
 }
 
 /// The two ways to bring u onto v by turning about an inner axis and then an outer one, both through

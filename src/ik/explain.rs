@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::{BoundKind, Side, Solution};
 use crate::model::LengthUnit;
+use crate::scalar::elementary;
 use crate::solver::Termination;
 use crate::task::Role;
 
@@ -111,7 +112,7 @@ impl std::fmt::Display for Significant {
         let decimals = match size {
             _ if size == 0.0 || !value.is_finite() => return write!(f, "{value}"),
             _ if !(1e-3..1e6).contains(&size) => return write!(f, "{value:.3e}"),
-            _ => (3.0 - size.log10().floor()).max(0.0) as usize,
+            _ => (3.0 - elementary::log10(size).floor()).max(0.0) as usize,
         };
         write!(f, "{value:.decimals$}")
     }

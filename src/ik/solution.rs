@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::problem::{Names, Problem};
+use crate::scalar::elementary;
 use crate::solver::{Counts, Termination};
 use crate::task::{Quantity, Role};
 
@@ -86,7 +87,7 @@ impl TaskReport<'_> {
     pub fn error(&self, quantity: Quantity) -> Option<f64> {
         let mut rows = self.rows.iter().filter(|r| r.quantity == quantity);
         let first = rows.next()?.error;
-        Some(rows.fold(first, |sum, r| sum.hypot(r.error)))
+        Some(rows.fold(first, |sum, r| elementary::hypot(sum, r.error)))
     }
 
     /// The error in metres.

@@ -2,6 +2,7 @@
 
 use crate::model::{FrameId, JointKind, Model, ParameterMap, Source};
 use crate::scalar::Scalar;
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Which of a tree's frames: the position in the list it was compiled for.
@@ -217,9 +218,10 @@ impl Tree {
                 .coordinate(crate::model::JointId::new(index))
                 .map(|coordinate| map.sources()[coordinate]);
             carried[index] = match (motion, source) {
-                (Some(motion), Some(Source::Constant(value))) => {
-                    (node, motion.apply(placement, value, value.sin_cos()))
-                }
+                (Some(motion), Some(Source::Constant(value))) => (
+                    node,
+                    motion.apply(placement, value, elementary::sin_cos(value)),
+                ),
                 (
                     Some(motion),
                     Some(Source::Variable {

@@ -10,6 +10,7 @@ use super::evaluation::{Evaluation, Weighed};
 use super::lane::LaneScalar;
 use super::settings::Settings;
 use crate::scalar::Scalar;
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Quaternion, Vector3};
 
 /// Weighs the residual and turns the columns into rows of its derivative.
@@ -62,7 +63,7 @@ pub(crate) fn errors<S: LaneScalar>(
     let chord = counted(r, axes.orientation_weights).norm().lane(0);
     Errors {
         position: counted(p, axes.position_weights).norm().lane(0),
-        orientation: 2.0 * (0.5 * chord).min(1.0).asin(),
+        orientation: 2.0 * elementary::asin((0.5 * chord).min(1.0)),
     }
 }
 

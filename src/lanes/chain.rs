@@ -1,5 +1,6 @@
 //! The input: a serial chain of moving joints from a base to a tip.
 
+use crate::scalar::elementary;
 use crate::spatial::{Placement, Vector3};
 
 use super::trigonometry::MAX_ANGLE;
@@ -142,7 +143,7 @@ impl ChainJoint {
         use crate::spatial::Matrix3;
         match self.kind {
             JointKind::Revolute => Placement::new(
-                Matrix3::rotation(self.axis, value.sin_cos()),
+                Matrix3::rotation(self.axis, elementary::sin_cos(value)),
                 Vector3::zero(),
             ),
             JointKind::Prismatic => Placement::new(Matrix3::identity(), self.axis * value),

@@ -8,6 +8,7 @@ use super::links::Links;
 use super::prepared::Prepared;
 use super::settings::Settings;
 use crate::scalar::Scalar;
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
@@ -83,7 +84,7 @@ fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
         let s = sin * sin;
         sin * (1.0 + s * (1.0 / 6.0 + s * (3.0 / 40.0)))
     } else {
-        sin.atan2(cos)
+        elementary::atan2(sin, cos)
     };
     Errors {
         position: p.norm().lane(0),

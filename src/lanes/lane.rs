@@ -8,7 +8,7 @@
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
 use crate::scalar::trigonometry::{reduced_sin_cos, turned};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, elementary};
 
 /// `L` numbers side by side; `FMA` picks fused multiply-add.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,17 +134,17 @@ impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        self.zip(x, f64::atan2)
+        self.zip(x, elementary::atan2)
     }
 
     #[inline(always)]
     fn exp(self) -> Self {
-        self.map(f64::exp)
+        self.map(elementary::exp)
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
-        self.map(f64::ln)
+        self.map(elementary::ln)
     }
 
     #[inline(always)]

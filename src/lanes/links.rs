@@ -6,6 +6,7 @@
 //! also with parallel or nearly parallel axes, where Denavit-Hartenberg's common normal is not.
 
 use super::chain::{Chain, JointKind};
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// One joint and the constant way to the next:
@@ -71,7 +72,8 @@ impl Links {
                 before.twist = twist;
                 offset = gamma;
                 ways.push(
-                    Matrix3::identity().rotated_about_z((-beta).sin_cos()) * step.translation,
+                    Matrix3::identity().rotated_about_z(elementary::sin_cos(-beta))
+                        * step.translation,
                 );
             } else {
                 base_from_first = step;
@@ -105,7 +107,7 @@ impl Links {
             }
             let link = &mut links[index];
             (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
-            link.offset_sin_cos = link.offset.sin_cos();
+            link.offset_sin_cos = elementary::sin_cos(link.offset);
         }
         let all_revolute = links.iter().all(|link| link.kind == JointKind::Revolute);
         let metres_per_length = unit_of_length(reach(&links), all_revolute);
@@ -158,7 +160,7 @@ impl Links {
         let mut p = self.base_from_first.translation;
         for (link, &q) in self.links.iter().zip(q) {
             if link.kind == JointKind::Revolute {
-                r = r.rotated_about_z((q + link.offset).sin_cos());
+                r = r.rotated_about_z(elementary::sin_cos(q + link.offset));
             } else {
                 p += r.z * q;
                 r = r.rotated_about_z(link.offset_sin_cos);
@@ -197,7 +199,7 @@ fn reach(links: &[Link]) -> f64 {
             }
             _ => 0.0,
         };
-        link.along_x.hypot(link.along_y) + slide
+        elementary::hypot(link.along_x, link.along_y) + slide
     });
     lengths.sum()
 }
@@ -231,13 +233,17 @@ pub(crate) fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
 /// β, (sin α, cos α) and γ with R = R_z(β) R_x(α) R_z(γ).
 fn turn_twist_turn(rotation: &Matrix3<f64>) -> (f64, (f64, f64), f64) {
     let z = rotation.z;
-    let sin = z.x.hypot(z.y);
-    let beta = if sin > 0.0 { z.x.atan2(-z.y) } else { 0.0 };
+    let sin = elementary::hypot(z.x, z.y);
+    let beta = if sin > 0.0 {
+        elementary::atan2(z.x, -z.y)
+    } else {
+        0.0
+    };
     let untwisted = Matrix3::identity()
-        .rotated_about_z(beta.sin_cos())
+        .rotated_about_z(elementary::sin_cos(beta))
         .rotated_about_x((sin, z.z))
         .transpose()
         * *rotation;
-    let gamma = untwisted.x.y.atan2(untwisted.x.x);
+    let gamma = elementary::atan2(untwisted.x.y, untwisted.x.x);
     (beta, (sin, z.z), gamma)
 }

@@ -104,7 +104,7 @@ impl<'a> QuerySeeds<'a> {
             for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
                 let start = self.start_value(link, start);
                 state = mix(state);
-                let unit = (state >> 11) as f64 * (0.5f64).powi(53);
+                let unit = (state >> 11) as f64 / (1u64 << 53) as f64;
                 let half = match link.kind {
                     JointKind::Revolute => std::f64::consts::PI,
                     JointKind::Prismatic => 1.0,

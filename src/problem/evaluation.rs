@@ -8,6 +8,7 @@ use super::compiled_task::CompiledTask;
 use super::{Derivatives, Names, Problem};
 use crate::kinematics::{Partials, TreeState, Wrench, Wrenches};
 use crate::model::Source;
+use crate::scalar::elementary;
 use crate::scalar::{Dual, Scalar};
 use crate::solver::LeastSquares;
 use crate::spatial::{Placement, Vector3};
@@ -271,7 +272,7 @@ impl<'a> Evaluation<'a> {
             self.residual(x, &mut behind);
         }
         let relative_step = if central {
-            f64::EPSILON.cbrt()
+            elementary::cbrt(f64::EPSILON)
         } else {
             f64::EPSILON.sqrt()
         };

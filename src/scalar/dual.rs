@@ -6,7 +6,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use nalgebra::{Const, SVector};
 use num_dual::{Derivative, DualNum, DualSVec64};
 
-use super::Scalar;
+use super::{Scalar, elementary};
 
 /// A value and its derivatives along `N` directions at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,12 @@ impl<const N: usize> Dual<N> {
     #[must_use]
     pub fn derivatives(&self) -> [f64; N] {
         self.0.eps.unwrap_generic(Const::<N>, Const::<1>).into()
+    }
+
+    /// A function of this number, from its value and its derivative there.
+    #[inline(always)]
+    fn chain(self, value: f64, slope: f64) -> Self {
+        Self(DualSVec64::new(value, self.0.eps * slope))
     }
 }
 
@@ -99,8 +105,8 @@ impl<const N: usize> Scalar for Dual<N> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = DualNum::sin_cos(&self.0);
-        (Self(sin), Self(cos))
+        let (sin, cos) = elementary::sin_cos(self.0.re);
+        (self.chain(sin, cos), self.chain(cos, -sin))
     }
 
     #[inline(always)]
@@ -109,17 +115,18 @@ impl<const N: usize> Scalar for Dual<N> {
         let (y, x) = (self.0, x.0);
         let squared = x.re * x.re + y.re * y.re;
         let eps = y.eps * (x.re / squared) - x.eps * (y.re / squared);
-        Self(DualSVec64::new(f64::atan2(y.re, x.re), eps))
+        Self(DualSVec64::new(elementary::atan2(y.re, x.re), eps))
     }
 
     #[inline(always)]
     fn exp(self) -> Self {
-        Self(DualNum::exp(&self.0))
+        let exp = elementary::exp(self.0.re);
+        self.chain(exp, exp)
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
-        Self(DualNum::ln(&self.0))
+        self.chain(elementary::ln(self.0.re), 1.0 / self.0.re)
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@
 //! it compares into a [`Scalar::Mask`] and picks with [`Scalar::select`].
 
 mod dual;
+pub(crate) mod elementary;
 pub(crate) mod trigonometry;
 
 use std::fmt::Debug;
@@ -128,7 +129,7 @@ impl Scalar for f64 {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        f64::sin_cos(self)
+        elementary::sin_cos(self)
     }
 
     fn sin_cos_all(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
@@ -137,17 +138,17 @@ impl Scalar for f64 {
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        f64::atan2(self, x)
+        elementary::atan2(self, x)
     }
 
     #[inline(always)]
     fn exp(self) -> Self {
-        f64::exp(self)
+        elementary::exp(self)
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
-        f64::ln(self)
+        elementary::ln(self)
     }
 
     #[inline(always)]

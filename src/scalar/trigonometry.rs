@@ -5,7 +5,7 @@
 //! [−π/4, π/4] are the minimax polynomials of fdlibm's `k_sin.c` and `k_cos.c` (Sun Microsystems
 //! 1993). The error is below 1e-15 for every |x| ≤ [`MAX_ANGLE`].
 
-use super::Scalar;
+use super::{Scalar, elementary};
 
 /// The largest |angle| in radians for which the polynomials keep their accuracy.
 pub(crate) const MAX_ANGLE: f64 = 1.0e6;
@@ -85,7 +85,7 @@ pub(super) fn sin_cos_all(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]
     if largest > MAX_ANGLE {
         for ((&angle, sin), cos) in angles.iter().zip(sines).zip(cosines) {
             if angle.abs() > MAX_ANGLE {
-                (*sin, *cos) = angle.sin_cos();
+                (*sin, *cos) = elementary::sin_cos(angle);
             }
         }
     }

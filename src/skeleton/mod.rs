@@ -181,7 +181,8 @@ impl Skeleton {
                 high[axis] = high[axis].max(value);
             }
         }
-        let squared: f64 = (0..3).map(|a| (high[a] - low[a]).max(0.0).powi(2)).sum();
+        let sides = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
+        let squared: f64 = sides.iter().map(|side| side * side).sum();
         squared.sqrt()
     }
 }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::{SkinWeights, WeightsError};
 use crate::mesh::TriangleMesh;
+use crate::scalar::elementary;
 use crate::skeleton::Skeleton;
 
 /// How weights are made up.
@@ -111,7 +112,7 @@ impl AutomaticWeights {
             if ratio.is_nan() {
                 1.0
             } else {
-                ratio.powf(0.5 * self.falloff)
+                elementary::pow(ratio, 0.5 * self.falloff)
             }
         };
         let mut sums = vec![0.0; points.len()];

@@ -6,6 +6,8 @@
 
 use glam::DVec3;
 
+use crate::scalar::elementary;
+
 /// Distances below this share of the cage's size count as none.
 const ON_IT: f64 = 1e-9;
 /// A point whose directions to a triangle's corners span less than this lies in its plane, and on the
@@ -73,7 +75,7 @@ fn triangle_weights(arms: [DVec3; 3]) -> Weights {
     // The angle opposite corner i, seen from the point; exact near 0 and π.
     let angles = [0, 1, 2].map(|i| {
         let (next, last) = (units[(i + 1) % 3], units[(i + 2) % 3]);
-        2.0 * (next - last).length().atan2((next + last).length())
+        2.0 * elementary::atan2((next - last).length(), (next + last).length())
     });
     let volume = units[0].dot(units[1].cross(units[2]));
     if volume.abs() <= IN_PLANE {
@@ -83,7 +85,8 @@ fn triangle_weights(arms: [DVec3; 3]) -> Weights {
         }
         // 2-D mean-value coordinates are barycentric coordinates in a triangle (their figure 4).
         return Weights::On(
-            [0, 1, 2].map(|i| angles[i].sin() * lengths[(i + 1) % 3] * lengths[(i + 2) % 3]),
+            [0, 1, 2]
+                .map(|i| elementary::sin(angles[i]) * lengths[(i + 1) % 3] * lengths[(i + 2) % 3]),
         );
     }
     // Normals of the three planes through the point and an edge, pointing to the side of corner i.

@@ -6,6 +6,7 @@ use glam::{Affine3A, DVec3, Quat, Vec3};
 
 use super::{SkinWeights, WeightsError};
 use crate::mesh::{MeshError, TriangleMesh};
+use crate::scalar::elementary;
 
 /// A closed tube along x with flat ends. Bone 0 holds the end at 0, bone 1 the end at `length` and
 /// twists about x; between them the weight goes over linearly along a middle part.
@@ -50,7 +51,7 @@ impl TwistedTube {
         let mut positions = Vec::new();
         for ring in 0..rings {
             for side in 0..sides {
-                let (sin, cos) = (TAU * f64::from(side) / f64::from(sides)).sin_cos();
+                let (sin, cos) = elementary::sin_cos(TAU * f64::from(side) / f64::from(sides));
                 let corner = DVec3::new(self.along(ring), self.radius * cos, self.radius * sin);
                 positions.push(corner.as_vec3());
             }
@@ -105,7 +106,8 @@ impl TwistedTube {
     /// The two bones' transforms (rest → posed) for a twist in radians.
     #[must_use]
     pub fn transforms(twist: f64) -> [Affine3A; 2] {
-        let turn = Quat::from_rotation_x(twist as f32);
+        let (sin, cos) = elementary::sin_cos(0.5 * twist);
+        let turn = Quat::from_xyzw(sin as f32, 0.0, 0.0, cos as f32);
         [Affine3A::IDENTITY, Affine3A::from_quat(turn)]
     }
 
@@ -116,7 +118,9 @@ impl TwistedTube {
         let sides = self.sides.max(3) as usize;
         let rings = posed.positions().chunks_exact(sides);
         let radius = |ring: &[Vec3]| {
-            let distances = ring.iter().map(|p| f64::from(p.y).hypot(f64::from(p.z)));
+            let distances = ring
+                .iter()
+                .map(|p| elementary::hypot(f64::from(p.y), f64::from(p.z)));
             distances.sum::<f64>() / sides as f64
         };
         let places = (0..self.rings.max(2)).map(|ring| self.along(ring));

@@ -93,7 +93,9 @@ impl Method for LevenbergMarquardt {
         match self.damping {
             Damping::GainRatio if accepted => {
                 let ratio = if promised > 0.0 { won / promised } else { 1.0 };
-                let kept = (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+                let beyond_half = 2.0 * ratio - 1.0;
+                let cubed = beyond_half * beyond_half * beyond_half;
+                let kept = (1.0 - cubed).max(1.0 / 3.0);
                 memory.damping *= kept.min(trial_cost / memory.cost);
                 memory.damping_growth = 2.0;
             }

@@ -7,7 +7,7 @@
 use std::ops::Mul;
 
 use super::{Matrix3, Vector3};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, elementary};
 
 /// A quaternion w + xi + yj + zk; of unit length it is a rotation, and −q is the same rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,7 +155,7 @@ pub fn rotation_log_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
             &[1.0 / 12.0, 1.0 / 720.0, 1.0 / 30_240.0, 1.0 / 1_209_600.0],
         )
     } else {
-        let (sin, cos) = half.sin_cos();
+        let (sin, cos) = elementary::sin_cos(half);
         (1.0 - half * cos / sin) / squared
     };
     let column = |unit: Vector3<f64>| {

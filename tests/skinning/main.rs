@@ -4,6 +4,7 @@ mod automatic_weights;
 mod blend_shapes;
 mod cage_coordinates;
 mod dual_quaternion_skinning;
+mod exact_lengths;
 mod linear_blend_skinning;
 mod morph_targets;
 mod packed_skinning;

@@ -8,6 +8,8 @@
 
 use glam::{Quat, Vec4};
 
+use crate::scalar::elementary;
+
 /// The arc from one key to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Arc {
@@ -23,7 +25,7 @@ impl Arc {
         let (from, to) = (from.as_dquat(), to.as_dquat());
         let cosine = from.dot(to).clamp(-1.0, 1.0);
         let sine = (to - from * cosine).length();
-        let angle = sine.atan2(cosine);
+        let angle = elementary::atan2(sine, cosine);
         Self {
             squared: (angle * angle) as f32,
             ratio: if sine > 0.0 { angle / sine } else { 1.0 } as f32,

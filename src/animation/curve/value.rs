@@ -4,6 +4,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec3A, Vec4};
 
+use crate::scalar::elementary::{self, single};
+
 /// The numbers that curves compute with: `f32` or `f64`.
 pub trait Real:
     Copy
@@ -45,10 +47,10 @@ pub trait CurveValue:
 }
 
 macro_rules! real {
-    ($($real:ty),*) => {$(
+    ($($real:ty: $power:path),*) => {$(
         impl Real for $real {
             fn power(self, exponent: Self) -> Self {
-                self.powf(exponent)
+                $power(self, exponent)
             }
             fn is_finite(self) -> bool {
                 <$real>::is_finite(self)
@@ -86,5 +88,5 @@ macro_rules! vector {
     )*};
 }
 
-real!(f32, f64);
+real!(f32: single::pow, f64: elementary::pow);
 vector!(Vec2: f32, Vec3: f32, Vec3A: f32, Vec4: f32, DVec2: f64, DVec3: f64, DVec4: f64);

@@ -4,8 +4,10 @@ use glam::{DQuat, Quat, Vec3A};
 
 use super::placed::{Placed, set_rotation};
 use crate::animation::blend::within;
+use crate::animation::rotation::exponential::turn_about;
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Pose, SizeMismatch};
+use crate::scalar::elementary::single;
 use crate::skeleton::BoneId;
 
 /// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims, a
@@ -162,7 +164,7 @@ impl Aim {
         let upright = goal.up.zip(self.up).and_then(|(asked, up)| {
             let [is, asked] = [wanted * up, asked].map(|v| v.reject_from_normalized(to));
             let [is, asked] = [is.try_normalize()?, asked.try_normalize()?];
-            Some(to.dot(is.cross(asked)).atan2(is.dot(asked)))
+            Some(single::atan2(to.dot(is.cross(asked)), is.dot(asked)))
         });
         let twist = if goal.twist.is_finite() {
             goal.twist
@@ -171,7 +173,7 @@ impl Aim {
         };
         let about = upright.unwrap_or(0.0) + twist;
         if about != 0.0 {
-            wanted = Quat::from_axis_angle(to.into(), about) * wanted;
+            wanted = turn_about(to.into(), about) * wanted;
         }
         let weight = within(goal.weight);
         if weight > 0.0 {

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec4, Quat};
 
+use crate::animation::rotation::exponential::share_of;
 use crate::problem::{ProblemBuilder, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::{Matrix3, Quaternion, Vector3};
@@ -40,10 +41,7 @@ impl Held {
     pub(super) fn target(&self, clip: DQuat) -> Matrix3<f64> {
         let mut turned = clip;
         if self.weight > 0.0 {
-            let turn = self.wanted * clip.conjugate();
-            let turn = if turn.w < 0.0 { -turn } else { turn };
-            // Not glam's slerp, whose arc cosine loses half the digits of small angles.
-            turned = DQuat::from_scaled_axis(turn.to_scaled_axis() * self.weight) * clip;
+            turned = share_of(self.wanted * clip.conjugate(), self.weight) * clip;
         }
         let DQuat { x, y, z, w } = turned;
         let v = Vector3::new(x, y, z);

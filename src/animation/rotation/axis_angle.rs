@@ -2,6 +2,9 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use super::exponential::turn_about_exactly;
+use crate::scalar::elementary;
+
 /// A turn about an axis. Angles that differ by whole turns, and the opposite axis with the opposite
 /// angle, are the same rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +33,7 @@ impl AxisAngle {
         // The arc tangent is exact near 0 and near π, where an arc cosine loses half the digits.
         Self {
             axis: v.try_normalize().unwrap_or(DVec3::X),
-            angle: 2.0 * length.atan2(q.w),
+            angle: 2.0 * elementary::atan2(length, q.w),
         }
     }
 
@@ -53,13 +56,13 @@ impl AxisAngle {
     /// cos(θ/2) + sin(θ/2) (uₓ i + u_y j + u_z k).
     #[must_use]
     pub fn to_quaternion(self) -> DQuat {
-        DQuat::from_axis_angle(self.axis, self.angle)
+        turn_about_exactly(self.axis, self.angle)
     }
 
-    /// The rotation matrix (Rodrigues' formula).
+    /// The rotation matrix.
     #[must_use]
     pub fn to_matrix(self) -> DMat3 {
-        DMat3::from_axis_angle(self.axis, self.angle)
+        DMat3::from_quat(self.to_quaternion())
     }
 
     /// Axis × angle: the compact form. It is unique below half a turn; there it jumps, as the turn by

@@ -8,6 +8,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DQuat, DVec3};
 
+use super::exponential::turn_about_exactly;
+use crate::scalar::elementary::{self, hypot};
+
 /// The axes about which the three angles turn. A rotation is
 /// R = R_A(angle 0) · R_B(angle 1) · R_C(angle 2) for the order ABC: read from the left, each turn is
 /// about an axis that the ones before have turned (intrinsic); read from the right, about fixed axes.
@@ -94,9 +97,7 @@ impl EulerOrder {
     pub fn to_quaternion(self, angles: [f64; 3]) -> DQuat {
         let [a, b, c] = self.axes().map(|axis| DVec3::AXES[axis]);
         let [alpha, beta, gamma] = angles;
-        DQuat::from_axis_angle(a, alpha)
-            * DQuat::from_axis_angle(b, beta)
-            * DQuat::from_axis_angle(c, gamma)
+        turn_about_exactly(a, alpha) * turn_about_exactly(b, beta) * turn_about_exactly(c, gamma)
     }
 
     /// The rotation matrix of these angles, in radians.
@@ -128,8 +129,8 @@ impl EulerOrder {
             // Seen after a quarter turn about the middle axis, the order is a proper one.
             [q.w - y, x + z, y + q.w, z - x]
         };
-        let middle = 2.0 * c.hypot(d).atan2(a.hypot(b));
-        let [half_sum, half_difference] = [b.atan2(a), d.atan2(c)];
+        let middle = 2.0 * elementary::atan2(hypot(c, d), hypot(a, b));
+        let [half_sum, half_difference] = [elementary::atan2(b, a), elementary::atan2(d, c)];
         let [near_zero, near_pi] = [middle < LOCKED, PI - middle < LOCKED];
         let [first, last] = if near_zero {
             [2.0 * half_sum, 0.0]

@@ -6,6 +6,7 @@
 
 use glam::{Quat, Vec3};
 
+use super::exponential::{exp, log};
 use super::slerp::nearer;
 
 /// A segment from one rotation to another that leaves and arrives with given angular velocities.
@@ -24,10 +25,8 @@ impl RotationHermite {
     pub fn new(start: Quat, leaving: Vec3, end: Quat, arriving: Vec3) -> Self {
         let [first, last] = [leaving / 3.0, arriving / 3.0];
         let end = nearer(end, start);
-        let middle = Quat::from_scaled_axis(-first)
-            * (start.conjugate() * end)
-            * Quat::from_scaled_axis(-last);
-        let middle = nearer(middle, Quat::IDENTITY).to_scaled_axis();
+        let middle = exp(-first) * (start.conjugate() * end) * exp(-last);
+        let middle = log(nearer(middle, Quat::IDENTITY));
         Self {
             start,
             turns: [first, middle, last],
@@ -44,9 +43,7 @@ impl RotationHermite {
             .turns
             .iter()
             .zip(shares)
-            .fold(self.start, |q, (turn, share)| {
-                q * Quat::from_scaled_axis(*turn * share)
-            });
+            .fold(self.start, |q, (turn, share)| q * exp(*turn * share));
         turned.normalize()
     }
 }
@@ -62,7 +59,7 @@ pub fn mean_rates(times: &[f32], rotations: &[Quat]) -> Vec<Vec3> {
         .zip(times.windows(2))
         .map(|(q, t)| {
             let turn = q[0].conjugate() * nearer(q[1], q[0]);
-            (turn.to_scaled_axis(), t[1] - t[0])
+            (log(turn), t[1] - t[0])
         })
         .collect();
     (0..rotations.len())

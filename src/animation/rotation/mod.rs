@@ -2,6 +2,7 @@
 
 mod axis_angle;
 mod euler;
+pub(crate) mod exponential;
 mod hermite;
 mod keyed;
 mod slerp;

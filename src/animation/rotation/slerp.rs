@@ -4,6 +4,8 @@
 
 use glam::{Quat, Vec3};
 
+use crate::scalar::elementary::single;
+
 /// Above this cosine the arc is straight to single precision and sin Ω too short to divide by.
 const CLOSE: f32 = 0.9995;
 
@@ -44,8 +46,8 @@ pub(super) fn arc(from: Quat, to: Quat, t: f32) -> Quat {
         // Opposite quaternions: one rotation, and every arc is as long.
         return from;
     }
-    let angle = sine.atan2(cosine);
-    let [a, b] = [1.0 - t, t].map(|share| (share * angle).sin() / sine);
+    let angle = single::atan2(sine, cosine);
+    let [a, b] = [1.0 - t, t].map(|share| single::sin(share * angle) / sine);
     (from * a + to * b).normalize()
 }
 
@@ -64,6 +66,6 @@ pub fn slerp_vectors(from: Vec3, to: Vec3, t: f32) -> Vec3 {
     } else {
         return (from * (1.0 - t) + to * t).normalize_or(from);
     };
-    let (sin, cos) = (t * sine.atan2(cosine)).sin_cos();
+    let (sin, cos) = single::sin_cos(t * single::atan2(sine, cosine));
     from * cos + w * sin
 }

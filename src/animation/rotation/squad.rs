@@ -5,6 +5,7 @@
 
 use glam::{Quat, Vec3};
 
+use super::exponential::{exp, log};
 use super::slerp::{arc, nearer};
 
 /// The control quaternion of a key from its neighbours:
@@ -12,9 +13,9 @@ use super::slerp::{arc, nearer};
 #[must_use]
 pub fn squad_control(before: Quat, key: Quat, after: Quat) -> Quat {
     let inverse = key.conjugate();
-    let towards = |other: Quat| (inverse * nearer(other, key)).to_scaled_axis();
+    let towards = |other: Quat| log(inverse * nearer(other, key));
     let mean: Vec3 = (towards(after) + towards(before)) * -0.25;
-    (key * Quat::from_scaled_axis(mean)).normalize()
+    (key * exp(mean)).normalize()
 }
 
 /// From `start` to `end` at t in [0, 1]:

@@ -10,6 +10,7 @@ use super::lexer::Lexer;
 use super::motion::Motion;
 use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
+use crate::animation::rotation::exponential::turn_about_exactly;
 use crate::animation::{Armature, ArmatureBone, Channel, ChannelError, Clip, LocalTransform};
 use crate::io::{Place, ReadError};
 
@@ -101,7 +102,7 @@ fn rotation(joint: &Joint, frame: &[f64]) -> Quat {
     let turns = turns.filter(|(channel, _)| channel.is_rotation());
     let turned = turns.fold(DQuat::IDENTITY, |turned, (channel, degrees)| {
         let axis = DVec3::AXES[channel.axis()];
-        turned * DQuat::from_axis_angle(axis, degrees.to_radians())
+        turned * turn_about_exactly(axis, degrees.to_radians())
     });
     turned.as_quat()
 }

@@ -8,6 +8,7 @@ use crate::lanes::chain::JointKind;
 use crate::lanes::ldlt;
 use crate::lanes::links::Links;
 use crate::random::mix;
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// A joint's axis and a point on it.
@@ -51,7 +52,7 @@ impl Atlas {
         let mut draw = |q: &mut [f64]| {
             for (i, (q, link)) in q.iter_mut().zip(&links.links).enumerate() {
                 state = mix(state);
-                let unit = (state >> 11) as f64 * (0.5f64).powi(53);
+                let unit = (state >> 11) as f64 / (1u64 << 53) as f64;
                 let lower = if link.lower.is_finite() {
                     link.lower
                 } else {
@@ -118,13 +119,13 @@ impl Atlas {
         let (centre, h) = self.direction_frame(cell);
         let mut shifted = *key_in;
         if self.first_turns {
-            shifted.shift = place.translation.y.atan2(place.translation.x);
+            shifted.shift = elementary::atan2(place.translation.y, place.translation.x);
         }
         let key = &shifted;
         // The sample, turned so that its shift and roll are zero.
         let (roll_y, roll_x) = self.roll_parts(key, h);
         let roll = if self.last_turns {
-            roll_y.atan2(roll_x)
+            elementary::atan2(roll_y, roll_x)
         } else {
             0.0
         };
@@ -135,7 +136,7 @@ impl Atlas {
         }
         // Geometry in the half plane's frame.
         let turn = if self.first_turns { -key.shift } else { 0.0 };
-        let turned = Matrix3::identity().rotated_about_z(turn.sin_cos());
+        let turned = Matrix3::identity().rotated_about_z(elementary::sin_cos(turn));
         let lift = if self.first_turns { 0.0 } else { -key.shift };
         let origin = turned * place.translation + Vector3::new(0.0, 0.0, lift);
         let columns: Vec<[f64; 6]> = joints
@@ -211,7 +212,7 @@ fn forward(links: &Links, q: &[f64]) -> (Placement<f64>, Vec<Axis>) {
     for (i, (link, &q)) in links.links.iter().zip(q).enumerate() {
         joints.push((r.z, p));
         if link.kind == JointKind::Revolute {
-            r = r.rotated_about_z((q + link.offset).sin_cos());
+            r = r.rotated_about_z(elementary::sin_cos(q + link.offset));
         } else {
             p += r.z * q;
             r = r.rotated_about_z(link.offset_sin_cos);

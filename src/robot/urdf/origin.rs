@@ -6,6 +6,7 @@ use super::attributes::{element_once, numbers};
 use super::error::{Fault, UrdfError};
 use super::reading::Reading;
 use super::version::Version;
+use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
 /// A sine or cosine below this is that of a quarter turn, which no file can write exactly.
@@ -64,7 +65,7 @@ fn from_quaternion(xyzw: [f64; 4]) -> Matrix3<f64> {
 }
 
 fn sin_cos(angle: f64) -> (f64, f64) {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = elementary::sin_cos(angle);
     let clean = |value: f64| match value.abs() < QUARTER_TURN_WITHIN {
         true => 0.0,
         false => value,

@@ -2,6 +2,8 @@
 
 use glam::Vec3A;
 
+use crate::scalar::elementary::single;
+
 /// The plane of a limb by unit vectors at right angles.
 #[derive(Clone, Copy)]
 pub(super) struct Plane {
@@ -68,7 +70,7 @@ impl Plane {
         if angle == 0.0 {
             return self;
         }
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = single::sin_cos(angle);
         Self {
             normal: self.normal * cos + self.along.cross(self.normal) * sin,
             ..self
@@ -92,7 +94,7 @@ impl Plane {
 
     fn angle_between(&self, normal: Vec3A) -> f32 {
         let sine = self.along.dot(self.normal.cross(normal));
-        sine.atan2(self.normal.dot(normal))
+        single::atan2(sine, self.normal.dot(normal))
     }
 }
 

@@ -9,6 +9,7 @@ use crate::animation::ik_layer::placed::{Placed, set_rotation};
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::geometric::triangle;
+use crate::scalar::elementary::single;
 use crate::spatial::Vector3;
 
 /// A limb as a pose has it, in the model: the rotations of its bones and of what they hang on, and its
@@ -149,7 +150,7 @@ impl Limb {
         if room <= 0.0 || distance <= start {
             return way;
         }
-        way * ((start + room * (1.0 - (-(distance - start) / room).exp())) / distance)
+        way * ((start + room * (1.0 - single::exp(-(distance - start) / room))) / distance)
     }
 }
 

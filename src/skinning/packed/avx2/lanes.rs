@@ -184,26 +184,34 @@ impl Vectors {
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn normalised(self) -> Self {
-        self.scaled(self.inverse_length())
+        self.divided(self.length())
     }
 
     /// Of unit length, turned round where `sign` is negative.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn normalised_with_sign_of(self, sign: __m256) -> Self {
-        self.scaled(with_sign_flipped_by(self.inverse_length(), sign))
+        self.divided(with_sign_flipped_by(self.length(), sign))
     }
 
-    /// 1 / ‖v‖ by the processor's estimate and one Newton step: two units in the last place off,
-    /// in half the time of a root and a division. 0 where there is no length.
+    /// ‖v‖, or infinity where that counts as zero. An exact root: the processor's estimates
+    /// (rsqrt, rcp) have other bits on processors of other makers.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    fn inverse_length(self) -> __m256 {
+    fn length(self) -> __m256 {
         let squared = self.dot(self);
-        let guess = _mm256_rsqrt_ps(squared);
-        let half = _mm256_mul_ps(_mm256_mul_ps(squared, _mm256_set1_ps(0.5)), guess);
-        let step = _mm256_fnmadd_ps(half, guess, _mm256_set1_ps(1.5));
         let long = _mm256_cmp_ps::<_CMP_GT_OQ>(squared, _mm256_set1_ps(NO_LENGTH));
-        _mm256_and_ps(_mm256_mul_ps(guess, step), long)
+        let infinite = _mm256_set1_ps(f32::INFINITY);
+        _mm256_blendv_ps(infinite, _mm256_sqrt_ps(squared), long)
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2,fma")]
+    fn divided(self, by: __m256) -> Self {
+        Self {
+            x: _mm256_div_ps(self.x, by),
+            y: _mm256_div_ps(self.y, by),
+            z: _mm256_div_ps(self.z, by),
+        }
     }
 }
