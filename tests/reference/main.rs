@@ -4,4 +4,5 @@ mod interpolation;
 mod kinematics;
 mod minima;
 mod problems;
+mod same_bits;
 mod skinning;
