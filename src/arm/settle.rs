@@ -100,7 +100,7 @@ impl Workspace {
     /// ½|r|² and what moving costs.
     fn anchored_cost(&self, x: &[f64], error: f64, anchor: f64) -> f64 {
         let moved = x.iter().zip(&self.anchor).zip(&self.scale);
-        let moved: f64 = moved.map(|((x, a), s)| ((x - a) * s).powi(2)).sum();
+        let moved: f64 = moved.map(|((x, a), s)| (x - a) * s).map(|by| by * by).sum();
         0.5 * (error * error + anchor * moved)
     }
 
