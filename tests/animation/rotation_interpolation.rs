@@ -313,3 +313,19 @@ fn a_cubic_through_long_quaternions_is_that_through_unit_ones() {
         );
     }
 }
+
+/// Turns about one axis are angles: 170° from key to key, bowed by controls at 0° and 200°. The second
+/// control lies more than a quarter turn of the sphere from the first key, and belongs to the other.
+#[test]
+fn a_squad_control_stays_on_the_side_of_its_own_key() {
+    let about_z = |degrees: f32| Quat::from_rotation_z(degrees.to_radians());
+    let controls = [about_z(0.0), about_z(200.0)];
+    for (t, expected) in [(0.25_f32, 45.3125), (0.5, 92.5), (0.75, 135.9375)] {
+        let [chord, bow] = [170.0 * t, 200.0 * t];
+        assert!((chord + 2.0 * t * (1.0 - t) * (bow - chord) - expected).abs() < 1e-3);
+        for second in [controls[1], -controls[1]] {
+            let q = squad(about_z(0.0), [controls[0], second], about_z(170.0), t);
+            assert!(apart(q, about_z(expected)) < 1e-5, "{t}: {q}");
+        }
+    }
+}
