@@ -2,13 +2,13 @@
 
 use super::chain::MAX_JOINTS;
 use super::group::Group;
-use super::judge::judge;
-use super::kernel::{self, Ended};
+use super::kernel::Ended;
 use super::lane::LaneScalar;
 use super::options::{Outcome, Search};
 use super::prepared::Prepared;
 use super::query::Query;
 use super::seeds::QuerySeeds;
+use super::stages::Stages;
 use super::turns::unwrap_towards;
 use crate::spatial::Placement;
 
@@ -44,13 +44,8 @@ pub(crate) struct Work<'a> {
 /// Runs the attempts of each query one after another in one lane, so that what a query gives depends
 /// on nothing but itself. The winner is the lowest attempt that reaches.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn batch<
-    V: LaneScalar,
-    const L: usize,
-    const N: usize,
-    const EXACT: bool,
-    const AXES: bool,
->(
+pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
+    stages: &Stages<V, N>,
     prepared: &Prepared,
     work: Work<'_>,
 ) {
@@ -87,7 +82,7 @@ pub(crate) fn batch<
                     next += 1;
                     Some(Job {
                         index: next - 1,
-                        goal_from_first: prepared.links.goal_from_first::<AXES>(target),
+                        goal_from_first: prepared.links.goal_from_first(target, settings.weighted),
                         seeds: QuerySeeds::new(prepared, &query),
                         query,
                         attempt: attempts_from.map_or(0, |first| first + (next - 1) as u32),
@@ -116,8 +111,7 @@ pub(crate) fn batch<
                 if !reached && ended.closing >> lane & 1 != 0 {
                     group.next_point(lane, &mut seed);
                     unwrap_towards(prepared, job.query.start, &mut seed[..n]);
-                    let (close, found) =
-                        judge::<V, N, AXES>(prepared, &job.goal_from_first, &seed[..n]);
+                    let (close, found) = (stages.judge)(prepared, &job.goal_from_first, &seed[..n]);
                     if close {
                         reached = true;
                         errors = Some(found);
@@ -151,8 +145,7 @@ pub(crate) fn batch<
                         Some(errors) => errors,
                         None => {
                             unwrap_towards(prepared, job.query.start, q);
-                            let (close, errors) =
-                                judge::<V, N, AXES>(prepared, &job.goal_from_first, q);
+                            let (close, errors) = (stages.judge)(prepared, &job.goal_from_first, q);
                             reached = close;
                             errors
                         }
@@ -174,7 +167,7 @@ pub(crate) fn batch<
             }
             match &mut jobs[lane] {
                 Some(job) => {
-                    job.seeds.fill::<V>(job.attempt, &mut seed);
+                    (stages.seed)(&mut job.seeds, job.attempt, &mut seed);
                     group.load(lane, &job.goal_from_first, &seed, settings);
                     active |= 1 << lane;
                 }
@@ -184,7 +177,7 @@ pub(crate) fn batch<
         if active == 0 {
             return;
         }
-        ended = kernel::step::<V, N, EXACT, AXES>(&mut group, &prepared.links, settings);
+        ended = (stages.step)(&mut group, &prepared.links, settings);
         over = (ended.reached | ended.stalled | ended.closing) & active;
         for (lane, job) in jobs.iter_mut().enumerate() {
             if let Some(job) = job {

@@ -7,33 +7,69 @@ use super::options::Outcome;
 use super::prepared::Prepared;
 use super::query::{Answer, Query};
 use super::race;
+use super::stages::{self, Stages};
 
 /// Lanes of a single query and of a batch: a batch has independent work to hide latencies with.
 const RACE: usize = 4;
 const BATCH: usize = 8;
+/// What a lane of a batch does depends on no other, so where the portable lanes are only the
+/// fallback, both share one kernel.
+const PORTABLE_BATCH: usize = if cfg!(target_arch = "x86_64") {
+    RACE
+} else {
+    BATCH
+};
 
-/// Whether this processor family has no faster lanes than the portable ones.
-const PORTABLE_IS_MAIN: bool = !cfg!(target_arch = "x86_64");
+/// Room for the joints of the kernels made for one number of them.
+const FEW: usize = 8;
 
-/// Calls `$run` with the lane type and the kernel for this chain: number of joints, whether that is
-/// exact, whether the goal has weighted axes.
-macro_rules! by_chain {
-    ($prepared:expr, $race:ident, $fma:literal, $($argument:expr),*) => {{
-        let links = &$prepared.links;
-        match (links.links.len(), links.all_revolute, $prepared.weighted) {
-            (_, _, true) => by_chain!(@ $race, $fma, MAX_JOINTS, false, true, $($argument),*),
-            // Where the portable lanes are only the fallback, one kernel of them is enough code.
-            (6, true, false) if $fma || PORTABLE_IS_MAIN => by_chain!(@ $race, $fma, 6, true, false, $($argument),*),
-            (7, true, false) if $fma || PORTABLE_IS_MAIN => by_chain!(@ $race, $fma, 7, true, false, $($argument),*),
-            _ => by_chain!(@ $race, $fma, MAX_JOINTS, false, false, $($argument),*),
+/// Calls the driver `$run` with the stages of `$set` for lanes `$lanes`.
+macro_rules! run {
+    // Kernels for every chain.
+    (any, $set:ident, $run:path, $lanes:ty; $prepared:expr $(, $argument:expr)*) => {{
+        let mut stages = run!(@ $set, $lanes, MAX_JOINTS, 0);
+        if $prepared.settings.weighted {
+            stages.step = stages::$set::step::<$lanes, MAX_JOINTS, 0, true>;
         }
+        $run(&stages, $prepared $(, $argument)*)
     }};
-    (@ race, $fma:literal, $n:expr, $exact:literal, $axes:literal, $($argument:expr),*) => {
-        race::race::<Lanes<RACE, $fma>, { $n }, $exact, $axes>($($argument),*)
+    // Others for the usual numbers of turning joints and full poses.
+    (each, $set:ident, $run:path, $lanes:ty; $prepared:expr $(, $argument:expr)*) => {
+        match usual_joints($prepared) {
+            Some(joints) => {
+                let mut stages = run!(@ $set, $lanes, FEW, 6);
+                if joints == 7 {
+                    stages.step = stages::$set::step::<$lanes, FEW, 7, false>;
+                }
+                $run(&stages, $prepared $(, $argument)*)
+            }
+            None => run!(any, $set, $run, $lanes; $prepared $(, $argument)*),
+        }
     };
-    (@ batch, $fma:literal, $n:expr, $exact:literal, $axes:literal, $($argument:expr),*) => {
-        batch::batch::<Lanes<BATCH, $fma>, BATCH, { $n }, $exact, $axes>($($argument),*)
+    (@ $set:ident, $lanes:ty, $room:expr, $joints:literal) => {
+        Stages::<$lanes, { $room }> {
+            step: stages::$set::step::<$lanes, { $room }, $joints, false>,
+            judge: stages::$set::judge::<$lanes, { $room }>,
+            seed: stages::$set::seed::<$lanes>,
+        }
     };
+}
+
+/// Where the portable lanes are only the fallback, kernels for every chain are enough code.
+#[cfg(target_arch = "x86_64")]
+macro_rules! portable {
+    ($($rest:tt)*) => { run!(any, portable, $($rest)*) };
+}
+#[cfg(not(target_arch = "x86_64"))]
+macro_rules! portable {
+    ($($rest:tt)*) => { run!(each, portable, $($rest)*) };
+}
+
+/// The number of joints, if there are kernels made for it.
+fn usual_joints(prepared: &Prepared) -> Option<usize> {
+    let joints = prepared.joints();
+    let usual = prepared.links.all_revolute && !prepared.settings.weighted;
+    (usual && (joints == 6 || joints == 7)).then_some(joints)
 }
 
 /// Whether the fused functions below may run.
@@ -55,7 +91,7 @@ pub(crate) fn race(
         #[allow(unsafe_code)]
         return unsafe { race_fused(prepared, query, lone, answer) };
     }
-    by_chain!(prepared, race, false, prepared, query, lone, answer)
+    portable!(race::race, Lanes<RACE, false>; prepared, query, lone, answer)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -66,7 +102,7 @@ fn race_fused(
     lone: bool,
     answer: &mut Answer<'_>,
 ) -> Outcome {
-    by_chain!(prepared, race, true, prepared, query, lone, answer)
+    run!(each, fused, race::race, Lanes<RACE, true>; prepared, query, lone, answer)
 }
 
 pub(crate) fn batch(prepared: &Prepared, work: Work<'_>) {
@@ -76,11 +112,11 @@ pub(crate) fn batch(prepared: &Prepared, work: Work<'_>) {
         #[allow(unsafe_code)]
         return unsafe { batch_fused(prepared, work) };
     }
-    by_chain!(prepared, batch, false, prepared, work)
+    portable!(batch::batch::<_, PORTABLE_BATCH, _>, Lanes<PORTABLE_BATCH, false>; prepared, work)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn batch_fused(prepared: &Prepared, work: Work<'_>) {
-    by_chain!(prepared, batch, true, prepared, work)
+    run!(each, fused, batch::batch::<_, BATCH, _>, Lanes<BATCH, true>; prepared, work)
 }

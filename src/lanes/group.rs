@@ -6,8 +6,8 @@ use crate::spatial::{Placement, Vector3};
 
 /// The state of one group of lanes, which the step advances.
 pub(crate) struct Group<V, const N: usize> {
-    /// Number of joints, at most N; N itself in the kernels made for one size.
-    pub(super) joints: usize,
+    /// Number of joints, at most N.
+    joints: usize,
     pub(super) goal_from_first: Placement<V>,
     /// The frame that travels along the chain, from one place to the other and back.
     pub(super) frames: [Placement<V>; 2],
@@ -48,6 +48,13 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             reference_cost: zero,
             stalled: zero,
         }
+    }
+
+    /// Number of joints, which the kernels made for one number of `JOINTS` know beforehand; for the
+    /// others that is 0.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn joints<const JOINTS: usize>(&self) -> usize {
+        if JOINTS == 0 { self.joints } else { JOINTS }
     }
 
     /// Starts an attempt in `lane`. The values of `q` lie within the bounds.

@@ -10,28 +10,28 @@ use crate::spatial::{Placement, Vector3};
 /// Runs the body for each joint, written out where their number is known.
 macro_rules! each_joint {
     ($n:expr, $i:ident, $body:block) => {
-        if EXACT {
+        if JOINTS != 0 {
             each_joint!(@ $i, $body, 0 1 2 3 4 5 6)
         } else {
             for $i in 0..$n $body
         }
     };
     (@ $i:ident, $body:block, $($k:literal)*) => {{
-        $(if $k < N { let $i = $k; $body })*
+        $(if $k < JOINTS { let $i = $k; $body })*
     }};
 }
 
 /// Forward kinematics and the Jacobian's columns in the goal's frame.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn evaluate<V: LaneScalar, const N: usize, const EXACT: bool>(
+pub(crate) fn evaluate<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,
     links: &Links,
 ) -> Evaluation<V> {
-    let n = if EXACT { N } else { group.joints };
+    let n = group.joints::<JOINTS>();
     let c = V::constant;
     for i in 0..n {
         let link = &links.links[i];
-        group.sin_cos[i] = if EXACT || link.kind == JointKind::Revolute {
+        group.sin_cos[i] = if JOINTS != 0 || link.kind == JointKind::Revolute {
             (group.q[i] + c(link.offset)).sin_cos()
         } else {
             (c(link.offset_sin_cos.0), c(link.offset_sin_cos.1))
@@ -44,7 +44,7 @@ pub(crate) fn evaluate<V: LaneScalar, const N: usize, const EXACT: bool>(
             rotation: mut r,
             translation: mut p,
         } = group.frames[link.from & 1];
-        if EXACT || link.kind == JointKind::Revolute {
+        if JOINTS != 0 || link.kind == JointKind::Revolute {
             group.angular[i] = r.z;
             group.linear[i] = p.cross(r.z);
         } else {
@@ -71,10 +71,10 @@ pub(crate) fn evaluate<V: LaneScalar, const N: usize, const EXACT: bool>(
 
 /// J Jᵀ, in three blocks whose sums fit the registers.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn normal_equations<V: LaneScalar, const N: usize, const EXACT: bool>(
+pub(crate) fn normal_equations<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,
 ) {
-    let n = if EXACT { N } else { group.joints };
+    let n = group.joints::<JOINTS>();
     macro_rules! block {
         ($left:ident, $right:ident, $row:literal, $column:literal, $($r:literal $k:literal),*) => {{
             let mut sum = [[V::zero(); 3]; 3];

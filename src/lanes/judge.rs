@@ -14,13 +14,13 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 /// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
 /// errors in metres and radians.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn judge<V: LaneScalar, const N: usize, const AXES: bool>(
+pub(crate) fn judge<V: LaneScalar, const N: usize>(
     prepared: &Prepared,
     goal_from_first: &Placement<f64>,
     q: &[f64],
 ) -> (bool, Errors) {
     let links = &prepared.links;
-    let mut errors = errors::<V, N, AXES>(links, &prepared.settings, goal_from_first, q);
+    let mut errors = errors::<V, N>(links, &prepared.settings, goal_from_first, q);
     errors.position *= links.metres_per_length;
     // Far beyond what can be told apart from infinity.
     if errors.position.is_nan() {
@@ -33,7 +33,7 @@ pub(crate) fn judge<V: LaneScalar, const N: usize, const AXES: bool>(
 
 /// Distance and angle of the tip at `q` from the goal, in the solver's lengths.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
+fn errors<V: LaneScalar, const N: usize>(
     links: &Links,
     settings: &Settings,
     goal_from_first: &Placement<f64>,
@@ -72,7 +72,7 @@ fn errors<V: LaneScalar, const N: usize, const AXES: bool>(
             r.x.mul_add(c(link.along_x), r.y.mul_add(c(link.along_y), p));
         r = r.rotated_about_x((c(link.twist.0), c(link.twist.1)));
     }
-    if AXES {
+    if settings.weighted {
         r = r * Matrix3::constant(links.last_from_tip);
         return axes::errors(p, &r, settings);
     }

@@ -44,17 +44,18 @@ impl Ended {
     }
 }
 
-/// Evaluates every lane's point, judges it, and moves every lane that has not ended.
+/// Evaluates every lane's point, judges it, and moves every lane that has not ended. `JOINTS` is the
+/// number of joints if all turn, or 0 for any chain; `AXES` says that the goal is not the full pose.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn step<V: LaneScalar, const N: usize, const EXACT: bool, const AXES: bool>(
+pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
     group: &mut Group<V, N>,
     links: &Links,
     settings: &Settings,
 ) -> Ended {
-    let n = if EXACT { N } else { group.joints };
+    let n = group.joints::<JOINTS>();
     let c = V::constant;
     let weight = settings.length_per_radian * settings.length_per_radian;
-    let mut at = jacobian::evaluate::<V, N, EXACT>(group, links);
+    let mut at = jacobian::evaluate::<V, N, JOINTS>(group, links);
     let tp = settings.position_tolerance * settings.position_tolerance;
     let to = settings.orientation_tolerance * settings.orientation_tolerance;
     let weighed = if AXES {
@@ -107,10 +108,10 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
         group.linear[i] = l * free;
         group.angular[i] = a * free;
     }
-    jacobian::normal_equations::<V, N, EXACT>(group);
+    jacobian::normal_equations::<V, N, JOINTS>(group);
     let m = &mut group.normal;
     let lambda = (group.damping * cost).max(c(1e-14));
-    // In the weighted kernel the rows carry their weights already.
+    // The rows of weighted goals carry their weights already.
     let lambda_turn = if AXES {
         lambda
     } else {

@@ -174,12 +174,13 @@ impl Links {
     /// The frame in which the kernel works: the target, its orientation turned so that the frame
     /// after the last joint should come to it; and from there to the first joint.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn goal_from_first<const AXES: bool>(
+    pub(crate) fn goal_from_first(
         &self,
         base_from_target: &Placement<f64>,
+        weighted: bool,
     ) -> Placement<f64> {
-        // The weighted kernel needs the target's own axes, and turns the tip itself.
-        let rotation = if AXES {
+        // Weighted goals need the target's own axes; there the kernel turns the tip itself.
+        let rotation = if weighted {
             base_from_target.rotation
         } else {
             base_from_target.rotation * self.last_from_tip.transpose()

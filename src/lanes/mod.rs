@@ -32,6 +32,7 @@ mod race;
 mod seeds;
 mod settings;
 mod solver;
+mod stages;
 pub mod trigonometry;
 mod turns;
 

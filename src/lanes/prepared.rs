@@ -15,8 +15,6 @@ pub(crate) struct Prepared {
     pub(crate) settings: Settings,
     pub(crate) options: LaneOptions,
     pub(crate) atlas: Option<Atlas>,
-    /// Whether the goal is not the full pose.
-    pub(crate) weighted: bool,
     /// Whether some joint can turn once round.
     pub(crate) wide: bool,
 }
@@ -40,7 +38,6 @@ impl Prepared {
             .iter()
             .any(|link| link.kind == JointKind::Revolute && link.upper - link.lower >= TAU);
         Ok(Self {
-            weighted: !options.axes.is_full_pose(),
             atlas,
             links,
             settings,
@@ -56,7 +53,6 @@ impl Prepared {
             settings: self.settings,
             options: self.options.clone(),
             atlas: None,
-            weighted: self.weighted,
             wide: self.wide,
         }
     }

@@ -5,13 +5,12 @@ use std::time::Instant;
 use super::chain::MAX_JOINTS;
 use super::errors::Errors;
 use super::group::Group;
-use super::judge::judge;
-use super::kernel;
 use super::lane::LaneScalar;
 use super::options::{Outcome, Search};
 use super::prepared::Prepared;
 use super::query::{Answer, Query};
 use super::seeds::QuerySeeds;
+use super::stages::Stages;
 use super::turns::unwrap_towards;
 
 /// A lane that reached.
@@ -33,7 +32,8 @@ const MAX_LANES: usize = 8;
 /// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
 /// tracking, where it nearly never does.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES: bool>(
+pub(crate) fn race<V: LaneScalar, const N: usize>(
+    stages: &Stages<V, N>,
     prepared: &Prepared,
     query: &Query<'_>,
     lone: bool,
@@ -42,7 +42,9 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
     let settings = &prepared.settings;
     let options = &prepared.options;
     let n = prepared.links.links.len();
-    let goal_from_first = prepared.links.goal_from_first::<AXES>(query.target);
+    let goal_from_first = prepared
+        .links
+        .goal_from_first(query.target, settings.weighted);
     let mut seeds = QuerySeeds::new(prepared, query);
     let (first, end) = query.attempts;
     let by_number = query.search == Search::Start;
@@ -71,7 +73,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
                 && !late
                 && iterations < query.budget.max(1)
             {
-                seeds.fill::<V>(next, &mut seed);
+                (stages.seed)(&mut seeds, next, &mut seed);
                 // Before the first step all lanes take harmless numbers.
                 let last = if next == first { V::WIDTH } else { lane + 1 };
                 for lane in lane..last {
@@ -85,7 +87,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
         if active == 0 {
             break;
         }
-        let ended = kernel::step::<V, N, EXACT, AXES>(&mut group, &prepared.links, settings);
+        let ended = (stages.step)(&mut group, &prepared.links, settings);
         iterations += active.count_ones();
         late = query.deadline.is_some_and(|at| Instant::now() >= at);
         let mut spent = if late { u32::MAX } else { 0 };
@@ -114,7 +116,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
                     group.next_point(lane, &mut seed);
                 }
                 unwrap_towards(prepared, query.start, &mut seed[..n]);
-                let (reached, errors) = judge::<V, N, AXES>(prepared, &goal_from_first, &seed[..n]);
+                let (reached, errors) = (stages.judge)(prepared, &goal_from_first, &seed[..n]);
                 if reached {
                     q_out.copy_from_slice(&seed[..n]);
                     winner = Some(Winner {
@@ -165,7 +167,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize, const EXACT: bool, const AXES:
                 prepared.links.to_metres(best_out);
             }
             unwrap_towards(prepared, query.start, q_out);
-            judge::<V, N, AXES>(prepared, &goal_from_first, q_out)
+            (stages.judge)(prepared, &goal_from_first, q_out)
         }
     };
     prepared.links.to_metres(q_out);

@@ -74,13 +74,13 @@ impl<'a> QuerySeeds<'a> {
         if self.candidates.is_none() {
             self.candidates = Some(match &self.prepared.atlas {
                 Some(atlas) => {
-                    let mut goal = links.goal_from_first::<false>(self.target);
+                    let mut goal = links.goal_from_first(self.target, false);
                     if self.prepared.settings.axes.orientation_weights == [0.0; 3] {
                         // Any orientation will do: the start's is the nearest.
                         self.fill_start(q);
                         let tip = links.base_from_tip(q);
                         let target = Placement::new(tip.rotation, self.target.translation);
-                        goal = links.goal_from_first::<false>(&target);
+                        goal = links.goal_from_first(&target, false);
                     }
                     atlas.look_up::<V>(links, &goal)
                 }

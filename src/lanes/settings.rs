@@ -14,7 +14,9 @@ pub(crate) struct Settings {
     pub(crate) length_per_radian: f64,
     /// λ = damping · cost at the start of an attempt.
     pub(crate) damping: f64,
-    /// Weights and dead bands of the six components, for the weighted kernel.
+    /// Whether the goal is not the full pose.
+    pub(crate) weighted: bool,
+    /// Weights and dead bands of the six components of such a goal.
     pub(crate) axes: AxisGoal,
     /// Twice the cost below which one more step should reach.
     pub(crate) closing_cost: f64,
@@ -42,6 +44,7 @@ impl Settings {
             length_per_radian,
             damping: options.damping,
             stall_limit: f64::from(options.stall_limit),
+            weighted: !options.axes.is_full_pose(),
             axes,
             // Convergence is quadratic: the error after a step is about its square, in lengths.
             closing_cost: CLOSING * smaller,

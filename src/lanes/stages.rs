@@ -1,0 +1,78 @@
+//! What the drivers call, each compiled once for an instruction set.
+//!
+//! Inlined into every driver, the same code was compiled for each again, which took minutes.
+
+use super::errors::Errors;
+use super::group::Group;
+use super::kernel::Ended;
+use super::links::Links;
+use super::prepared::Prepared;
+use super::seeds::QuerySeeds;
+use super::settings::Settings;
+use crate::spatial::Placement;
+
+type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> Ended;
+type Judge = fn(&Prepared, &Placement<f64>, &[f64]) -> (bool, Errors);
+type Seed = for<'a> fn(&mut QuerySeeds<'a>, u32, &mut [f64]);
+
+/// The stages of a search in lanes V over groups of up to N joints.
+pub(crate) struct Stages<V, const N: usize> {
+    /// [`step`](super::kernel::step).
+    pub(crate) step: Step<V, N>,
+    /// [`judge`](super::judge::judge).
+    pub(crate) judge: Judge,
+    /// [`QuerySeeds::fill`].
+    pub(crate) seed: Seed,
+}
+
+/// A module with the stages as functions, with an attribute for their instruction set.
+macro_rules! stages {
+    ($name:ident $(, #[$features:meta])?) => {
+        pub(crate) mod $name {
+            use crate::lanes::errors::Errors;
+            use crate::lanes::group::Group;
+            use crate::lanes::judge;
+            use crate::lanes::kernel::{self, Ended};
+            use crate::lanes::lane::LaneScalar;
+            use crate::lanes::links::Links;
+            use crate::lanes::prepared::Prepared;
+            use crate::lanes::seeds::QuerySeeds;
+            use crate::lanes::settings::Settings;
+            use crate::spatial::Placement;
+
+            #[inline(never)]
+            $(#[$features])?
+            pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
+                group: &mut Group<V, N>,
+                links: &Links,
+                settings: &Settings,
+            ) -> Ended {
+                kernel::step::<V, N, JOINTS, AXES>(group, links, settings)
+            }
+
+            #[inline(never)]
+            $(#[$features])?
+            pub(crate) fn judge<V: LaneScalar, const N: usize>(
+                prepared: &Prepared,
+                goal_from_first: &Placement<f64>,
+                q: &[f64],
+            ) -> (bool, Errors) {
+                judge::judge::<V, N>(prepared, goal_from_first, q)
+            }
+
+            #[inline(never)]
+            $(#[$features])?
+            pub(crate) fn seed<V: LaneScalar>(
+                seeds: &mut QuerySeeds<'_>,
+                attempt: u32,
+                q: &mut [f64],
+            ) {
+                seeds.fill::<V>(attempt, q);
+            }
+        }
+    };
+}
+
+stages!(portable);
+#[cfg(target_arch = "x86_64")]
+stages!(fused, #[target_feature(enable = "avx2,fma")]);
