@@ -112,3 +112,15 @@ pub struct Joint {
     /// Its range; unbounded for a continuous joint.
     pub limits: Limits,
 }
+
+impl Joint {
+    /// Whether its limits leave it room to move.
+    pub(crate) fn moves(&self) -> bool {
+        self.kind != JointKind::Fixed && !self.limits.is_locked()
+    }
+
+    /// Whether it turns what it carries.
+    pub(crate) fn turns(&self) -> bool {
+        self.moves() && self.kind != JointKind::Prismatic
+    }
+}

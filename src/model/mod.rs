@@ -155,30 +155,55 @@ impl Model {
         self.limits().map(|limits| limits.clamp(0.0)).collect()
     }
 
-    /// The longest way from the first moving joint above a frame to that frame, adding up offsets
-    /// and the travel of sliding joints, in metres. What does not move says nothing about the size
-    /// of the model: frames in the world, fixed and locked joints next to the root. It is the
-    /// length by which tolerances and weights scale; 0 where nothing moves.
+    /// How far what turns reaches, in metres: the longest way from the first moving joint above a
+    /// frame to that frame, adding up offsets and the travel of slides that a joint above them turns,
+    /// each slide by no more than the offsets' longest way. What does not move says nothing about the
+    /// size of the model (frames in the world, fixed and locked joints next to the root), nor does
+    /// how far a base may slide: it lengthens no lever. Where nothing turns, all slides count. It is
+    /// the length by which tolerances and weights scale; 0 where nothing moves.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        // By joint: the length up to it, once something above or at it moves.
-        let mut length: Vec<Option<f64>> = Vec::with_capacity(self.joints.len());
+        let rigid = self.longest_way(|_, _| 0.0);
+        let anything_turns = self.joints.iter().any(Joint::turns);
+        self.longest_way(|joint, turned| match turned || !anything_turns {
+            true if rigid > 0.0 => travel(joint).min(rigid),
+            true => travel(joint),
+            false => 0.0,
+        })
+    }
+
+    /// The longest way from the first moving joint above a frame to it, by offsets and what `travel`
+    /// adds for a moving joint, which hears whether one above it turns.
+    fn longest_way(&self, travel: impl Fn(&Joint, bool) -> f64) -> f64 {
+        // By joint: the length up to it, once something above or at it moves, and whether that turns.
+        let mut length: Vec<(Option<f64>, bool)> = Vec::with_capacity(self.joints.len());
         for joint in &self.joints {
-            let before = joint.parent.and_then(|p| length[p.index()]);
+            let above = joint.parent.map(|p| length[p.index()]);
+            let (before, turned) = above.unwrap_or((None, false));
             let before = before.map(|b| b + joint.parent_from_joint.translation.norm());
-            let moves = joint.kind != JointKind::Fixed && !joint.limits.is_locked();
-            length.push(if moves {
-                Some(before.unwrap_or(0.0) + travel(joint))
-            } else {
-                before
-            });
+            let here = match joint.moves() {
+                true => Some(before.unwrap_or(0.0) + travel(joint, turned)),
+                false => before,
+            };
+            length.push((here, turned || joint.turns()));
         }
         let tips = self.frames.iter().filter_map(|frame| {
-            let before = length[frame.joint?.index()]?;
+            let before = length[frame.joint?.index()].0?;
             Some(before + frame.joint_from_frame.translation.norm())
         });
-        tips.chain(length.iter().copied().flatten())
+        tips.chain(length.iter().filter_map(|(length, _)| *length))
             .fold(0.0, f64::max)
+    }
+
+    /// How far from where it stands a joint is drawn at random where its limits mean none: half a
+    /// turn; for slides the reach, or their travel where that is of the reach's order.
+    pub(crate) fn sampling_spread(&self, joint: &Joint, reach: f64) -> f64 {
+        const SAME_ORDER: f64 = 100.0;
+        match (joint.kind, travel(joint)) {
+            (JointKind::Prismatic, travel) if travel <= SAME_ORDER * reach => travel.max(reach),
+            (JointKind::Prismatic, _) => reach,
+            _ => std::f64::consts::PI,
+        }
     }
 }
 
@@ -186,9 +211,8 @@ impl Model {
 fn travel(joint: &Joint) -> f64 {
     const PLACEHOLDER: f64 = 1e9;
     let farthest = joint.limits.lower.abs().max(joint.limits.upper.abs());
-    if joint.kind == JointKind::Prismatic && farthest < PLACEHOLDER {
-        farthest
-    } else {
-        0.0
+    match joint.kind {
+        JointKind::Prismatic if farthest < PLACEHOLDER => farthest,
+        _ => 0.0,
     }
 }

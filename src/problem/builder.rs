@@ -146,10 +146,7 @@ impl<'m> ProblemBuilder<'m> {
         };
         let spread = variables
             .clone()
-            .map(|variable| match leading_joint(variable).kind {
-                JointKind::Prismatic => reach,
-                _ => std::f64::consts::PI,
-            })
+            .map(|variable| model.sampling_spread(leading_joint(variable), reach))
             .collect();
         let names = Names {
             model: model.name().to_owned(),

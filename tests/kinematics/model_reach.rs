@@ -47,7 +47,7 @@ fn limits_that_mean_none_neither_stretch_nor_scatter() {
         builder.frame("tip", Some(turn), shift(0.5));
         builder.build().unwrap()
     };
-    assert_eq!(model(2.0).reach(), 3.0);
+    assert_eq!(model(2.0).reach(), 1.0);
     for huge in [1e16, f64::MAX, f64::INFINITY] {
         let model = model(huge);
         assert_eq!(model.reach(), 1.0);
@@ -63,4 +63,54 @@ fn limits_that_mean_none_neither_stretch_nor_scatter() {
     let wide = model(4.0 * std::f64::consts::PI);
     let far = (0..100).map(|seed| wide.random_configuration(seed)[1].abs());
     assert!(far.fold(0.0, f64::max) > 3.0 * std::f64::consts::PI);
+}
+
+/// A mobile base on three slides that go `far`, and an arm of a metre that turns and slides.
+fn mobile(far: f64, unit: f64) -> Model {
+    let mut builder = Model::builder("mobile");
+    let limits = Limits::new(-far * unit, far * unit);
+    let mut base = None;
+    for (name, axis) in ["x", "y", "z"].into_iter().zip(Vector3::UNITS) {
+        base = Some(builder.prismatic(name, base, shift(0.0), axis, limits));
+    }
+    let turn = Limits::new(-1.0, 1.0);
+    let arm = builder.revolute("arm", base, shift(0.0), ALONG_X, turn);
+    let slide = Limits::new(0.0, 0.25 * unit);
+    let slide = builder.prismatic("slide", Some(arm), shift(0.5 * unit), ALONG_X, slide);
+    builder.frame("tip", Some(slide), shift(0.5 * unit));
+    builder.build().unwrap()
+}
+
+#[test]
+fn how_far_a_base_slides_says_nothing_about_the_size() {
+    // A radian weighs a quarter of the reach: with the travel of the base, 750 m instead of 31 cm.
+    for far in [0.0, 0.5, 7.0, 1e3, 1e8, f64::INFINITY] {
+        assert_eq!(mobile(far, 1.0).reach(), 1.25, "{far}");
+        // In any unit, also where the base's travel looks like a number that means none.
+        assert_eq!(mobile(far, 1024.0).reach(), 1.25 * 1024.0, "{far}");
+    }
+}
+
+#[test]
+fn a_slide_that_is_turned_counts_up_to_the_size_of_what_is_rigid() {
+    let telescope = |limit: f64| {
+        let mut builder = Model::builder("telescope");
+        let turn = builder.revolute("turn", None, shift(0.0), ALONG_X, Limits::new(-1.0, 1.0));
+        let limits = Limits::new(0.0, limit);
+        let slide = builder.prismatic("slide", Some(turn), shift(1.0), ALONG_X, limits);
+        builder.frame("tip", Some(slide), shift(1.0));
+        builder.build().unwrap().reach()
+    };
+    assert_eq!(telescope(0.5), 2.5);
+    assert_eq!(telescope(2.0), 4.0);
+    assert_eq!(telescope(1e3), 4.0);
+}
+
+#[test]
+fn where_nothing_turns_slides_are_the_size() {
+    let mut builder = Model::builder("gantry");
+    let limits = Limits::new(-1.0, 3.0);
+    let x = builder.prismatic("x", None, shift(0.0), ALONG_X, limits);
+    builder.frame("tip", Some(x), shift(0.0));
+    assert_eq!(builder.build().unwrap().reach(), 3.0);
 }
