@@ -1,9 +1,13 @@
 //! A hand of the figure that goes round a circle while the other tips hold.
 
-use kinopt::Skeleton;
-use kinopt::model::Limits;
+use std::f64::consts::TAU;
+
+use kinopt::model::{FrameId, Limits};
+use kinopt::problem::{ProblemError, TaskId};
 use kinopt::skeleton::BoneId;
 use kinopt::spatial::Vector3;
+use kinopt::task::{Point, Quantity};
+use kinopt::{Model, Problem, Skeleton};
 
 /// The figure with every bend a little off zero: a pose in which a body stands at ease.
 #[must_use]
@@ -27,4 +31,69 @@ pub fn drag_targets(
     let angle = f64::from(frame % 240) * std::f64::consts::TAU / 240.0;
     targets[1] += Vector3::new(-0.1 + 0.05 * angle.cos(), 0.05 * angle.sin(), 0.05);
     targets
+}
+
+/// A hand of a rig that goes out of reach, into limits and back, while other tips hold.
+pub struct DragScene {
+    /// For people.
+    pub name: String,
+    /// The first frame's configuration.
+    pub start: Vec<f64>,
+    model: Model,
+    hand: FrameId,
+    held: Vec<(FrameId, Vector3<f64>)>,
+    from: Vector3<f64>,
+    size: f64,
+}
+
+impl DragScene {
+    /// The tip of `hand` goes, the tips of the other `held` bones stay where `start` has them.
+    #[must_use]
+    pub fn of_skeleton(
+        name: &str,
+        skeleton: &Skeleton,
+        hand: BoneId,
+        held: &[BoneId],
+        start: Vec<f64>,
+    ) -> Self {
+        let pose = skeleton.pose(&start);
+        let others = held.iter().filter(|&&bone| bone != hand);
+        let held = others.map(|&bone| (skeleton.tip(bone), pose.tip(skeleton, bone)));
+        Self {
+            name: name.to_owned(),
+            model: skeleton.model().clone(),
+            hand: skeleton.tip(hand),
+            held: held.collect(),
+            from: pose.tip(skeleton, hand),
+            size: skeleton.size(),
+            start,
+        }
+    }
+
+    /// The problem, and the task that drags.
+    ///
+    /// # Errors
+    /// None for a model whose joints can move.
+    pub fn problem(&self) -> Result<(Problem, TaskId<Point>), ProblemError> {
+        let mut builder = Problem::builder(&self.model);
+        builder.tolerance(Quantity::Metres, 1e-6 * self.size);
+        let hand = builder.add(Point::new(self.hand, self.from));
+        for &(frame, place) in &self.held {
+            builder.add(Point::new(frame, place));
+        }
+        Ok((builder.build()?, hand))
+    }
+
+    /// Where the hand should be: on a slow closed curve through its place at the start that goes
+    /// far beyond what it reaches, and through the body.
+    #[must_use]
+    pub fn target(&self, frame: u32, frames: u32) -> Vector3<f64> {
+        let turn = TAU * f64::from(frame) / f64::from(frames);
+        let wide = Vector3::new(
+            (2.0 * turn).sin() + 0.3 * (7.0 * turn).sin(),
+            (3.0 * turn).sin() + 0.3 * (11.0 * turn).sin(),
+            (5.0 * turn).sin() - 0.3 * (13.0 * turn).sin(),
+        );
+        self.from + wide * (0.6 * self.size)
+    }
 }

@@ -1,6 +1,7 @@
 //! Solving a [`Problem`](crate::Problem): a method, restarts, and the truth about the result.
 
 mod attempts;
+mod drag;
 mod error;
 mod explain;
 mod restarts;
@@ -8,6 +9,7 @@ mod solution;
 mod solver;
 mod workspace;
 
+pub use drag::{Drag, Leap};
 pub use error::SolveError;
 pub use restarts::Restarts;
 pub use solution::{ActiveLimit, BoundKind, RowsReport, Side, Solution, TaskReport};

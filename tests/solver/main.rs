@@ -1,6 +1,7 @@
 //! Solving problems of tasks.
 
 mod contradicting_targets;
+mod drags;
 mod invariance;
 mod limits_hold;
 mod method_battery;

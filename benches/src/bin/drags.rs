@@ -1,0 +1,183 @@
+//! Rigs dragged out of reach, into their limits and back: how far any joint leaps between two
+//! frames, and what a frame costs; then what whole bodies cost that cannot reach:
+//! `cargo run --release -p kinopt-benches --bin drags -- [FILE.json | FILE.urdf …]`.
+#![allow(clippy::print_stdout)]
+
+use std::error::Error;
+use std::path::Path;
+use std::time::Instant;
+
+use kinopt::ik::{Drag, Restarts};
+use kinopt::io::rig::Rig;
+use kinopt::robot::Robot;
+use kinopt::{Solution, Solver, Workspace};
+use kinopt_benches::{BodyMiss, DragScene, at_ease, figure};
+
+/// Frames of one drag.
+const FRAMES: u32 = 5000;
+/// A joint that moves further in a frame has leapt, in radians.
+const LEAP: f64 = 0.2;
+
+/// What the frames of a drag came to.
+#[derive(Default)]
+struct Course {
+    leaps: usize,
+    furthest: f64,
+    reached: usize,
+    steps: usize,
+    evaluations: usize,
+    micros: Vec<f64>,
+}
+
+impl Course {
+    fn take(&mut self, begun: Instant, solution: &Solution, q: &mut [f64]) {
+        self.micros.push(begun.elapsed().as_secs_f64() * 1e6);
+        let moves = solution.q.iter().zip(&*q);
+        let furthest = moves.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        self.leaps += usize::from(furthest > LEAP);
+        self.furthest = self.furthest.max(furthest);
+        self.reached += usize::from(solution.reached);
+        self.steps += solution.iterations;
+        self.evaluations += solution.counts.residuals;
+        q.copy_from_slice(&solution.q);
+    }
+
+    fn print(mut self, who: &str) {
+        self.micros.sort_by(f64::total_cmp);
+        let at = |share: f64| self.micros[((self.micros.len() - 1) as f64 * share) as usize];
+        println!(
+            "  {who:<22} {:>5} leaps, furthest {:>6.3} rad, {:>4} reached, {:>7.1} steps, \
+             {:>7.1} evaluations a frame, p50 {:>8.1} µs, p99 {:>9.1} µs, max {:>9.1} µs",
+            self.leaps,
+            self.furthest,
+            self.reached,
+            self.steps as f64 / f64::from(FRAMES),
+            self.evaluations as f64 / f64::from(FRAMES),
+            at(0.5),
+            at(0.99),
+            at(1.0),
+        );
+    }
+}
+
+fn by_solver(scene: &DragScene, solver: &Solver) -> Result<Course, Box<dyn Error>> {
+    let (mut problem, hand) = scene.problem()?;
+    let mut workspace = Workspace::new();
+    let mut q = scene.start.clone();
+    let mut course = Course::default();
+    for frame in 0..FRAMES {
+        if let Some(point) = problem.residual_mut(hand) {
+            point.set_target(scene.target(frame, FRAMES));
+        }
+        let begun = Instant::now();
+        let solution = solver.solve(&problem, &q, &mut workspace)?;
+        course.take(begun, solution, &mut q);
+    }
+    Ok(course)
+}
+
+fn by_drag(scene: &DragScene) -> Result<Course, Box<dyn Error>> {
+    let (problem, hand) = scene.problem()?;
+    let mut drag = Drag::new(problem, &scene.start)?;
+    let mut q = scene.start.clone();
+    let mut course = Course::default();
+    for frame in 0..FRAMES {
+        if let Some(point) = drag.residual_mut(hand) {
+            point.set_target(scene.target(frame, FRAMES));
+        }
+        let begun = Instant::now();
+        let solution = drag.advance();
+        course.take(begun, solution, &mut q);
+    }
+    Ok(course)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let files: Vec<String> = std::env::args().skip(1).collect();
+    let mut scenes = Vec::new();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let (skeleton, tips) = figure(2, 4);
+    let start = at_ease(&skeleton);
+    scenes.push(DragScene::of_skeleton(
+        "figure of 22 bones",
+        &skeleton,
+        tips[1],
+        &tips,
+        start,
+    ));
+    let mut rigs = vec![
+        models.join("humanoid/humanoid.json"),
+        models.join("robot-arm/robot-arm.json"),
+    ];
+    rigs.extend(
+        files
+            .iter()
+            .filter(|f| f.ends_with(".json"))
+            .map(Into::into),
+    );
+    for path in rigs {
+        let rig = Rig::read(&path)?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let hand = rig.skeleton.bone("left_hand").ok();
+        let hand = hand
+            .or(rig.skeleton.bone_ids().last())
+            .ok_or("a rig with bones")?;
+        let rest = rig.skeleton.model().neutral();
+        scenes.push(DragScene::of_skeleton(
+            &name,
+            &rig.skeleton,
+            hand,
+            &rig.constrained,
+            rest,
+        ));
+    }
+    for scene in &scenes {
+        println!("{}, {FRAMES} frames", scene.name);
+        by_solver(scene, &Solver::default())?.print("solver");
+        let once = Solver::default().with_restarts(Restarts::none());
+        by_solver(scene, &once)?.print("solver, one attempt");
+        by_drag(scene)?.print("drag");
+    }
+
+    println!("bodies that miss");
+    let mut bodies = vec![BodyMiss::of_figure("figure of 22 bones", &skeleton, &tips)];
+    for file in files.iter().filter(|f| f.ends_with(".urdf")) {
+        bodies.push(BodyMiss::of_robot(file, &Robot::read(file)?)?);
+    }
+    for body in &bodies {
+        let mut workspace = Workspace::new();
+        for (who, solver) in [
+            ("solver", Solver::default()),
+            (
+                "one attempt",
+                Solver::default().with_restarts(Restarts::none()),
+            ),
+        ] {
+            for (what, problem) in &body.problems {
+                let mut micros: Vec<f64> = Vec::new();
+                for _ in 0..5 {
+                    let begun = Instant::now();
+                    solver.solve(problem, &body.start, &mut workspace)?;
+                    micros.push(begun.elapsed().as_secs_f64() * 1e6);
+                }
+                micros.sort_by(f64::total_cmp);
+                let solution = workspace.solution();
+                println!(
+                    "  {}, {} variables, {what}, {who}: cost {:.9e}, {} attempts, {} steps, {} residuals, \
+                     {} Jacobians, {} gradients, {:?}, {:.0} µs",
+                    body.name,
+                    problem.variables(),
+                    solution.cost,
+                    solution.attempts,
+                    solution.iterations,
+                    solution.counts.residuals,
+                    solution.counts.jacobians,
+                    solution.counts.gradients,
+                    solution.termination,
+                    micros[2],
+                );
+            }
+        }
+    }
+    Ok(())
+}

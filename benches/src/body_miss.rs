@@ -1,0 +1,185 @@
+//! Whole bodies asked for what they cannot do.
+
+use std::error::Error;
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, Limits};
+use kinopt::robot::Robot;
+use kinopt::scalar::Scalar;
+use kinopt::skeleton::BoneId;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{LocalJacobian, Point, Pose, Quantity, Residual, Rows};
+use kinopt::{Model, Problem, Skeleton};
+
+/// A body and questions that it misses.
+pub struct BodyMiss {
+    /// For people.
+    pub name: String,
+    /// Where each solve starts.
+    pub start: Vec<f64>,
+    /// By what they ask.
+    pub problems: Vec<(&'static str, Problem)>,
+}
+
+/// The mean place of some frames stays above a point.
+struct Balance {
+    frames: Vec<FrameId>,
+    above: [f64; 2],
+    by_hand: bool,
+}
+
+impl Residual for Balance {
+    fn kind(&self) -> &'static str {
+        "balance"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.clone()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 2)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let mut centre = Vector3::<S>::zero();
+        for frame in frames {
+            centre += frame.translation;
+        }
+        let share = S::constant(1.0 / frames.len() as f64);
+        residual[0] = centre.x * share - S::constant(self.above[0]);
+        residual[1] = centre.y * share - S::constant(self.above[1]);
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let share = 1.0 / frames.len() as f64;
+        for k in (0..frames.len()).filter(|_| self.by_hand) {
+            jacobian.linear_mut(k)[0] = Vector3::new(share, 0.0, 0.0);
+            jacobian.linear_mut(k)[1] = Vector3::new(0.0, share, 0.0);
+        }
+        self.by_hand
+    }
+}
+
+impl BodyMiss {
+    /// A figure whose second tip should go far beyond its reach while the others stay.
+    #[must_use]
+    pub fn of_figure(name: &str, skeleton: &Skeleton, tips: &[BoneId]) -> Self {
+        let start = crate::at_ease(skeleton);
+        let pose = skeleton.pose(&start);
+        let size = skeleton.size();
+        let problem = |far: f64| {
+            let mut builder = Problem::builder(skeleton.model());
+            for (k, &tip) in tips.iter().enumerate() {
+                let mut place = pose.tip(skeleton, tip);
+                if k == 1 {
+                    place += Vector3::new(0.7, 0.5, 0.2) * (far * size);
+                }
+                builder.add(Point::new(skeleton.tip(tip), place));
+            }
+            builder.build()
+        };
+        let problems = [("a little out of reach", 0.3), ("far out of reach", 2.0)];
+        let built = problems.map(|(what, far)| (what, problem(far).expect("its tasks are valid")));
+        Self {
+            name: name.to_owned(),
+            problems: built.into(),
+            start,
+        }
+    }
+
+    /// A robot on a floating base: both feet stay, the centre of its links stays above them, and a
+    /// hand should go beyond its reach.
+    ///
+    /// # Errors
+    /// A robot without links named after its left and right foot and hand.
+    pub fn of_robot(name: &str, robot: &Robot) -> Result<Self, Box<dyn Error>> {
+        let fixed = robot.model();
+        let mut builder = Model::builder(name);
+        let [x, y, z] = Vector3::UNITS;
+        let (here, slide) = (Placement::identity(), Limits::new(-2.0, 2.0));
+        let turn = Limits::new(-1.5, 1.5);
+        let mut base = None;
+        for (part, axis) in [("base x", x), ("base y", y), ("base z", z)] {
+            base = Some(builder.prismatic(part, base, here, axis, slide));
+        }
+        for (part, axis) in [("base yaw", z), ("base pitch", y), ("base roll", x)] {
+            base = Some(builder.revolute(part, base, here, axis, turn));
+        }
+        let mut ids = Vec::new();
+        for joint in fixed.joints() {
+            let parent = joint.parent.map_or(base, |id| ids.get(id.index()).copied());
+            let (name, at) = (joint.name.clone(), joint.parent_from_joint);
+            use kinopt::model::JointKind::{Continuous, Fixed, Prismatic, Revolute};
+            ids.push(match joint.kind {
+                Revolute => builder.revolute(name, parent, at, joint.axis, joint.limits),
+                Prismatic => builder.prismatic(name, parent, at, joint.axis, joint.limits),
+                Continuous => builder.continuous(name, parent, at, joint.axis),
+                Fixed => builder.fixed(name, parent, at),
+            });
+        }
+        for frame in fixed.frames() {
+            let on = frame.joint.map_or(base, |id| ids.get(id.index()).copied());
+            builder.frame(frame.name.clone(), on, frame.joint_from_frame);
+        }
+        let model = builder.build()?;
+        let start = model.neutral();
+        let pick = |words: [&[&str]; 2]| -> Result<FrameId, Box<dyn Error>> {
+            let fits = |name: &str| words.iter().all(|any| any.iter().any(|w| name.contains(w)));
+            let found = model
+                .frame_ids()
+                .find(|id| fits(&model.frames()[id.index()].name));
+            found.ok_or_else(|| format!("{name}: no link like {words:?}").into())
+        };
+        let foot: &[&str] = &["sole", "ankle_roll", "ankle"];
+        let hand: &[&str] = &[
+            "gripper_left_base",
+            "hand_palm",
+            "wrist_yaw",
+            "elbow",
+            "gripper",
+        ];
+        let feet = [pick([&["left"], foot])?, pick([&["right"], foot])?];
+        let hand = pick([&["left"], hand])?;
+        let places = ForwardKinematics::new(&model).place(&start)?.to_vec();
+        let links: Vec<FrameId> = model
+            .frame_ids()
+            .filter(|id| model.frames()[id.index()].joint.is_some())
+            .collect();
+        let mut problems = Vec::new();
+        for (what, far, balanced) in [
+            ("a hand 0.5 m away", 0.5, false),
+            ("a hand 0.5 m away, balanced", 0.5, true),
+            ("a hand 3 m away", 3.0, false),
+            ("a hand 3 m away, balanced", 3.0, true),
+        ] {
+            let mut builder = Problem::builder(&model);
+            for foot in feet {
+                builder.add(Pose::new(foot, places[foot.index()]));
+            }
+            if balanced {
+                let centre = links.iter().fold(Vector3::new(0.0, 0.0, 0.0), |sum, id| {
+                    sum + places[id.index()].translation * (1.0 / links.len() as f64)
+                });
+                builder.add(Balance {
+                    frames: links.clone(),
+                    above: [centre.x, centre.y],
+                    by_hand: true,
+                });
+            }
+            let place = places[hand.index()].translation + Vector3::new(far, 0.3, far);
+            builder.add(Point::new(hand, place));
+            problems.push((what, builder.build()?));
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            start,
+            problems,
+        })
+    }
+}

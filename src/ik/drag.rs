@@ -1,0 +1,331 @@
+//! Dragging: one problem whose targets move from frame to frame.
+
+use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace, check_start};
+use crate::problem::{Problem, TaskId};
+use crate::random::RandomStream;
+use crate::solver::{Stopping, Termination, project};
+use crate::task::Residual;
+
+/// How far a joint may move in a frame unless told otherwise, in radians: 9 rad/s at 60 frames a
+/// second.
+const MOST_MOVE: f64 = 0.15;
+/// A slide moves as far as a joint at this share of the model's reach would carry it.
+const REACH_PER_RADIAN: f64 = 0.25;
+/// Steps of a frame at most. A frame that is cut short goes on in the next.
+const STEPS: usize = 40;
+/// Every so many frames that settle on a miss, a nudge tells a place of rest from a balance: an
+/// arm that is stretched out to the bit does not feel a target that comes back along it.
+const NUDGE_EVERY: usize = 4;
+/// How far the nudge goes, in radians, and for how many steps it may show that it leads on.
+const NUDGE: f64 = 0.01;
+const NUDGE_STEPS: usize = 10;
+/// The cost at which a nudge, or a search from elsewhere, has led to something better.
+const BETTER: f64 = 1.0 - 1e-3;
+
+/// A problem that is solved again and again while its targets move, as a hand under a mouse does.
+///
+/// Each [`advance`](Self::advance) settles from where the last one ended, on the same branch, in a
+/// bounded number of steps and without restarts, so that a frame that misses costs no more than a few
+/// that reach. No joint moves further in a frame than [`with_max_move`](Self::with_max_move) says:
+/// where a target leaps or a branch ends, the body follows over several frames, which
+/// [`catching_up`](Self::catching_up) tells. It leaps only where [`with_search`](Self::with_search)
+/// asks for a global search on a miss, and then [`leap`](Self::leap) says so.
+///
+/// ```
+/// use kinopt::ik::Drag;
+/// use kinopt::model::{Limits, Model};
+/// use kinopt::spatial::{Placement, Vector3};
+/// use kinopt::task::Point;
+/// use kinopt::Problem;
+///
+/// let mut builder = Model::builder("planar arm");
+/// let axis = Vector3::new(0.0, 0.0, 1.0);
+/// let limits = Limits::new(-3.0, 3.0);
+/// let link = Placement::translation(Vector3::new(1.0, 0.0, 0.0));
+/// let shoulder = builder.revolute("shoulder", None, Placement::identity(), axis, limits);
+/// let elbow = builder.revolute("elbow", Some(shoulder), link, axis, limits);
+/// let tip = builder.frame("tip", Some(elbow), link);
+/// let model = builder.build()?;
+///
+/// let mut tasks = Problem::builder(&model);
+/// let hand = tasks.add(Point::new(tip, [1.5, 0.5, 0.0]));
+/// let mut drag = Drag::new(tasks.build()?, &[0.1, 0.5])?;
+/// for frame in 0..100 {
+///     let mouse = [1.5 + 0.02 * f64::from(frame), 0.5, 0.0];
+///     if let Some(point) = drag.residual_mut(hand) {
+///         point.set_target(mouse);
+///     }
+///     let solution = drag.advance();
+///     assert!(solution.reached || frame > 10);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Drag {
+    problem: Problem,
+    solver: Solver,
+    nudged: Solver,
+    search: Option<Solver>,
+    max_move: f64,
+    /// The problem's own bounds, while those of a frame stand in for them.
+    limits: [Vec<f64>; 2],
+    /// The bounds of a frame.
+    around: [Vec<f64>; 2],
+    /// What a joint may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
+    unit: Vec<f64>,
+    x: Vec<f64>,
+    q: Vec<f64>,
+    workspace: Workspace,
+    trial: Workspace,
+    /// Frames in a row that settled on a miss.
+    misses: usize,
+    leap: Option<(usize, f64)>,
+}
+
+/// A joint that moved further in a frame than the drag allows, because a search from elsewhere was
+/// asked for and found better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leap<'a> {
+    /// The joint that moved furthest for what it may.
+    pub joint: &'a str,
+    /// How far, in radians or metres.
+    pub distance: f64,
+}
+
+impl Drag {
+    /// A drag of `problem` from the configuration `start` (degrees of freedom; projected into the
+    /// limits). The problem's targets may be anywhere: the first [`advance`](Self::advance) looks.
+    ///
+    /// # Errors
+    /// A start of the wrong length, or one that is not finite.
+    pub fn new(problem: Problem, start: &[f64]) -> Result<Self, SolveError> {
+        check_start(&problem, start)?;
+        let n = problem.variables();
+        let slide = match problem.reach() {
+            reach if reach > 0.0 => REACH_PER_RADIAN * reach,
+            _ => 1.0,
+        };
+        let angles = problem.names().variable_is_angle.iter();
+        let mut drag = Self {
+            solver: Solver::default(),
+            nudged: Solver::default(),
+            search: None,
+            max_move: MOST_MOVE,
+            limits: [problem.lower().to_vec(), problem.upper().to_vec()],
+            around: [vec![0.0; n], vec![0.0; n]],
+            unit: angles
+                .map(|&angle| if angle { 1.0 } else { slide })
+                .collect(),
+            x: vec![0.0; n],
+            q: start.to_vec(),
+            workspace: Workspace::new(),
+            trial: Workspace::new(),
+            misses: 0,
+            leap: None,
+            problem,
+        };
+        drag.stand_at(start)?;
+        Ok(drag.with_solver(
+            Solver::default(),
+            Stopping::default().with_max_iterations(STEPS),
+        ))
+    }
+
+    /// The method of another solver, within these limits a frame: at most 40 steps unless set. Its
+    /// restarts are not used.
+    #[must_use]
+    pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Self {
+        let few = stopping.max_iterations().min(NUDGE_STEPS);
+        let once = solver.with_restarts(Restarts::none());
+        self.nudged = once
+            .clone()
+            .with_stopping(stopping.with_max_iterations(few));
+        self.solver = once.with_stopping(stopping);
+        self
+    }
+
+    /// How far a joint may move in a frame, in radians: 0.15 unless set; slides as far as a joint
+    /// would carry what is a quarter of the model's reach away. Must be positive; infinity lets a
+    /// joint go where its branch takes it. Anything else changes nothing.
+    #[must_use]
+    pub fn with_max_move(mut self, radians: f64) -> Self {
+        if radians > 0.0 {
+            self.max_move = radians;
+        }
+        self
+    }
+
+    /// Where a frame settles on a miss, searches from other places too, and goes to what is better by
+    /// a thousandth of the cost: told as a [`leap`](Self::leap). Such a frame costs what a whole
+    /// solve costs. Without it a drag never leaps.
+    #[must_use]
+    pub fn with_search(mut self, restarts: Restarts) -> Self {
+        self.search = Some(Solver::default().with_restarts(restarts));
+        self
+    }
+
+    /// What is dragged.
+    #[must_use]
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// A task's residual, to move its target; as [`Problem::residual_mut`].
+    #[must_use]
+    pub fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
+        self.problem.residual_mut(task)
+    }
+
+    /// Where the body stands (degrees of freedom).
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// What the last frame came to: empty before the first. Its
+    /// [`active_limits`](Solution::active_limits) tell limits from the most that a joint may move in
+    /// a frame.
+    #[must_use]
+    pub fn solution(&self) -> &Solution {
+        &self.workspace.solution
+    }
+
+    /// Whether some joint moved as far as a frame allows and would go on: the next frames follow.
+    #[must_use]
+    pub fn catching_up(&self) -> bool {
+        let mut limits = self.solution().active_limits();
+        limits.any(|limit| limit.kind == BoundKind::Move)
+    }
+
+    /// The leap of the last frame, if it leapt.
+    #[must_use]
+    pub fn leap(&self) -> Option<Leap<'_>> {
+        let (variable, distance) = self.leap?;
+        let joint = self.problem.names().variables.get(variable)?;
+        Some(Leap { joint, distance })
+    }
+
+    /// Goes on from another configuration (degrees of freedom; projected into the limits).
+    ///
+    /// # Errors
+    /// One of the wrong length, or one that is not finite.
+    pub fn stand_at(&mut self, q: &[f64]) -> Result<(), SolveError> {
+        check_start(&self.problem, q)?;
+        let [lower, upper] = &self.limits;
+        self.problem.parameters().reduce(q, &mut self.x);
+        project(&mut self.x, lower, upper);
+        let map = self.problem.parameters();
+        map.expand_within_limits(&self.x, &mut self.q);
+        self.misses = 0;
+        Ok(())
+    }
+
+    /// One frame: follows the targets as they are now.
+    pub fn advance(&mut self) -> &Solution {
+        self.leap = None;
+        self.keep_near();
+        solve(&self.solver, &self.problem, &self.q, &mut self.workspace);
+        let settled = |solution: &Solution| {
+            !solution.reached && solution.termination == Termination::Stationary
+        };
+        let held = |solution: &mut Solution, [lower, upper]: &[Vec<f64>; 2]| {
+            solution.mark_moves(lower, upper);
+            let mut limits = solution.active_limits();
+            limits.any(|limit| limit.kind == BoundKind::Move)
+        };
+        let solution = &mut self.workspace.solution;
+        let stuck = settled(solution) && !held(solution, &self.limits);
+        self.misses = if stuck { self.misses + 1 } else { 0 };
+        if stuck && self.misses % NUDGE_EVERY == 1 {
+            self.nudge();
+            held(&mut self.workspace.solution, &self.limits);
+        }
+        let [lower, upper] = &self.limits;
+        self.problem.set_bounds(lower, upper);
+        if stuck {
+            self.search();
+        }
+        let solution = &self.workspace.solution;
+        if solution.q.iter().all(|value| value.is_finite()) {
+            self.q.copy_from_slice(&solution.q);
+            self.problem.parameters().reduce(&self.q, &mut self.x);
+        }
+        solution
+    }
+
+    /// Narrows the bounds to what a joint may move in a frame.
+    fn keep_near(&mut self) {
+        let ([lower, upper], [from, to]) = (&self.limits, &mut self.around);
+        for (j, &x) in self.x.iter().enumerate() {
+            let far = self.max_move * self.unit[j];
+            from[j] = (x - far).max(lower[j]);
+            to[j] = (x + far).min(upper[j]);
+        }
+        self.problem.set_bounds(from, to);
+    }
+
+    /// Sets off a little beside where the frame settled, and stays with what that leads to if it is
+    /// better.
+    fn nudge(&mut self) {
+        let from = &self.workspace.solution.q;
+        let map = self.problem.parameters();
+        // Into the other's memory, which has the right size after the first time.
+        self.trial.start.resize(self.x.len(), 0.0);
+        map.reduce(from, &mut self.trial.start);
+        let mut random = RandomStream::new(0, self.misses as u64);
+        for (j, value) in self.trial.start.iter_mut().enumerate() {
+            let aside = self.unit[j] * NUDGE * (2.0 * random.unit() - 1.0);
+            if self.problem.is_felt(j) {
+                *value += aside;
+            }
+        }
+        project(&mut self.trial.start, &self.around[0], &self.around[1]);
+        map.expand_within_limits(&self.trial.start, &mut self.q);
+        solve(&self.nudged, &self.problem, &self.q, &mut self.trial);
+        self.take_trial();
+    }
+
+    /// Searches from everywhere, where that is asked for.
+    fn search(&mut self) {
+        let Some(search) = &self.search else {
+            return;
+        };
+        solve(
+            search,
+            &self.problem,
+            &self.workspace.solution.q,
+            &mut self.trial,
+        );
+        if !self.take_trial() {
+            return;
+        }
+        let map = self.problem.parameters();
+        map.reduce(&self.workspace.solution.q, &mut self.around[0]);
+        let moves = self.around[0].iter().zip(&self.x).zip(&self.unit);
+        let moves = moves.map(|((to, from), unit)| (to - from).abs() / unit);
+        let furthest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        self.leap = furthest
+            .filter(|&(_, moved)| moved > self.max_move)
+            .map(|(variable, moved)| (variable, moved * self.unit[variable]));
+    }
+
+    /// Stays with the trial if it is better; either way the frame has made both.
+    fn take_trial(&mut self) -> bool {
+        let (kept, trial) = (&mut self.workspace, &mut self.trial);
+        let better = trial.solution.reached || trial.solution.cost < BETTER * kept.solution.cost;
+        if better {
+            std::mem::swap(kept, trial);
+        }
+        kept.solution.iterations += trial.solution.iterations;
+        kept.solution.attempts += trial.solution.attempts;
+        kept.solution.counts += trial.solution.counts;
+        better
+    }
+}
+
+/// A solve from a start of the right length. Where a number in it is not finite, which a residual of
+/// the caller's may bring about, the last solution stays.
+fn solve(solver: &Solver, problem: &Problem, from: &[f64], workspace: &mut Workspace) {
+    let solved = solver.solve(problem, from, workspace);
+    debug_assert!(solved.is_ok(), "a start of its own that does not fit");
+}

@@ -1,0 +1,205 @@
+//! Promise: a drag follows its targets on one branch: no joint leaps, neither where a target goes
+//! out of reach, nor into limits, nor back, unless a search was asked for, and then it is told; a
+//! frame that misses costs no more than a few that reach.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::ik::{Drag, Restarts};
+use kinopt::problem::{Problem, TaskId};
+use kinopt::skeleton::Skeleton;
+use kinopt::spatial::Vector3;
+use kinopt::task::{Point, Quantity};
+use support::bones::RandomRig;
+use support::planar_arm;
+
+/// The most that a joint moves in a frame, and what rounding may add.
+const MOST_MOVE: f64 = 0.15 + 1e-12;
+/// Evaluations of a frame at most: its steps, a nudge's, and what learning curvature takes.
+const EVALUATIONS: usize = 400;
+
+/// The second tip of a rig goes, the others stay.
+fn drag(rig: &RandomRig, start: &[f64]) -> (Drag, TaskId<Point>, Vector3<f64>) {
+    let (skeleton, size) = (&rig.skeleton, rig.skeleton.size());
+    let mut builder = Problem::builder(skeleton.model());
+    builder.tolerance(Quantity::Metres, 1e-6 * size);
+    let pose = skeleton.pose(start);
+    let tasks: Vec<_> = (rig.tips.iter())
+        .map(|&tip| builder.add(Point::new(skeleton.tip(tip), pose.tip(skeleton, tip))))
+        .collect();
+    let from = pose.tip(skeleton, rig.tips[1]);
+    let drag = Drag::new(builder.build().unwrap(), start).unwrap();
+    (drag, tasks[1], from)
+}
+
+/// Every bend a little off zero.
+fn at_ease(skeleton: &Skeleton) -> Vec<f64> {
+    let limits = skeleton.model().limits().enumerate();
+    limits
+        .map(|(k, l)| l.clamp(if k % 3 == 1 { 0.3 } else { 0.0 }))
+        .collect()
+}
+
+fn furthest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+#[test]
+fn out_of_reach_into_limits_and_back_without_a_leap() {
+    for seed in 0..2 {
+        let rig = RandomRig::new(seed);
+        let start = at_ease(&rig.skeleton);
+        let (mut drag, hand, from) = drag(&rig, &start);
+        let size = rig.skeleton.size();
+        let frames = 120;
+        let (mut q, mut missed) = (drag.q().to_vec(), 0);
+        for frame in 0..=frames {
+            let turn = std::f64::consts::TAU * f64::from(frame) / f64::from(frames);
+            let aside = Vector3::new((2.0 * turn).sin(), (3.0 * turn).sin(), turn.sin());
+            drag.residual_mut(hand)
+                .unwrap()
+                .set_target(from + aside * size);
+            let solution = drag.advance();
+            assert!(
+                furthest(&solution.q, &q) <= MOST_MOVE,
+                "{seed}, frame {frame}"
+            );
+            assert!(
+                solution.counts.residuals <= EVALUATIONS,
+                "{:?}",
+                solution.counts
+            );
+            for (value, limits) in solution.q.iter().zip(rig.skeleton.model().limits()) {
+                assert!(limits.contains(*value));
+            }
+            missed += usize::from(!solution.reached);
+            q.copy_from_slice(&solution.q);
+            assert_eq!(drag.leap(), None);
+            assert_eq!(drag.q(), q);
+        }
+        assert!(missed > 30, "{seed}: only {missed} frames out of reach");
+        // Back where it was: the frames that follow catch up.
+        let mut frames = 0;
+        while !drag.advance().reached {
+            frames += 1;
+            assert!(frames < 60, "{seed}: {}", drag.solution().explain());
+        }
+    }
+}
+
+#[test]
+fn a_target_that_rests_out_of_reach_brings_the_body_to_rest() {
+    let rig = RandomRig::new(2);
+    let (mut drag, hand, from) = drag(&rig, &at_ease(&rig.skeleton));
+    let far = from + Vector3::new(2.0, 1.0, 0.5) * rig.skeleton.size();
+    drag.residual_mut(hand).unwrap().set_target(far);
+    for _ in 0..150 {
+        drag.advance();
+    }
+    let settled = drag.q().to_vec();
+    for _ in 0..20 {
+        let solution = drag.advance();
+        assert!(!solution.reached && furthest(&solution.q, &settled) < 1e-6);
+        assert!(!drag.catching_up());
+    }
+}
+
+#[test]
+fn a_target_that_leaps_is_followed_and_the_lag_is_told() {
+    let model = planar_arm(&[1.0, 0.8], Some((-3.0, 3.0)));
+    let mut builder = Problem::builder(&model);
+    let hand = builder.add(Point::new(model.frame("tip").unwrap(), [1.2, 0.5, 0.0]));
+    let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.5]).unwrap();
+    while !drag.advance().reached {}
+    drag.residual_mut(hand)
+        .unwrap()
+        .set_target([-1.2, 0.5, 0.0]);
+    let mut q = drag.q().to_vec();
+    let mut frames = 0;
+    while !drag.advance().reached {
+        assert!(drag.catching_up(), "{}", drag.solution().explain());
+        assert!(drag.solution().explain().contains("allowed move"));
+        assert!(furthest(drag.q(), &q) <= MOST_MOVE);
+        q.copy_from_slice(drag.q());
+        frames += 1;
+        assert!(frames < 60);
+    }
+    assert!(frames > 5 && !drag.catching_up());
+}
+
+#[test]
+fn a_stretched_arm_comes_back_along_the_line_it_left_by() {
+    // Stretched out to the bit: no joint feels a target that comes straight back.
+    let model = planar_arm(&[1.0, 0.8], Some((-2.8, 2.8)));
+    let mut builder = Problem::builder(&model);
+    let hand = builder.add(Point::new(model.frame("tip").unwrap(), [2.5, 0.0, 0.0]));
+    let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
+    assert!(!drag.advance().reached);
+    let mut q = drag.q().to_vec();
+    for frame in 0..60 {
+        let x = (2.5 - 0.02 * f64::from(frame)).max(1.5);
+        drag.residual_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
+        drag.advance();
+        assert!(furthest(drag.q(), &q) <= MOST_MOVE);
+        q.copy_from_slice(drag.q());
+    }
+    assert!(drag.solution().reached, "{}", drag.solution().explain());
+}
+
+#[test]
+fn a_search_leaps_only_where_asked_for_and_is_told() {
+    // A stop keeps the elbow from the other side, where the target could be reached.
+    let model = planar_arm(&[1.0, 0.8], Some((-2.3, 2.3)));
+    let tip = model.frame("tip").unwrap();
+    let drag = || {
+        let mut builder = Problem::builder(&model);
+        // Beyond the shoulder's upper stop with the elbow bent that way, not with the other.
+        builder.add(Point::new(tip, [-1.2, 0.3, 0.0]));
+        Drag::new(builder.build().unwrap(), &[-1.5, -0.5]).unwrap()
+    };
+    let mut calm = drag();
+    for _ in 0..60 {
+        assert!(!calm.advance().reached);
+        assert_eq!(calm.leap(), None);
+    }
+    let mut keen = drag().with_search(Restarts::default());
+    let mut leaps = 0;
+    for _ in 0..60 {
+        let before = keen.q().to_vec();
+        keen.advance();
+        let moved = furthest(keen.q(), &before);
+        if moved > MOST_MOVE {
+            let leap = keen.leap().expect("a leap is told");
+            assert_eq!(leap.distance, moved);
+            leaps += 1;
+        } else {
+            assert_eq!(keen.leap(), None);
+        }
+    }
+    assert!(leaps == 1 && keen.solution().reached, "{leaps}");
+}
+
+#[test]
+fn the_same_drag_twice_is_the_same_to_the_bit_and_starts_are_checked() {
+    let rig = RandomRig::new(3);
+    let start = at_ease(&rig.skeleton);
+    let run = || {
+        let (mut drag, hand, from) = drag(&rig, &start);
+        for frame in 0..20 {
+            let aside = Vector3::new(0.1, 0.05, -0.02) * f64::from(frame);
+            drag.residual_mut(hand).unwrap().set_target(from + aside);
+            drag.advance();
+        }
+        drag.q().to_vec()
+    };
+    assert_eq!(run(), run());
+    let (mut drag, hand, _) = drag(&rig, &start);
+    assert!(drag.stand_at(&[0.0]).is_err());
+    assert!(drag.stand_at(&vec![f64::NAN; start.len()]).is_err());
+    // A target that is no number moves nothing.
+    drag.residual_mut(hand)
+        .unwrap()
+        .set_target([f64::NAN, 0.0, 0.0]);
+    let before = drag.q().to_vec();
+    assert!(!drag.advance().reached);
+    assert_eq!(drag.q(), before);
+}
