@@ -138,7 +138,7 @@ impl Search<'_> {
                 || over
                 || late
                 || attempt >= restarts.attempts
-                || agreeing >= restarts.agreeing
+                || agreeing >= restarts.enough(true)
                 || self.iterations >= restarts.steps
             {
                 return (best, ended, attempt);

@@ -10,6 +10,10 @@ use crate::solver::{Counts, Method, Observer, Outcome, Stopping, Termination, mi
 /// Costs within this share of each other count as the same miss.
 const SAME_COST: f64 = 1e-6;
 
+/// The caller's own attempt stays where another is better by no more than this share of the cost: what
+/// one did not ask for should not happen for a hair's breadth.
+const NEARLY_SAME: f64 = 1e-3;
+
 /// What the attempts together came to; where, is in the workspace.
 pub(super) struct Found {
     /// How the attempt that counts ended.
@@ -58,6 +62,7 @@ impl Attempts<'_> {
             start,
             attempt,
             wander,
+            first_x,
             best_x,
             best_residual,
             ..
@@ -67,9 +72,10 @@ impl Attempts<'_> {
         let mut agreeing = 0;
         // With preferences the minimum is the goal, and a stall is on the way to it.
         let patient = self.problem.has_preferences();
-        let mut over = false;
+        let enough = self.restarts.enough(patient);
+        let (mut over, mut first_is_best, mut first_may_win) = (false, true, false);
         for trial in self.restarts.trials(patient) {
-            if over && trial != Trial::FinishAtLast {
+            if over && !trial.finishes() {
                 continue;
             }
             match trial {
@@ -84,6 +90,7 @@ impl Attempts<'_> {
                     found.attempts += 1;
                 }
                 Trial::FinishBest if found.outcome.termination != Termination::Stalled => continue,
+                Trial::FinishFirst if first_is_best || !first_may_win => continue,
                 Trial::FinishAtLast if settled(found.outcome.termination) => continue,
                 Trial::FinishAtLast if found.attempts == self.restarts.attempts => continue,
                 Trial::FinishAtLast => {
@@ -91,10 +98,11 @@ impl Attempts<'_> {
                     attempt.copy_from_slice(best_x);
                 }
                 Trial::FinishBest => attempt.copy_from_slice(best_x),
+                Trial::FinishFirst => attempt.copy_from_slice(first_x),
             }
             let stopping = match trial {
-                Trial::Quick(index) => self.stopping.impatient(Restarts::patience(index)),
-                Trial::Full(_) | Trial::FinishBest | Trial::FinishAtLast => self.stopping,
+                Trial::Quick(index) => self.stopping.impatient(self.restarts.patience(index)),
+                _ => self.stopping,
             };
             let outcome = minimise_until(
                 &mut Evaluation::new(self.problem, scratch),
@@ -120,14 +128,24 @@ impl Attempts<'_> {
             let first = found.attempts == 1 && !trial.goes_on();
             // Among equals the earliest, which is the nearest to the caller's start, stays.
             let better = cost < found.cost * (1.0 - SAME_COST) || found.cost.is_nan();
-            if reached || first || better || trial.goes_on() {
+            if first {
+                first_x.copy_from_slice(memory.x());
+                let ended = outcome.termination;
+                first_may_win = settled(ended) || ended == Termination::Stalled;
+            }
+            let kept = match trial {
+                Trial::FinishFirst => cost <= found.cost * (1.0 + NEARLY_SAME),
+                _ => first || better || trial.goes_on(),
+            };
+            if reached || kept {
+                first_is_best &= first || trial.goes_on();
                 (found.outcome, found.cost) = (outcome, cost);
                 best_x.copy_from_slice(memory.x());
                 best_residual.copy_from_slice(memory.residual());
             }
             let cancelled = outcome.termination == Termination::Cancelled;
             let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            over = found.iterations >= self.restarts.steps || agreeing >= self.restarts.agreeing;
+            over = found.iterations >= self.restarts.steps || agreeing >= enough;
             if reached || cancelled || late {
                 break;
             }

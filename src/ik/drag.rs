@@ -125,6 +125,11 @@ impl Drag {
             problem,
         };
         drag.stand_at(start)?;
+        // Its memory before the first frame that needs it, so that frames allocate nothing.
+        let look = Stopping::default().with_max_iterations(0);
+        let look = Solver::default().with_stopping(look);
+        let look = look.with_restarts(Restarts::none());
+        solve(&look, &drag.problem, &drag.q, &mut drag.trial);
         Ok(drag.with_solver(
             Solver::default(),
             Stopping::default().with_max_iterations(STEPS),

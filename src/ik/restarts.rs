@@ -1,8 +1,9 @@
 //! Numbered attempts: where each one starts, and which one counts.
 //!
-//! Attempt 0 is the caller's start. The first few attempts give up as soon as they stall, because
-//! another start most often does better than patience; if none arrives, the best of them is
-//! finished, and the others run to their ends.
+//! Attempt 0 is the caller's start. Attempts give up as soon as they stall, because another start most
+//! often does better than patience; if none arrives, the best of them is finished, and the caller's
+//! own, which stays where it comes to nearly the same. So a miss costs a few times what one attempt
+//! costs that runs to its end.
 //!
 //! Attempt i > 0 is drawn from (seed, i) alone, so attempts could
 //! run in any order; the lowest index that succeeds wins.
@@ -14,13 +15,18 @@ use crate::random::RandomStream;
 /// of 0 both twists coincide, and a small move away shows the way.
 const NUDGE: f64 = 0.15;
 
-/// How many attempts give up when they stall.
-const QUICK_ATTEMPTS: usize = 8;
-/// Steps without halving the cost after which a quick attempt gives up. The caller's start is most
-/// often a neighbour of the answer, which is then found at once, or a singular rest pose, which
-/// leads nowhere.
+/// Steps without halving the cost after which an attempt gives up. The caller's start is most often a
+/// neighbour of the answer, which is then found at once, or a singular rest pose, which leads nowhere.
+/// After ten slow steps a search takes its curvature from differences, which is what it waits for where
+/// others will run to their ends, and saves where all give up.
 const PATIENCE_AT_START: usize = 6;
-const PATIENCE: usize = 10;
+const PATIENCE: usize = 9;
+const PATIENCE_BEFORE_AGREEING: usize = 10;
+
+/// Where attempts that agree are to end the search, so many give up before others run to their ends.
+const QUICK_BEFORE_AGREEING: usize = 8;
+/// Where attempts run to their ends anyway, so many that agree end the search.
+const AGREEING: usize = 3;
 
 /// How many attempts after the first leave alone what already is where it should be.
 const LOCAL_ATTEMPTS: usize = 2;
@@ -32,6 +38,8 @@ pub(super) enum Trial {
     Quick(usize),
     /// The best attempt so far goes on to its end, if it gave up when it stalled.
     FinishBest,
+    /// The caller's own attempt does, if another is the best.
+    FinishFirst,
     /// An attempt that runs to its end.
     Full(usize),
     /// When attempts agree or the steps are used up, the best of all goes on, unless it came to its
@@ -45,8 +53,13 @@ impl Trial {
     pub(super) fn counts_for_agreement(self) -> bool {
         match self {
             Self::Quick(index) | Self::Full(index) => index % 2 == 0,
-            Self::FinishBest | Self::FinishAtLast => true,
+            Self::FinishBest | Self::FinishFirst | Self::FinishAtLast => true,
         }
+    }
+
+    /// Whether the trial still makes sense once no further attempt is made.
+    pub(super) fn finishes(self) -> bool {
+        !matches!(self, Self::Quick(_) | Self::Full(_))
     }
 
     /// Whether the trial goes on from where the best one stands.
@@ -60,19 +73,18 @@ impl Trial {
 pub struct Restarts {
     pub(crate) attempts: usize,
     pub(super) seed: u64,
-    pub(crate) agreeing: usize,
+    pub(super) agreeing: Option<usize>,
     pub(crate) steps: usize,
 }
 
 impl Default for Restarts {
-    /// Up to 32 attempts and 1 000 steps together, seed 0, and an end after three that agree on the
-    /// same miss.
+    /// Up to 32 attempts, all of which are made where none reaches, seed 0, and any number of steps.
     fn default() -> Self {
         Self {
             attempts: 32,
             seed: 0,
-            agreeing: 3,
-            steps: 1000,
+            agreeing: None,
+            steps: usize::MAX,
         }
     }
 }
@@ -102,10 +114,12 @@ impl Restarts {
     }
 
     /// Ends when so many attempts have stopped at the same lowest cost: the target is then taken
-    /// to be out of reach. At least 1.
+    /// to be out of reach. At least 1. All attempts but the first eight then run to their ends, so a
+    /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
+    /// and three are enough.
     #[must_use]
     pub fn with_agreeing(mut self, agreeing: usize) -> Self {
-        self.agreeing = agreeing.max(1);
+        self.agreeing = Some(agreeing.max(1));
         self
     }
 
@@ -117,28 +131,37 @@ impl Restarts {
         self
     }
 
+    /// How many attempts that agree end the search; `patient` ones go to their ends.
+    pub(crate) fn enough(&self, patient: bool) -> usize {
+        let unset = if patient { AGREEING } else { usize::MAX };
+        self.agreeing.unwrap_or(unset)
+    }
+
     /// The runs, in order; `patient` ones all go to their ends.
     pub(super) fn trials(&self, patient: bool) -> impl Iterator<Item = Trial> + use<> {
         let quick = match self.attempts {
             1 => 0,
             _ if patient => 0,
-            attempts => attempts.min(QUICK_ATTEMPTS),
+            // Only attempts that came to their ends can agree.
+            attempts if self.agreeing.is_some() => attempts.min(QUICK_BEFORE_AGREEING),
+            attempts => attempts,
         };
-        let finish = (quick > 0).then_some(Trial::FinishBest);
-        let last = [Trial::FinishAtLast];
+        let best = (quick > 0).then_some(Trial::FinishBest);
+        let first = (quick > 0 && self.agreeing.is_none()).then_some(Trial::FinishFirst);
         (0..quick)
             .map(Trial::Quick)
-            .chain(finish)
+            .chain(best)
             .chain((quick..self.attempts).map(Trial::Full))
-            .chain(last)
+            .chain(first)
+            .chain([Trial::FinishAtLast])
     }
 
     /// How long a quick attempt waits for progress, in steps.
-    pub(super) fn patience(index: usize) -> usize {
-        if index == 0 {
-            PATIENCE_AT_START
-        } else {
-            PATIENCE
+    pub(super) fn patience(&self, index: usize) -> usize {
+        match self.agreeing {
+            _ if index == 0 => PATIENCE_AT_START,
+            None => PATIENCE,
+            Some(_) => PATIENCE_BEFORE_AGREEING,
         }
     }
 

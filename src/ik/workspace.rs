@@ -14,6 +14,8 @@ pub struct Workspace {
     pub(super) start: Vec<f64>,
     pub(super) attempt: Vec<f64>,
     pub(super) wander: Vec<bool>,
+    /// Where the attempt from the start ended.
+    pub(super) first_x: Vec<f64>,
     pub(super) best_x: Vec<f64>,
     pub(super) best_residual: Vec<f64>,
     pub(super) solution: Solution,
@@ -34,7 +36,14 @@ impl Workspace {
 
     /// Takes the problem's shape and hands out its scratch memory, new only for a new problem.
     pub(super) fn fit(&mut self, problem: &Problem) -> Scratch {
-        for vector in [&mut self.start, &mut self.attempt, &mut self.best_x] {
+        let Self {
+            start,
+            attempt,
+            first_x,
+            best_x,
+            ..
+        } = self;
+        for vector in [start, attempt, first_x, best_x] {
             vector.resize(problem.variables(), 0.0);
         }
         self.wander.resize(problem.variables(), true);

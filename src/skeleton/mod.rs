@@ -11,6 +11,7 @@
 mod bone;
 mod builder;
 mod error;
+mod holds;
 mod pose;
 
 use std::collections::HashMap;
@@ -18,6 +19,7 @@ use std::collections::HashMap;
 pub use bone::{Bone, BoneId};
 pub use builder::SkeletonBuilder;
 pub use error::SkeletonError;
+pub use holds::Holds;
 pub use pose::{BonePlacements, Posing};
 
 use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, UnknownName};

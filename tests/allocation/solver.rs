@@ -169,3 +169,26 @@ fn a_frame_of_animation_allocates_nothing() {
     let counted = allocations(|| (0..200).for_each(|k| frame(f64::from(k) / 60.0)));
     assert_eq!(counted, 0);
 }
+
+#[test]
+fn frames_of_a_drag() {
+    let scene = drag();
+    let (at_rest, task) = (scene.at_rest, scene.task);
+    let mut drag = kinopt::ik::Drag::new(scene.problem, &scene.rest).unwrap();
+    drag.advance();
+    let mut random = Random::new(9);
+    // Out of reach and back, with nudges where a frame settles on a miss.
+    for frame in 0..40 {
+        let by = if frame % 20 < 10 { 5.0 } else { 0.02 };
+        let to = if frame % 4 == 0 {
+            at_rest + random.vector(by)
+        } else {
+            at_rest * by
+        };
+        let allocated = allocations(|| {
+            drag.residual_mut(task).unwrap().set_target(to);
+            drag.advance();
+        });
+        assert_eq!(allocated, 0, "frame {frame}");
+    }
+}

@@ -2,6 +2,7 @@
 
 mod canonical_bones;
 mod forward_kinematics;
+mod holds;
 mod kinematic_jacobian;
 mod model_reach;
 mod placed_skeletons;

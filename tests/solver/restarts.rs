@@ -198,3 +198,93 @@ fn what_no_task_feels_stays() {
         assert!(felt || q == from, "angle {k} moved from {from} to {q}");
     }
 }
+
+#[test]
+fn as_many_attempts_are_made_as_asked_for() {
+    // Out of reach: nothing but the option ends the search.
+    let rig = support::bones::RandomRig::new(6);
+    let model = rig.skeleton.model();
+    let mut builder = Problem::builder(model);
+    for &tip in &rig.tips {
+        builder.add(Point::new(rig.skeleton.tip(tip), [9.0, -8.0, 7.0]));
+    }
+    let problem = builder.build().unwrap();
+    for attempts in [1, 2, 7, 32, 150] {
+        let restarts = Restarts::default().with_attempts(attempts);
+        let solver = Solver::default().with_restarts(restarts);
+        let solution = solver.solve_once(&problem, &model.neutral()).unwrap();
+        assert_eq!(solution.attempts, attempts);
+    }
+}
+
+#[test]
+fn a_miss_costs_no_more_than_a_few_attempts() {
+    // 32 attempts, but only the best and the start's own go to their ends.
+    for seed in [3, 6, 8] {
+        let rig = support::bones::RandomRig::new(seed);
+        let model = rig.skeleton.model();
+        let mut builder = Problem::builder(model);
+        let at_ease = rig.skeleton.pose(&model.neutral());
+        for (k, &tip) in rig.tips.iter().enumerate() {
+            let place = at_ease.tip(&rig.skeleton, tip);
+            let far = if k == 1 { 3.0 } else { 0.0 };
+            let aside = kinopt::spatial::Vector3::new(far, 0.5 * far, 0.2 * far);
+            builder.add(Point::new(rig.skeleton.tip(tip), place + aside));
+        }
+        let problem = builder.build().unwrap();
+        let evaluations = |solver: &Solver| {
+            let solution = solver.solve_once(&problem, &model.neutral()).unwrap();
+            assert!(!solution.reached);
+            let counts = solution.counts;
+            (
+                counts.residuals + counts.jacobians + counts.gradients,
+                solution.cost,
+            )
+        };
+        let (once, alone) = evaluations(&Solver::default().with_restarts(Restarts::none()));
+        let (all, best) = evaluations(&Solver::default());
+        assert!(best <= alone * (1.0 + 1e-3));
+        assert!(all < 20 * once.max(60), "{seed}: {all} after {once}");
+    }
+}
+
+#[test]
+fn a_restart_that_is_hardly_better_does_not_win() {
+    // Two arms from one trunk that reach in vain to the left and to the right: mirror images.
+    use kinopt::spatial::{Placement, Vector3};
+    let mut builder = Model::builder("two arms");
+    let [x, y, z] = Vector3::UNITS;
+    let limits = kinopt::model::Limits::new(-1.5, 1.5);
+    let here = Placement::identity();
+    let trunk = builder.revolute("trunk", None, here, z, limits);
+    let chest = builder.revolute("chest", Some(trunk), Placement::translation(y), z, limits);
+    let mut tips = Vec::new();
+    for (side, out) in [("left", -x), ("right", x)] {
+        let at = Placement::translation(out * 0.2);
+        let upper = builder.revolute(format!("{side} shoulder"), Some(chest), at, z, limits);
+        let at = Placement::translation(out);
+        let fore = builder.revolute(format!("{side} elbow"), Some(upper), at, z, limits);
+        tips.push(builder.frame(side, Some(fore), at));
+    }
+    let model = builder.build().unwrap();
+    for height in [0.5, 1.0, 2.0, 4.0] {
+        let mut tasks = Problem::builder(&model);
+        for (&tip, side) in tips.iter().zip([-1.0, 1.0]) {
+            tasks.add(Point::new(tip, [3.0 * side, height, 0.0]));
+        }
+        let problem = tasks.build().unwrap();
+        for seed in 0..4 {
+            let restarts = Restarts::default().with_seed(seed);
+            let solver = Solver::default().with_restarts(restarts);
+            let q = solver.solve_once(&problem, &[0.0; 6]).unwrap().q;
+            for (what, sum) in [
+                ("trunk", q[0]),
+                ("chest", q[1]),
+                ("shoulders", q[2] + q[4]),
+                ("elbows", q[3] + q[5]),
+            ] {
+                assert!(sum.abs() < 1e-3, "{height}, {seed}: {what} {sum}, {q:?}");
+            }
+        }
+    }
+}

@@ -6,6 +6,9 @@ use serde::Serialize;
 
 use crate::number_format::six_digits;
 
+/// A joint that moves further in a step is told, in radians.
+const LONG: f64 = 0.2;
+
 /// What came out for one question.
 #[derive(Clone, Debug)]
 pub(super) struct Answer {
@@ -54,6 +57,27 @@ impl LongStep {
             distance: jump.distance,
             continuous: jump.continuous,
         }
+    }
+
+    /// A step of a path that was dragged, from `before` to `after` (coordinates of the model; those
+    /// that are no `angles` do not count), if it is long: in one piece, as a drag never leaps.
+    pub(super) fn between(
+        step: usize,
+        before: &[f64],
+        after: &[f64],
+        angles: &[bool],
+        joints: &[&str],
+    ) -> Option<Self> {
+        let moves = before.iter().zip(after).map(|(a, b)| (a - b).abs());
+        let moves = moves.zip(angles).zip(joints);
+        let turned = moves.filter_map(|((moved, &angle), joint)| angle.then_some((moved, joint)));
+        let (distance, joint) = turned.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (distance > LONG).then(|| Self {
+            step,
+            joint: (*joint).to_owned(),
+            distance,
+            continuous: true,
+        })
     }
 
     /// A line for people.

@@ -36,6 +36,8 @@ Examples:
         a path: every step starts from the one before
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1
         bring a tip to a point; tips pinned in the rig stay where they are
+  kinopt solve fox.glb --hold b_Hip_01 --target b_LeftHand_011=10,15,30
+        the hips do not turn, nothing else is held (--hold none: nothing at all)
   kinopt solve man.json --free --target bone/9=0.5,1.2,0.3 --target bone/13=-0.5,1.2,0.3
         two hands at once, nothing pinned
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1,1,0,0,0 --out posed.obj
@@ -53,8 +55,9 @@ target misses by and which limits hold it back (--json: \"reached\": false). The
 /// One --target of a robot, and its --targets, go through the arm's front door: the lane engine with
 /// numbered attempts, always the same answer for the same question. Several --target, --ray, rigs
 /// and anything with --solver go through the general solvers. In a rig the other tips that the file
-/// pins (ik_constraints) are held where they are at the start, unless --free. In a scene all joints
-/// of skins turn freely; their tips are where they stand.
+/// pins (ik_constraints) are held where they are at the start. In a scene all joints of skins turn
+/// freely and their tips are where they stand; the trunk up to where the limbs branch off does not
+/// turn, and the ends of the other limbs are held. --hold says otherwise.
 ///
 /// In the output q lists all moving joints in the order of the file (for a robot their names are
 /// beside it under "joints"), those that cannot matter at their start.
@@ -132,8 +135,16 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub(super) position_only: bool,
 
-    /// Let the rig's pinned tips go. Default: those without a target of their own are held.
-    #[arg(long)]
+    /// A bone that stays where it is, or `none`. Default: the tips that a rig's file pins; in a scene
+    /// the trunk, which does not turn, and the ends of the other limbs.
+    ///
+    /// Its tip stays; a bone that carries what has a target does not turn, nor do those above it.
+    /// Repeat it for several.
+    #[arg(long, value_name = "BONE")]
+    pub(super) hold: Vec<String>,
+
+    /// Hold nothing: --hold none. Default: off.
+    #[arg(long, conflicts_with = "hold")]
     pub(super) free: bool,
 
     /// Where the search starts: a word, or numbers in radians and metres.
@@ -207,6 +218,10 @@ pub(crate) struct Arguments {
     pub(super) robot: RobotOptions,
 }
 
+fn count(count: u32) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
 /// A time limit that a clock can hold: above zero, at most 30 years.
 fn milliseconds(text: &str) -> Result<Duration, String> {
     let milliseconds = number_list::positive(text)?;
@@ -236,28 +251,31 @@ impl Arguments {
         }
     }
 
+    /// The limits of the general solver's attempts.
+    pub(super) fn stopping(&self) -> Stopping {
+        let mut stopping = Stopping::default();
+        if let Some(iterations) = self.max_iterations {
+            stopping = stopping.with_max_iterations(count(iterations));
+        }
+        match self.time_limit {
+            Some(limit) => stopping.with_time_limit(limit),
+            None => stopping,
+        }
+    }
+
     /// The general solver with its limits.
     pub(super) fn general_solver(&self) -> Solver {
-        let count = |count: u32| usize::try_from(count).unwrap_or(usize::MAX);
-        let mut stopping = Stopping::default();
-        stopping = stopping.with_max_iterations(count(self.max_iterations.unwrap_or(200)));
-        if let Some(limit) = self.time_limit {
-            stopping = stopping.with_time_limit(limit);
+        let mut restarts = Restarts::default().with_seed(self.rng_seed);
+        if let Some(attempts) = self.attempts() {
+            restarts = restarts.with_attempts(count(attempts));
         }
-        let attempts = count(self.attempts().unwrap_or(32));
-        // All attempts are made: several that agree may still share a local minimum, and a person
-        // who waits for one answer rather waits a millisecond more than hears that a target is out
-        // of reach.
-        let restarts = Restarts::default()
-            .with_attempts(attempts)
-            .with_agreeing(attempts)
-            .with_steps(usize::MAX)
-            .with_seed(self.rng_seed);
         let solver = match &self.solver {
             Some(name) => method_choice::solver(name),
             None => Solver::default(),
         };
-        solver.with_stopping(stopping).with_restarts(restarts)
+        solver
+            .with_stopping(self.stopping())
+            .with_restarts(restarts)
     }
 
     /// The robot whose arm answers, or none for the general solvers.

@@ -1,10 +1,11 @@
 //! The frame that targets are given in.
 
 use kinopt::Problem;
+use kinopt::ik::Drag;
 use kinopt::model::{FrameId, Model, ParameterMap, Source};
 use kinopt::problem::{ProblemBuilder, TaskId};
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Pose, Task};
+use kinopt::task::{Point, Pose, Residual, Task};
 
 use super::relative_pose::RelativePose;
 use crate::failure::Outcome;
@@ -85,7 +86,7 @@ impl Base {
     }
 
     /// Moves a task's target, which is given in this frame.
-    pub(super) fn aim(&self, problem: &mut Problem, task: TargetTask, target: Placement<f64>) {
+    pub(super) fn aim(&self, problem: &mut impl Aimed, task: TargetTask, target: Placement<f64>) {
         let world_from_base = match *self {
             Self::Still(world_from_base) => world_from_base,
             Self::Moving(_) => Placement::identity(),
@@ -108,6 +109,23 @@ impl Base {
                 }
             }
         }
+    }
+}
+
+/// What holds tasks whose targets move.
+pub(super) trait Aimed {
+    fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R>;
+}
+
+impl Aimed for Problem {
+    fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
+        self.residual_mut(task)
+    }
+}
+
+impl Aimed for Drag {
+    fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
+        self.residual_mut(task)
     }
 }
 

@@ -2,33 +2,39 @@
 
 use std::time::Instant;
 
+use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::problem::{Derivatives, ProblemBuilder, TaskId};
+use kinopt::solver::Stopping;
 use kinopt::task::{Point, Quantity, Task};
-use kinopt::{Problem, Solver, Workspace};
+use kinopt::{Problem, Solution, Solver, Workspace};
 use rayon::prelude::*;
 
-use super::answer::{Answer, AskedTask, Path, Question};
+use super::answer::{Answer, AskedTask, LongStep, Path, Question};
 use super::arguments::Arguments;
 use super::arm_door::microseconds;
 use super::base::{Base, TargetTask};
 use super::door::Door;
-use super::tasks::pinned_tips;
+use super::held::Held;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
+
+/// How many frames a step of a path may take: at 0.15 rad a frame, several turns.
+const MOST_FRAMES: usize = 200;
 
 /// A solver and the problem it is asked again and again.
 pub(super) struct CoreDoor<'a> {
     loaded: &'a LoadedModel,
     solver: Solver,
+    stopping: Stopping,
     derivatives: Derivatives,
     tolerances: (f64, f64),
     base: Base,
     tip: FrameId,
     tip_name: String,
     turns: bool,
-    held: Vec<(String, FrameId)>,
+    held: Held,
 }
 
 /// The problem and the memory of one thread.
@@ -36,6 +42,8 @@ pub(super) struct CoreDesk {
     problem: Problem,
     target: TargetTask,
     held: Vec<(FrameId, TaskId<Point>)>,
+    /// What is held still stands as here.
+    start: Vec<f64>,
     workspace: Workspace,
 }
 
@@ -52,43 +60,37 @@ impl<'a> CoreDoor<'a> {
         Ok(Self {
             loaded,
             solver: arguments.general_solver(),
+            stopping: arguments.stopping(),
             derivatives: arguments.derivatives(),
             tolerances: arguments.tolerances(loaded),
             base,
             tip,
             tip_name: tip_name.to_owned(),
             turns,
-            held: if arguments.free {
-                Vec::new()
-            } else {
-                pinned_tips(loaded, &[tip])
-            },
+            held: Held::of(loaded, arguments, &[tip])?,
         })
     }
 
-    fn builder(&self) -> ProblemBuilder<'_> {
+    fn builder(&self, start: &[f64]) -> Outcome<ProblemBuilder<'_>> {
         let mut builder = Problem::builder(&self.loaded.model);
         builder
-            .parameters(self.loaded.parameters())
+            .parameters(self.held.parameters(self.loaded, start)?)
             .derivatives(self.derivatives)
             .tolerance(Quantity::Metres, self.tolerances.0)
             .tolerance(Quantity::Radians, self.tolerances.1);
-        builder
+        Ok(builder)
     }
-}
 
-impl Door for CoreDoor<'_> {
-    type Desk = CoreDesk;
-
-    fn desk(&self) -> Outcome<CoreDesk> {
-        let mut builder = self.builder();
+    /// A desk for questions that start at `start`, which what is held still stays as.
+    fn desk_at(&self, start: &[f64]) -> Outcome<CoreDesk> {
+        let mut builder = self.builder(start)?;
         let name = format!("target {}", self.tip_name);
         // Aimed anew for every question.
         let anywhere = kinopt::spatial::Placement::identity();
         let target = self
             .base
             .add_target(&mut builder, self.tip, anywhere, self.turns, name);
-        let held = self.held.iter().map(|(name, frame)| {
+        let held = self.held.tips.iter().map(|(name, frame)| {
             let point = Point::new(*frame, [0.0; 3]);
             let task = builder.add(Task::new(point).named(format!("hold {name}")));
             (*frame, task)
@@ -98,49 +100,88 @@ impl Door for CoreDoor<'_> {
             problem: builder.build()?,
             target,
             held,
+            start: start.to_vec(),
             workspace: Workspace::new(),
         })
     }
 
-    fn answer(&self, desk: &mut CoreDesk, question: &Question) -> Outcome<Answer> {
-        self.base
-            .aim(&mut desk.problem, desk.target, question.base_from_tip);
-        if !desk.held.is_empty() {
-            let placements = self.loaded.all_frames(&question.start);
-            for (frame, task) in &desk.held {
-                let placed = placements.get(frame.index());
-                if let (Some(point), Some(placed)) = (desk.problem.residual_mut(*task), placed) {
-                    point.set_target(placed.translation);
-                }
+    /// Puts the held tips where `start` has them.
+    fn hold(&self, problem: &mut Problem, held: &[(FrameId, TaskId<Point>)], start: &[f64]) {
+        if held.is_empty() {
+            return;
+        }
+        let placements = self.loaded.all_frames(start);
+        for (frame, task) in held {
+            let placed = placements.get(frame.index());
+            if let (Some(point), Some(placed)) = (problem.residual_mut(*task), placed) {
+                point.set_target(placed.translation);
             }
         }
-        let started = Instant::now();
-        let solution = self
-            .solver
-            .solve(&desk.problem, &question.start, &mut desk.workspace)?;
-        let micros = microseconds(started);
-        Ok(Answer {
+    }
+
+    /// What came out, and the microseconds it took.
+    fn told(solution: &Solution, micros: f64) -> Answer {
+        Answer {
             q: solution.q.clone(),
             alternatives: Vec::new(),
             solution: solution.clone(),
             micros: Some(micros),
-        })
+        }
+    }
+}
+
+impl Door for CoreDoor<'_> {
+    type Desk = CoreDesk;
+
+    fn desk(&self) -> Outcome<CoreDesk> {
+        self.desk_at(&self.loaded.rest())
+    }
+
+    fn answer(&self, desk: &mut CoreDesk, question: &Question) -> Outcome<Answer> {
+        if self.held.holds_still() && desk.start != question.start {
+            *desk = self.desk_at(&question.start)?;
+        }
+        self.base
+            .aim(&mut desk.problem, desk.target, question.base_from_tip);
+        self.hold(&mut desk.problem, &desk.held, &question.start);
+        let started = Instant::now();
+        let solution = self
+            .solver
+            .solve(&desk.problem, &question.start, &mut desk.workspace)?;
+        Ok(Self::told(solution, microseconds(started)))
     }
 
     fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Path> {
-        let mut desk = self.desk()?;
-        let mut answers: Vec<Answer> = Vec::with_capacity(questions.len());
-        for question in questions {
-            let mut question = question.clone();
-            if let Some(last) = answers.last() {
-                question.start.clone_from(&last.q);
+        let Some(first) = questions.first() else {
+            return Ok(Path::default());
+        };
+        let mut desk = self.desk_at(&first.start)?;
+        self.hold(&mut desk.problem, &desk.held, &first.start);
+        let mut drag =
+            Drag::new(desk.problem, &first.start)?.with_solver(self.solver.clone(), self.stopping);
+        let angles: Vec<bool> = self.loaded.is_angle().collect();
+        let joints = self.loaded.joint_names();
+        let (mut answers, mut jumps) = (Vec::with_capacity(questions.len()), Vec::new());
+        for (step, question) in questions.iter().enumerate() {
+            let before = drag.q().to_vec();
+            self.base
+                .aim(&mut drag, desk.target, question.base_from_tip);
+            let started = Instant::now();
+            let mut frames = 1;
+            drag.advance();
+            while drag.catching_up() && frames < MOST_FRAMES {
+                drag.advance();
+                frames += 1;
             }
-            answers.push(self.answer(&mut desk, &question)?);
+            answers.push(Self::told(drag.solution(), microseconds(started)));
+            if step > 0 {
+                jumps.extend(LongStep::between(step, &before, drag.q(), &angles, &joints));
+            }
             told();
         }
         Ok(Path {
             answers,
-            jumps: None,
+            jumps: Some(jumps),
         })
     }
 
@@ -176,7 +217,7 @@ impl Door for CoreDoor<'_> {
             frame: self.tip_name.clone(),
             held: false,
         };
-        let held = self.held.iter().map(|(name, _)| AskedTask {
+        let held = self.held.tips.iter().map(|(name, _)| AskedTask {
             frame: name.clone(),
             held: true,
         });

@@ -8,6 +8,7 @@ pub(crate) mod base;
 mod bystanders;
 mod core_door;
 mod door;
+mod held;
 mod many;
 mod relative_pose;
 mod report;

@@ -8,6 +8,7 @@ use super::answer::AskedTask;
 use super::arguments::Arguments;
 use super::base::Base;
 use super::bystanders::bystanders;
+use super::held::Held;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
@@ -21,12 +22,11 @@ pub(super) struct Asked {
     pub(super) bystanders: Vec<usize>,
 }
 
-/// The targets, the rays, and the pinned tips as they stand at `start`.
+/// The targets, the rays, and what is held as it stands at `start`.
 pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) -> Outcome<Asked> {
     let mut builder = Problem::builder(&loaded.model);
     let (length, angle) = arguments.tolerances(loaded);
     builder
-        .parameters(loaded.parameters())
         .derivatives(arguments.derivatives())
         .tolerance(Quantity::Metres, length)
         .tolerance(Quantity::Radians, angle);
@@ -55,19 +55,19 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
             held: false,
         });
     }
-    if !arguments.free {
-        let placements = loaded.all_frames(start);
-        for (name, frame) in pinned_tips(loaded, &taken) {
-            let Some(placed) = placements.get(frame.index()) else {
-                continue;
-            };
-            let point = Point::new(frame, placed.translation);
-            builder.add(Task::new(point).named(format!("hold {name}")));
-            asked.push(AskedTask {
-                frame: name,
-                held: true,
-            });
-        }
+    let held = Held::of(loaded, arguments, &taken)?;
+    builder.parameters(held.parameters(loaded, start)?);
+    let placements = loaded.all_frames(start);
+    for (name, frame) in held.tips {
+        let Some(placed) = placements.get(frame.index()) else {
+            continue;
+        };
+        let point = Point::new(frame, placed.translation);
+        builder.add(Task::new(point).named(format!("hold {name}")));
+        asked.push(AskedTask {
+            frame: name,
+            held: true,
+        });
     }
     taken.extend(base.moving_frame());
     Ok(Asked {
@@ -75,17 +75,4 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
         tasks: asked,
         bystanders: bystanders(loaded, &taken),
     })
-}
-
-/// A rig's pinned tips, by their bones' names, that nothing else is asked of.
-pub(super) fn pinned_tips(loaded: &LoadedModel, taken: &[FrameId]) -> Vec<(String, FrameId)> {
-    let Some(rig) = &loaded.rig else {
-        return Vec::new();
-    };
-    let pinned = rig.constrained.iter().filter_map(|&bone| {
-        let tip = rig.skeleton.tip(bone);
-        let name = rig.skeleton.bones().get(bone.index())?.name.clone();
-        (!taken.contains(&tip)).then_some((name, tip))
-    });
-    pinned.collect()
 }

@@ -1,0 +1,118 @@
+//! What is held where it is while other frames go to their targets.
+
+use kinopt::model::{FrameId, ModelError, ParameterMap};
+use kinopt::skeleton::{BoneId, Holds};
+
+use super::arguments::Arguments;
+use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
+use crate::loaded_model::LoadedModel;
+
+/// What `--hold none` is called.
+const NOTHING: &str = "none";
+
+/// What is held.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Held {
+    /// Bones that do not turn.
+    still: Vec<BoneId>,
+    /// Tips that stay where they are, by their bones' names.
+    pub(super) tips: Vec<(String, FrameId)>,
+}
+
+impl Held {
+    /// What `--hold` names, or else what the model's kind holds: of a rig the tips that its file pins,
+    /// of a scene its trunk and the ends of its other limbs. Never the `dragged` frames.
+    ///
+    /// # Errors
+    /// An unknown bone; `--hold` of a robot.
+    pub(super) fn of(
+        loaded: &LoadedModel,
+        arguments: &Arguments,
+        dragged: &[FrameId],
+    ) -> Outcome<Self> {
+        let named = arguments.hold.as_slice();
+        let Some(rig) = &loaded.rig else {
+            return match named {
+                [] => Ok(Self::default()),
+                _ => Err(Failure::usage(format!(
+                    "--hold is for rigs and scenes, and {} is a robot",
+                    loaded.file
+                ))),
+            };
+        };
+        let skeleton = &rig.skeleton;
+        let bone_of = |frame: &FrameId| skeleton.bone_of_frame(*frame).map(|(bone, _)| bone);
+        let dragged_bones: Vec<BoneId> = dragged.iter().filter_map(bone_of).collect();
+        let mut held = Self::default();
+        if arguments.free || named == [NOTHING] {
+            return Ok(held);
+        }
+        let mut tips = Vec::new();
+        match named {
+            [] if loaded.scene.is_some() => {
+                let Holds { trunk, ends } = skeleton.holds(&dragged_bones);
+                (held.still, tips) = (trunk, ends);
+            }
+            [] => tips.extend_from_slice(&rig.constrained),
+            _ => {
+                for name in named {
+                    let frame = loaded.frame(name, BareName::Tip)?;
+                    let Some(bone) = bone_of(&frame) else {
+                        continue;
+                    };
+                    // Of a bone that carries what is dragged, the tip alone would say little.
+                    if dragged_bones.iter().any(|&b| loaded.carries(bone, b)) {
+                        held.still.extend(loaded.up_from(bone));
+                    } else {
+                        tips.push(bone);
+                    }
+                }
+            }
+        }
+        held.tips = tips
+            .into_iter()
+            .map(|bone| (bone, skeleton.tip(bone)))
+            .filter(|(_, tip)| !dragged.contains(tip))
+            .filter_map(|(bone, tip)| Some((skeleton.bones().get(bone.index())?.name.clone(), tip)))
+            .collect();
+        Ok(held)
+    }
+
+    /// Whether some bones do not turn.
+    pub(super) fn holds_still(&self) -> bool {
+        !self.still.is_empty()
+    }
+
+    /// The variables of the solver: what is held still stays as in `start`.
+    ///
+    /// # Errors
+    /// None for a start within the limits.
+    pub(super) fn parameters(
+        &self,
+        loaded: &LoadedModel,
+        start: &[f64],
+    ) -> Result<ParameterMap, ModelError> {
+        match &loaded.rig {
+            Some(rig) if !self.still.is_empty() => Holds {
+                trunk: self.still.clone(),
+                ends: Vec::new(),
+            }
+            .parameters(&rig.skeleton, start),
+            _ => Ok(loaded.parameters()),
+        }
+    }
+}
+
+impl LoadedModel {
+    /// A bone and those above it, up to the root.
+    fn up_from(&self, bone: BoneId) -> impl Iterator<Item = BoneId> + '_ {
+        let bones = self.rig.as_ref().map(|rig| rig.skeleton.bones());
+        std::iter::successors(Some(bone), move |at| bones?.get(at.index())?.parent)
+    }
+
+    /// Whether `bone` carries `other`, which is another.
+    fn carries(&self, bone: BoneId, other: BoneId) -> bool {
+        self.up_from(other).skip(1).any(|above| above == bone)
+    }
+}

@@ -1,0 +1,163 @@
+//! Promise: a character of a scene that is dragged by a hand stays on its feet, within reach and
+//! beyond; `--hold` says what stays instead, and a path is dragged without leaps.
+
+use crate::forked_rig::{Folder, json, kinopt, stderr};
+use glam::{Affine3A, Vec3A};
+use kinopt::animation::{Armature, ArmatureBone, LocalTransform};
+use kinopt::io::gltf::{self, Scene, SceneMesh, Skin, WriteOptions};
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{MorphTargets, SkinWeights};
+use serde_json::Value;
+
+/// Name, parent, and where it stands in the model, in metres: y is up.
+const BONES: [(&str, Option<usize>, [f32; 3]); 12] = [
+    ("root", None, [0.0, 0.0, 0.0]),
+    ("hips", Some(0), [0.0, 1.0, 0.0]),
+    ("chest", Some(1), [0.0, 1.4, 0.0]),
+    ("left arm", Some(2), [0.2, 1.4, 0.0]),
+    ("left elbow", Some(3), [0.5, 1.4, 0.02]),
+    ("left hand", Some(4), [0.8, 1.4, 0.0]),
+    ("right arm", Some(2), [-0.2, 1.4, 0.0]),
+    ("right hand", Some(6), [-0.8, 1.4, 0.0]),
+    ("left leg", Some(1), [0.1, 0.9, 0.0]),
+    ("left foot", Some(8), [0.1, 0.1, 0.02]),
+    ("right leg", Some(1), [-0.1, 0.9, 0.0]),
+    ("right foot", Some(10), [-0.1, 0.1, 0.02]),
+];
+
+fn character(folder: &Folder) -> String {
+    let at = |bone: usize| Vec3A::from(BONES[bone].2);
+    let bones = BONES
+        .iter()
+        .enumerate()
+        .map(|(k, (name, parent, _))| ArmatureBone {
+            name: (*name).into(),
+            parent: *parent,
+            rest: LocalTransform {
+                translation: at(k) - parent.map_or(Vec3A::ZERO, at),
+                ..LocalTransform::IDENTITY
+            },
+        });
+    let armature = Armature::new(bones.collect(), Vec::new()).unwrap();
+    let joints: Vec<_> = BONES
+        .iter()
+        .map(|(name, ..)| armature.bone(name).unwrap())
+        .collect();
+    let inverses = (0..BONES.len()).map(|k| Affine3A::from_translation((-at(k)).into()));
+    let mut weights = SkinWeights::builder(BONES.len(), BONES.len());
+    (0..BONES.len()).for_each(|k| weights.add(k, k, 1.0).unwrap());
+    let corners = (0..BONES.len()).map(|k| at(k).into()).collect();
+    let mesh = SceneMesh {
+        name: "body".into(),
+        bone: joints[0],
+        mesh: TriangleMesh::new(corners, Vec::new(), vec![[5, 7, 9], [7, 9, 11]]).unwrap(),
+        tangents: Vec::new(),
+        morph_targets: MorphTargets::new(BONES.len(), Vec::new()).unwrap(),
+        first_morph_weight: 0,
+        skin: Some(Skin {
+            name: String::new(),
+            joint_from_mesh: inverses.collect(),
+            weights: weights.build().unwrap(),
+            joints,
+        }),
+    };
+    let scene = Scene {
+        armature,
+        meshes: vec![mesh],
+        clips: Vec::new(),
+        notes: Vec::new(),
+    };
+    let path = folder.file("character.glb");
+    gltf::write(&scene, &WriteOptions::default(), &path).unwrap();
+    path
+}
+
+/// How far the vertex of a bone moved from rest.
+fn moved(posed: &str, bone: &str) -> f32 {
+    let scene = gltf::read(posed).unwrap();
+    let index = BONES.iter().position(|(name, ..)| *name == bone).unwrap();
+    let at = scene.meshes[0].mesh.positions()[index];
+    Vec3A::from(at).distance(Vec3A::from(BONES[index].2))
+}
+
+fn held(document: &Value) -> Vec<&str> {
+    let tasks = document["tasks"].as_array().unwrap().iter();
+    let held = tasks.filter(|task| task["held"] == true);
+    held.map(|task| task["frame"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn a_character_dragged_by_a_hand_stays_on_its_feet() {
+    let folder = Folder::new("holds");
+    let (file, out) = (character(&folder), folder.file("posed.glb"));
+    for target in ["--target=left hand=0.3,1.9,0.5", "--target=left hand=3,3,1"] {
+        let document = json(&["solve", &file, target, "--out", &out, "--json"]);
+        assert_eq!(held(&document), ["right hand", "left foot", "right foot"]);
+        for still in ["hips", "left leg", "left foot", "right leg", "right foot"] {
+            let moved = moved(&out, still);
+            assert!(moved < 1e-4, "{target}: {still} moved by {moved}");
+        }
+        assert!(moved(&out, "left hand") > 0.3);
+    }
+}
+
+#[test]
+fn hold_says_what_stays() {
+    let folder = Folder::new("hold-names");
+    let (file, out) = (character(&folder), folder.file("posed.glb"));
+    let target = "--target=left hand=3,3,1";
+    for nothing in [&["--hold=none"][..], &["--free"]] {
+        let arguments = ["solve", &file, target, "--out", &out, "--json"];
+        let document = json(&[&arguments, nothing].concat());
+        assert!(held(&document).is_empty());
+        // This is what toppling is.
+        assert!(moved(&out, "left foot") > 0.1);
+    }
+    let solve =
+        |more: &[&str]| json(&[&["solve", &file, target, "--out", &out, "--json"], more].concat());
+    let document = solve(&["--hold=hips"]);
+    assert!(held(&document).is_empty());
+    assert!(moved(&out, "left foot") < 1e-6 && moved(&out, "right hand") > 0.1);
+    let document = solve(&["--hold=right hand", "--hold=right foot"]);
+    assert_eq!(held(&document), ["right hand", "right foot"]);
+
+    let refused = kinopt(&["solve", &file, target, "--hold=tail"]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(stderr(&refused).contains("`tail`"));
+    let both = kinopt(&["solve", &file, target, "--hold=hips", "--free"]);
+    assert_eq!(both.status.code(), Some(2));
+}
+
+#[test]
+fn a_path_is_dragged_out_of_reach_and_back() {
+    let folder = Folder::new("dragged-path");
+    let file = character(&folder);
+    let targets: Vec<[f64; 3]> = (0..40)
+        .map(|k| {
+            let turn = f64::from(k) * std::f64::consts::TAU / 40.0;
+            [
+                0.8 + 1.5 * turn.sin(),
+                1.4 + 0.3 * turn.sin(),
+                0.3 * (2.0 * turn).sin(),
+            ]
+        })
+        .collect();
+    let path = folder.file("path.json");
+    let document = serde_json::json!({ "targets": targets });
+    std::fs::write(&path, document.to_string()).unwrap();
+    let arguments = [
+        "solve",
+        &file,
+        "--tip=left hand",
+        "--targets",
+        &path,
+        "--track",
+        "--json",
+    ];
+    let answers = json(&arguments);
+    let summary = &answers["summary"];
+    assert!(summary["jumps"].is_array(), "{summary}");
+    let last = &answers["solutions"].as_array().unwrap()[39];
+    assert_eq!(held(last), ["right hand", "left foot", "right foot"]);
+    assert!(last["reached"] == true, "{last}");
+}
