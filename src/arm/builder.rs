@@ -6,10 +6,10 @@ use super::coordinates::Coordinates;
 use super::options::{ATTEMPTS, LIMIT_AVOIDANCE, Options, Search};
 use super::query::Arm;
 use super::route;
-use super::serial::Serial;
+use super::serial::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
-use crate::model::{FrameId, JointId, Model, ParameterMap, ParameterMapBuilder};
+use crate::model::{FrameId, JointId, Model, ParameterMap, ParameterMapBuilder, Source};
 use crate::robot::{Mimic, Robot};
 use crate::spatial::Placement;
 
@@ -22,6 +22,11 @@ pub trait Joints {
     fn tree(&self) -> &Model;
     /// The joints that follow others.
     fn followers(&self) -> &[Mimic];
+    /// The speed a joint is allowed, radians or metres a second; none known for a bare model.
+    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
+        let _ = joint;
+        None
+    }
 }
 
 impl Joints for Model {
@@ -42,6 +47,10 @@ impl Joints for Robot {
     fn followers(&self) -> &[Mimic] {
         self.mimics()
     }
+
+    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
+        Self::velocity_limit(self, joint)
+    }
 }
 
 /// Collects the options of an [`Arm`]; [`build`](Self::build) checks them.
@@ -52,6 +61,8 @@ impl Joints for Robot {
 pub struct ArmBuilder<'m> {
     model: &'m Model,
     followers: &'m [Mimic],
+    /// One a joint of the model.
+    velocity_limits: Vec<Option<f64>>,
     base: FrameId,
     tip: FrameId,
     tip_from_tool: Placement<f64>,
@@ -98,6 +109,10 @@ impl Arm {
         Ok(ArmBuilder {
             model,
             followers: joints.followers(),
+            velocity_limits: model
+                .joint_ids()
+                .map(|joint| joints.velocity_limit(joint))
+                .collect(),
             base: model.frame(base)?,
             tip: model.frame(tip)?,
             tip_from_tool: Placement::identity(),
@@ -295,7 +310,30 @@ impl ArmBuilder<'_> {
             Some(chain) => Some(PoseSolver::new(chain, self.lane_options(&options))?),
             None => None,
         };
-        Arm::assemble(serial, options, lanes, coordinates, name)
+        let speeds = self.speeds(&full, &serial);
+        Arm::assemble(serial, options, lanes, coordinates, speeds, name)
+    }
+
+    /// The velocity limit of each free joint: its own, and those of the joints that follow it.
+    fn speeds(&self, full: &ParameterMap, serial: &Serial) -> Vec<f64> {
+        let mut speeds = vec![f64::INFINITY; serial.joints.len()];
+        for (coordinate, id) in self.model.moving_joints().iter().enumerate() {
+            let limit = self.velocity_limits.get(id.index()).copied().flatten();
+            if let (
+                Source::Variable {
+                    variable, ratio, ..
+                },
+                Some(limit),
+            ) = (source_of(full, coordinate), limit)
+            {
+                let leader = self.model.moving_joints()[full.leaders()[variable]];
+                let own = serial.joints.iter().position(|joint| *joint == leader);
+                if let Some(speed) = own.and_then(|own| speeds.get_mut(own)) {
+                    *speed = speed.min((limit / ratio).abs());
+                }
+            }
+        }
+        speeds
     }
 
     /// The whole model's map: followers follow, joints that cannot matter keep still.

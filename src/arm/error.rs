@@ -96,6 +96,9 @@ pub enum QueryError {
         /// What is wrong.
         problem: &'static str,
     },
+    /// A servo's time step that is no positive number of seconds.
+    #[error("the time step is {0} s: a positive finite number")]
+    TimeStep(f64),
     /// The problem behind the arm could not be set up once more; it could when the arm was built.
     #[error(transparent)]
     Problem(#[from] ProblemError),

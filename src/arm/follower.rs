@@ -20,7 +20,7 @@ const MIDDLE: f64 = 0.6;
 /// A target that goes further than this in a step is followed by small steps: radians.
 const FAR: f64 = 0.05;
 /// Longest path step that pulls, radians.
-const LONGEST_PULL: f64 = 0.1;
+pub(super) const LONGEST_PULL: f64 = 0.1;
 /// A step in which a joint moves further than this is looked at: radians; a slide counts by the
 /// metres that weigh as much as a radian.
 pub(super) const LONG_STEP: f64 = 0.2;
@@ -90,7 +90,7 @@ impl Arm {
     }
 
     /// How far apart two poses are, radians, metres counted by the weight of the cost.
-    fn pose_distance(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
+    pub(super) fn pose_distance(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
         let way = (a.translation - b.translation) * self.options.metres_per_radian.recip();
         let (r, s) = (&a.rotation, &b.rotation);
         let turn =

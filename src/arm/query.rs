@@ -33,6 +33,8 @@ pub struct Arm {
     pub(super) names: Arc<Names>,
     /// What a radian or metre of each joint counts as, radians.
     pub(super) scale: Vec<f64>,
+    /// One a joint, infinite for none.
+    pub(super) velocity_limits: Vec<f64>,
     /// Memory of the slower ways, taken out while one is under way.
     workspaces: Mutex<Vec<Box<Workspace>>>,
 }
@@ -43,6 +45,7 @@ impl Arm {
         options: Options,
         lanes: Option<PoseSolver>,
         coordinates: Coordinates,
+        velocity_limits: Vec<f64>,
         (_base, tip): (&str, &str),
     ) -> Result<Self, ArmError> {
         let joint = |id: &JointId| serial.model.joints()[id.index()].name.clone();
@@ -59,6 +62,7 @@ impl Arm {
         };
         let workspace = Workspace::new(&serial, &options)?;
         Ok(Self {
+            velocity_limits,
             scale: serial.scales(options.metres_per_radian),
             serial,
             options,

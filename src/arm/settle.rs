@@ -22,6 +22,10 @@ const RAISES: usize = 12;
 /// A slope of this share of the error's own scale is none: far above what rounding makes of it where
 /// the arm is stretched out, so that the side is kept.
 const LEVEL: f64 = 1e-6;
+/// The share of a negligible error to which a damped tick goes on.
+const LAST_DIGITS: f64 = 1e-3;
+/// How far down the slope of a level place is looked, radians.
+const PROBE: f64 = 1e-4;
 /// Newton's steps for one box.
 const NEWTON: usize = 24;
 
@@ -61,17 +65,23 @@ impl Workspace {
             if !error.is_finite() {
                 return (Termination::NonFinite, step);
             }
-            if error <= self.negligible_error() && how.anchor == 0.0 {
+            // A damped tick goes on to the last digits, so that a slow target is followed evenly.
+            let near = if how.anchor > 0.0 { LAST_DIGITS } else { 1.0 };
+            if error <= near * self.negligible_error() {
                 return (Termination::Reached, step);
             }
             let longest = self.longest_column();
+            let before = self.anchored_cost(x, error, how.anchor);
             if self.is_level(x, &residual, LEVEL * longest * error, how.anchor) {
+                if self.falls_beyond(x, &residual, before, how.anchor) {
+                    x.copy_from_slice(&self.trial);
+                    continue;
+                }
                 return (Termination::Stationary, step);
             }
             if how.deadline.is_some_and(|at| Instant::now() >= at) {
                 return (Termination::TimeLimit, step);
             }
-            let before = self.anchored_cost(x, error, how.anchor);
             let mut lowered = false;
             for _ in 0..RAISES {
                 let damping = how.floor + raised * error * longest;
@@ -124,6 +134,41 @@ impl Workspace {
                 let held = x <= lower && slope > 0.0 || x >= upper && slope < 0.0;
                 held || slope.abs() <= negligible * scale
             })
+    }
+
+    /// Whether the level place is a ridge: a stretched arm whose target has come back within reach. A
+    /// place a little down the slope is written into `trial`: the elbow's side is kept.
+    fn falls_beyond(
+        &mut self,
+        x: &[f64],
+        residual: &Vector6<f64>,
+        before: f64,
+        anchor: f64,
+    ) -> bool {
+        let mut trial = std::mem::take(&mut self.trial);
+        let mut longest = 0.0_f64;
+        for (i, column) in self.jacobian.column_iter().enumerate() {
+            let scale = self.scale[i];
+            trial[i] = -column.dot(residual) / (scale * scale);
+            let held =
+                x[i] <= self.lower[i] && trial[i] < 0.0 || x[i] >= self.upper[i] && trial[i] > 0.0;
+            if held {
+                trial[i] = 0.0;
+            }
+            longest = longest.max((trial[i] * scale).abs());
+        }
+        if longest > 0.0 {
+            for (i, trial) in trial.iter_mut().enumerate() {
+                let moved = x[i] + *trial * (PROBE / longest);
+                *trial = moved.max(self.lower[i]).min(self.upper[i]);
+            }
+        }
+        let falls = longest > 0.0 && {
+            let error = Vector6::from(self.residual(&trial)).norm();
+            self.anchored_cost(&trial, error, anchor) < before
+        };
+        self.trial = trial;
+        falls
     }
 
     /// Writes x and the best step from it within the bounds into `trial`.

@@ -72,3 +72,34 @@ fn a_chain_with_a_follower() {
     let builder = Arm::builder(&robot, "torso", "right_sole").unwrap();
     nothing_after_the_first("follower", builder);
 }
+
+/// Out of reach and back, one target after another.
+#[test]
+fn followers_and_servos() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = arm.with_atlas(false).build().unwrap();
+    let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let first = arm.base_from_tool(&start).unwrap();
+    let targets: Vec<_> = (0..120_i32)
+        .map(|k| {
+            let mut target = first;
+            target.translation.x += 0.01 * f64::from(60 - (k - 60).abs());
+            target
+        })
+        .collect();
+    let mut follower = arm.follower(&start).unwrap();
+    let mut servo = arm.servo(&start, 1e-2).unwrap();
+    let mut solution = Solution::default();
+    let mut missed = 0;
+    let mut go = || {
+        for target in &targets {
+            follower.advance(*target, &mut solution).unwrap();
+            missed += usize::from(!servo.step(*target).unwrap().reached());
+            missed += usize::from(!solution.reached);
+        }
+    };
+    go();
+    assert_eq!(allocations(&mut go), 0);
+    assert!(missed > 40, "{missed}");
+}

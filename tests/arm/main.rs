@@ -7,6 +7,7 @@ mod options;
 mod peer_defects;
 mod same_bits;
 mod searches;
+mod servo;
 mod shared_workloads;
 mod shipped_robots;
 mod starts;

@@ -17,6 +17,16 @@ pub const ROBOTS: [(&str, &str, &str); 7] = [
     ("aldebaran_nao", "torso", "right_sole"),
 ];
 
+/// The robots that a test looks at: a debug build takes one of each kind unless `KINOPT_CASES` is set.
+pub fn robots() -> impl Iterator<Item = &'static str> {
+    let few = cfg!(debug_assertions) && std::env::var_os("KINOPT_CASES").is_none();
+    let all = ROBOTS.into_iter().map(|(name, ..)| name);
+    all.filter(move |name| {
+        let kinds = ["franka_panda", "universal_ur5e", "adept_cobra_s600"];
+        !few || kinds.contains(name)
+    })
+}
+
 /// Metres between two targets of a line: 0.3 m/s at 1 kHz.
 pub const STEP: f64 = 3e-4;
 

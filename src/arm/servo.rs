@@ -1,0 +1,309 @@
+//! The servo's door: one target a tick, velocity limits and joint limits kept to the bit.
+//!
+//! A tick moves the joints within the box that their limits and velocity limits leave, to where the
+//! pose's cost and a small price on moving are together lowest. That price damps the arm near singular
+//! configurations (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations
+//! and damped least-squares methods"), and as every tick lowers the cost by at least what it moves, an
+//! arm whose target rests comes to rest, wherever the target is.
+
+use super::follower::{LONG_STEP, LONGEST_PULL, outwards};
+use super::query::Arm;
+use super::settle::Settling;
+use super::window::within;
+use super::workspace::{Errors, Workspace};
+use super::{ArmError, QueryError};
+use crate::ik::Side;
+use crate::solver::Termination;
+use crate::spatial::Placement;
+
+/// Steps of one tick; the next tick goes on from there.
+const STEPS: usize = 8;
+/// The longest move of a joint without a velocity limit in a tick, radians.
+const UNLIMITED_STEP: f64 = 0.5 * LONG_STEP;
+/// The damping where nothing else is asked for, radians.
+const DAMPING: f64 = 0.01;
+
+/// How a tick stands to its target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ServoStatus {
+    /// Within the tolerances.
+    OnTarget,
+    /// On its way, at the speed that some joint's velocity limit allows.
+    SpeedLimited,
+    /// On its way, held back by the damping alone.
+    #[default]
+    Settling,
+    /// At rest at the nearest place of its branch; the target is out of reach there.
+    Nearest,
+}
+
+/// What holds a joint back in a tick: it would lower the error by going on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum HeldBy {
+    /// Its limit on this side.
+    Limit(Side),
+    /// Its velocity limit towards this side.
+    Speed(Side),
+}
+
+/// One tick of a [`Servo`]: where the arm stands after it, and the truth about it.
+#[derive(Clone, Copy, Debug)]
+pub struct ServoStep<'s> {
+    /// The joints, radians or metres, within their limits to the bit.
+    pub q: &'s [f64],
+    /// How far the joints went in this tick by its time, radians or metres a second.
+    pub velocity: &'s [f64],
+    /// How it stands to the target.
+    pub status: ServoStatus,
+    /// Distance of the tool from its target, metres.
+    pub position_error: f64,
+    /// Angle between the tool and its target, radians.
+    pub orientation_error: f64,
+    held: &'s [Option<HeldBy>],
+    names: &'s [String],
+}
+
+impl<'s> ServoStep<'s> {
+    /// The joints that are held back, by name, and by what.
+    pub fn held(&self) -> impl Iterator<Item = (&'s str, HeldBy)> + 's {
+        let joints = self.names.iter().zip(self.held);
+        joints.filter_map(|(name, held)| held.map(|by| (name.as_str(), by)))
+    }
+
+    /// Whether the tool is within the tolerances of its target.
+    #[must_use]
+    pub fn reached(&self) -> bool {
+        self.status == ServoStatus::OnTarget
+    }
+}
+
+/// Follows targets that come at a fixed rate, with bounded joint speeds: see [`Arm::servo`].
+#[derive(Debug)]
+pub struct Servo<'a> {
+    arm: &'a Arm,
+    workspace: Workspace,
+    time_step: f64,
+    /// Radians or metres a second, infinite for a joint without one.
+    velocity_limits: Vec<f64>,
+    /// m² a rad².
+    damping: f64,
+    target: Option<Placement<f64>>,
+    q: Vec<f64>,
+    velocity: Vec<f64>,
+    held: Vec<Option<HeldBy>>,
+}
+
+impl Arm {
+    /// A servo that stands at `start` (projected into the limits) and takes a target every `time_step`
+    /// seconds. No tick moves a joint further than its velocity limit times the time step: that of
+    /// the robot's file, or [given](Servo::with_velocity_limits); a joint without one moves by at most
+    /// 0.1 rad a tick (a slide by the metres that weigh as much). It stays on the branch that it stands on,
+    /// settles at the nearest place to a target out of reach, and comes back as it went.
+    ///
+    /// # Errors
+    /// A start of the wrong length or not finite; a time step that is no positive number.
+    pub fn servo(&self, start: &[f64], time_step: f64) -> Result<Servo<'_>, QueryError> {
+        let n = self.joint_count();
+        self.check_length("the start", start.len(), n)?;
+        self.check_query(0, &Placement::identity(), start)?;
+        if !(time_step > 0.0 && time_step.is_finite()) {
+            return Err(QueryError::TimeStep(time_step));
+        }
+        let map = &self.serial.map;
+        let ends = map.lower().iter().zip(map.upper());
+        let clamped = start.iter().zip(ends);
+        let mut servo = Servo {
+            arm: self,
+            workspace: Workspace::new(&self.serial, &self.options)?,
+            time_step,
+            velocity_limits: self.velocity_limits.clone(),
+            damping: 0.0,
+            target: None,
+            q: clamped.map(|(q, (l, u))| q.max(*l).min(*u)).collect(),
+            velocity: vec![0.0; n],
+            held: vec![None; n],
+        };
+        servo.set_damping(DAMPING);
+        Ok(servo)
+    }
+
+    /// The velocity limits of the free joints as the robot's file gives them, base to tip, radians or
+    /// metres a second; infinite for a joint without one. Joints that follow a free one count too.
+    #[must_use]
+    pub fn velocity_limits(&self) -> &[f64] {
+        &self.velocity_limits
+    }
+}
+
+impl Servo<'_> {
+    /// Other velocity limits, base to tip, radians or metres a second: at least 0, infinite for none.
+    ///
+    /// # Errors
+    /// Another number of them than free joints; one that is negative or NaN.
+    pub fn with_velocity_limits(mut self, limits: &[f64]) -> Result<Self, ArmError> {
+        if limits.len() != self.q.len() {
+            return Err(ArmError::JointCount {
+                option: "velocity_limits",
+                given: limits.len(),
+                joints: self.arm.joints().map(str::to_owned).collect(),
+            });
+        }
+        if let Some(&value) = limits.iter().find(|limit| limit.is_nan() || **limit < 0.0) {
+            return Err(ArmError::Option {
+                option: "velocity_limits",
+                value,
+                allowed: "numbers of at least 0",
+            });
+        }
+        self.velocity_limits.copy_from_slice(limits);
+        Ok(self)
+    }
+
+    /// How much moving is damped: a motion of the tool that takes the joints this many times as many
+    /// radians (the tool's own turn, or its way by the metres that weigh as much) is made at half its
+    /// speed, others the less the easier they are. Radians, at least 0; default 0.01. More is calmer near
+    /// singular configurations and lags there.
+    ///
+    /// # Errors
+    /// A number that is negative or not finite.
+    pub fn with_damping(mut self, radians: f64) -> Result<Self, ArmError> {
+        if !(radians >= 0.0 && radians.is_finite()) {
+            return Err(ArmError::Option {
+                option: "damping",
+                value: radians,
+                allowed: "a finite number of at least 0",
+            });
+        }
+        self.set_damping(radians);
+        Ok(self)
+    }
+
+    fn set_damping(&mut self, radians: f64) {
+        self.damping = (radians * self.arm.options.metres_per_radian).powi(2);
+    }
+
+    /// Where the arm stands, radians or metres.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// One tick towards a target. Nothing is allocated.
+    ///
+    /// # Errors
+    /// A target that is not a rigid motion; the arm then stands as it stood.
+    pub fn step(
+        &mut self,
+        base_from_tool: impl Into<Placement<f64>>,
+    ) -> Result<ServoStep<'_>, QueryError> {
+        let target = base_from_tool.into();
+        self.arm.check_query(0, &target, &self.q)?;
+        self.workspace.aim(&target);
+        self.open_tick();
+        self.fill_seed(&target);
+        let how = Settling {
+            steps: STEPS,
+            anchor: self.damping,
+            floor: 0.0,
+            deadline: None,
+        };
+        let (ended, _) = self.workspace.settle_near(&how);
+        let errors = self.workspace.judge_x();
+        for ((velocity, q), x) in self.velocity.iter_mut().zip(&self.q).zip(&self.workspace.x) {
+            *velocity = (x - q) / self.time_step;
+        }
+        self.q.copy_from_slice(&self.workspace.x);
+        self.target = Some(target);
+        let status = self.look(errors, ended);
+        Ok(ServoStep {
+            q: &self.q,
+            velocity: &self.velocity,
+            status,
+            position_error: errors.position,
+            orientation_error: errors.orientation,
+            held: &self.held,
+            names: &self.arm.names.variables,
+        })
+    }
+
+    /// The box of a tick: joint limits and velocity limits.
+    fn open_tick(&mut self) {
+        let arm = self.arm;
+        let map = &arm.serial.map;
+        let Workspace {
+            lower,
+            upper,
+            problem,
+            ..
+        } = &mut self.workspace;
+        for (i, &q) in self.q.iter().enumerate() {
+            let most = if self.velocity_limits[i].is_finite() {
+                self.velocity_limits[i] * self.time_step
+            } else {
+                UNLIMITED_STEP / arm.scale[i]
+            };
+            lower[i] = map.lower()[i].max(within(q, -most));
+            upper[i] = map.upper()[i].min(within(q, most));
+        }
+        problem.set_bounds(lower, upper);
+    }
+
+    /// Where the tick begins: the last place, joints near their limits drawn back (or the posture drawn
+    /// near) by a share of the target's way. A target that rests draws nothing.
+    fn fill_seed(&mut self, target: &Placement<f64>) {
+        let arm = self.arm;
+        let way = self
+            .target
+            .map_or(0.0, |last| arm.pose_distance(target, &last));
+        let rate = arm.options.limit_avoidance * way.min(LONGEST_PULL);
+        let map = &arm.serial.map;
+        let Workspace {
+            x, lower, upper, ..
+        } = &mut self.workspace;
+        for (i, (x, &q)) in x.iter_mut().zip(&self.q).enumerate() {
+            let pull = match &arm.options.posture {
+                Some(posture) => (q - posture[i]).clamp(-rate / arm.scale[i], rate / arm.scale[i]),
+                None => rate * outwards(q, map.lower()[i], map.upper()[i]) / arm.scale[i],
+            };
+            *x = (q - pull).max(lower[i]).min(upper[i]);
+        }
+    }
+
+    /// What holds the joints, and how the tick stands.
+    fn look(&mut self, errors: Errors, ended: Termination) -> ServoStatus {
+        let negligible = self.workspace.take_slope();
+        let Workspace {
+            x,
+            lower,
+            upper,
+            gradient,
+            ..
+        } = &self.workspace;
+        let map = &self.arm.serial.map;
+        let mut by_speed = false;
+        for (i, held) in self.held.iter_mut().enumerate() {
+            let side = if x[i] <= lower[i] && gradient[i] > negligible {
+                Some((Side::Lower, map.lower()[i]))
+            } else if x[i] >= upper[i] && gradient[i] < -negligible {
+                Some((Side::Upper, map.upper()[i]))
+            } else {
+                None
+            };
+            *held = side.map(|(side, limit)| match x[i] == limit {
+                true => HeldBy::Limit(side),
+                false => HeldBy::Speed(side),
+            });
+            by_speed |= matches!(held, Some(HeldBy::Speed(_)));
+        }
+        let still = self.velocity.iter().all(|velocity| *velocity == 0.0);
+        if errors.reached {
+            ServoStatus::OnTarget
+        } else if by_speed {
+            ServoStatus::SpeedLimited
+        } else if still && ended != Termination::NonFinite {
+            ServoStatus::Nearest
+        } else {
+            ServoStatus::Settling
+        }
+    }
+}

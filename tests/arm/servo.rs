@@ -1,0 +1,220 @@
+//! A servo at 1 kHz keeps velocity limits and joint limits to the bit, wherever its targets are: along
+//! lines out of the workspace and back, jumping about, beyond all reach. It never flips, comes back as
+//! it went, and rests where its target rests. `KINOPT_CASES` asks for more lines of each robot.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::{Arm, HeldBy, Servo, ServoStatus};
+use kinopt::spatial::Placement;
+use support::arms::{Random, cases, distance, robot, within_limits};
+use support::lines::{Line, ROBOTS, lines, robots};
+
+const TICK: f64 = 1e-3;
+/// Most ticks that an arm takes to come to rest, and those that are watched then.
+const REST: usize = 5000;
+const WATCHED: usize = 50;
+
+fn arm(name: &str) -> Arm {
+    let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
+    let robot = robot(name);
+    let arm = Arm::builder(&robot, base, tip).unwrap();
+    arm.with_atlas(false).build().unwrap()
+}
+
+/// One tick, checked; the joints' velocities.
+fn tick(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStatus, Vec<f64>) {
+    let before = servo.q().to_vec();
+    let step = servo.step(*target).unwrap();
+    assert!(within_limits(arm, step.q));
+    for ((a, b), limit) in before.iter().zip(step.q).zip(arm.velocity_limits()) {
+        let most = if limit.is_finite() { limit * TICK } else { 0.1 };
+        assert!((b - a).abs() <= most, "{a} {b} {limit}");
+    }
+    let found = arm.base_from_tool(step.q).unwrap();
+    let off = (found.translation - target.translation).norm();
+    assert!((step.position_error - off).abs() < 1e-9 * (1.0 + off));
+    assert!(!step.reached() || off <= 1e-6);
+    (step.status, step.velocity.to_vec())
+}
+
+/// The widest peak to peak velocity of a joint while its target rests.
+fn chatter(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStatus, f64) {
+    let mut ticks = Vec::new();
+    let mut status = ServoStatus::Settling;
+    let mut calm = 0;
+    while ticks.len() < REST && calm < WATCHED {
+        let (now, velocity) = tick(arm, servo, target);
+        status = now;
+        let slow = velocity.iter().all(|v| v.abs() < 2e-4);
+        calm = if slow { calm + 1 } else { 0 };
+        ticks.push(velocity);
+    }
+    let watched = &ticks[ticks.len() - WATCHED..];
+    let spread = |joint: usize| {
+        let values = watched.iter().map(|velocity| velocity[joint]);
+        let ends = values.fold((f64::MAX, f64::MIN), |(l, u), v| (l.min(v), u.max(v)));
+        ends.1 - ends.0
+    };
+    let widest = (0..arm.joint_count()).map(spread).fold(0.0, f64::max);
+    (status, widest)
+}
+
+#[test]
+fn lines_out_of_the_workspace_and_back() {
+    for name in robots() {
+        let arm = arm(name);
+        for Line { start, out } in lines(&arm, &mut Random(91), cases(10, 1)) {
+            let mut servo = arm.servo(&start, TICK).unwrap();
+            let mut held = false;
+            let mut way = Vec::new();
+            for target in &out {
+                tick(&arm, &mut servo, target);
+                way.push(servo.q().to_vec());
+                held |= held_by_limits(&arm, servo.q());
+            }
+            let (status, widest) = chatter(&arm, &mut servo, out.last().unwrap());
+            assert!(widest < 1e-3, "{name}: {widest} {status:?}");
+            // A long way round may lead on where the short one ended.
+            held |= held_by_limits(&arm, servo.q()) || status == ServoStatus::OnTarget;
+            for (target, there) in out.iter().zip(&way).rev() {
+                tick(&arm, &mut servo, target);
+                held |= held_by_limits(&arm, servo.q());
+                if !held {
+                    // The elbow may be late near the edge; nothing is on another branch.
+                    assert!(distance(servo.q(), there) < 0.3, "{name}");
+                }
+            }
+            let (status, widest) = chatter(&arm, &mut servo, &out[0]);
+            assert_eq!(status, ServoStatus::OnTarget, "{name}");
+            assert!(widest < 1e-3, "{name}: {widest}");
+            if !held {
+                let off = distance(servo.q(), &way[0]);
+                assert!(off < 0.02, "{name}: {off}");
+            }
+        }
+    }
+}
+
+fn held_by_limits(arm: &Arm, q: &[f64]) -> bool {
+    arm.limits()
+        .zip(q)
+        .any(|(l, q)| *q <= l.lower || *q >= l.upper)
+}
+
+/// Targets that leap, within reach and out of it, and come to rest.
+#[test]
+fn jerky_targets() {
+    for name in ["franka_panda", "universal_ur5e", "adept_cobra_s600"] {
+        let arm = arm(name);
+        let mut random = Random(92);
+        let mut servo = arm.servo(&random.configuration(&arm), TICK).unwrap();
+        for k in 0..cases(40, 4) {
+            let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+            if k % 3 == 1 {
+                target.translation = target.translation * 1.5;
+            }
+            for _ in 0..30 {
+                tick(&arm, &mut servo, &target);
+            }
+        }
+        // Where it is: reached, and just so.
+        let here = arm.base_from_tool(servo.q()).unwrap();
+        let (status, widest) = chatter(&arm, &mut servo, &here);
+        assert!(status == ServoStatus::OnTarget && widest < 1e-3, "{widest}");
+    }
+}
+
+/// A joint at its limit and one at its speed are told apart.
+#[test]
+fn what_holds_it_is_told() {
+    let arm = arm("franka_panda");
+    let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let mut servo = arm.servo(&start, TICK).unwrap();
+    let far = arm
+        .base_from_tool(&[1.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+        .unwrap();
+    let step = servo.step(far).unwrap();
+    assert_eq!(step.status, ServoStatus::SpeedLimited);
+    let held: Vec<_> = step.held().collect();
+    assert!(held.iter().any(|(_, by)| matches!(by, HeldBy::Speed(_))));
+    assert!(!held.iter().any(|(_, by)| matches!(by, HeldBy::Limit(_))));
+    // The last joint turned beyond its limit: it ends there and says so.
+    let upper = arm.limits().last().unwrap().upper;
+    let turned = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, upper];
+    let mut target = arm.base_from_tool(&turned).unwrap();
+    let spin = kinopt::spatial::Matrix3::identity().rotated_about_z(0.3_f64.sin_cos());
+    target.rotation = target.rotation * spin;
+    let mut servo = arm.servo(&turned, TICK).unwrap();
+    let mut last = Vec::new();
+    for _ in 0..400 {
+        let step = servo.step(target).unwrap();
+        last = step
+            .held()
+            .map(|(name, by)| (name.to_owned(), by))
+            .collect();
+    }
+    let at_limit = |(name, by): &(String, HeldBy)| {
+        name == "joint7" && *by == HeldBy::Limit(kinopt::ik::Side::Upper)
+    };
+    assert!(last.iter().any(at_limit), "{last:?}");
+}
+
+/// A fast slide is a jump by the metres that weigh as much as a radian, and a slide's speed is metres.
+#[test]
+fn slides_are_no_angles() {
+    let robot = robot("adept_cobra_s600");
+    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = arm.with_atlas(false).with_metres_per_radian(0.1);
+    let arm = arm.build().unwrap();
+    let slide = 2;
+    let mut from = vec![0.2, 0.6, 0.05, 0.1];
+    let mut follower = arm.follower(&from).unwrap();
+    let mut solution = kinopt::Solution::default();
+    let target = arm.base_from_tool(&from).unwrap();
+    assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
+    from[slide] += 0.1;
+    let target = arm.base_from_tool(&from).unwrap();
+    let jump = follower.advance(target, &mut solution).unwrap().unwrap();
+    assert!(jump.continuous && jump.joint == slide, "{jump:?}");
+    assert!((jump.distance - 1.0).abs() < 1e-3, "{jump:?}");
+    // Nor is a short one a jump.
+    from[slide] -= 0.019;
+    let target = arm.base_from_tool(&from).unwrap();
+    assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
+    // Without velocity limits a slide goes a tenth of what weighs as much as a radian.
+    let mut servo = arm.servo(&from, TICK).unwrap();
+    servo = servo.with_velocity_limits(&[f64::INFINITY; 4]).unwrap();
+    from[slide] += 0.05;
+    let target = arm.base_from_tool(&from).unwrap();
+    let step = servo.step(target).unwrap();
+    let moved = step.q[slide] - (from[slide] - 0.05);
+    assert!(moved > 0.005 && moved <= 0.01, "{moved}");
+}
+
+#[test]
+fn what_is_no_servo_is_named() {
+    let arm = arm("universal_ur5e");
+    let start = [0.1; 6];
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = arm.servo(&start, bad).unwrap_err().to_string();
+        assert!(error.contains("time step"), "{error}");
+    }
+    assert!(arm.servo(&[0.0; 5], TICK).is_err());
+    let servo = || arm.servo(&start, TICK).unwrap();
+    for limits in [&[1.0; 5][..], &[-1.0; 6], &[f64::NAN; 6]] {
+        let error = servo().with_velocity_limits(limits).unwrap_err();
+        assert!(error.to_string().contains("velocity_limits"), "{error}");
+    }
+    assert!(servo().with_damping(-1.0).is_err() && servo().with_damping(0.0).is_ok());
+    let mut servo = servo();
+    let mut bent = Placement::identity();
+    bent.rotation.x.x = 2.0;
+    assert!(servo.step(bent).is_err() && servo.q() == start);
+    // A joint of speed 0 stands still.
+    let mut limits = [1.0; 6];
+    limits[2] = 0.0;
+    let mut servo = servo.with_velocity_limits(&limits).unwrap();
+    let target = arm.base_from_tool(&[0.3; 6]).unwrap();
+    for _ in 0..20 {
+        assert_eq!(servo.step(target).unwrap().q[2], 0.1);
+    }
+}
