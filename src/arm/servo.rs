@@ -179,7 +179,8 @@ impl Servo<'_> {
     }
 
     fn set_damping(&mut self, radians: f64) {
-        self.damping = (radians * self.arm.options.metres_per_radian).powi(2);
+        let metres = radians * self.arm.options.metres_per_radian;
+        self.damping = metres * metres;
     }
 
     /// Where the arm stands, radians or metres.
