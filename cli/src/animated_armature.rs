@@ -92,12 +92,8 @@ impl AnimatedArmature {
 
     /// The clip of a name, or the first.
     pub(crate) fn clip(&self, name: Option<&str>) -> Outcome<&Clip> {
-        let names = || self.clips.iter().map(Clip::name);
         match name {
-            Some(name) => {
-                let found = self.clips.iter().find(|clip| clip.name() == name);
-                Ok(found.ok_or_else(|| UnknownName::new("clip", name, names()))?)
-            }
+            Some(name) => Ok(Clip::named(&self.clips, name)?),
             None => self
                 .clips
                 .first()

@@ -64,7 +64,7 @@ pub(crate) struct Arguments {
           value_parser = number_list::number)]
     time: Option<f64>,
 
-    /// With --time: which of a scene's clips. Default: the first.
+    /// With --time: which of a scene's clips: its name, or the end of it. Default: the first.
     #[arg(long, value_name = "NAME", requires = "time")]
     clip: Option<String>,
 

@@ -23,6 +23,7 @@ impl LoadedModel {
             // A robot's frames are its links, and that is what its user calls them.
             let link = |error| UnknownName {
                 kind: "link",
+                note: "`kinopt info` lists all".to_owned(),
                 ..error
             };
             return self.model.frame(name).map_err(link);
@@ -47,9 +48,8 @@ fn split(rig: &Rig, name: &str) -> Result<(BoneId, Option<BareName>), UnknownNam
         }
     }
     let names = rig.skeleton.bones().iter().map(|bone| bone.name.as_str());
-    let mut error = UnknownName::new("bone", name, names);
-    error.valid.push("each also with /tip or /tail".to_owned());
-    Err(error)
+    let note = "each also with /tip or /tail; `kinopt info` lists all";
+    Err(UnknownName::new("bone", name, names).with_note(note))
 }
 
 fn bone(rig: &Rig, name: &str) -> Option<BoneId> {

@@ -64,8 +64,8 @@ mod state_machine;
 pub use affine::{Decomposition, NotFinite, interpolate_affine};
 pub use blend::{BlendError, BoneMask, Layer, LayerMode, blend_poses};
 pub use clip::{
-    Channel, ChannelError, Clip, ClipBuilder, Cursor, EulerCurve, Event, Fired, Passage, Playhead,
-    Property,
+    Channel, ChannelError, Clip, ClipBuilder, ClipNameError, Cursor, EulerCurve, Event, Fired,
+    Passage, Playhead, Property,
 };
 pub use crowd::{Character, Crowd, PlayingClip};
 pub use curve::easing::{BezierEasing, Easing, HandleError};

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::coordinates::Coordinates;
-use super::options::{ATTEMPTS, LIMIT_AVOIDANCE, Options, Search};
+use super::options::{ATTEMPTS, LIMIT_AVOIDANCE, Options, Search, metres_per_radian};
 use super::query::Arm;
 use super::route;
 use super::serial::{Serial, source_of};
@@ -12,9 +12,6 @@ use crate::lanes::{LaneOptions, PoseSolver};
 use crate::model::{FrameId, JointId, Model, ParameterMap, ParameterMapBuilder, Source};
 use crate::robot::{Mimic, Robot};
 use crate::spatial::Placement;
-
-/// A radian counts as much as this share of the arm's reach.
-const RADIAN_PER_REACH: f64 = 0.25;
 
 /// What an arm can be made of: a [`Model`], or a [`Robot`] with joints that follow others.
 pub trait Joints {
@@ -296,9 +293,7 @@ impl ArmBuilder<'_> {
     /// # Errors
     /// The first option out of its range, by name; locked values outside limits; no free joint.
     pub fn build(self) -> Result<Arm, ArmError> {
-        if let Err(problem) = self.tip_from_tool.check_rigid(1e-6) {
-            return Err(ArmError::Tool(problem));
-        }
+        check_tool(&self.tip_from_tool)?;
         let parts = route::parts(self.model, self.base, self.tip);
         let full = self.parameters()?;
         let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
@@ -354,13 +349,9 @@ impl ArmBuilder<'_> {
     fn options(&self, serial: &Serial) -> Result<Options, ArmError> {
         let positive = "a positive finite number";
         let reach = serial.model.reach();
-        let metres_per_radian = self.metres_per_radian.unwrap_or({
-            if reach > 0.0 && reach.is_finite() {
-                RADIAN_PER_REACH * reach
-            } else {
-                1.0
-            }
-        });
+        let metres_per_radian = self
+            .metres_per_radian
+            .unwrap_or_else(|| metres_per_radian(reach));
         for (option, value) in [
             ("position_tolerance", self.position_tolerance),
             ("orientation_tolerance", self.orientation_tolerance),
@@ -368,16 +359,7 @@ impl ArmBuilder<'_> {
         ] {
             check(option, value, value > 0.0 && value.is_finite(), positive)?;
         }
-        if let Some(value) = self.goal.defect() {
-            check(
-                "goal",
-                value,
-                false,
-                "half widths are numbers of at least 0",
-            )?;
-        }
-        let free = self.goal.has_position() || self.goal.has_orientation();
-        check("goal", f64::INFINITY, free, "some component must count")?;
+        check_goal(&self.goal)?;
         for (option, value) in [("attempts", self.attempts), ("iterations", self.iterations)] {
             check(option, 0.0, value != Some(0), "at least 1")?;
         }
@@ -449,6 +431,7 @@ impl ArmBuilder<'_> {
             position_tolerance: self.position_tolerance,
             orientation_tolerance: self.orientation_tolerance,
             metres_per_radian,
+            given_metres_per_radian: self.metres_per_radian,
             goal: self.goal,
             search: self.search,
             weights,
@@ -477,6 +460,22 @@ impl ArmBuilder<'_> {
             ..LaneOptions::default()
         }
     }
+}
+
+/// Whether a tool stands somewhere.
+pub(super) fn check_tool(tip_from_tool: &Placement<f64>) -> Result<(), ArmError> {
+    let rigid = tip_from_tool.check_rigid(1e-6);
+    rigid.map_err(ArmError::Tool)
+}
+
+/// Whether a goal asks for something.
+pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
+    if let Some(value) = goal.defect() {
+        let allowed = "half widths are numbers of at least 0";
+        check("goal", value, false, allowed)?;
+    }
+    let counts = goal.has_position() || goal.has_orientation();
+    check("goal", f64::INFINITY, counts, "some component must count")
 }
 
 fn check(

@@ -5,7 +5,7 @@ use super::serial::{Serial, source_of};
 use crate::model::{JointId, Limits, Model, ParameterMap, Source};
 
 /// Where the coordinates of the model that the arm moves or holds come from.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Coordinates {
     pub(super) degrees_of_freedom: usize,
     /// (coordinate, source in terms of the arm's joints, limits).

@@ -36,6 +36,7 @@ mod query;
 mod refine;
 mod report;
 mod rescue;
+mod retarget;
 mod route;
 mod search;
 mod serial;

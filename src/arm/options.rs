@@ -51,6 +51,17 @@ pub(super) const ATTEMPTS: u32 = 200;
 const ITERATIONS: u32 = 2600;
 /// How strongly joints are drawn away from their limits while following.
 pub(super) const LIMIT_AVOIDANCE: f64 = 0.5;
+/// A radian counts as much as this share of the arm's reach.
+const RADIAN_PER_REACH: f64 = 0.25;
+
+/// The default weight of a radian for an arm of this reach, both in metres.
+pub(super) fn metres_per_radian(reach: f64) -> f64 {
+    if reach > 0.0 && reach.is_finite() {
+        RADIAN_PER_REACH * reach
+    } else {
+        1.0
+    }
+}
 
 /// All options, checked.
 #[derive(Clone, Debug)]
@@ -58,6 +69,8 @@ pub(super) struct Options {
     pub(super) position_tolerance: f64,
     pub(super) orientation_tolerance: f64,
     pub(super) metres_per_radian: f64,
+    /// As given; without it the default goes by the arm's length.
+    pub(super) given_metres_per_radian: Option<f64>,
     pub(super) goal: Goal,
     pub(super) search: Search,
     /// One a joint.

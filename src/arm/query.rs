@@ -73,6 +73,24 @@ impl Arm {
         })
     }
 
+    /// The same arm for another chain and other options, which leave joints and names as they are.
+    pub(super) fn changed(
+        &self,
+        serial: Serial,
+        options: Options,
+        lanes: Option<PoseSolver>,
+    ) -> Result<Self, ArmError> {
+        let workspace = Workspace::new(&serial, &options)?;
+        Ok(Self {
+            serial,
+            options,
+            lanes,
+            coordinates: self.coordinates.clone(),
+            names: Arc::clone(&self.names),
+            workspaces: Mutex::new(vec![Box::new(workspace)]),
+        })
+    }
+
     /// Names of the free joints, base to tip: the order of a configuration.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = &str> {
         self.names.variables.iter().map(String::as_str)

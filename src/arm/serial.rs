@@ -13,12 +13,14 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 pub(super) const TOOL: &str = "tool";
 
 /// A chain from base to tool, whose world is the base.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Serial {
     pub(super) model: Model,
     /// Followers follow; its variables are the arm's joints, base to tip.
     pub(super) map: ParameterMap,
     pub(super) tool: FrameId,
+    /// The constant way from the last joint to the tip, which carries the tool.
+    last_from_tip: Placement<f64>,
     /// For the lane engine, where it can express the chain.
     pub(super) chain: Option<Chain>,
     /// The source model's joint of every variable.
@@ -93,6 +95,21 @@ impl Serial {
             assembly.add(part, parts);
         }
         assembly.finish(tip_from_tool, name)
+    }
+
+    /// The same chain with another tool.
+    pub(super) fn with_tool(&self, tip_from_tool: Placement<f64>) -> Result<Self, ArmError> {
+        let last_from_tool = self.last_from_tip * tip_from_tool;
+        let chain = self.chain.as_ref();
+        Ok(Self {
+            model: self.model.with_frame_at(self.tool, last_from_tool)?,
+            map: self.map.clone(),
+            tool: self.tool,
+            last_from_tip: self.last_from_tip,
+            chain: chain.and_then(|chain| chain.with_tip(last_from_tool).ok()),
+            joints: self.joints.clone(),
+            followed: self.followed.clone(),
+        })
     }
 }
 
@@ -208,6 +225,7 @@ impl Assembly<'_> {
             model,
             map,
             tool,
+            last_from_tip: self.way,
             chain,
             joints: self.joints,
             followed,

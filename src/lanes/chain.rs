@@ -116,6 +116,25 @@ impl Chain {
         &self.joints
     }
 
+    /// The same joints with another tip, which is rigid.
+    pub(crate) fn with_tip(&self, joint_from_tip: Placement<f64>) -> Result<Self, ChainError> {
+        if !is_rigid(&joint_from_tip) {
+            return Err(ChainError::Placement(self.joints.len()));
+        }
+        Ok(Self {
+            joints: self.joints.clone(),
+            joint_from_tip,
+        })
+    }
+
+    /// The joints alone: the tip is the last joint's frame.
+    pub(crate) fn without_tool(&self) -> Self {
+        Self {
+            joints: self.joints.clone(),
+            joint_from_tip: Placement::identity(),
+        }
+    }
+
     /// Where the tip stands in the frame of the last joint.
     #[must_use]
     pub fn joint_from_tip(&self) -> &Placement<f64> {

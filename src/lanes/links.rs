@@ -44,6 +44,8 @@ pub(crate) struct Links {
     pub(crate) base_from_first: Placement<f64>,
     /// The tip's orientation in the frame after the last joint. Its position is the last link's way.
     pub(crate) last_from_tip: Matrix3<f64>,
+    /// How far the first and the last origin slid along their axes, metres.
+    pub(crate) slid: (f64, f64),
     /// Whether every joint turns.
     pub(crate) all_revolute: bool,
     /// Metres in a length of the solver.
@@ -97,6 +99,7 @@ impl Links {
         let last_from_tip = previous_alignment.transpose() * tip.rotation;
 
         // Slide origins along their axes, tip to base, until no way has a z part.
+        let mut slid = (0.0, ways.last().map_or(0.0, |way| way.z));
         for index in (0..links.len()).rev() {
             let z = ways[index].z;
             if let Some(before) = index.checked_sub(1) {
@@ -104,6 +107,7 @@ impl Links {
                 ways[before] += Vector3::new(0.0, -sin * z, cos * z);
             } else {
                 base_from_first.translation += base_from_first.rotation.z * z;
+                slid.0 = z;
             }
             let link = &mut links[index];
             (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
@@ -122,6 +126,7 @@ impl Links {
             links,
             base_from_first,
             last_from_tip,
+            slid,
             metres_per_length,
             lengths_per_metre,
         };

@@ -1,8 +1,9 @@
 //! A chain and options made ready for solving: what every driver reads and none changes.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use super::atlas::{Atlas, Resolution};
+use super::atlas::{Atlas, TooledAtlas};
 use super::chain::{Chain, JointKind};
 use super::links::Links;
 use super::options::{LaneError, LaneOptions};
@@ -14,22 +15,27 @@ pub(crate) struct Prepared {
     pub(crate) links: Links,
     pub(crate) settings: Settings,
     pub(crate) options: LaneOptions,
-    pub(crate) atlas: Option<Atlas>,
+    pub(crate) atlas: Option<TooledAtlas>,
     /// Whether some joint can turn once round.
     pub(crate) wide: bool,
 }
 
 impl Prepared {
-    /// Normalises a chain and builds its seed atlas.
+    /// Normalises a chain and builds its seed atlas, unless there is one of the same joints and seed to
+    /// share.
     ///
     /// # Errors
     /// [`LaneError::Option`] for a tolerance, damping or weight out of range.
-    pub(crate) fn new(chain: &Chain, options: LaneOptions) -> Result<Self, LaneError> {
+    pub(crate) fn new(
+        chain: &Chain,
+        options: LaneOptions,
+        shared: Option<&Arc<Atlas>>,
+    ) -> Result<Self, LaneError> {
         options.check()?;
         let links = Links::new(chain);
         let settings = Settings::new(&options, links.lengths_per_metre);
         let atlas = if options.atlas {
-            Atlas::new(&links, Resolution::default(), options.seed)
+            TooledAtlas::new(chain, &links, options.seed, shared)
         } else {
             None
         };

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use super::atlas::Atlas;
 use super::batch::Work;
 use super::chain::{Chain, MAX_JOINTS};
 use super::check;
@@ -35,8 +34,26 @@ impl PoseSolver {
     /// [`LaneError::Option`] for a tolerance, damping or weight out of range.
     pub fn new(chain: &Chain, options: LaneOptions) -> Result<Self, LaneError> {
         Ok(Self {
-            prepared: Prepared::new(chain, options)?,
+            prepared: Prepared::new(chain, options, None)?,
         })
+    }
+
+    /// A solver for the same joints with another tip or another goal, which shares the atlas: the
+    /// same as a new one.
+    pub(crate) fn retargeted(
+        &self,
+        chain: &Chain,
+        options: LaneOptions,
+    ) -> Result<Self, LaneError> {
+        let atlas = self.prepared.atlas.as_ref().map(|atlas| &atlas.atlas);
+        Ok(Self {
+            prepared: Prepared::new(chain, options, atlas)?,
+        })
+    }
+
+    /// What it was prepared with.
+    pub(crate) fn options(&self) -> &LaneOptions {
+        &self.prepared.options
     }
 
     /// Number of moving joints: the length of a q.
@@ -48,7 +65,8 @@ impl PoseSolver {
     /// Bytes the seed atlas holds.
     #[must_use]
     pub fn atlas_memory(&self) -> usize {
-        self.prepared.atlas.as_ref().map_or(0, Atlas::memory)
+        let atlas = self.prepared.atlas.as_ref();
+        atlas.map_or(0, |atlas| atlas.atlas.memory())
     }
 
     /// Solves for one pose `base_from_target`, and writes the joint values to `q`. Under

@@ -248,6 +248,25 @@ impl ModelBuilder {
     }
 }
 
+impl Model {
+    /// The same model with one frame elsewhere on its joint.
+    ///
+    /// # Errors
+    /// A placement that is not rigid, as [`ModelBuilder::build`] has it.
+    pub(crate) fn with_frame_at(
+        &self,
+        frame: FrameId,
+        mut joint_from_frame: Placement<f64>,
+    ) -> Result<Self, ModelError> {
+        let mut model = self.clone();
+        if let Some(frame) = model.frames.get_mut(frame.index()) {
+            check_placement("frame", &frame.name, &mut joint_from_frame)?;
+            frame.joint_from_frame = joint_from_frame;
+        }
+        Ok(model)
+    }
+}
+
 fn check_count(kind: &'static str, count: usize) -> Result<(), ModelError> {
     if count > MOST {
         return Err(ModelError::TooMany { kind, limit: MOST });

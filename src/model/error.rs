@@ -2,33 +2,6 @@
 
 use thiserror::Error;
 
-/// A name that is not there, with the ones that are.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("no {kind} named `{name}`; valid names: {}", valid.join(", "))]
-pub struct UnknownName {
-    /// What was looked up: "joint", "frame", …
-    pub kind: &'static str,
-    /// The name asked for.
-    pub name: String,
-    /// All names there are.
-    pub valid: Vec<String>,
-}
-
-impl UnknownName {
-    /// Records the valid names beside the wrong one.
-    pub fn new<'a>(
-        kind: &'static str,
-        name: &str,
-        valid: impl IntoIterator<Item = &'a str>,
-    ) -> Self {
-        Self {
-            kind,
-            name: name.to_owned(),
-            valid: valid.into_iter().map(str::to_owned).collect(),
-        }
-    }
-}
-
 /// Why a model or a parameter map cannot be built.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -105,6 +78,14 @@ pub enum ModelError {
         /// The joint.
         joint: String,
         /// "locked", "coupled", …
+        role: &'static str,
+    },
+    /// A joint that was locked, or coupled, twice.
+    #[error("joint `{joint}` is {role} twice")]
+    RoleTwice {
+        /// The joint.
+        joint: String,
+        /// "locked" or "coupled".
         role: &'static str,
     },
     /// Joints that follow one another in a ring.

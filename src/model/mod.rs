@@ -8,15 +8,17 @@ mod length_unit;
 mod parameter_map;
 mod path;
 mod random_configuration;
+mod unknown_name;
 
 use std::collections::HashMap;
 
 pub use builder::ModelBuilder;
-pub use error::{ModelError, UnknownName};
+pub use error::ModelError;
 pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
 pub use length_unit::LengthUnit;
 pub use parameter_map::{ParameterMap, ParameterMapBuilder, Source};
+pub use unknown_name::UnknownName;
 
 use crate::spatial::{Placement, Vector3};
 
@@ -118,7 +120,7 @@ impl Model {
     /// Looks a joint up.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
+    /// An unknown name; the error tells the valid ones.
     pub fn joint(&self, name: &str) -> Result<JointId, UnknownName> {
         self.joint_by_name.get(name).copied().ok_or_else(|| {
             UnknownName::new("joint", name, self.joints.iter().map(|j| j.name.as_str()))
@@ -128,7 +130,7 @@ impl Model {
     /// Looks a frame up.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
+    /// An unknown name; the error tells the valid ones.
     pub fn frame(&self, name: &str) -> Result<FrameId, UnknownName> {
         self.frame_by_name.get(name).copied().ok_or_else(|| {
             UnknownName::new("frame", name, self.frames.iter().map(|f| f.name.as_str()))

@@ -85,6 +85,7 @@ impl ParameterMap {
         ParameterMapBuilder {
             model,
             roles: vec![Role::Free; model.degrees_of_freedom()],
+            told: vec![[false; 2]; model.degrees_of_freedom()],
             problem: None,
         }
     }
@@ -199,11 +200,13 @@ enum Role {
     },
 }
 
-/// Gives joints their roles; the last word on a joint counts.
+/// Gives joints their roles. A joint may be locked once and coupled once, of which the last counts.
 #[derive(Clone, Debug)]
 pub struct ParameterMapBuilder<'m> {
     model: &'m Model,
     roles: Vec<Role>,
+    /// Which joints were locked and coupled by name: twice is a slip that nobody would find.
+    told: Vec<[bool; 2]>,
     problem: Option<ModelError>,
 }
 
@@ -212,7 +215,7 @@ impl ParameterMapBuilder<'_> {
     #[must_use]
     pub fn lock(mut self, joint: JointId, value: f64) -> Self {
         if let Some(coordinate) = self.moving(joint, "locked") {
-            self.roles[coordinate] = Role::Locked(value);
+            self.set(coordinate, Role::Locked(value));
         }
         self
     }
@@ -224,11 +227,12 @@ impl ParameterMapBuilder<'_> {
             self.moving(joint, "coupled"),
             self.moving(master, "followed"),
         ) {
-            self.roles[coordinate] = Role::Follows {
+            let role = Role::Follows {
                 master,
                 ratio,
                 offset,
             };
+            self.set(coordinate, role);
         }
         self
     }
@@ -256,8 +260,8 @@ impl ParameterMapBuilder<'_> {
     /// Checks the roles and numbers the variables in configuration order.
     ///
     /// # Errors
-    /// The first joint, by name, that is fixed but was given a role, is locked outside its limits,
-    /// follows itself, has a number that is not finite, or whose followers leave it no value.
+    /// The first joint, by name, that is fixed but was given a role, is locked or coupled twice, is
+    /// locked outside its limits, follows itself, has a number that is not finite, or whose followers leave it no value.
     pub fn build(self) -> Result<ParameterMap, ModelError> {
         if let Some(problem) = self.problem {
             return Err(problem);
@@ -328,6 +332,23 @@ impl ParameterMapBuilder<'_> {
             lower: bounds.iter().map(|b| b.lower).collect(),
             upper: bounds.iter().map(|b| b.upper).collect(),
         })
+    }
+
+    /// Gives a role by name, which happens once for each.
+    fn set(&mut self, coordinate: usize, new: Role) {
+        let model = self.model;
+        let (kind, role) = match new {
+            Role::Follows { .. } => (1, "coupled"),
+            _ => (0, "locked"),
+        };
+        let told = &mut self.told[coordinate][kind];
+        if *told && self.problem.is_none() {
+            let joint = &model.joints()[model.moving_joints()[coordinate].index()];
+            let joint = joint.name.clone();
+            self.problem = Some(ModelError::RoleTwice { joint, role });
+        }
+        *told = true;
+        self.roles[coordinate] = new;
     }
 
     fn moving(&mut self, joint: JointId, role: &'static str) -> Option<usize> {

@@ -6,6 +6,7 @@ mod armature_skeletons;
 mod averaged_rotations;
 mod blend_states;
 mod clip_events;
+mod clip_names;
 mod clips;
 mod crowds;
 mod drawn_curves;

@@ -284,6 +284,10 @@ fn what_cannot_be_an_arm_is_named() {
         let error = error.build().unwrap_err().to_string();
         assert!(error.contains("lift"), "{error}");
     }
+    let twice = builder().with_locked("lift", 0.1).unwrap();
+    let twice = twice.with_locked("lift", 0.2).unwrap().build();
+    let error = twice.unwrap_err().to_string();
+    assert_eq!(error, "joint `lift` is locked twice");
     let error = builder().with_only(&["lift", "wrist"], &[]).unwrap_err();
     assert!(error.to_string().contains("wrist"), "{error}");
 }

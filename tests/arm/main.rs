@@ -5,6 +5,7 @@ mod lines_out_of_reach;
 mod misses;
 mod options;
 mod peer_defects;
+mod retarget;
 mod same_bits;
 mod searches;
 mod servo;

@@ -10,3 +10,4 @@ mod random_configurations;
 mod rotation_exp_log;
 mod scalar_laws;
 mod skeleton_poses;
+mod unknown_names;

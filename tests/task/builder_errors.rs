@@ -200,6 +200,14 @@ fn parameter_maps() {
         &["`weld`", "followed"],
     );
     names(map().only(&[weld], &[]).build(), &["`weld`", "freed"]);
+    let twice = map().lock(wrist, 0.1).lock(wrist, 0.1).build();
+    names(twice, &["`wrist`", "locked twice"]);
+    let coupled = map().couple(wrist, elbow, 1.0, 0.0);
+    let twice = coupled.clone().couple(wrist, elbow, 1.0, 0.0).build();
+    names(twice, &["`wrist`", "coupled twice"]);
+    // One of each is said in order, and what `only` holds may be moved afterwards.
+    assert!(coupled.lock(wrist, 0.1).build().is_ok());
+    assert!(map().only(&[elbow], &[]).lock(wrist, 0.1).build().is_ok());
     names(map().lock(foreign_joint(), 0.0).build(), &["`arm`"]);
     names(map().lock(wrist, 0.7).build(), &["`wrist`", "0.7", "0.5"]);
     names(map().lock(wrist, NAN).build(), &["`wrist`", "NaN"]);

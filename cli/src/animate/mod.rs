@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
 
-    /// Which of a scene's clips. Default: the first.
+    /// Which of a scene's clips: its name, or the end of it (`Walk` for `Armature|Walk`). Default: the first.
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 

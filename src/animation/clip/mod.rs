@@ -9,6 +9,7 @@ mod cursor;
 mod curved;
 mod error;
 mod events;
+pub(crate) mod named;
 mod playhead;
 mod slerps;
 mod timelines;
@@ -20,6 +21,7 @@ pub use channel::{Channel, EulerCurve, Property};
 pub use cursor::Cursor;
 pub use error::ChannelError;
 pub use events::{Event, Fired};
+pub use named::ClipNameError;
 pub use playhead::{Passage, Playhead};
 
 use std::sync::Arc;

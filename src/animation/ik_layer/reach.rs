@@ -11,6 +11,7 @@ use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
 use crate::ik::{Solution, SolveError, Solver, Workspace};
 use crate::kinematics::TreeMemory;
+use crate::model::UnknownName;
 use crate::problem::{Problem, ProblemError, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
@@ -49,7 +50,7 @@ struct Effector {
 
 /// A bone that the layer has no such task for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("bone `{bone}` is no effector of the layer; those are: {}", .effectors.join(", "))]
+#[error("{}", UnknownName::new("effector of the layer", bone, effectors.iter().map(String::as_str)))]
 pub struct NoEffector {
     /// The bone asked for.
     pub bone: String,

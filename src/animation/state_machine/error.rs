@@ -1,5 +1,6 @@
 //! What can be wrong with a state machine's definition.
 
+use crate::animation::ClipNameError;
 use crate::model::UnknownName;
 
 /// A place in the definition, and what is wrong there.
@@ -18,8 +19,11 @@ pub struct StateMachineError {
 #[non_exhaustive]
 pub enum StateMachineProblem {
     /// A state, parameter or clip that does not exist.
-    #[error("no {} named `{}`; there are: {}", .0.kind, .0.name, .0.valid.join(", "))]
+    #[error(transparent)]
     Unknown(UnknownName),
+    /// A name that several clips' names end with.
+    #[error(transparent)]
+    ClipName(ClipNameError),
     /// A name that several of the clips given have.
     #[error("{clips} clips are named `{clip}`")]
     AmbiguousClip {

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::definition::{MotionDefinition, ParameterDefault};
 use super::error::StateMachineProblem;
 use super::lookup::{Checked, at, find, finite};
-use crate::animation::Clip;
+use crate::animation::clip::named::position;
+use crate::animation::{Clip, ClipNameError};
 
 /// Clips along a parameter; a single clip is a blend of one.
 #[derive(Clone, Debug)]
@@ -128,8 +129,15 @@ fn look_up(
     bones: &mut Option<usize>,
 ) -> Checked<Arc<Clip>> {
     let names = clips.iter().map(|clip| clip.name());
-    let clip = &clips[find(|| path.to_owned(), "clip", name, names)?];
-    let namesakes = clips.iter().filter(|other| other.name() == name);
+    let found = position(names, name).map_err(|error| {
+        let problem = match error {
+            ClipNameError::Unknown(unknown) => StateMachineProblem::Unknown(unknown),
+            ambiguous => StateMachineProblem::ClipName(ambiguous),
+        };
+        at(path, problem)
+    })?;
+    let clip = &clips[found];
+    let namesakes = clips.iter().filter(|other| other.name() == clip.name());
     if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
         let problem = StateMachineProblem::AmbiguousClip {
             clip: name.to_owned(),

@@ -10,7 +10,7 @@ use crate::model::UnknownName;
 #[non_exhaustive]
 pub enum ParameterError {
     /// No parameter of that name.
-    #[error("no {} named `{}`; there are: {}", .0.kind, .0.name, .0.valid.join(", "))]
+    #[error(transparent)]
     Unknown(UnknownName),
     /// A number that is not finite.
     #[error("parameter `{parameter}`: {value} is not finite")]

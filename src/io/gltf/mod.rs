@@ -67,8 +67,7 @@ use ::gltf::json::Root;
 
 use self::source::Source;
 use super::{ReadError, read_bytes};
-use crate::animation::{Armature, Clip};
-use crate::model::UnknownName;
+use crate::animation::{Armature, Clip, ClipNameError};
 
 /// The longest file that is read, and the longest buffer beside it.
 const LENGTH_LIMIT: u64 = 1 << 31;
@@ -119,13 +118,12 @@ pub fn from_bytes(
 }
 
 impl Scene {
-    /// Looks a clip up by name; of several with one name the first.
+    /// Looks a clip up by name, or by the end of its name, as [`Clip::named`] does.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
-    pub fn clip(&self, name: &str) -> Result<&Clip, UnknownName> {
-        let found = self.clips.iter().find(|clip| clip.name() == name);
-        found.ok_or_else(|| UnknownName::new("clip", name, self.clips.iter().map(Clip::name)))
+    /// As there.
+    pub fn clip(&self, name: &str) -> Result<&Clip, ClipNameError> {
+        Clip::named(&self.clips, name)
     }
 }
 

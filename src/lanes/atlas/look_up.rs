@@ -3,14 +3,16 @@
 use std::f64::consts::TAU;
 
 use super::candidates::Candidates;
-use super::table::{Atlas, PER_CELL, Row};
+use super::table::{PER_CELL, Row};
+use super::tooled::TooledAtlas;
+use crate::lanes::chain::JointKind;
 use crate::lanes::lane::LaneScalar;
 use crate::lanes::links::Links;
 use crate::lanes::trigonometry::{ROUNDER, rough_atan2};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-impl Atlas {
+impl TooledAtlas {
     /// Seeds for a goal, best first.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn look_up<V: LaneScalar>(
@@ -19,41 +21,47 @@ impl Atlas {
         goal_from_first: &Placement<f64>,
     ) -> Candidates {
         let c = V::Four::constant;
-        let n = self.joints;
+        let atlas = &*self.atlas;
+        let n = atlas.joints;
         let mut place = goal_from_first.inverse();
         let Some(last) = links.links.last() else {
             return Candidates::none();
         };
         place.translation -= place.rotation.x * last.along_x + place.rotation.y * last.along_y;
-        let key = self.key(&place);
-        let cell = self.cell(&key);
-        let count = usize::from(self.counts[cell]);
+        let place = self.place(place);
+        let key = atlas.key(&place);
+        let cell = atlas.cell(&key);
+        let count = usize::from(atlas.counts[cell]);
         let mut found = Candidates::none();
         if count == 0 {
             return found;
         }
         found.count = count;
-        let (_, h) = self.direction_frame(cell);
-        let (roll_y, roll_x) = self.roll_parts(&key, h);
+        let (_, h) = atlas.direction_frame(cell);
+        let (roll_y, roll_x) = atlas.roll_parts(&key, h);
         let (mut y, mut x) = (V::Four::zero(), V::Four::zero());
-        if self.first_turns {
+        if atlas.first_turns {
             y.set_lane(0, place.translation.y);
             x.set_lane(0, place.translation.x);
         }
         y.set_lane(1, roll_y);
         x.set_lane(1, roll_x);
         let angles = rough_atan2(y, x);
-        let shift = if self.first_turns {
+        let shift = if atlas.first_turns {
             angles.lane(0)
         } else {
             key.shift
         };
-        let roll = if self.last_turns { angles.lane(1) } else { 0.0 };
-        let (centre, _) = self.direction_frame(cell);
+        let roll = if atlas.last_turns {
+            angles.lane(1)
+        } else {
+            0.0
+        };
+        let (centre, _) = atlas.direction_frame(cell);
         let across = centre.cross(h);
 
         let stride = n + 5 + 4 * n;
-        let Some(rows) = self.rows.get(cell * stride..(cell + 1) * stride) else {
+        let Some(rows) = atlas.rows.get(cell * stride..(cell + 1) * stride) else {
             return Candidates::none();
         };
         let (q_rows, rest) = rows.split_at(n);
@@ -75,16 +83,19 @@ impl Atlas {
                 step = row(&slope[k]).mul_add(delta[k], step);
             }
             let mut q = row(q_row) + step;
-            let ends = (i == 0 && self.first_turns, i == n - 1 && self.last_turns);
+            let ends = (i == 0 && atlas.first_turns, i == n - 1 && atlas.last_turns);
             if i == 0 {
                 q += c(shift);
             } else if i == n - 1 {
                 q += c(roll);
             }
             if ends.0 || ends.1 {
-                let middle = self.middles[usize::from(i != 0)];
+                let middle = atlas.middles[usize::from(i != 0)];
                 let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
                 q = turns.mul_add(c(-TAU), q);
+            }
+            if link.kind == JointKind::Prismatic {
+                q *= c(self.own_lengths);
             }
             let out = (c(link.lower) - q)
                 .max(q - c(link.upper))

@@ -5,13 +5,16 @@
 //! key: distance from the first axis and height along it, and the direction of the last axis seen
 //! in the half plane through the goal. A grid over the keys holds in every cell a few
 //! configurations found there by sampling, each with the derivative of the joint values by the
-//! key. A seed is then a table look-up, a first-order correction and two angles.
+//! key. A seed is then a table look-up, a first-order correction and two angles. The tool on the last
+//! joint plays no part, so arms that differ in their tools share an atlas.
 
 mod build;
 mod candidates;
 mod key;
 mod look_up;
 mod table;
+mod tooled;
 
 pub(crate) use candidates::Candidates;
-pub(crate) use table::{Atlas, Resolution};
+pub(crate) use table::Atlas;
+pub(crate) use tooled::TooledAtlas;

@@ -1,0 +1,70 @@
+//! Promise: a clip goes by its whole name, or by the end of it after a sign where that means one
+//! clip alone.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::Arc;
+
+use kinopt::animation::{Armature, Clip, ClipNameError, StateMachine, StateMachineDefinition};
+
+fn clips(names: &[&str]) -> Vec<Clip> {
+    let armature = Armature::new(Vec::new(), Vec::new()).unwrap();
+    let clip = |name: &&str| Clip::builder(*name, &armature).build();
+    names.iter().map(clip).collect()
+}
+
+const NAMES: [&str; 6] = [
+    "Armature|Walk",
+    "Armature|SlowWalk",
+    "Armature|Run",
+    "Other:Run",
+    "Walk.001",
+    "Idle",
+];
+
+#[test]
+fn the_end_of_a_name_will_do() {
+    let clips = clips(&NAMES);
+    for (asked, meant) in [
+        ("Walk", "Armature|Walk"),
+        ("SlowWalk", "Armature|SlowWalk"),
+        ("Armature|Run", "Armature|Run"),
+        ("Other:Run", "Other:Run"),
+        ("001", "Walk.001"),
+        ("Idle", "Idle"),
+    ] {
+        assert_eq!(Clip::named(&clips, asked).unwrap().name(), meant, "{asked}");
+    }
+    // A whole name goes before an end of one, and of equal names the first is meant.
+    let same = self::clips(&["a|b", "b", "b", "c|d", "c|d"]);
+    assert!(std::ptr::eq(Clip::named(&same, "b").unwrap(), &same[1]));
+    assert!(std::ptr::eq(Clip::named(&same, "d").unwrap(), &same[3]));
+}
+
+#[test]
+fn what_means_none_or_several_is_told() {
+    let clips = clips(&NAMES);
+    let error = Clip::named(&clips, "Run").unwrap_err();
+    let text = "clip name `Run` may mean `Armature|Run` or `Other:Run`";
+    assert_eq!(error.to_string(), text);
+    for unknown in ["alk", "walk", "", "|Walk", "Jump"] {
+        let error = Clip::named(&clips, unknown).unwrap_err();
+        let ClipNameError::Unknown(error) = error else {
+            panic!("{unknown}: {error}");
+        };
+        assert_eq!(error.valid, NAMES, "{unknown}");
+    }
+}
+
+#[test]
+fn state_machines_take_them_too() {
+    let clips: Vec<Arc<Clip>> = clips(&NAMES).into_iter().map(Arc::new).collect();
+    let machine = |clip: &str| {
+        let text = format!(r#"{{"initial": "s", "states": [{{"name": "s", "clip": "{clip}"}}]}}"#);
+        let definition: StateMachineDefinition = serde_json::from_str(&text).unwrap();
+        StateMachine::new(&definition, &clips)
+    };
+    assert!(machine("Walk").is_ok());
+    let error = machine("Run").unwrap_err().to_string();
+    let text = "states[0].clip: clip name `Run` may mean `Armature|Run` or `Other:Run`";
+    assert_eq!(error, text);
+}

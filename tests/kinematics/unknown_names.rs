@@ -1,0 +1,108 @@
+//! Promise: a name that is not there is told with all names where they are few, and with those that
+//! may have been meant where they are many.
+
+use kinopt::Model;
+use kinopt::model::UnknownName;
+use kinopt::spatial::{Placement, Vector3};
+
+const BONES: [&str; 14] = [
+    "hips",
+    "spine",
+    "chest",
+    "neck",
+    "head",
+    "left_upper_arm",
+    "left_lower_arm",
+    "left_hand",
+    "right_upper_arm",
+    "right_lower_arm",
+    "right_hand",
+    "LeftFoot",
+    "RightFoot",
+    "tail",
+];
+
+fn asked(name: &str) -> UnknownName {
+    UnknownName::new("bone", name, BONES)
+}
+
+#[test]
+fn few_names_are_listed_in_full() {
+    let few = UnknownName::new("joint", "c", ["a", "b"]);
+    assert_eq!(few.to_string(), "no joint named `c`; valid names: a, b");
+    let noted = few.with_note("each with /tip");
+    let text = "no joint named `c`; valid names: a, b (each with /tip)";
+    assert_eq!(noted.to_string(), text);
+    let none = UnknownName::new("clip", "c", []);
+    assert_eq!(none.to_string(), "no clip named `c`; there is none");
+}
+
+#[test]
+fn of_many_names_the_nearest_are_told() {
+    for (typed, meant) in [
+        ("lefthand", "left_hand"),
+        ("left_hnad", "left_hand"),
+        ("Left_Hand", "left_hand"),
+        ("left_foot", "LeftFoot"),
+        ("hed", "head"),
+        ("hip", "hips"),
+        ("mixamorig:RightFoot", "RightFoot"),
+        ("upper_arm", "left_upper_arm"),
+    ] {
+        let unknown = asked(typed);
+        assert_eq!(unknown.suggestions().first(), Some(&meant), "{typed}");
+        let text = unknown.to_string();
+        let start = format!("no bone named `{typed}`; did you mean `{meant}`");
+        assert!(text.starts_with(&start), "{text}");
+        assert!(text.ends_with("? (14 names)"), "{text}");
+    }
+    let either = asked("hand").to_string();
+    let text = "no bone named `hand`; did you mean `left_hand` or `right_hand`? (14 names)";
+    assert_eq!(either, text);
+    let noted = asked("hand")
+        .with_note("`kinopt info` lists all")
+        .to_string();
+    assert!(
+        noted.ends_with("(14 names; `kinopt info` lists all)"),
+        "{noted}"
+    );
+}
+
+#[test]
+fn where_none_is_like_it_the_first_are_told() {
+    for name in ["zzzzzz", "", "q"] {
+        let text = asked(name).to_string();
+        let end = "; none is like it; they begin with `hips`, `spine`, `chest` (14 names)";
+        assert!(text.ends_with(end), "{text}");
+        assert!(asked(name).suggestions().is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn names_of_any_length_are_compared() {
+    let long = "ß漢".repeat(100_000);
+    let mut names = vec![long.as_str(); 13];
+    names.push("end");
+    let unknown = UnknownName::new("frame", &long[..3 * long.len() / 5 / 5 * 5], names);
+    assert!(unknown.suggestions().len() <= 3);
+}
+
+#[test]
+fn a_model_s_errors_suggest() {
+    let mut builder = Model::builder("long");
+    let mut last = None;
+    for index in 1..=20 {
+        let name = format!("joint{index}");
+        last = Some(builder.continuous(name, last, Placement::identity(), Vector3::UNITS[2]));
+    }
+    let Ok(model) = builder.build() else {
+        return;
+    };
+    let text = model.joint("Joint_7").map_err(|error| error.to_string());
+    let expected = "no joint named `Joint_7`; did you mean `joint7`";
+    assert!(
+        matches!(&text, Err(text) if text.starts_with(expected)),
+        "{text:?}"
+    );
+    assert!(matches!(text, Err(text) if !text.contains("joint19")));
+}
