@@ -57,6 +57,7 @@ pub mod animation;
 #[cfg(feature = "argmin")]
 pub mod argmin_bridge;
 pub mod arm;
+mod buffer;
 pub mod geometric;
 pub mod ik;
 pub mod io;
@@ -80,6 +81,7 @@ pub use glam;
 pub use nalgebra;
 
 pub use arm::Arm;
+pub use buffer::Buffer;
 pub use ik::{Solution, Solver, Workspace};
 pub use model::Model;
 pub use problem::Problem;

@@ -18,7 +18,6 @@
 //!
 //! ```
 //! use kinopt::animation::{Armature, Clip, Cursor, Playback};
-//! use kinopt::glam::Affine3A;
 //! use kinopt::io::rig::Rig;
 //! use kinopt::skinning::{MeshWeights, SkinningMethod};
 //!
@@ -35,8 +34,7 @@
 //!
 //! // Each frame, in the same memory.
 //! let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
-//! let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
-//! let mut posed_from_rest = model_from_bone.clone();
+//! let (mut model_from_bone, mut posed_from_rest) = (Vec::new(), Vec::new());
 //! clip.sample(0.5, Playback::Loop, &mut cursor, &mut pose)?;
 //! armature.local_to_model(&pose, &mut model_from_bone)?;
 //! armature.skinning_transforms(&model_from_bone, &mut posed_from_rest)?;

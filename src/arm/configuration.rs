@@ -2,6 +2,7 @@
 
 use super::QueryError;
 use super::query::Arm;
+use crate::Buffer;
 use crate::model::Source;
 
 impl Arm {
@@ -32,12 +33,17 @@ impl Arm {
         Ok(())
     }
 
-    /// Reads the arm's joints out of a configuration of the model.
+    /// Reads the arm's joints out of a configuration of the model, into a slice of as many or a `Vec`.
     ///
     /// # Errors
     /// Slices of the wrong length.
-    pub fn joint_values(&self, q_model: &[f64], q_arm: &mut [f64]) -> Result<(), QueryError> {
+    pub fn joint_values(
+        &self,
+        q_model: &[f64],
+        q_arm: &mut (impl Buffer<f64> + ?Sized),
+    ) -> Result<(), QueryError> {
         let n = self.joint_count();
+        let q_arm = q_arm.sized(n);
         self.check_length("q_arm", q_arm.len(), n)?;
         self.check_length(
             "q_model",

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::ROW_SUM_TOLERANCE;
+use crate::Buffer;
 use crate::mesh::TriangleMesh;
 
 /// Key shapes of one mesh, each with a place for every vertex.
@@ -161,9 +162,14 @@ impl BlendShapes {
     ///
     /// # Errors
     /// There is not one weight per shape, one is not finite, they do not sum to 1, or there is not
-    /// room for every vertex. Nothing is written then.
-    pub fn blend(&self, weights: &[f32], positions: &mut [Vec3]) -> Result<(), BlendShapesError> {
+    /// room for every vertex in a slice. Nothing is written then.
+    pub fn blend(
+        &self,
+        weights: &[f32],
+        positions: &mut (impl Buffer<Vec3> + ?Sized),
+    ) -> Result<(), BlendShapesError> {
         self.check(weights)?;
+        let positions = positions.sized(self.vertex_count);
         if positions.len() != self.vertex_count {
             return Err(BlendShapesError::VertexCount {
                 given: positions.len(),

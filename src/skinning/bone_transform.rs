@@ -1,9 +1,8 @@
 //! A bone's transform in the precision of meshes, and what can be said of it.
 
-use glam::{Affine3A, Mat3A, Vec3A};
+use glam::{Affine3A, Mat3A};
 
 use super::SkinningError;
-use crate::mesh::single_precision;
 use crate::spatial::Placement;
 
 /// How far MᵀM of a rotation may stand from the identity, entry by entry. Single precision and a
@@ -13,15 +12,7 @@ const ROTATION_WITHIN: f32 = 1e-4;
 /// A bone's transform T = W T̂⁻¹ (rest model → posed model) in the precision of meshes.
 #[must_use]
 pub fn single_precision_transform(posed_from_rest: &Placement<f64>) -> Affine3A {
-    let Placement {
-        rotation,
-        translation,
-    } = *posed_from_rest;
-    let column = |v| Vec3A::from(single_precision(v));
-    Affine3A {
-        matrix3: Mat3A::from_cols(column(rotation.x), column(rotation.y), column(rotation.z)),
-        translation: column(translation),
-    }
+    Affine3A::from(*posed_from_rest)
 }
 
 /// One finite transform per bone, or which is wrong.

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::mean_value::mean_value_coordinates;
+use crate::Buffer;
 use crate::mesh::TriangleMesh;
 
 /// What is wrong with a cage or its use.
@@ -119,8 +120,13 @@ impl CageBinding {
     /// computed anew, by [`TriangleMesh::vertex_normals`].
     ///
     /// # Errors
-    /// There is not one corner per corner of the cage, or one place per point.
-    pub fn positions(&self, cage: &[Vec3], posed: &mut [Vec3]) -> Result<(), CageError> {
+    /// There is not one corner per corner of the cage, or one place per point in a slice.
+    pub fn positions(
+        &self,
+        cage: &[Vec3],
+        posed: &mut (impl Buffer<Vec3> + ?Sized),
+    ) -> Result<(), CageError> {
+        let posed = posed.sized(self.points);
         let counts = [
             ("cage corners", cage.len(), self.corners),
             ("posed points", posed.len(), self.points),

@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::vertices::check;
 use super::{PosedVertices, RestVertices, SkinningError};
+use crate::Buffer;
 use crate::mesh::TriangleMesh;
 
 /// Vertices that one thread takes at a time: enough to hide what handing them over costs.
@@ -68,6 +69,14 @@ pub trait Deformation: Sync {
         self.deform(rest, posed)
     }
 
+    /// As [`positions`](Self::positions), into a `Vec` that is made as long as the mesh has vertices.
+    ///
+    /// # Errors
+    /// As [`deform`](Self::deform).
+    fn positions_into(&self, rest: &[Vec3], posed: &mut Vec<Vec3>) -> Result<(), SkinningError> {
+        self.positions(rest, posed.sized(rest.len()))
+    }
+
     /// Turns normals alone; they come out with unit length. A normal that is zero stays zero, and
     /// one that the blend leaves without direction becomes zero.
     ///
@@ -85,6 +94,14 @@ pub trait Deformation: Sync {
         self.deform(rest, posed)
     }
 
+    /// As [`normals`](Self::normals), into a `Vec` that is made as long as the mesh has vertices.
+    ///
+    /// # Errors
+    /// As [`deform`](Self::deform).
+    fn normals_into(&self, rest: &[Vec3], posed: &mut Vec<Vec3>) -> Result<(), SkinningError> {
+        self.normals(rest, posed.sized(rest.len()))
+    }
+
     /// Turns tangents alone; they come out with unit length, and the bitangent's sign changes where
     /// the blend mirrors.
     ///
@@ -100,6 +117,14 @@ pub trait Deformation: Sync {
             ..PosedVertices::default()
         };
         self.deform(rest, posed)
+    }
+
+    /// As [`tangents`](Self::tangents), into a `Vec` that is made as long as the mesh has vertices.
+    ///
+    /// # Errors
+    /// As [`deform`](Self::deform).
+    fn tangents_into(&self, rest: &[Vec4], posed: &mut Vec<Vec4>) -> Result<(), SkinningError> {
+        self.tangents(rest, posed.sized(rest.len()))
     }
 
     /// The posed mesh: positions, and normals where the rest mesh has them.

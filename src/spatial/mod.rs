@@ -3,12 +3,14 @@
 //! These few types carry the inner loops, so every operation is inlined and branch-free. nalgebra
 //! stays at the public edge, where values are plain `f64`; conversions sit beside each type.
 
+mod conversions;
 mod matrix;
 mod placement;
 mod polar;
 mod rotation;
 mod vector;
 
+pub use conversions::NotRigid;
 pub use matrix::Matrix3;
 pub use placement::Placement;
 pub(crate) use polar::Polar;

@@ -2,8 +2,6 @@
 
 use std::ops::Mul;
 
-use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
-
 use super::{Matrix3, Quaternion, Vector3};
 use crate::scalar::Scalar;
 
@@ -120,35 +118,6 @@ impl<S: Scalar> Mul for Placement<S> {
         Self::new(
             self.rotation * other.rotation,
             self.apply(other.translation),
-        )
-    }
-}
-
-impl From<&Isometry3<f64>> for Placement<f64> {
-    fn from(isometry: &Isometry3<f64>) -> Self {
-        let rotation = isometry.rotation.to_rotation_matrix().into_inner();
-        Self::new(rotation.into(), isometry.translation.vector.into())
-    }
-}
-
-impl From<Isometry3<f64>> for Placement<f64> {
-    fn from(isometry: Isometry3<f64>) -> Self {
-        Self::from(&isometry)
-    }
-}
-
-impl From<&Placement<f64>> for Placement<f64> {
-    fn from(placement: &Placement<f64>) -> Self {
-        *placement
-    }
-}
-
-impl From<&Placement<f64>> for Isometry3<f64> {
-    fn from(placement: &Placement<f64>) -> Self {
-        let rotation = Rotation3::from_matrix_unchecked(placement.rotation.into());
-        Self::from_parts(
-            Translation3::from(nalgebra::Vector3::from(placement.translation)),
-            UnitQuaternion::from_rotation_matrix(&rotation),
         )
     }
 }

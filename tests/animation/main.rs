@@ -17,6 +17,7 @@ mod keys_to_skin;
 mod limb_bends;
 mod limb_ends;
 mod limb_reach;
+mod model_space;
 mod plane_affine_interpolation;
 mod pose_blending;
 mod poses;

@@ -274,9 +274,19 @@ fn bad_armatures_and_sizes_are_named_errors() {
     assert_eq!(unknown.valid, ["a", "b"]);
     let mut model = vec![Affine3A::IDENTITY; 3];
     let error = armature
-        .local_to_model(armature.rest(), &mut model)
+        .local_to_model(armature.rest(), model.as_mut_slice())
         .unwrap_err();
     assert_eq!((error.given, error.expected), (3, 2));
+    // A vector is made as long as it must be, and keeps its memory.
+    let memory = model.as_ptr();
+    armature
+        .local_to_model(armature.rest(), &mut model)
+        .unwrap();
+    assert_eq!((model.len(), model.as_ptr()), (2, memory));
+    let mut posed = Vec::new();
+    armature.skinning_transforms(&model, &mut posed).unwrap();
+    assert_eq!(posed.len(), 2);
+    model.push(Affine3A::IDENTITY);
     let other = build(vec![bone("a", None)]).unwrap();
     assert!(
         armature

@@ -6,6 +6,7 @@ mod holds;
 mod kinematic_jacobian;
 mod model_reach;
 mod placed_skeletons;
+mod placement_conversions;
 mod random_configurations;
 mod rotation_exp_log;
 mod scalar_laws;

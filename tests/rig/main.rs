@@ -2,6 +2,7 @@
 
 mod malformed_meshes_and_tables;
 mod mesh_file_round_trips;
+mod posed_meshes;
 mod rig_malformed;
 mod rig_round_trip;
 mod rigs_of_others;

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, Quat};
 
+use crate::Buffer;
 use crate::animation::Pose;
 use crate::animation::rotation::EulerOrder;
 use crate::model::Limits;
@@ -63,8 +64,9 @@ impl PoseBridge {
     }
 
     /// Writes the stacked angles (radians, shape 3 × bones) whose local rotations a pose has. Bones
-    /// beyond either are left out.
-    pub fn angles_of(&self, pose: &Pose, q: &mut [f64]) {
+    /// beyond either are left out; a `Vec` gets room for all bones of the skeleton.
+    pub fn angles_of(&self, pose: &Pose, q: &mut (impl Buffer<f64> + ?Sized)) {
+        let q = q.sized(ANGLES_PER_BONE * self.rest.len());
         let bones = self.rest.iter().zip(&self.limits).zip(pose.rotations());
         for (angles, ((rest, limits), rotation)) in q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones) {
             let turned = rest.conjugate() * rotation.as_dquat().normalize();

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use glam::{Affine3A, Quat, Vec3A};
 
 use super::{LocalTransform, Pose, SizeMismatch};
+use crate::Buffer;
 use crate::mesh::single_precision;
 use crate::model::UnknownName;
 use crate::skeleton::{BoneId, Skeleton};
@@ -225,15 +226,16 @@ impl Armature {
     }
 
     /// From local to model transforms, parents first: W_j = W_parent(j) L_j. `model_from_bone` has
-    /// one place for each bone; it needs no particular contents.
+    /// one place for each bone, or is a `Vec` that gets them; it needs no particular contents.
     ///
     /// # Errors
-    /// The pose or the room is not of this armature's size.
+    /// The pose or a slice is not of this armature's size.
     pub fn local_to_model(
         &self,
         pose: &Pose,
-        model_from_bone: &mut [Affine3A],
+        model_from_bone: &mut (impl Buffer<Affine3A> + ?Sized),
     ) -> Result<(), SizeMismatch> {
+        let model_from_bone = model_from_bone.sized(self.bones());
         SizeMismatch::check("bones in the pose", pose.bones(), self.bones())?;
         SizeMismatch::check("model transforms", model_from_bone.len(), self.bones())?;
         self.propagate(pose, model_from_bone);
@@ -241,15 +243,16 @@ impl Armature {
     }
 
     /// The skinning matrices S_j = W_j B_j⁻¹ of model transforms: from the model at rest to the
-    /// posed model. `posed_from_rest` has one place for each bone.
+    /// posed model. `posed_from_rest` has one place for each bone, or is a `Vec` that gets them.
     ///
     /// # Errors
     /// A slice is not of this armature's size.
     pub fn skinning_transforms(
         &self,
         model_from_bone: &[Affine3A],
-        posed_from_rest: &mut [Affine3A],
+        posed_from_rest: &mut (impl Buffer<Affine3A> + ?Sized),
     ) -> Result<(), SizeMismatch> {
+        let posed_from_rest = posed_from_rest.sized(self.bones());
         SizeMismatch::check("model transforms", model_from_bone.len(), self.bones())?;
         SizeMismatch::check("skinning transforms", posed_from_rest.len(), self.bones())?;
         let bones = model_from_bone.iter().zip(&self.rest_from_model);

@@ -4,6 +4,9 @@ use glam::{Affine3A, Mat3A, Quat, Vec3A, Vec4, Vec4Swizzles};
 
 /// How far the scales along a bone's axes may differ, as a share of the largest.
 const EVEN_WITHIN: f32 = 1e-4;
+/// Cosine between axes up to which a matrix counts as without shear: single precision and a chain of
+/// products stay below it.
+const SQUARE: f32 = 1e-4;
 
 /// A bone's place in its parent: scaled, then turned, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +37,31 @@ impl LocalTransform {
             matrix3: Mat3A::from_cols(x * sx, y * sy, z * sz),
             translation: self.translation,
         }
+    }
+
+    /// The scale, rotation and translation that a matrix is; a mirror scales x by a negative number.
+    /// `None` for one that shears, flattens space or is not finite.
+    #[must_use]
+    pub fn of_affine(matrix: &Affine3A) -> Option<Self> {
+        let Mat3A {
+            x_axis: x,
+            y_axis: y,
+            z_axis: z,
+        } = matrix.matrix3;
+        let side = x.cross(y).dot(z).signum();
+        let lengths = Vec3A::new(side * x.length(), y.length(), z.length());
+        let axes = [x / lengths.x, y / lengths.y, z / lengths.z];
+        let [x, y, z] = axes;
+        let square = [x.dot(y), y.dot(z), z.dot(x)];
+        // Comparisons that NaN fails: a length of zero gives it.
+        let square = square.into_iter().all(|cosine| cosine.abs() <= SQUARE);
+        let rotation = Quat::from_mat3a(&Mat3A::from_cols(x, y, z)).normalize();
+        let local = Self {
+            translation: matrix.translation,
+            rotation,
+            scale: lengths,
+        };
+        (square && local.is_valid()).then_some(local)
     }
 
     /// Whether all its numbers are finite and the rotation is one.

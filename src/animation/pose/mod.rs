@@ -1,6 +1,7 @@
 //! Poses: where bones stand in their parents, and from there to the model.
 
 mod armature;
+mod in_model;
 mod local_transform;
 #[allow(clippy::module_inception, reason = "it is the pose itself")]
 mod pose;

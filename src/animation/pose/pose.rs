@@ -45,6 +45,22 @@ pub enum LocalError {
         /// The bone.
         bone: usize,
     },
+    /// The bones above leave a bone less than three dimensions, so that nothing in its parent brings it
+    /// to a place in the model.
+    #[error("bone {bone}: the bones above it flatten space, so no local transform places it")]
+    Flattened {
+        /// The bone.
+        bone: usize,
+    },
+    /// A transform in the model that is no scale, rotation and translation in the parent.
+    #[error("bone {bone}: it would have to shear in its parent, or has no size")]
+    Sheared {
+        /// The bone.
+        bone: usize,
+    },
+    /// A pose of another armature.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
     /// A quaternion without direction.
     #[error("bone {bone}: the quaternion is zero and stands for no rotation")]
     ZeroRotation {
@@ -121,6 +137,39 @@ impl Pose {
         self.rotations[bone] = rotation;
         self.scales[bone] = local.scale;
         Ok(())
+    }
+
+    /// Turns a bone in its parent; its translation and scale stay. A quaternion that is not of unit
+    /// length is made so. [`Armature::set_model_rotation`](super::Armature::set_model_rotation) turns it
+    /// in the model.
+    ///
+    /// # Errors
+    /// As [`set_local`](Self::set_local).
+    pub fn set_rotation(&mut self, bone: BoneId, rotation: Quat) -> Result<(), LocalError> {
+        let local = self.local(bone);
+        self.set_local(bone, LocalTransform { rotation, ..local })
+    }
+
+    /// Moves a bone's origin in its parent, in the model's own unit; its rotation and scale stay.
+    ///
+    /// # Errors
+    /// As [`set_local`](Self::set_local).
+    pub fn set_translation(&mut self, bone: BoneId, translation: Vec3A) -> Result<(), LocalError> {
+        let local = self.local(bone);
+        let local = LocalTransform {
+            translation,
+            ..local
+        };
+        self.set_local(bone, local)
+    }
+
+    /// Scales a bone along its own axes; its translation and rotation stay.
+    ///
+    /// # Errors
+    /// As [`set_local`](Self::set_local).
+    pub fn set_scale(&mut self, bone: BoneId, scale: Vec3A) -> Result<(), LocalError> {
+        let local = self.local(bone);
+        self.set_local(bone, LocalTransform { scale, ..local })
     }
 
     /// Where the bones are in their parents, in the model's own unit.

@@ -28,7 +28,10 @@ mod degrees;
 mod interpolation;
 mod json;
 mod names;
+mod posing;
 mod write;
+
+pub use posing::{RigPosing, RigPosingError};
 
 use std::path::Path;
 

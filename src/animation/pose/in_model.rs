@@ -1,0 +1,133 @@
+//! Bones placed in the model instead of in their parents.
+//!
+//! With W_j = W_parent(j) L_j a wish for W_j is the local transform W_parent(j)⁻¹ W_j; the bones above
+//! stay, those below move along.
+
+use glam::{Affine3A, Quat, Vec3A};
+
+use super::{Armature, LocalError, LocalTransform, Pose, SizeMismatch};
+use crate::skeleton::BoneId;
+
+/// A parent that shrinks an axis below this share of its longest one flattens space.
+const FLAT: f32 = 1e-6;
+
+impl Armature {
+    /// Where one bone is in the model: W_j, the product of the local transforms down to it.
+    /// [`local_to_model`](Self::local_to_model) places all of them.
+    ///
+    /// # Errors
+    /// The pose is of another armature, or the bone of none.
+    pub fn model_from_bone(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
+        self.check(pose, bone)?;
+        Ok(self.placed(pose, Some(bone)))
+    }
+
+    /// How one bone is turned in the model: the product of the rotations down to it, scales aside.
+    ///
+    /// # Errors
+    /// As [`model_from_bone`](Self::model_from_bone).
+    pub fn model_rotation(&self, pose: &Pose, bone: BoneId) -> Result<Quat, LocalError> {
+        self.check(pose, bone)?;
+        Ok(self.turned(pose, Some(bone)))
+    }
+
+    /// Places a bone in the model: afterwards [`model_from_bone`](Self::model_from_bone) is the one
+    /// given. The bones above stay, those below move along.
+    ///
+    /// # Errors
+    /// As [`model_from_bone`](Self::model_from_bone); a number that is not finite; a bone whose parents
+    /// flatten space, or one that would have to shear for it ([`LocalError::Sheared`]). Nothing is
+    /// changed then.
+    pub fn set_model_from_bone(
+        &self,
+        pose: &mut Pose,
+        bone: BoneId,
+        model_from_bone: Affine3A,
+    ) -> Result<(), LocalError> {
+        let parent_from_model = self.parent_from_model(pose, bone)?;
+        let index = bone.index();
+        if !model_from_bone.is_finite() {
+            return Err(LocalError::NotFinite { bone: index });
+        }
+        let local = LocalTransform::of_affine(&(parent_from_model * model_from_bone));
+        let local = local.ok_or(LocalError::Sheared { bone: index })?;
+        pose.set_local(bone, local)
+    }
+
+    /// Turns a bone in the model: afterwards [`model_rotation`](Self::model_rotation) is the one given.
+    /// Its translation and scale in its parent stay; the bones below move along.
+    ///
+    /// # Errors
+    /// As [`model_from_bone`](Self::model_from_bone); a quaternion that is zero or not finite. Nothing is
+    /// changed then.
+    pub fn set_model_rotation(
+        &self,
+        pose: &mut Pose,
+        bone: BoneId,
+        model_from_bone: Quat,
+    ) -> Result<(), LocalError> {
+        self.check(pose, bone)?;
+        let parent = self.turned(pose, self.parent(bone));
+        pose.set_rotation(bone, parent.conjugate() * model_from_bone)
+    }
+
+    /// Moves a bone's origin in the model, in its unit. Its rotation and scale stay; the bones below
+    /// move along.
+    ///
+    /// # Errors
+    /// As [`model_from_bone`](Self::model_from_bone); a number that is not finite; a bone whose parents
+    /// flatten space. Nothing is changed then.
+    pub fn set_model_translation(
+        &self,
+        pose: &mut Pose,
+        bone: BoneId,
+        origin: Vec3A,
+    ) -> Result<(), LocalError> {
+        let parent_from_model = self.parent_from_model(pose, bone)?;
+        pose.set_translation(bone, parent_from_model.transform_point3a(origin))
+    }
+
+    fn check(&self, pose: &Pose, bone: BoneId) -> Result<(), LocalError> {
+        SizeMismatch::check("bones in the pose", pose.bones(), self.bones())?;
+        let (bone, bones) = (bone.index(), self.bones());
+        match bone < bones {
+            true => Ok(()),
+            false => Err(LocalError::UnknownBone { bone, bones }),
+        }
+    }
+
+    /// A bone and those above it, from it upwards.
+    fn upwards(&self, bone: Option<BoneId>) -> impl Iterator<Item = BoneId> + '_ {
+        std::iter::successors(bone, |&bone| self.parent(bone))
+    }
+
+    fn placed(&self, pose: &Pose, bone: Option<BoneId>) -> Affine3A {
+        self.upwards(bone).fold(Affine3A::IDENTITY, |below, bone| {
+            pose.local(bone).to_affine() * below
+        })
+    }
+
+    fn turned(&self, pose: &Pose, bone: Option<BoneId>) -> Quat {
+        let bones = self.upwards(bone);
+        bones.fold(Quat::IDENTITY, |below, bone| {
+            pose.local(bone).rotation * below
+        })
+    }
+
+    /// The inverse of where a bone's parent is.
+    fn parent_from_model(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
+        self.check(pose, bone)?;
+        let model_from_parent = self.placed(pose, self.parent(bone));
+        let matrix = model_from_parent.matrix3;
+        let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        let longest = x.length().max(y.length()).max(z.length());
+        let volume = x.cross(y).dot(z).abs();
+        let flat = FLAT * longest * longest * longest;
+        // Not `volume <= flat`, which NaN would pass.
+        if volume > flat {
+            Ok(model_from_parent.inverse())
+        } else {
+            Err(LocalError::Flattened { bone: bone.index() })
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Promise: a bone that is placed, turned or moved in the model is there afterwards, the bones above
+//! it have not moved, and those below moved along.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::{Affine3A, Mat3A, Quat, Vec3A};
+use kinopt::animation::{Armature, ArmatureBone, LocalError, LocalTransform, Pose};
+use kinopt::skeleton::BoneId;
+use support::armatures::{apart, armature, pose, rotation, vector};
+use support::random::Random;
+
+/// Every bone's place in the model.
+fn placed(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+    let mut model_from_bone = Vec::new();
+    armature.local_to_model(pose, &mut model_from_bone).unwrap();
+    model_from_bone
+}
+
+fn near(a: &Affine3A, b: &Affine3A, within: f32) -> bool {
+    a.abs_diff_eq(*b, within)
+}
+
+/// Bones that turn and move, but do not scale.
+fn unscaled(armature: &Armature, random: &mut Random) -> Pose {
+    let mut pose = pose(armature, random);
+    for index in 0..armature.bones() {
+        let bone = armature.bone_at(index).unwrap();
+        pose.set_scale(bone, Vec3A::ONE).unwrap();
+    }
+    pose
+}
+
+/// What is not at or below a bone must have stayed; what is below must have kept its local place.
+fn only_below(armature: &Armature, before: &Pose, after: &Pose, bone: BoneId) {
+    for index in 0..armature.bones() {
+        let other = armature.bone_at(index).unwrap();
+        if other != bone {
+            assert_eq!(before.local(other), after.local(other));
+        }
+    }
+    assert_eq!(before.morph_weights(), after.morph_weights());
+}
+
+#[test]
+fn a_bone_goes_where_it_is_put() {
+    let mut random = Random::new(1);
+    for _ in 0..200 {
+        let armature = armature(12, &mut random);
+        let before = unscaled(&armature, &mut random);
+        let bone = armature.bone_at(random.below(12)).unwrap();
+        let wanted = Affine3A::from_scale_rotation_translation(
+            (Vec3A::ONE * random.within(0.5, 2.0) as f32).into(),
+            rotation(&mut random, 3.0),
+            vector(&mut random, 4.0).into(),
+        );
+        let mut after = before.clone();
+        armature
+            .set_model_from_bone(&mut after, bone, wanted)
+            .unwrap();
+        let all = placed(&armature, &after);
+        assert!(near(&all[bone.index()], &wanted, 2e-5));
+        assert!(near(
+            &armature.model_from_bone(&after, bone).unwrap(),
+            &wanted,
+            2e-5
+        ));
+        only_below(&armature, &before, &after, bone);
+
+        // Putting it where it is changes nothing.
+        let mut again = before.clone();
+        let there = armature.model_from_bone(&before, bone).unwrap();
+        assert!(near(
+            &there,
+            &placed(&armature, &before)[bone.index()],
+            2e-5
+        ));
+        armature
+            .set_model_from_bone(&mut again, bone, there)
+            .unwrap();
+        let same = again.local(bone).to_affine();
+        assert!(near(&same, &before.local(bone).to_affine(), 2e-5));
+    }
+}
+
+#[test]
+fn a_bone_turns_in_the_model() {
+    let mut random = Random::new(2);
+    for case in 0..200 {
+        let armature = armature(12, &mut random);
+        let scaled = case % 2 == 1;
+        let before = match scaled {
+            true => pose(&armature, &mut random),
+            false => unscaled(&armature, &mut random),
+        };
+        let bone = armature.bone_at(random.below(12)).unwrap();
+        let wanted = rotation(&mut random, 3.0);
+        let mut after = before.clone();
+        // Any length will do.
+        armature
+            .set_model_rotation(&mut after, bone, wanted * 3.0)
+            .unwrap();
+        assert!(apart(armature.model_rotation(&after, bone).unwrap(), wanted) < 1e-5);
+        let (old, new) = (before.local(bone), after.local(bone));
+        assert_eq!((old.translation, old.scale), (new.translation, new.scale));
+        only_below(&armature, &before, &after, bone);
+        if !scaled {
+            let matrix = placed(&armature, &after)[bone.index()].matrix3;
+            assert!(matrix.abs_diff_eq(Mat3A::from_quat(wanted), 2e-5));
+        }
+    }
+}
+
+#[test]
+fn a_bone_moves_in_the_model() {
+    let mut random = Random::new(3);
+    for _ in 0..200 {
+        let armature = armature(12, &mut random);
+        let before = pose(&armature, &mut random);
+        let bone = armature.bone_at(random.below(12)).unwrap();
+        let wanted = vector(&mut random, 4.0);
+        let mut after = before.clone();
+        armature
+            .set_model_translation(&mut after, bone, wanted)
+            .unwrap();
+        let origin = placed(&armature, &after)[bone.index()].translation;
+        assert!(origin.abs_diff_eq(wanted, 1e-4), "{origin} {wanted}");
+        let (old, new) = (before.local(bone), after.local(bone));
+        assert_eq!((old.rotation, old.scale), (new.rotation, new.scale));
+        only_below(&armature, &before, &after, bone);
+    }
+}
+
+#[test]
+fn parts_of_a_local_transform() {
+    let mut random = Random::new(4);
+    let armature = armature(3, &mut random);
+    let (mut pose, bone) = (armature.rest().clone(), armature.bone_at(1).unwrap());
+    let local = LocalTransform {
+        translation: vector(&mut random, 1.0),
+        rotation: rotation(&mut random, 2.0),
+        scale: Vec3A::new(2.0, 0.5, 1.0),
+    };
+    pose.set_translation(bone, local.translation).unwrap();
+    pose.set_rotation(bone, local.rotation).unwrap();
+    pose.set_scale(bone, local.scale).unwrap();
+    assert_eq!(pose.local(bone), local);
+    let read = LocalTransform::of_affine(&local.to_affine()).unwrap();
+    assert!(near(&read.to_affine(), &local.to_affine(), 1e-5));
+    let mirror = Affine3A::from_scale(glam::Vec3::new(2.0, 3.0, -4.0));
+    let read = LocalTransform::of_affine(&mirror).unwrap();
+    assert!(near(&read.to_affine(), &mirror, 1e-5));
+}
+
+#[test]
+fn what_cannot_be_is_told_and_changes_nothing() {
+    let bone = |name: &str, parent, scale| ArmatureBone {
+        name: name.to_owned(),
+        parent,
+        rest: LocalTransform {
+            scale,
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let flat = Vec3A::new(1.0, 0.0, 1.0);
+    let long = Vec3A::new(3.0, 1.0, 1.0);
+    let bones = vec![
+        bone("flat", None, flat),
+        bone("on it", Some(0), Vec3A::ONE),
+        bone("long", None, long),
+        bone("in it", Some(2), Vec3A::ONE),
+    ];
+    let armature = Armature::new(bones, Vec::new()).unwrap();
+    let at = |index| armature.bone_at(index).unwrap();
+    let mut pose = armature.rest().clone();
+    let turn = Affine3A::from_rotation_z(0.5);
+    let said = armature.set_model_from_bone(&mut pose, at(1), turn);
+    assert_eq!(said, Err(LocalError::Flattened { bone: 1 }));
+    let said = armature.set_model_translation(&mut pose, at(1), Vec3A::Y);
+    assert_eq!(said, Err(LocalError::Flattened { bone: 1 }));
+    let said = armature.set_model_from_bone(&mut pose, at(3), turn);
+    assert_eq!(said, Err(LocalError::Sheared { bone: 3 }));
+    let nowhere = Affine3A::from_translation(glam::Vec3::NAN);
+    let said = armature.set_model_from_bone(&mut pose, at(3), nowhere);
+    assert_eq!(said, Err(LocalError::NotFinite { bone: 3 }));
+    let point = Affine3A::from_scale(glam::Vec3::ZERO);
+    let said = armature.set_model_from_bone(&mut pose, at(2), point);
+    assert_eq!(said, Err(LocalError::Sheared { bone: 2 }));
+    let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+    let said = armature.set_model_rotation(&mut pose, at(3), zero);
+    assert_eq!(said, Err(LocalError::ZeroRotation { bone: 3 }));
+    assert_eq!(&pose, armature.rest());
+
+    let few = Armature::new(vec![bone("one", None, Vec3A::ONE)], Vec::new()).unwrap();
+    let mut other = few.rest().clone();
+    let said = armature.set_model_rotation(&mut other, at(0), Quat::IDENTITY);
+    assert!(matches!(said, Err(LocalError::Size(_))));
+    let said = few.model_from_bone(few.rest(), at(3));
+    assert_eq!(said, Err(LocalError::UnknownBone { bone: 3, bones: 1 }));
+}

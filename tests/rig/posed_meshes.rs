@@ -1,0 +1,67 @@
+//! Promise: from joint angles to a posed mesh in one call, the same as step by step.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::animation::{Armature, PoseBridge};
+use kinopt::io::rig::{Rig, RigPosingError};
+use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
+use kinopt::task::Point;
+use kinopt::{Problem, Solver};
+
+fn humanoid() -> Rig {
+    Rig::read("models/humanoid/humanoid.json").unwrap()
+}
+
+#[test]
+fn a_solution_poses_the_mesh() {
+    let rig = humanoid();
+    let skeleton = &rig.skeleton;
+    let hand = skeleton.bone("left_hand").unwrap();
+    let mut tasks = Problem::builder(skeleton.model());
+    tasks.add(Point::new(skeleton.tip(hand), [0.35, 0.45, 1.5]));
+    let problem = tasks.build().unwrap();
+    let rest = skeleton.model().neutral();
+    let solution = Solver::default().solve_once(&problem, &rest).unwrap();
+    assert!(solution.reached);
+
+    let transforms: Vec<_> = skeleton
+        .pose(&solution.q)
+        .skinning_transforms(skeleton)
+        .map(|transform| single_precision_transform(&transform))
+        .collect();
+    let weights = MeshWeights::from(rig.weights.clone().unwrap());
+    let mesh = rig.mesh.clone().unwrap();
+    for method in [SkinningMethod::LinearBlend, SkinningMethod::DualQuaternion] {
+        let posed = rig.posed_mesh(&solution.q, method).unwrap();
+        let by_steps = weights.mesh(method, &mesh, &transforms).unwrap();
+        assert_eq!(posed.positions(), by_steps.positions());
+        assert_eq!(posed.normals(), by_steps.normals());
+        assert_eq!(posed.triangles(), mesh.triangles());
+        assert_ne!(posed.positions(), mesh.positions());
+
+        // A pose of the armature, and one posing for many.
+        let mut posing = rig.posing(method).unwrap();
+        assert!(!posing.has_automatic_weights());
+        let mut pose = Armature::of_skeleton(skeleton).rest().clone();
+        PoseBridge::new(skeleton).pose_of(&solution.q, &mut pose);
+        let of_pose = posing.mesh_of_pose(&pose).unwrap();
+        let pairs = of_pose.positions().iter().zip(posed.positions());
+        assert!(pairs.into_iter().all(|(a, b)| a.abs_diff_eq(*b, 1e-5)));
+        assert_eq!(posing.mesh(&solution.q).unwrap(), posed);
+    }
+}
+
+#[test]
+fn what_is_missing_is_told_or_made_up() {
+    let mut rig = humanoid();
+    let rest = rig.skeleton.model().neutral();
+    let method = SkinningMethod::LinearBlend;
+    let error = rig.posed_mesh(&rest[1..], method).unwrap_err();
+    assert!(matches!(error, RigPosingError::Size(_)), "{error}");
+    rig.weights = None;
+    let mut posing = rig.posing(method).unwrap();
+    assert!(posing.has_automatic_weights());
+    assert!(posing.mesh(&rest).is_ok());
+    rig.mesh = None;
+    let error = rig.posed_mesh(&rest, method).unwrap_err();
+    assert_eq!(error.to_string(), "the rig has no mesh");
+}
