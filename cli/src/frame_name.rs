@@ -52,7 +52,8 @@ fn split(rig: &Rig, name: &str) -> Result<(BoneId, Option<BareName>), UnknownNam
     Err(UnknownName::new("bone", name, names).with_note(note))
 }
 
-fn bone(rig: &Rig, name: &str) -> Option<BoneId> {
+/// The bone of a name, or of a number as in `bone/3`.
+pub(crate) fn bone(rig: &Rig, name: &str) -> Option<BoneId> {
     let index = name.strip_prefix("bone/").and_then(|n| n.parse().ok());
     index
         .and_then(|index| rig.skeleton.bone_at(index))
@@ -93,6 +94,8 @@ mod tests {
             })),
             scene: None,
             robot: None,
+            held: None,
+            tool: None,
         }
     }
 

@@ -7,13 +7,14 @@ use kinopt::Model;
 use kinopt::animation::EulerClip;
 use kinopt::io::gltf::{self, Scene};
 use kinopt::io::rig::Rig;
-use kinopt::model::{JointKind, Limits, ParameterMap};
+use kinopt::model::{FrameId, JointKind, Limits, ParameterMap};
 use kinopt::robot::Robot;
 use kinopt::skeleton::BoneId;
 
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
 use crate::robot_options::RobotOptions;
+use crate::solve::HeldJoints;
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
 const SUPPORTED: &str = ".urdf (a robot), .json (a rig), .glb and .gltf (a scene)";
@@ -36,6 +37,10 @@ pub(crate) struct LoadedModel {
     pub(crate) scene: Option<Box<Scene>>,
     /// A robot with its mimic joints; `None` for a rig.
     pub(crate) robot: Option<Box<Robot>>,
+    /// Joints that the command holds.
+    pub(crate) held: Option<Box<HeldJoints>>,
+    /// A frame and the tool on it, which targets for the frame are for.
+    pub(crate) tool: Option<(FrameId, FrameId)>,
 }
 
 impl LoadedModel {
@@ -58,6 +63,8 @@ impl LoadedModel {
                     rig: Some(Box::new(rig)),
                     scene: None,
                     robot: None,
+                    held: None,
+                    tool: None,
                 })
             }
             "glb" | "gltf" => Self::of_scene(file, gltf::read(path)?),
@@ -97,6 +104,8 @@ impl LoadedModel {
             })),
             scene: Some(Box::new(scene)),
             robot: None,
+            held: None,
+            tool: None,
         })
     }
 
@@ -107,6 +116,8 @@ impl LoadedModel {
             rig: None,
             scene: None,
             robot: Some(Box::new(robot)),
+            held: None,
+            tool: None,
         }
     }
 
@@ -158,9 +169,10 @@ impl LoadedModel {
 
     /// The map from solver variables to configurations: mimic joints follow, locked ones stay.
     pub(crate) fn parameters(&self) -> ParameterMap {
-        match &self.robot {
-            Some(robot) => robot.map().clone(),
-            None => ParameterMap::free(&self.model),
+        match (&self.held, &self.robot) {
+            (Some(held), _) => held.map.clone(),
+            (None, Some(robot)) => robot.map().clone(),
+            (None, None) => ParameterMap::free(&self.model),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The `kinopt` command.
 //!
 //! Exit codes: 0 done (a target that is out of reach is an answer, not a failure), 1 failed with a
-//! one-line reason on standard error, 2 wrong usage.
+//! one-line reason on standard error, 2 wrong usage, 3 a target was missed and --fail-on-miss was given.
 
 mod animate;
 mod animated_armature;
@@ -46,7 +46,8 @@ use failure::Failure;
 const AFTER_HELP: &str = "\
 Conventions: metres and radians (for rigs the rig's own unit of length), quaternions w,x,y,z.
 With --json one JSON document is printed on standard output and nothing else; messages go to
-standard error. Exit codes: 0 done, 1 failed with a one-line reason, 2 wrong usage.
+standard error. Exit codes: 0 done (a target that is missed is an answer), 1 failed with a one-line reason,
+2 wrong usage, 3 a target was missed and solve was told to --fail-on-miss.
 
 Examples:
   kinopt info robot.urdf
@@ -114,6 +115,10 @@ fn main() -> ExitCode {
         Err(Failure::Usage(reason)) => {
             output::message(&format!("error: {reason}"));
             ExitCode::from(2)
+        }
+        Err(Failure::Missed(reason)) => {
+            output::message(&reason);
+            ExitCode::from(3)
         }
         Err(Failure::Reason(reason)) => {
             output::message(&format!("error: {reason}"));

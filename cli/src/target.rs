@@ -54,6 +54,21 @@ impl Target {
     }
 }
 
+/// `x,y,z` or `x,y,z,qw,qx,qy,qz`.
+pub(crate) fn parse_placement(text: &str) -> Result<Placement<f64>, String> {
+    match text.split(',').count() {
+        3 => Ok(placement(parse_exactly(text, "a position")?, None)),
+        7 => {
+            let [x, y, z, qw, qx, qy, qz] = parse_exactly(text, "a placement")?;
+            let quaternion = normalised([qw, qx, qy, qz])?;
+            Ok(placement([x, y, z], Some(quaternion)))
+        }
+        count => Err(format!(
+            "a placement takes 3 numbers (x,y,z) or 7 (x,y,z,qw,qx,qy,qz), not {count}"
+        )),
+    }
+}
+
 /// A placement of a position and, where there is one, a unit quaternion, w first.
 pub(crate) fn placement(position: [f64; 3], quaternion: Option<[f64; 4]>) -> Placement<f64> {
     let [w, x, y, z] = quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]);

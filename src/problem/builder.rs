@@ -21,6 +21,7 @@ struct PendingTask {
     kind: &'static str,
     role: Role,
     weights: Vec<(Quantity, f64)>,
+    factor: f64,
     tolerances: Vec<(Quantity, f64)>,
     frames: Vec<FrameId>,
     joints: Vec<JointId>,
@@ -67,6 +68,7 @@ impl<'m> ProblemBuilder<'m> {
             kind: task.residual.kind(),
             role: task.role,
             weights: task.weights,
+            factor: task.factor,
             tolerances: task.tolerances,
             frames: task.residual.frames(),
             joints: task.residual.joints(),
@@ -235,6 +237,14 @@ fn place(
             last.map(|&(_, value)| value)
         };
         let weight = own(&pending.weights).unwrap_or_else(|| default_weight(rows.quantity, model));
+        let weight = weight * pending.factor;
+        if !(weight >= 0.0 && weight.is_finite()) {
+            return Err(ProblemError::BadWeight {
+                task: name,
+                quantity: rows.quantity,
+                weight,
+            });
+        }
         let tolerance = own(&pending.tolerances)
             .or_else(|| own(tolerances))
             .unwrap_or_else(|| default_tolerance(rows.quantity));

@@ -10,6 +10,7 @@ pub struct Task<R> {
     pub(crate) residual: R,
     pub(crate) name: Option<String>,
     pub(crate) weights: Vec<(Quantity, f64)>,
+    pub(crate) factor: f64,
     pub(crate) tolerances: Vec<(Quantity, f64)>,
     pub(crate) role: Role,
 }
@@ -22,6 +23,7 @@ impl<R: Residual> Task<R> {
             residual,
             name: None,
             weights: Vec::new(),
+            factor: 1.0,
             tolerances: Vec::new(),
             role: R::ROLE,
         }
@@ -39,6 +41,14 @@ impl<R: Residual> Task<R> {
     #[must_use]
     pub fn weight(mut self, quantity: Quantity, weight: f64) -> Self {
         self.weights.push((quantity, weight));
+        self
+    }
+
+    /// How much the task counts beside others: multiplies all its weights, given or default. Must be
+    /// finite and not negative.
+    #[must_use]
+    pub fn times(mut self, factor: f64) -> Self {
+        self.factor *= factor;
         self
     }
 

@@ -12,7 +12,10 @@ use kinopt::skinning::SkinningMethod;
 use kinopt::solver::Stopping;
 
 use super::arm_arguments::ArmArguments;
+use super::chain_arguments::ChainArguments;
+use super::weights::FrameWeight;
 use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::MeshFile;
@@ -30,6 +33,10 @@ Examples:
         up to eight answers that differ; the target is given in the frame of link0
   kinopt solve robot.urdf --target left_tool=0.6,0.4,0.2 --target right_tool=0.6,-0.4,0.2
         both arms of a robot at once
+  kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0 --tool 0,0,0.12 --lock joint3=0
+        for the tip of a drill that long on it, with a joint held
+  kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0 --interval z=0..0.05,rz=free
+        up to 5 cm further along the target's z axis, and turned about it at will
   kinopt solve robot.urdf --tip tool --targets poses.json --search first --json
         many poses, each on its own (see --targets)
   kinopt solve robot.urdf --tip tool --targets path.json --track
@@ -48,7 +55,7 @@ Examples:
         a tip onto the viewing ray through two points
 
 A target that is out of reach is no failure: the closest pose found is printed with what each
-target misses by and which limits hold it back (--json: \"reached\": false). The exit code is 0.";
+target misses by and which limits hold it back (--json: \"reached\": false). The exit code is 0, or 3 with --fail-on-miss.";
 
 /// Joint angles, within their limits, that bring frames to targets (inverse kinematics).
 ///
@@ -131,6 +138,19 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     pub(super) arm: ArmArguments,
 
+    #[command(flatten)]
+    pub(super) chain: ChainArguments,
+
+    /// How much a frame counts beside the others that something is asked of: its errors are multiplied
+    /// by a number above 0. For several targets, rays or held tips. Default: 1 for each.
+    #[arg(long = "weight", value_name = "FRAME=W", value_parser = FrameWeight::parse)]
+    pub(super) weights: Vec<FrameWeight>,
+
+    /// End with exit code 3 where a target is missed, for scripts. Default: off; a miss is an answer,
+    /// and the exit code 0.
+    #[arg(long)]
+    pub(super) fail_on_miss: bool,
+
     /// The position of targets alone counts, even where they have a quaternion. Default: off.
     #[arg(long)]
     pub(super) position_only: bool,
@@ -156,8 +176,8 @@ pub(crate) struct Arguments {
           allow_hyphen_values = true, value_parser = Start::parse)]
     pub(super) start: Start,
 
-    /// The numbers of --start, --max-move and --posture, and the angles in text output, are in
-    /// degrees. Default: radians.
+    /// The angles of --start, --lock, --max-move, --posture and --interval, and those in text output,
+    /// are in degrees. Default: radians.
     #[arg(long)]
     pub(super) degrees: bool,
 
@@ -287,6 +307,12 @@ impl Arguments {
             self.solver.is_some() || self.jacobian.is_some() || self.max_iterations.is_some();
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
         match (&loaded.robot, self.arm.given()) {
+            (Some(_), _) if one_frame && !general && !self.weights.is_empty() => {
+                Err(Failure::usage(
+                    "--weight is for several targets or held tips; beside a single target's position \
+                     --metres-per-radian weighs its orientation",
+                ))
+            }
             (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
             (_, None) => Ok(None),
             (None, Some(option)) => Err(Failure::usage(format!(
@@ -298,6 +324,56 @@ impl Arguments {
                 self.targets.len()
             ))),
         }
+    }
+
+    /// Holds the joints that are not to move.
+    pub(super) fn hold(&self, loaded: &mut LoadedModel) -> Outcome<()> {
+        if !self.chain.holds() {
+            return Ok(());
+        }
+        let all = loaded.model.degrees_of_freedom();
+        let start = match &self.start {
+            // Numbers for an arm's own joints say nothing of the others.
+            Start::Numbers(numbers) if loaded.robot.is_some() && numbers.len() != all => {
+                loaded.rest()
+            }
+            _ => self.start(loaded, None)?,
+        };
+        let held = self.chain.held(loaded, &start, self.degrees)?;
+        loaded.held = Some(Box::new(held));
+        Ok(())
+    }
+
+    /// Puts the tool on the frame of the one target.
+    pub(super) fn put_tool(&self, loaded: &mut LoadedModel) -> Outcome<()> {
+        let Some(tool) = &self.chain.tool else {
+            return Ok(());
+        };
+        let frames = self.targets.iter().map(|target| target.frame.as_str());
+        let frames = frames.chain(self.rays.iter().map(|ray| ray.frame.as_str()));
+        let frames: Vec<_> = frames
+            .map(|name| loaded.frame(name, BareName::Tip))
+            .collect::<Result<_, _>>()?;
+        match frames.as_slice() {
+            [first, others @ ..] if others.iter().all(|other| other == first) => {
+                loaded.put_tool(*first, tool)
+            }
+            _ => Err(Failure::usage(
+                "--tool is for the targets of one frame, not of several",
+            )),
+        }
+    }
+
+    /// Ends with a code of its own where --fail-on-miss wants it and targets were missed.
+    pub(super) fn told_misses(&self, missed: usize, targets: usize) -> Outcome<()> {
+        if missed == 0 || !self.fail_on_miss {
+            return Ok(());
+        }
+        let what = match targets {
+            1 => "the target was missed".to_owned(),
+            _ => format!("{missed} of {targets} targets were missed"),
+        };
+        Err(Failure::Missed(what))
     }
 
     /// Where the search starts, within the limits; `arm` has the columns of an arm's own joints, which

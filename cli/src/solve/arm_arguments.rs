@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 use kinopt::arm::{Axis, Search};
 
+use super::interval::Interval;
 use crate::number_list;
 
 /// How far apart distinct solutions are unless said otherwise, in radians (or metres) of joint
@@ -43,6 +44,27 @@ pub(crate) struct ArmArguments {
     #[arg(long, value_name = "AXIS", value_enum,
           conflicts_with_all = ["position_only", "solver", "jacobian", "max_iterations", "rays"])]
     pub(super) free_axis: Option<FreeAxis>,
+
+    /// Room on axes of the target's frame, separated by commas: in metres along x, y, z, in radians
+    /// (--degrees) about them as rx, ry, rz. Robots only. Default: none.
+    ///
+    /// `x=0.01` is 1 cm either way, `x=-0.01..0.03` from 1 cm before the target to 3 cm beyond it,
+    /// `x=free` anywhere. Turns are either way: `rz=0.5`, `rz=free`. A target without an orientation
+    /// has the axes of --base.
+    #[arg(long = "interval", value_name = "AXIS=WIDTH,…", value_delimiter = ',',
+          allow_hyphen_values = true, value_parser = Interval::parse, conflicts_with_all = GENERAL)]
+    pub(super) intervals: Vec<Interval>,
+
+    /// What a radian or metre of each joint weighs where answers are compared (--search nearest and
+    /// distinct, --posture): numbers above 0 as for --max-move. Robots only. Default: 1 for each.
+    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, conflicts_with_all = GENERAL)]
+    pub(super) joint_weights: Option<Moves>,
+
+    /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
+    /// quarter of the arm's length.
+    #[arg(long, value_name = "METRES", value_parser = number_list::positive,
+          conflicts_with_all = GENERAL)]
+    pub(super) metres_per_radian: Option<f64>,
 }
 
 const GENERAL: [&str; 4] = ["solver", "jacobian", "max_iterations", "rays"];
@@ -55,6 +77,9 @@ impl ArmArguments {
             ("--max-move", self.max_move.is_some()),
             ("--posture", self.posture.is_some()),
             ("--free-axis", self.free_axis.is_some()),
+            ("--interval", !self.intervals.is_empty()),
+            ("--joint-weights", self.joint_weights.is_some()),
+            ("--metres-per-radian", self.metres_per_radian.is_some()),
         ];
         let mut given = options.into_iter().filter(|(_, given)| *given);
         given.next().map(|(option, _)| option)

@@ -6,11 +6,13 @@ use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
 use kinopt::model::JointId;
 use kinopt::robot::Robot;
+use kinopt::spatial::Placement;
 
 use super::answer::{Answer, AskedTask, LongStep, Path, Question};
 use super::arguments::Arguments;
 use super::arm_arguments::Moves;
 use super::door::Door;
+use super::interval::{self, Interval};
 use crate::failure::{Failure, Outcome};
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
@@ -21,6 +23,8 @@ pub(super) struct ArmDoor<'a> {
     arm: Arm,
     tip: String,
     search: Search,
+    /// Where the middle of the room lies in a target, where it is not the target itself.
+    shift: Option<Placement<f64>>,
 }
 
 /// Memory of one thread.
@@ -43,16 +47,24 @@ impl<'a> ArmDoor<'a> {
     ) -> Outcome<Self> {
         let base = base.or_else(|| loaded.root_link()).unwrap_or_default();
         let options = &arguments.arm;
+        let turning = options.intervals.iter().any(Interval::turns);
         let goal = match options.free_axis {
-            Some(_) if !turns => {
-                return Err(Failure::usage(
-                    "--free-axis is for targets with an orientation (x,y,z,qw,qx,qy,qz)",
-                ));
+            _ if !turns && (turning || options.free_axis.is_some()) => {
+                let option = if turning {
+                    "--interval of a turn"
+                } else {
+                    "--free-axis"
+                };
+                return Err(Failure::usage(format!(
+                    "{option} is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
+                )));
             }
-            None if !turns => Goal::position(),
+            _ if !turns => Goal::position(),
             Some(axis) => Goal::free_about(axis.into()),
             None => Goal::pose(),
         };
+        let intervals = &options.intervals;
+        let (goal, shift) = interval::goal(goal.half_widths(), intervals, arguments.degrees);
         let search = options.search.unwrap_or_default();
         let mut builder = builder(loaded, robot, base, tip)?
             .with_goal(goal)
@@ -69,7 +81,14 @@ impl<'a> ArmDoor<'a> {
         if let Some(limit) = arguments.time_limit {
             builder = builder.with_time_limit(limit);
         }
-        if options.max_move.is_some() || options.posture.is_some() {
+        if let Some(tool) = &arguments.chain.tool {
+            builder = builder.with_tool(tool);
+        }
+        if let Some(metres) = options.metres_per_radian {
+            builder = builder.with_metres_per_radian(metres);
+        }
+        let weights = options.joint_weights.as_ref();
+        if options.max_move.is_some() || options.posture.is_some() || weights.is_some() {
             // Which joints the numbers belong to is known once an arm stands.
             let joints = builder.clone().with_atlas(false).build()?;
             let one_each = |option: &str, given: &Moves| {
@@ -77,6 +96,12 @@ impl<'a> ArmDoor<'a> {
             };
             if let Some(moves) = &options.max_move {
                 builder = builder.with_max_move(&one_each("--max-move", moves)?);
+            }
+            if let Some(weights) = weights {
+                // Weights are no angles.
+                let ids = joints.joint_ids();
+                let weights = one_a_joint(loaded, ids, "--joint-weights", weights, false)?;
+                builder = builder.with_joint_weights(&weights);
             }
             if let Some(posture) = &options.posture {
                 builder = builder.with_posture(&one_each("--posture", posture)?);
@@ -87,7 +112,14 @@ impl<'a> ArmDoor<'a> {
             arm: builder.build()?,
             tip: tip.to_owned(),
             search,
+            shift,
         })
+    }
+
+    /// Where the tip is to stand, the room about it even.
+    fn target(&self, question: &Question) -> Placement<f64> {
+        let target = question.base_from_tip;
+        self.shift.map_or(target, |shift| target * shift)
     }
 
     /// Columns for the free joints from base to tip.
@@ -130,13 +162,13 @@ impl<'a> ArmDoor<'a> {
 
     fn distinct(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<Answer> {
         let started = Instant::now();
-        let all = self.arm.solve_all(question.base_from_tip, &desk.q_arm)?;
+        let all = self.arm.solve_all(self.target(question), &desk.q_arm)?;
         let micros = microseconds(started);
         let mut all = all.into_iter();
         let Some(nearest) = all.next() else {
             // None: what comes closest is an answer all the same.
             let started = Instant::now();
-            let closest = self.arm.solve(question.base_from_tip, &desk.q_arm)?;
+            let closest = self.arm.solve(self.target(question), &desk.q_arm)?;
             let micros = micros + microseconds(started);
             return self.answer_of(question, closest, Some(micros));
         };
@@ -162,7 +194,7 @@ impl Door for ArmDoor<'_> {
         }
         let started = Instant::now();
         self.arm
-            .solve_into(question.base_from_tip, &desk.q_arm, &mut desk.solution)?;
+            .solve_into(self.target(question), &desk.q_arm, &mut desk.solution)?;
         let micros = microseconds(started);
         self.answer_of(question, desk.solution.clone(), Some(micros))
     }
@@ -178,14 +210,14 @@ impl Door for ArmDoor<'_> {
         let mut steps = Vec::with_capacity(questions.len());
         for question in questions {
             let started = Instant::now();
-            let jump = follower.advance(question.base_from_tip, &mut desk.solution)?;
+            let jump = follower.advance(self.target(question), &mut desk.solution)?;
             steps.push((desk.solution.clone(), microseconds(started)));
             jumps.extend(jump);
             told();
         }
         if jumps.iter().any(|jump| !jump.continuous) {
             // Whoever knows the whole path may find a way round; its steps are timed together.
-            let targets: Vec<_> = questions.iter().map(|q| q.base_from_tip).collect();
+            let targets: Vec<_> = questions.iter().map(|q| self.target(q)).collect();
             let started = Instant::now();
             let track = self.arm.track(&targets, &desk.q_arm)?;
             let each = microseconds(started) / questions.len() as f64;
@@ -205,7 +237,7 @@ impl Door for ArmDoor<'_> {
     }
 
     fn batch(&self, questions: &[Question], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {
-        let targets: Vec<_> = questions.iter().map(|q| q.base_from_tip).collect();
+        let targets: Vec<_> = questions.iter().map(|q| self.target(q)).collect();
         let mut starts = Vec::with_capacity(questions.len() * self.arm.joint_count());
         let mut desk = ArmDesk::default();
         for question in questions {
@@ -242,7 +274,17 @@ fn builder<'m>(
     for name in [base, tip] {
         loaded.frame(name, crate::frame_name::BareName::Tail)?;
     }
-    Ok(Arm::builder(robot, base, tip)?)
+    let mut builder = Arm::builder(robot, base, tip)?;
+    if let Some(held) = &loaded.held {
+        for (joint, value) in &held.locked {
+            builder = builder.with_locked(joint, *value)?;
+        }
+        if let Some((joints, q)) = &held.only {
+            let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
+            builder = builder.with_only(&joints, q)?;
+        }
+    }
+    Ok(builder)
 }
 
 /// Numbers for the arm's joints out of one for all, one for each, or one for each moving joint of
@@ -262,7 +304,7 @@ fn one_a_joint(
         .collect();
     let numbers = &given.0;
     let picked: Vec<f64> = match numbers.as_slice() {
-        [one] if option == "--max-move" => vec![*one; coordinates.len()],
+        [one] if option != "--posture" => vec![*one; coordinates.len()],
         _ if numbers.len() == all => coordinates
             .iter()
             .filter_map(|&coordinate| numbers.get(coordinate).copied())

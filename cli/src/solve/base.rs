@@ -53,24 +53,25 @@ impl Base {
         }
     }
 
-    /// Adds the task that brings `tip` to a target in this frame; without `turns` its orientation
-    /// does not matter.
+    /// Adds the task that brings `tip` to a target in this frame, by its name and its weight beside
+    /// others; without `turns` its orientation does not matter.
     pub(super) fn add_target(
         &self,
         builder: &mut ProblemBuilder,
         tip: FrameId,
         base_from_target: Placement<f64>,
         turns: bool,
-        name: String,
+        (name, weight): (String, f64),
     ) -> TargetTask {
         match *self {
             Self::Still(world_from_base) => {
                 let target = world_from_base * base_from_target;
                 if turns {
-                    TargetTask::Pose(builder.add(Task::new(Pose::new(tip, target)).named(name)))
+                    let pose = Task::new(Pose::new(tip, target)).named(name);
+                    TargetTask::Pose(builder.add(pose.times(weight)))
                 } else {
                     let point = Point::new(tip, target.translation);
-                    TargetTask::Point(builder.add(Task::new(point).named(name)))
+                    TargetTask::Point(builder.add(Task::new(point).named(name).times(weight)))
                 }
             }
             Self::Moving(base) => {
@@ -80,7 +81,7 @@ impl Base {
                     base_from_target,
                     turns,
                 };
-                TargetTask::Relative(builder.add(Task::new(relative).named(name)))
+                TargetTask::Relative(builder.add(Task::new(relative).named(name).times(weight)))
             }
         }
     }

@@ -16,6 +16,7 @@ use super::arm_door::microseconds;
 use super::base::{Base, TargetTask};
 use super::door::Door;
 use super::held::Held;
+use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
@@ -35,6 +36,7 @@ pub(super) struct CoreDoor<'a> {
     tip_name: String,
     turns: bool,
     held: Held,
+    weights: Weights,
 }
 
 /// The problem and the memory of one thread.
@@ -55,8 +57,11 @@ impl<'a> CoreDoor<'a> {
         tip_name: &str,
         turns: bool,
     ) -> Outcome<Self> {
-        let tip = loaded.frame(tip_name, BareName::Tip)?;
+        let tip = loaded.target_frame(tip_name, BareName::Tip)?;
         let base = Base::named(loaded, base)?;
+        let held = Held::of(loaded, arguments, &[tip])?;
+        let all = [vec![(tip_name.to_owned(), tip)], held.tips.clone()].concat();
+        let weights = Weights::of(loaded, arguments, &all)?;
         Ok(Self {
             loaded,
             solver: arguments.general_solver(),
@@ -67,7 +72,8 @@ impl<'a> CoreDoor<'a> {
             tip,
             tip_name: tip_name.to_owned(),
             turns,
-            held: Held::of(loaded, arguments, &[tip])?,
+            held,
+            weights,
         })
     }
 
@@ -85,6 +91,7 @@ impl<'a> CoreDoor<'a> {
     fn desk_at(&self, start: &[f64]) -> Outcome<CoreDesk> {
         let mut builder = self.builder(start)?;
         let name = format!("target {}", self.tip_name);
+        let name = (name, self.weights.weight(self.tip));
         // Aimed anew for every question.
         let anywhere = kinopt::spatial::Placement::identity();
         let target = self
@@ -92,7 +99,8 @@ impl<'a> CoreDoor<'a> {
             .add_target(&mut builder, self.tip, anywhere, self.turns, name);
         let held = self.held.tips.iter().map(|(name, frame)| {
             let point = Point::new(*frame, [0.0; 3]);
-            let task = builder.add(Task::new(point).named(format!("hold {name}")));
+            let task = Task::new(point).times(self.weights.weight(*frame));
+            let task = builder.add(task.named(format!("hold {name}")));
             (*frame, task)
         });
         let held = held.collect();

@@ -1,6 +1,6 @@
 //! What is held where it is while other frames go to their targets.
 
-use kinopt::model::{FrameId, ModelError, ParameterMap};
+use kinopt::model::{FrameId, ModelError, ParameterMap, Source};
 use kinopt::skeleton::{BoneId, Holds};
 
 use super::arguments::Arguments;
@@ -32,6 +32,7 @@ impl Held {
         dragged: &[FrameId],
     ) -> Outcome<Self> {
         let named = arguments.hold.as_slice();
+        let dragged: Vec<FrameId> = dragged.iter().map(|&f| loaded.under_tool(f)).collect();
         let Some(rig) = &loaded.rig else {
             return match named {
                 [] => Ok(Self::default()),
@@ -93,12 +94,26 @@ impl Held {
         loaded: &LoadedModel,
         start: &[f64],
     ) -> Result<ParameterMap, ModelError> {
-        match &loaded.rig {
-            Some(rig) if !self.still.is_empty() => Holds {
+        match (&loaded.rig, &loaded.held) {
+            (Some(rig), None) if !self.still.is_empty() => Holds {
                 trunk: self.still.clone(),
                 ends: Vec::new(),
             }
             .parameters(&rig.skeleton, start),
+            (Some(rig), Some(held)) if !self.still.is_empty() => {
+                let trunk = self.still.iter();
+                let trunk: Vec<_> = trunk.flat_map(|&b| rig.skeleton.joints(b)).collect();
+                let mut builder = ParameterMap::builder(&loaded.model);
+                let joints = loaded.model.moving_joints().iter();
+                for ((&joint, source), &value) in joints.zip(held.map.sources()).zip(start) {
+                    builder = match *source {
+                        Source::Constant(value) => builder.lock(joint, value),
+                        _ if trunk.contains(&joint) => builder.lock(joint, value),
+                        Source::Variable { .. } => builder,
+                    };
+                }
+                builder.build()
+            }
             _ => Ok(loaded.parameters()),
         }
     }

@@ -6,13 +6,16 @@ mod arm_arguments;
 mod arm_door;
 pub(crate) mod base;
 mod bystanders;
+mod chain_arguments;
 mod core_door;
 mod door;
 mod held;
+mod interval;
 mod many;
 mod relative_pose;
 mod report;
 mod tasks;
+mod weights;
 
 use std::time::Instant;
 
@@ -22,6 +25,7 @@ use kinopt::robot::Robot;
 use answer::{Answer, AskedTask, Question};
 pub(crate) use arguments::Arguments;
 use arm_door::{ArmDoor, microseconds};
+pub(crate) use chain_arguments::HeldJoints;
 use door::Door;
 use report::Report;
 
@@ -32,11 +36,13 @@ use crate::output;
 use crate::progress::Progress;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
-    let robot = arguments.arm_of(&loaded)?;
+    let mut loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
+    arguments.hold(&mut loaded)?;
     if let Some(file) = &arguments.file {
-        return many::run(&loaded, robot, arguments, file, json);
+        return many::run(loaded, arguments, file, json);
     }
+    arguments.put_tool(&mut loaded)?;
+    let robot = arguments.arm_of(&loaded)?;
     // Before the search, not after it.
     let skin = arguments.out.as_ref().map(|_| loaded.skin()).transpose()?;
     let answered = match robot {
@@ -60,7 +66,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if let Some(out) = &arguments.out {
         output::message(&format!("wrote {}", out.path().display()));
     }
-    Ok(())
+    let missed = usize::from(!answered.answer.solution.reached);
+    arguments.told_misses(missed, 1)
 }
 
 /// An answer to all that was asked at once.

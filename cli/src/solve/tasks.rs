@@ -9,6 +9,7 @@ use super::arguments::Arguments;
 use super::base::Base;
 use super::bystanders::bystanders;
 use super::held::Held;
+use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
@@ -32,11 +33,22 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
         .tolerance(Quantity::Radians, angle);
     let base = Base::named(loaded, arguments.base.as_deref())?;
 
+    let mut taken: Vec<(String, FrameId)> = Vec::new();
+    let named = arguments.targets.iter().map(|target| &target.frame);
+    for name in named.chain(arguments.rays.iter().map(|ray| &ray.frame)) {
+        taken.push((name.clone(), loaded.target_frame(name, BareName::Tip)?));
+    }
+    let dragged: Vec<FrameId> = taken.iter().map(|(_, frame)| *frame).collect();
+    let held = Held::of(loaded, arguments, &dragged)?;
+    builder.parameters(held.parameters(loaded, start)?);
+    let all = [taken, held.tips.clone()].concat();
+    let weights = Weights::of(loaded, arguments, &all)?;
+
     let mut asked = Vec::new();
     let mut taken: Vec<FrameId> = Vec::new();
     for target in &arguments.targets {
-        let frame = loaded.frame(&target.frame, BareName::Tip)?;
-        let name = format!("target {}", target.frame);
+        let frame = loaded.target_frame(&target.frame, BareName::Tip)?;
+        let name = (format!("target {}", target.frame), weights.weight(frame));
         let turns = target.quaternion.is_some() && !arguments.position_only;
         base.add_target(&mut builder, frame, target.placement(), turns, name);
         taken.push(frame);
@@ -46,8 +58,8 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
         });
     }
     for ray in &arguments.rays {
-        let frame = loaded.frame(&ray.frame, BareName::Tip)?;
-        let task = Task::new(Ray::new(frame, ray.eye, ray.through));
+        let frame = loaded.target_frame(&ray.frame, BareName::Tip)?;
+        let task = Task::new(Ray::new(frame, ray.eye, ray.through)).times(weights.weight(frame));
         builder.add(task.named(format!("ray {}", ray.frame)));
         taken.push(frame);
         asked.push(AskedTask {
@@ -55,15 +67,14 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
             held: false,
         });
     }
-    let held = Held::of(loaded, arguments, &taken)?;
-    builder.parameters(held.parameters(loaded, start)?);
     let placements = loaded.all_frames(start);
     for (name, frame) in held.tips {
         let Some(placed) = placements.get(frame.index()) else {
             continue;
         };
-        let point = Point::new(frame, placed.translation);
-        builder.add(Task::new(point).named(format!("hold {name}")));
+        let point = Task::new(Point::new(frame, placed.translation));
+        let point = point.times(weights.weight(frame));
+        builder.add(point.named(format!("hold {name}")));
         asked.push(AskedTask {
             frame: name,
             held: true,

@@ -369,7 +369,7 @@ fn malformed_files_are_named_with_the_place() {
         ),
         (
             format!("{{\"targets\": [{pose}], \"tip_link\": \"claw\"}}"),
-            vec!["`claw`", "finger_left"],
+            vec!["`claw`", "no link named"],
         ),
         (
             format!("{{\"targets\": [{pose}], \"tip_link\": 4}}"),

@@ -295,17 +295,17 @@ fn wrong_names_and_options() {
         (
             vec!["solve", &panda.file, "--target=claw=1,2,3"],
             1,
-            vec!["`claw`", "finger_left", "link"],
+            vec!["`claw`", "no link named", "`kinopt info` lists all"],
         ),
         (
-            vec!["solve", &panda.file, pose, "--base=wall"],
+            vec!["solve", &panda.file, pose, "--base=Link_77"],
             1,
-            vec!["`wall`", "link7"],
+            vec!["`Link_77`", "did you mean `link7`"],
         ),
         (
-            vec!["fk", &panda.file, "--base=wall"],
+            vec!["fk", &panda.file, "--base=toool"],
             1,
-            vec!["`wall`", "link7"],
+            vec!["`toool`", "did you mean `tool`"],
         ),
         (
             vec!["solve", &panda.file, pose, "--max-move=1,2"],

@@ -4,7 +4,6 @@ mod summary;
 
 use std::path::Path;
 
-use kinopt::robot::Robot;
 use rayon::prelude::*;
 
 use self::summary::Outcomes;
@@ -15,6 +14,7 @@ use super::core_door::CoreDoor;
 use super::door::Door;
 use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::output;
@@ -22,14 +22,19 @@ use crate::targets_file::TargetsFile;
 
 /// Solves every target of a file and prints what came out.
 pub(super) fn run(
-    loaded: &LoadedModel,
-    robot: Option<&Robot>,
+    mut loaded: LoadedModel,
     arguments: &Arguments,
     path: &Path,
     json: bool,
 ) -> Outcome<()> {
     let file = TargetsFile::read(path)?;
-    let tip = tip(loaded, arguments, &file, path)?;
+    let tip = tip(&loaded, arguments, &file, path)?.to_owned();
+    if let Some(tool) = &arguments.chain.tool {
+        let frame = loaded.frame(&tip, BareName::Tip)?;
+        loaded.put_tool(frame, tool)?;
+    }
+    let (loaded, tip) = (&loaded, tip.as_str());
+    let robot = arguments.arm_of(loaded)?;
     let base = arguments.base.as_deref().or(file.base_link.as_deref());
     let turns = file.turns && !arguments.position_only;
     let outcomes = match robot {
@@ -45,10 +50,13 @@ pub(super) fn run(
         }
     };
     if json {
-        output::json(&outcomes.document(loaded))
+        output::json(&outcomes.document(loaded))?;
     } else {
-        output::result(&outcomes.text(loaded))
+        output::result(&outcomes.text(loaded))?;
     }
+    let answers = &outcomes.answers;
+    let missed = answers.iter().filter(|answer| !answer.solution.reached);
+    arguments.told_misses(missed.count(), answers.len())
 }
 
 /// The frame that the targets are for.

@@ -1,0 +1,227 @@
+//! Which joints may move, and what is on the tip: for every solver.
+
+use clap::Args;
+use kinopt::model::{FrameId, JointId, ModelBuilder, ParameterMap, UnknownName};
+use kinopt::robot::Mimic;
+use kinopt::spatial::Placement;
+
+use crate::failure::{Failure, Outcome};
+use crate::frame_name::{self, BareName};
+use crate::loaded_model::LoadedModel;
+use crate::number_list;
+use crate::target;
+
+/// Joints to hold and to free, and a tool.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct ChainArguments {
+    /// Hold a joint: at a value in radians (--degrees) or metres, or where the start has it.
+    ///
+    /// Joints are named as `kinopt info` lists them; in a rig or scene a bone's name stands for all
+    /// its angles, and then takes no value. Repeat it for several. Default: none.
+    #[arg(long = "lock", value_name = "JOINT[=VALUE]", value_parser = Lock::parse)]
+    lock: Vec<Lock>,
+
+    /// Let only these joints move, by name, separated by commas (in a rig or scene also bones); every
+    /// other one is held where --start has it, whatever a file's starts say. Default: all move.
+    #[arg(long = "only", value_name = "JOINT,…", value_delimiter = ',')]
+    only: Vec<String>,
+
+    /// A tool on the frame that the target is for: where it stands in that frame, in metres (rigs:
+    /// their own unit), and how it is turned. For one --target, or for --targets. Default: none.
+    #[arg(long, value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
+          value_parser = target::parse_placement)]
+    pub(super) tool: Option<Placement<f64>>,
+}
+
+/// `--lock`.
+#[derive(Clone, Debug, PartialEq)]
+struct Lock {
+    joint: String,
+    value: Option<f64>,
+}
+
+impl Lock {
+    fn parse(text: &str) -> Result<Self, String> {
+        let (joint, value) = match text.rsplit_once('=') {
+            Some((joint, value)) => (joint, Some(number_list::number(value.trim())?)),
+            None => (text, None),
+        };
+        match joint.trim() {
+            "" => Err("expected JOINT or JOINT=VALUE".to_owned()),
+            joint => Ok(Self {
+                joint: joint.to_owned(),
+                value,
+            }),
+        }
+    }
+}
+
+/// The joints that a command holds.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldJoints {
+    /// Joints by name, each at a value in radians or metres.
+    pub(crate) locked: Vec<(String, f64)>,
+    /// The joints that alone may move, and a configuration that holds the others.
+    pub(crate) only: Option<(Vec<String>, Vec<f64>)>,
+    pub(crate) map: ParameterMap,
+}
+
+impl ChainArguments {
+    /// Whether some joint is to be held.
+    pub(super) fn holds(&self) -> bool {
+        !(self.lock.is_empty() && self.only.is_empty())
+    }
+
+    /// Resolves the names; `start` is where joints without a value are held, and `degrees` what values
+    /// are in.
+    pub(super) fn held(
+        &self,
+        loaded: &LoadedModel,
+        start: &[f64],
+        degrees: bool,
+    ) -> Outcome<HeldJoints> {
+        let model = &loaded.model;
+        let is_angle: Vec<bool> = loaded.is_angle().collect();
+        let mut locked = Vec::new();
+        for lock in &self.lock {
+            let joints = joints(loaded, &lock.joint)?;
+            if let (Some(_), [_, _, ..]) = (lock.value, joints.as_slice()) {
+                let names = joints.iter().map(|&joint| name(loaded, joint));
+                return Err(Failure::usage(format!(
+                    "--lock: bone `{}` has several angles, so a value is for one of them: {}",
+                    lock.joint,
+                    names.collect::<Vec<_>>().join(", ")
+                )));
+            }
+            for joint in joints {
+                let coordinate = model.coordinate(joint);
+                let at = |list: &[f64]| coordinate.and_then(|c| list.get(c).copied());
+                let turns = coordinate.and_then(|c| is_angle.get(c).copied());
+                let value = match lock.value {
+                    Some(value) if degrees && turns == Some(true) => value.to_radians(),
+                    Some(value) => value,
+                    None => at(start).unwrap_or_default(),
+                };
+                locked.push((joint, value));
+            }
+        }
+        let mut only = Vec::new();
+        for wanted in &self.only {
+            for joint in joints(loaded, wanted.trim())? {
+                if locked.iter().any(|(held, _)| *held == joint) {
+                    return Err(Failure::usage(format!(
+                        "joint `{}` is in --lock and in --only",
+                        name(loaded, joint)
+                    )));
+                }
+                only.push(joint);
+            }
+        }
+
+        let mut builder = ParameterMap::builder(model);
+        let followers: &[Mimic] = loaded.robot.as_ref().map_or(&[], |robot| robot.mimics());
+        for mimic in followers {
+            builder = builder.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset);
+        }
+        for &(joint, value) in &locked {
+            builder = builder.lock(joint, value);
+        }
+        if !only.is_empty() {
+            builder = builder.only(&only, start);
+        }
+        let map = builder.build()?;
+        let name = |joint| name(loaded, joint).to_owned();
+        let only: Vec<String> = only.into_iter().map(name).collect();
+        Ok(HeldJoints {
+            map,
+            locked: locked.into_iter().map(|(id, v)| (name(id), v)).collect(),
+            only: (!only.is_empty()).then(|| (only, start.to_vec())),
+        })
+    }
+}
+
+/// The joints that a name stands for: one, or a bone's that its limits leave free.
+fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
+    let model = &loaded.model;
+    if let Some(rig) = &loaded.rig {
+        if let Some(bone) = frame_name::bone(rig, wanted) {
+            let ids = rig.skeleton.joints(bone).into_iter();
+            let free = ids.filter(|&id| {
+                let limits = model.joints().get(id.index()).map(|joint| joint.limits);
+                limits.is_some_and(|limits| !limits.is_locked())
+            });
+            return Ok(free.collect());
+        }
+    }
+    match model.joint(wanted) {
+        Ok(joint) if model.coordinate(joint).is_some() => Ok(vec![joint]),
+        Ok(_) => Err(Failure::new(format!("joint `{wanted}` is fixed"))),
+        Err(_) => {
+            let bones = loaded.rig.iter().flat_map(|rig| rig.skeleton.bones());
+            let bones = bones.map(|bone| bone.name.as_str());
+            let kind = match loaded.rig {
+                Some(_) => "bone or joint",
+                None => "moving joint",
+            };
+            let names = bones.chain(loaded.joint_names());
+            let unknown = UnknownName::new(kind, wanted, names);
+            Err(unknown.with_note("`kinopt info` lists all").into())
+        }
+    }
+}
+
+fn name(loaded: &LoadedModel, joint: JointId) -> &str {
+    let joint = loaded.model.joints().get(joint.index());
+    joint.map_or("", |joint| joint.name.as_str())
+}
+
+impl LoadedModel {
+    /// Puts a tool on a frame: targets for the frame are for the tool from now on.
+    pub(super) fn put_tool(&mut self, frame: FrameId, tool: &Placement<f64>) -> Outcome<()> {
+        let Some(on) = self.model.frames().get(frame.index()) else {
+            return Ok(());
+        };
+        let mut builder = ModelBuilder::from_model(&self.model);
+        let name = format!("tool on {}", on.name);
+        let id = builder.frame(name, on.joint, on.joint_from_frame * *tool);
+        self.model = builder.build()?;
+        self.tool = Some((frame, id));
+        Ok(())
+    }
+
+    /// The frame that a tool is on; any other frame itself.
+    pub(super) fn under_tool(&self, frame: FrameId) -> FrameId {
+        match self.tool {
+            Some((on, tool)) if tool == frame => on,
+            _ => frame,
+        }
+    }
+
+    /// The frame that a target of this name is for: the tool, where there is one on it.
+    pub(super) fn target_frame(&self, name: &str, bare: BareName) -> Result<FrameId, UnknownName> {
+        let frame = self.frame(name, bare)?;
+        Ok(match self.tool {
+            Some((on, tool)) if on == frame => tool,
+            _ => frame,
+        })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn locks() {
+        let lock = |joint: &str, value| Lock {
+            joint: joint.to_owned(),
+            value,
+        };
+        assert_eq!(Lock::parse("elbow"), Ok(lock("elbow", None)));
+        assert_eq!(Lock::parse("a=b=-1.5"), Ok(lock("a=b", Some(-1.5))));
+        for bad in ["", "=1", "a=", "a=x", "a=nan"] {
+            assert!(Lock::parse(bad).is_err(), "{bad}");
+        }
+    }
+}

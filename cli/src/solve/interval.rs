@@ -1,0 +1,119 @@
+//! `--interval`: room on single axes of a target.
+
+use kinopt::arm::Goal;
+use kinopt::spatial::{Placement, Vector3};
+
+use crate::number_list::{not_negative, number};
+
+const AXES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+const SHAPE: &str = "expected AXIS=WIDTH, AXIS=LOW..HIGH or AXIS=free, \
+                     the axis one of x, y, z, rx, ry, rz";
+
+/// How far a component of the tip's pose may be from its target, in metres or as typed angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Interval {
+    /// x, y, z, then turns about them.
+    axis: usize,
+    low: f64,
+    high: f64,
+}
+
+impl Interval {
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        let (axis, width) = text.split_once('=').ok_or(SHAPE)?;
+        let axis = AXES.iter().position(|name| *name == axis.trim());
+        let axis = axis.ok_or(SHAPE)?;
+        let (low, high) = match (width.trim(), width.split_once("..")) {
+            ("free", _) => (f64::NEG_INFINITY, f64::INFINITY),
+            (_, Some((low, high))) => (number(low.trim())?, number(high.trim())?),
+            (width, None) => {
+                let width = not_negative(width)?;
+                (-width, width)
+            }
+        };
+        if low > high {
+            return Err(format!(
+                "{low}..{high} is no interval: its ends are in wrong order"
+            ));
+        }
+        if axis >= 3 && low != -high {
+            return Err(format!(
+                "a turn may be so far either way: {}=ANGLE, not {low}..{high}",
+                AXES[axis]
+            ));
+        }
+        Ok(Self { axis, low, high })
+    }
+
+    /// Whether it is about how the tip is turned.
+    pub(super) fn turns(&self) -> bool {
+        self.axis >= 3
+    }
+}
+
+/// What of a pose counts, and where the middle of the room lies in the target.
+pub(super) fn goal(
+    mut half_widths: [f64; 6],
+    intervals: &[Interval],
+    degrees: bool,
+) -> (Goal, Option<Placement<f64>>) {
+    let mut middle = [0.0; 3];
+    for interval in intervals {
+        let half = match interval.high.is_finite() {
+            true => 0.5 * (interval.high - interval.low),
+            false => f64::INFINITY,
+        };
+        let turns = interval.turns();
+        half_widths[interval.axis] = if turns && degrees {
+            half.to_radians()
+        } else {
+            half
+        };
+        if let (Some(middle), true) = (middle.get_mut(interval.axis), half.is_finite()) {
+            *middle = 0.5 * (interval.low + interval.high);
+        }
+    }
+    let shifted = middle != [0.0; 3];
+    let shift = shifted.then(|| Placement::translation(Vector3::from(middle)));
+    (Goal::within(half_widths), shift)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_and_ends() {
+        let at = |axis, low, high| Ok(Interval { axis, low, high });
+        assert_eq!(Interval::parse("x=0.01"), at(0, -0.01, 0.01));
+        assert_eq!(Interval::parse("z=-0.01..0.03"), at(2, -0.01, 0.03));
+        assert_eq!(Interval::parse("ry=0.5"), at(4, -0.5, 0.5));
+        let free = at(5, f64::NEG_INFINITY, f64::INFINITY);
+        assert_eq!(Interval::parse("rz=free"), free);
+        for (bad, reason) in [
+            ("x", "AXIS=WIDTH"),
+            ("w=1", "rx, ry, rz"),
+            ("x=-1", "below 0"),
+            ("x=2..1", "wrong order"),
+            ("rx=0..1", "either way"),
+            ("x=wide", "not a number"),
+        ] {
+            let error = Interval::parse(bad).unwrap_err();
+            assert!(error.contains(reason), "{bad}: {error}");
+        }
+    }
+
+    #[test]
+    fn the_middle_of_the_room_is_the_target() {
+        let intervals =
+            ["x=-0.01..0.03", "y=free", "rz=90"].map(|text| Interval::parse(text).unwrap());
+        let (goal, shift) = goal([0.0; 6], &intervals, true);
+        let quarter = std::f64::consts::FRAC_PI_2;
+        assert_eq!(
+            goal.half_widths(),
+            [0.02, f64::INFINITY, 0.0, 0.0, 0.0, quarter]
+        );
+        assert!((shift.unwrap().translation.x - 0.01).abs() < 1e-15);
+    }
+}

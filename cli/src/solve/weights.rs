@@ -1,0 +1,63 @@
+//! `--weight`: how much each frame counts beside the others.
+
+use kinopt::model::{FrameId, UnknownName};
+
+use super::arguments::Arguments;
+use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
+use crate::loaded_model::LoadedModel;
+use crate::number_list;
+
+/// `FRAME=WEIGHT`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FrameWeight {
+    frame: String,
+    weight: f64,
+}
+
+impl FrameWeight {
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        match text.rsplit_once('=') {
+            Some((frame, weight)) if !frame.trim().is_empty() => Ok(Self {
+                frame: frame.trim().to_owned(),
+                weight: number_list::positive(weight.trim())?,
+            }),
+            _ => Err("expected FRAME=WEIGHT".to_owned()),
+        }
+    }
+}
+
+/// The weights that were given, by frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Weights(Vec<(FrameId, f64)>);
+
+impl Weights {
+    /// The weights typed, each of a frame among `asked`, which the user knows by these names.
+    pub(super) fn of(
+        loaded: &LoadedModel,
+        arguments: &Arguments,
+        asked: &[(String, FrameId)],
+    ) -> Outcome<Self> {
+        let mut weights: Vec<(FrameId, f64)> = Vec::new();
+        for FrameWeight { frame, weight } in &arguments.weights {
+            let id = loaded.target_frame(frame, BareName::Tip)?;
+            if !asked.iter().any(|(_, other)| *other == id) {
+                let names = asked.iter().map(|(name, _)| name.as_str());
+                return Err(UnknownName::new("target, ray or held tip", frame, names).into());
+            }
+            if weights.iter().any(|(other, _)| *other == id) {
+                return Err(Failure::usage(format!(
+                    "--weight of `{frame}` is given twice"
+                )));
+            }
+            weights.push((id, *weight));
+        }
+        Ok(Self(weights))
+    }
+
+    /// What a frame's errors are multiplied by.
+    pub(super) fn weight(&self, frame: FrameId) -> f64 {
+        let own = self.0.iter().find(|(other, _)| *other == frame);
+        own.map_or(1.0, |(_, weight)| *weight)
+    }
+}
