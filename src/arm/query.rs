@@ -60,17 +60,14 @@ impl Arm {
             tasks: vec![format!("pose of `{tip}`")],
             task_frames: vec![Some(tip.to_owned())],
         };
-        let workspace = Workspace::new(&serial, &options)?;
-        Ok(Self {
-            velocity_limits,
-            scale: serial.scales(options.metres_per_radian),
+        Self::of_parts(
             serial,
             options,
             lanes,
             coordinates,
-            names: Arc::new(names),
-            workspaces: Mutex::new(vec![Box::new(workspace)]),
-        })
+            velocity_limits,
+            Arc::new(names),
+        )
     }
 
     /// The same arm for another chain and other options, which leave joints and names as they are.
@@ -80,13 +77,28 @@ impl Arm {
         options: Options,
         lanes: Option<PoseSolver>,
     ) -> Result<Self, ArmError> {
+        let (coordinates, names) = (self.coordinates.clone(), Arc::clone(&self.names));
+        let limits = self.velocity_limits.clone();
+        Self::of_parts(serial, options, lanes, coordinates, limits, names)
+    }
+
+    fn of_parts(
+        serial: Serial,
+        options: Options,
+        lanes: Option<PoseSolver>,
+        coordinates: Coordinates,
+        velocity_limits: Vec<f64>,
+        names: Arc<Names>,
+    ) -> Result<Self, ArmError> {
         let workspace = Workspace::new(&serial, &options)?;
         Ok(Self {
+            velocity_limits,
+            scale: serial.scales(options.metres_per_radian),
             serial,
             options,
             lanes,
-            coordinates: self.coordinates.clone(),
-            names: Arc::clone(&self.names),
+            coordinates,
+            names,
             workspaces: Mutex::new(vec![Box::new(workspace)]),
         })
     }

@@ -4,8 +4,8 @@
 mod animated_meshes;
 mod exit_codes_and_errors;
 mod forked_rig;
-mod holds;
 mod held_joints;
+mod holds;
 mod json_output;
 mod many_targets;
 mod motion_capture;
