@@ -21,10 +21,9 @@ impl LoadedModel {
     pub(crate) fn frame(&self, name: &str, bare: BareName) -> Result<FrameId, UnknownName> {
         let Some(rig) = &self.rig else {
             // A robot's frames are its links, and that is what its user calls them.
-            let link = |error| UnknownName {
-                kind: "link",
-                note: "`kinopt info` lists all".to_owned(),
-                ..error
+            let link = |mut error: UnknownName| {
+                error.kind = "link";
+                error.with_note("`kinopt info` lists all")
             };
             return self.model.frame(name).map_err(link);
         };

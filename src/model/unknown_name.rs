@@ -18,12 +18,16 @@ pub struct UnknownName {
     /// What was looked up: "joint", "frame", …
     pub kind: &'static str,
     /// The name asked for.
-    pub name: String,
+    pub name: Box<str>,
     /// All names there are.
     pub valid: Vec<String>,
-    /// What else is to be said of the valid names; empty for nothing.
-    pub note: String,
+    /// What else is to be said of the valid names.
+    note: Option<Box<Note>>,
 }
+
+/// Boxed, as errors that hold this one are returned from everywhere.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Note(String);
 
 impl UnknownName {
     /// Records the valid names beside the wrong one.
@@ -34,16 +38,16 @@ impl UnknownName {
     ) -> Self {
         Self {
             kind,
-            name: name.to_owned(),
+            name: name.into(),
             valid: valid.into_iter().map(str::to_owned).collect(),
-            note: String::new(),
+            note: None,
         }
     }
 
     /// Says more of the valid names, such as where all of them are listed.
     #[must_use]
     pub fn with_note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
+        self.note = Some(Box::new(Note(note.into())));
         self
     }
 
@@ -69,7 +73,7 @@ impl UnknownName {
 impl fmt::Display for UnknownName {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "no {} named `{}`; ", self.kind, self.name)?;
-        let note = &self.note;
+        let note = self.note.as_ref().map_or("", |note| note.0.as_str());
         let count = self.valid.len();
         if count == 0 {
             write!(out, "there is none")?;

@@ -77,8 +77,8 @@ fn only_some_joints_move() {
         .map(|n| n.as_str().unwrap().to_owned())
         .collect();
     let mut q = start.clone();
-    for joint in 3..6 {
-        q[joint] += 0.2;
+    for value in &mut q[3..6] {
+        *value += 0.2;
     }
     let typed_start: Vec<String> = start.iter().map(f64::to_string).collect();
     let (start_option, target) = (
