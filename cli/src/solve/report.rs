@@ -127,7 +127,7 @@ impl<'a> Report<'a> {
         let solution = &self.answer.solution;
         let mut text = solution.explain();
         if !solution.reached && self.tasks.iter().any(|task| task.held) {
-            text.push_str("\n  Pinned tips are held where they were; --free lets them go.");
+            text.push_str("\n  What is held stays where it was; --hold says what else should.");
         }
         if let Some(micros) = self.answer.micros {
             text.push_str(&format!("\n  Solved in {}.", duration(micros)));
