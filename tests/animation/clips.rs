@@ -483,3 +483,26 @@ fn bad_channels_are_named_errors() {
             .is_err()
     );
 }
+
+/// By hand, for a span from 2 s to 5 s.
+#[test]
+fn times_outside_a_span_that_does_not_begin_at_zero() {
+    let span = [2.0, 5.0];
+    for (time, hold, looped, there_and_back) in [
+        (1.0, 2.0, 4.0, 3.0),
+        (0.0, 2.0, 3.0, 4.0),
+        (-2.5, 2.0, 3.5, 3.5),
+        (-3.0, 2.0, 3.0, 3.0),
+        (6.0, 5.0, 3.0, 4.0),
+        (9.5, 5.0, 3.5, 3.5),
+        (3.25, 3.25, 3.25, 3.25),
+    ] {
+        assert_eq!(Playback::Hold.within(time, span), hold, "{time}");
+        assert_eq!(Playback::Loop.within(time, span), looped, "{time}");
+        assert_eq!(
+            Playback::PingPong.within(time, span),
+            there_and_back,
+            "{time}"
+        );
+    }
+}

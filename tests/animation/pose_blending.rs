@@ -206,3 +206,32 @@ fn a_lean_on_top_of_a_walk() {
     let other = armature.bone("bone 7").unwrap();
     assert!(apart(leaning.local(other).rotation, walk.local(other).rotation) < 1e-6);
 }
+
+/// A scale of nothing has no ratio to another: the layer leaves such an axis alone.
+#[test]
+fn a_reference_flattened_to_nothing_leaves_the_base_as_it_is() {
+    let mut random = Random::new(87);
+    let (armature, [base, layer, mut reference]) = poses::<3>(&mut random);
+    let bone = armature.bone("bone 2").unwrap();
+    let mut local = reference.local(bone);
+    local.scale.y = 0.0;
+    reference.set_local(bone, local).unwrap();
+    for scale in [0.0, 0.7] {
+        let mut layer = layer.clone();
+        let mut local = layer.local(bone);
+        local.scale.y = scale;
+        layer.set_local(bone, local).unwrap();
+        let additive = Layer {
+            mode: LayerMode::Additive {
+                reference: reference.clone(),
+            },
+            weight: 1.0,
+            mask: BoneMask::all(&armature),
+        };
+        let mut onto = base.clone();
+        additive.apply(&mut onto, &layer).unwrap();
+        let [scaled, was] = [&onto, &base].map(|pose| pose.local(bone).scale);
+        assert!(scaled.is_finite() && scaled.y == was.y, "{scaled} {was}");
+        assert!((scaled.x - was.x).abs() > 1e-6, "the other axes are scaled");
+    }
+}

@@ -256,7 +256,7 @@ fn weights_say_what_near_means() {
             .sqrt()
     };
     let mut random = Random(44);
-    let (mut nearer, cases) = (0, 20);
+    let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, 20);
     for _ in 0..cases {
         let wanted = placement(&base_from_tip(&random.configuration(&even)));
         let start = random.configuration(&even);
@@ -264,8 +264,24 @@ fn weights_say_what_near_means() {
         let b = weighted.solve(wanted, &start).unwrap();
         assert!(a.reached && b.reached);
         nearer += usize::from(far(&b.q, &start) <= far(&a.q, &start) + 1e-9);
+        // Where no limit holds it, the weighted way to the start is at right angles to every move that
+        // leaves the tool where it is.
+        let weighted_jacobian = jacobian(&b.q)
+            * DMatrix::from_diagonal(&DVector::from_iterator(7, weights.iter().map(|w| 1.0 / w)));
+        let way = DVector::from_fn(7, |k, _| weights[k] * (b.q[k] - start[k]));
+        let inverse = weighted_jacobian.clone().pseudo_inverse(1e-9).unwrap();
+        let left = (&way - inverse * (&weighted_jacobian * &way)).norm();
+        let mut inside = weighted.limits().zip(&b.q);
+        if inside.all(|(l, q)| l.lower < *q && *q < l.upper) {
+            counted += 1;
+            best += usize::from(left < 1e-2);
+        }
     }
     assert!(nearer * 100 >= cases * 95, "{nearer} of {cases}");
+    assert!(
+        counted >= 5 && best * 10 >= counted * 9,
+        "{best} of {counted}"
+    );
 }
 
 #[test]

@@ -390,3 +390,14 @@ fn bytes_that_are_no_text_are_refused() {
     let error = bvh::read("no such.bvh").unwrap_err().to_string();
     assert!(error.starts_with("no such.bvh: "), "{error}");
 }
+
+/// Places are bounded, so that no sum overflows; angles repeat, and a sensor that spins counts turns.
+#[test]
+fn angles_may_be_of_any_size_and_places_may_not() {
+    let far = GOOD.replace("1.25 9 3 11", "1.25 9 3 1e32");
+    assert!(read(&far).is_ok());
+    refused(
+        &GOOD.replace("1.25 9 3 11", "1.25 1e32 3 11"),
+        &["Yposition"],
+    );
+}

@@ -243,3 +243,27 @@ fn targets_that_are_not_finite_end_as_such() {
     assert!(!solution.reached && solution.q == [0.1, 0.2]);
     assert!(Ccd::default().solve(&problem, &[f64::NAN, 0.0]).is_err());
 }
+
+/// A joint that can turn farther than right round, near the end of its range: the short way to the target
+/// leads out of it, the long way back does not.
+#[test]
+fn the_other_way_round_is_taken_where_the_short_one_is_barred() {
+    let model = planar_arm(&[1.0], Some((-1.0, 6.0)));
+    let target = [f64::cos(0.3), f64::sin(0.3), 0.0];
+    let solution = one_sweep().solve(&reach_for(&model, target), &[5.5]);
+    let solution = solution.unwrap();
+    assert!(
+        solution.reached && (solution.q[0] - 0.3).abs() < 1e-12,
+        "{:?}",
+        solution.q
+    );
+    let model = planar_arm(&[1.0], Some((-6.0, 1.0)));
+    let target = [f64::cos(0.3), f64::sin(-0.3), 0.0];
+    let solution = one_sweep().solve(&reach_for(&model, target), &[-5.5]);
+    let solution = solution.unwrap();
+    assert!(
+        solution.reached && (solution.q[0] + 0.3).abs() < 1e-12,
+        "{:?}",
+        solution.q
+    );
+}

@@ -246,3 +246,34 @@ fn humanoid() -> Rig {
     ))
     .unwrap()
 }
+
+/// Where several bones share a joint its place is the mean of what they ask for, wherever the figure
+/// stands: a few passes come to the same angles here and five metres away.
+#[test]
+fn a_figure_elsewhere_bends_alike() {
+    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let away = Vector3::new(3.0, -4.0, 1.0);
+    let place = kinopt::spatial::Placement::translation(away);
+    let bent = |skeleton: &kinopt::Skeleton, shift: Vector3<f64>| {
+        let mut builder = Problem::builder(skeleton.model());
+        for (name, at) in [
+            ("left_hand", [0.35, 0.45, 1.5]),
+            ("right_hand", [0.2, -0.3, 1.7]),
+            ("head", [0.1, 0.05, 1.6]),
+        ] {
+            let bone = skeleton.bone(name).unwrap();
+            let at = Vector3::from(at) + shift;
+            builder.add(Point::new(skeleton.tip(bone), at));
+        }
+        let stopping = kinopt::solver::Stopping::default().with_max_iterations(2);
+        let few = Fabrik::default().with_stopping(stopping);
+        let few = few.with_restarts(Restarts::none());
+        let problem = builder.build().unwrap();
+        few.solve(&problem, &skeleton.model().neutral()).unwrap().q
+    };
+    let here = bent(&rig.skeleton, Vector3::zero());
+    let there = bent(&rig.skeleton.placed(&place).unwrap(), away);
+    for (a, b) in here.iter().zip(&there) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+}

@@ -69,3 +69,33 @@ fn random_chains_stay_within_bounds() {
         );
     }
 }
+
+/// Joints that can turn round more than once: of the equal values within the bounds the nearest to the
+/// start comes back, also where the nearest of all lies beyond a bound.
+#[test]
+fn wide_joints_come_back_as_near_to_the_start_as_bounds_allow() {
+    let mut joints = panda().joints().to_vec();
+    for joint in &mut joints {
+        (joint.lower, joint.upper) = (-5.0, 5.0);
+    }
+    let chain = Chain::new(joints, *panda().joint_from_tip()).unwrap();
+    let solver = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
+    let (mut random, mut held) = (Random(14), 0);
+    let mut q = vec![0.0; 7];
+    for _ in 0..60 {
+        let goal = target(&chain, &random.configuration(&chain));
+        let start: Vec<f64> = (0..7).map(|_| random.within(-9.0, 9.0)).collect();
+        let outcome = solver
+            .solve(&goal, &start, Search::First, None, &mut q)
+            .unwrap();
+        assert!(outcome.reached && within_bounds(&chain, &q));
+        for (q, start) in q.iter().zip(&start) {
+            for turned in [q - std::f64::consts::TAU, q + std::f64::consts::TAU] {
+                let nearer = (turned - start).abs() < (q - start).abs() - 1e-9;
+                assert!(!nearer || turned.abs() > 5.0, "{q} from {start}");
+                held += usize::from(nearer);
+            }
+        }
+    }
+    assert!(held > 40, "{held} were held by a bound");
+}

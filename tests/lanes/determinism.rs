@@ -1,7 +1,7 @@
 //! The same question has the same answer, bit for bit, however a batch is split.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search};
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, far_away, panda, random_chain, target};
 
@@ -143,5 +143,63 @@ fn numbered_attempts_are_those_of_a_batch() {
             }
             None => assert!(!outcomes[k].reached || outcomes[k].winner > Some(23)),
         }
+    }
+}
+
+/// Of attempts that reach after equally many steps the one with the lowest number wins.
+#[test]
+fn ties_go_to_the_lowest_attempt() {
+    let chain = panda();
+    let solver = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
+    let (mut random, mut ties) = (Random(5), 0);
+    let (mut q, mut all) = (vec![0.0; 7], vec![0.0; 28]);
+    for _ in 0..60 {
+        let goal = target(&chain, &random.configuration(&chain));
+        let start = random.configuration(&chain);
+        let raced = solver
+            .solve(&goal, &start, Search::First, None, &mut q)
+            .unwrap();
+        let mut alone = [Outcome::default(); 4];
+        solver
+            .run_attempts(&goal, &start, Search::First, 0, &mut all, &mut alone)
+            .unwrap();
+        let reached = (0..4u32).filter(|&k| alone[k as usize].reached);
+        let key = |k: &u32| (alone[*k as usize].iterations, *k);
+        let Some(first) = reached.clone().min_by_key(key) else {
+            continue;
+        };
+        // With nothing given up on before, no other attempt was let in.
+        let steps = alone[first as usize].iterations;
+        if raced.attempts == 4 {
+            assert_eq!(raced.winner, Some(first));
+            let as_fast = reached.filter(|&k| alone[k as usize].iterations == steps);
+            ties += usize::from(as_fast.count() > 1);
+        }
+    }
+    assert!(ties > 5, "{ties} ties");
+}
+
+/// Further attempts for slides without ends begin near the start: where two of them undo each other, the
+/// answers stay there too.
+#[test]
+fn attempts_of_unbounded_slides_begin_near_the_start() {
+    let slide = ChainJoint {
+        parent_from_joint: Placement::identity(),
+        axis: [1.0, 0.0, 0.0].into(),
+        kind: JointKind::Prismatic,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    };
+    let chain = Chain::new(vec![slide; 2], Placement::identity()).unwrap();
+    let solver = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
+    let goal = Placement::translation([100.0, 0.0, 0.0].into());
+    let start = [1000.0, -902.0];
+    let (mut q, mut outcomes) = ([0.0; 10], [Outcome::default(); 5]);
+    solver
+        .run_attempts(&goal, &start, Search::Start, 1, &mut q, &mut outcomes)
+        .unwrap();
+    for (q, outcome) in q.chunks(2).zip(outcomes) {
+        assert!(outcome.reached, "{outcome:?}");
+        assert!((q[0] - start[0]).abs() < 4.0, "{q:?}");
     }
 }

@@ -27,7 +27,7 @@ const STATIONARY: f64 = 1e-6;
 /// The problems are many: they are solved side by side.
 const THREADS: usize = 4;
 /// The problems that end in another minimum than the best known, which is stationary.
-const IN_ANOTHER_MINIMUM: [&str; 21] = [
+const IN_ANOTHER_MINIMUM: [&str; 22] = [
     "five tips with posture, humanoid 16",
     "five tips with posture, humanoid 3",
     "look, distance, plane, humanoid 18",
@@ -41,6 +41,7 @@ const IN_ANOTHER_MINIMUM: [&str; 21] = [
     "pose out of reach, panda 3",
     "pose out of reach, panda 6",
     "pose out of reach, ur5e 3",
+    "pose with limits active, oblique 8",
     "two arms, baxter 1",
     "two arms, baxter 10",
     "two arms, baxter 12",

@@ -170,3 +170,18 @@ fn obj_reads_back_the_same_bits_with_indices_from_one() {
         );
     }
 }
+
+/// Only text may end in blanks.
+#[test]
+fn what_follows_a_binary_mesh_is_refused() {
+    let mesh = ply::from_bytes(support::small_rig::PLY.as_bytes(), "small.ply").unwrap();
+    for (encoding, is_text) in [
+        (PlyEncoding::Ascii, true),
+        (PlyEncoding::BinaryLittleEndian, false),
+        (PlyEncoding::BinaryBigEndian, false),
+    ] {
+        let mut bytes = ply::to_bytes(&mesh, encoding);
+        bytes.extend_from_slice(b" \n");
+        assert_eq!(ply::from_bytes(&bytes, "more.ply").is_ok(), is_text);
+    }
+}

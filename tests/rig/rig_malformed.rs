@@ -372,6 +372,11 @@ fn weights_that_do_not_fit() {
         &["weights.file: ", "2 vertices", "3"],
     );
     table(
+        "more rows",
+        "2 4\n1 0.5 0 0.5 0 0.5 1 0.5",
+        &["weights.file: ", "4 vertices", "3"],
+    );
+    table(
         "truncated",
         &DMAT[..DMAT.len() - 4],
         &["weights.file: ", "small.dmat", "5 of the 6"],

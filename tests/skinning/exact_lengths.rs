@@ -69,3 +69,24 @@ fn directions_are_divided_by_the_exact_root() {
     let posed = normals(&blend, &rest);
     assert!(posed == fused || posed == apart);
 }
+
+/// The squares of shorter ones keep no digits.
+#[test]
+fn ever_shorter_normals_are_of_unit_length_or_nothing() {
+    let mut rest = Vec::new();
+    for exponent in -26..-10 {
+        for k in 1..10 {
+            let size = k as f32 * 10f32.powi(exponent);
+            rest.push(Vec3::new(0.6, -0.48, 0.64) * size);
+        }
+    }
+    let packed = on_one_bone(rest.len());
+    let still = [Affine3A::IDENTITY];
+    let blend = PackedLinearBlend::new(&packed, &still).unwrap();
+    for blend in [blend.clone(), blend.portable()] {
+        for (normal, rest) in normals(&blend, &rest).iter().zip(&rest) {
+            let off = normal.length() - 1.0;
+            assert!(*normal == Vec3::ZERO || off.abs() < 1e-6, "{rest} {normal}");
+        }
+    }
+}

@@ -180,3 +180,18 @@ fn pruning_keeps_the_largest_and_says_what_is_lost() {
     let (all, pruning) = weights.pruned(4);
     assert_eq!((all, pruning), (weights, Pruning::default()));
 }
+
+/// Kept by weight, not by size, and divided by what is kept: with a negative weight the lost sum is not
+/// what is missing.
+#[test]
+fn pruning_drops_negative_weights_first() {
+    let weights = SkinWeights::from_table(&dmatrix![0.7, -0.008, 0.005, 0.303]).unwrap();
+    let (three, pruning) = weights.pruned(3);
+    let kept = three.influences(0);
+    let bones: Vec<u32> = kept.iter().map(|i| i.bone).collect();
+    assert_eq!(bones, [0, 2, 3]);
+    for (influence, weight) in kept.iter().zip([0.7, 0.005, 0.303]) {
+        assert!((influence.weight - weight / 1.008).abs() < 1e-15);
+    }
+    assert!((pruning.largest_lost - 0.008).abs() < 1e-15);
+}

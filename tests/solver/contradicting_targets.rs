@@ -3,10 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
+use kinopt::ik::Restarts;
 use kinopt::io::rig::Rig;
 use kinopt::problem::Problem;
 use kinopt::solver::Termination;
 use kinopt::task::Point;
+use support::random::Random;
 
 #[test]
 fn a_hand_drawn_too_far_while_the_other_tips_hold() {
@@ -65,4 +67,31 @@ fn a_hand_drawn_too_far_while_the_other_tips_hold() {
             }
         }
     }
+}
+
+/// The decrease that a step promises counts the curvature in use; without, the damping is wrong and the
+/// same twenty searches take 1 290 steps instead of 1 100.
+#[test]
+fn what_a_curved_step_promises_is_curved() {
+    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let model = rig.skeleton.model();
+    let rest = model.neutral();
+    let pose = rig.skeleton.pose(&rest);
+    let mut random = Random::new(1);
+    let mut steps = 0;
+    for _ in 0..20 {
+        let mut builder = Problem::builder(model);
+        for name in ["left_hand", "head", "right_hand", "left_foot", "right_foot"] {
+            let bone = rig.skeleton.bone(name).unwrap();
+            let (at, off) = (pose.tip(&rig.skeleton, bone), random.vector(0.6));
+            let wanted = [at.x + off.x, at.y + off.y, at.z + off.z];
+            builder.add(Point::new(rig.skeleton.tip(bone), wanted));
+        }
+        let problem = builder.build().unwrap();
+        let solver = Solver::default().with_restarts(Restarts::none());
+        let solution = solver.solve_once(&problem, &rest).unwrap();
+        assert_eq!(solution.termination, Termination::Stationary);
+        steps += solution.iterations;
+    }
+    assert!(steps < 1190, "{steps}");
 }

@@ -288,3 +288,32 @@ fn a_restart_that_is_hardly_better_does_not_win() {
         }
     }
 }
+
+/// Both elbows come equally near to a target off the plane: the one on the start's side stays.
+#[test]
+fn of_attempts_that_miss_alike_the_earliest_stays() {
+    let model = support::planar_arm(&[1.0, 0.8], None);
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [0.9, 0.7, 0.5]));
+    let problem = builder.build().unwrap();
+    let solver = |attempts: usize| {
+        let restarts = Restarts::default().with_attempts(attempts);
+        Solver::default().with_restarts(restarts.with_agreeing(attempts))
+    };
+    for seed in 0..8 {
+        let mut random = Random::new(seed);
+        let elbow = if seed % 2 == 0 { 1.0 } else { -1.0 };
+        let start = [random.within(-0.5, 0.5), elbow * random.within(0.8, 1.5)];
+        let alone = solver(1).solve_once(&problem, &start).unwrap();
+        let among = solver(12).solve_once(&problem, &start).unwrap();
+        assert!(!among.reached && among.attempts > 3);
+        for (a, b) in alone.q.iter().zip(&among.q) {
+            assert!(
+                (a - b).abs() < 1e-4,
+                "{start:?}: {:?} {:?}",
+                alone.q,
+                among.q
+            );
+        }
+    }
+}

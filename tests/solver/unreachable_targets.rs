@@ -236,3 +236,28 @@ fn tips_pulled_far_away_end_at_a_minimum_and_not_at_the_limit_of_steps() {
         assert!(solution.projected_gradient.unwrap() < 1e-7, "rig {seed}");
     }
 }
+
+/// Two links stretched along x onto their lower limits, the target straight ahead but for a hair below:
+/// the cost would fall beyond the limits by a slope of 1e-12, which is nothing.
+#[test]
+fn a_limit_that_pushes_by_rounding_only_is_not_named() {
+    for (limits, side) in [((0.0, 2.0), -1.0), ((-2.0, 0.0), 1.0)] {
+        let model = planar_arm(&[1.0, 1.0], Some(limits));
+        for solver in quick_solvers() {
+            let at = |off: f64| {
+                let target = na::Vector3::new(3.0, side * off, 0.0);
+                solve(&solver, &model, target, &[0.0; 2])
+            };
+            let straight = at(1e-13);
+            assert!(!straight.reached && straight.q == [0.0; 2], "{straight:?}");
+            assert_eq!(
+                straight.active_limits().count(),
+                0,
+                "{}",
+                straight.explain()
+            );
+            let below = at(0.5);
+            assert_eq!(below.active_limits().count(), 2, "{}", below.explain());
+        }
+    }
+}
