@@ -144,6 +144,9 @@ fn many_targets_and_paths_keep_to_it() {
     let folder = Folder::new("held");
     let tool = Placement::translation(Vector3::new(0.02, 0.0, 0.1));
     let mut q = panda.configuration(5);
+    // A path stays on the branch that it starts on.
+    let start: Vec<String> = q.iter().map(f64::to_string).collect();
+    let start = format!("--start={}", start.join(","));
     let targets: Vec<Vec<f64>> = (0..6)
         .map(|_| {
             q[0] += 0.02;
@@ -170,6 +173,7 @@ fn many_targets_and_paths_keep_to_it() {
             "--targets",
             &file,
             "--lock=joint3=0.2",
+            &start,
             "--tool=0.02,0,0.1",
             "--json",
         ];
