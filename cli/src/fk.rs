@@ -107,6 +107,8 @@ struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<&'a str>>,
     frames: &'a FrameReport,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -136,6 +138,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             q: &q,
             joints: loaded.documented_joints(),
             frames: &frames,
+            notes: loaded.notes(),
         });
     }
     output::result(&frames.text(LengthFormat::of_size(loaded.size())))

@@ -90,6 +90,7 @@ mod tests {
                 weights: None,
                 clip: EulerClip::default(),
                 constrained: Vec::new(),
+                notes: Vec::new(),
             })),
             scene: None,
             robot: None,

@@ -13,6 +13,7 @@ use kinopt::skeleton::BoneId;
 
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
+use crate::output;
 use crate::robot_options::RobotOptions;
 use crate::solve::HeldJoints;
 
@@ -57,6 +58,9 @@ impl LoadedModel {
         match extension.to_ascii_lowercase().as_str() {
             "json" => {
                 let rig = Rig::read(path)?;
+                for note in &rig.notes {
+                    output::message(&format!("{file}: {note}"));
+                }
                 Ok(Self {
                     file,
                     model: rig.skeleton.model().clone(),
@@ -101,6 +105,7 @@ impl LoadedModel {
                 weights: None,
                 clip: EulerClip::default(),
                 constrained: Vec::new(),
+                notes: Vec::new(),
             })),
             scene: Some(Box::new(scene)),
             robot: None,
@@ -128,6 +133,12 @@ impl LoadedModel {
             let problem = format!("{file}: --clip is for scenes; this is a {kind}");
             Err(Failure::usage(problem))
         })
+    }
+
+    /// What reading a rig did without.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let notes = self.rig.iter().flat_map(|rig| &rig.notes);
+        notes.map(ToString::to_string).collect()
     }
 
     /// "rig", "scene" or "robot".
@@ -271,7 +282,7 @@ mod tests {
         assert!(robot.frame("hook", BareName::Tip).is_ok());
         let error = robot.frame("hand", BareName::Tip).unwrap_err().to_string();
         assert!(error.contains("`hand`") && error.contains("hook"));
-        assert!(robot.skin().is_err() && robot.keyframes_at(0.0, Default::default()).is_err());
+        assert!(robot.skin(None).is_err() && robot.keyframes_at(0.0, Default::default()).is_err());
     }
 
     #[test]

@@ -34,6 +34,7 @@ mod solve;
 mod table;
 mod target;
 mod targets_file;
+mod weights_choice;
 
 use std::process::ExitCode;
 

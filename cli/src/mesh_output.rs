@@ -8,11 +8,12 @@ use kinopt::io::ply::PlyEncoding;
 use kinopt::io::{gltf, obj, ply};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
-use kinopt::skinning::{AutomaticWeights, MeshWeights, SkinningMethod, single_precision_transform};
+use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
 
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::output;
+use crate::weights_choice::WeightsChoice;
 
 /// `--out`: where to write, and as what.
 #[derive(Clone, Debug)]
@@ -84,6 +85,8 @@ pub(crate) enum Skin<'a> {
         skeleton: &'a Skeleton,
         mesh: &'a TriangleMesh,
         weights: Box<MeshWeights>,
+        /// What was made up.
+        note: Option<String>,
     },
     Scene {
         scene: &'a Scene,
@@ -92,9 +95,9 @@ pub(crate) enum Skin<'a> {
 }
 
 impl LoadedModel {
-    /// The model's mesh and its weights, both of which posing it needs. A mesh without weights gets
-    /// them by distance, which is said.
-    pub(crate) fn skin(&self) -> Outcome<Skin<'_>> {
+    /// The model's mesh and its weights, both of which posing it needs. A rig's mesh without weights gets
+    /// some, and one with weights others where that is asked for, which is said.
+    pub(crate) fn skin(&self, choice: Option<WeightsChoice>) -> Outcome<Skin<'_>> {
         let (file, kind) = (&self.file, self.kind());
         let lacks = || {
             Failure::new(format!(
@@ -106,33 +109,48 @@ impl LoadedModel {
             if scene.meshes.is_empty() {
                 return Err(lacks());
             }
+            if choice.is_some() {
+                let problem = format!("{file}: --skin-weights is for rigs; a scene has its own");
+                return Err(Failure::usage(problem));
+            }
             let bridge = PoseBridge::new(&rig.skeleton);
             return Ok(Skin::Scene { scene, bridge });
         }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;
-        let weights = match &rig.weights {
-            Some(weights) => weights.clone(),
-            None => {
-                let made = AutomaticWeights::default().for_skeleton(mesh, &rig.skeleton);
-                let weights = made.map_err(|error| {
-                    let problem = "it has no skin weights, and none can be made up";
-                    Failure::new(format!("{file}: {problem}: {error}"))
+        let (weights, note) = match (&rig.weights, choice) {
+            (Some(weights), None) => (weights.clone(), None),
+            (given, choice) => {
+                let choice = choice.unwrap_or_default();
+                let weights = choice.made(mesh, &rig.skeleton).map_err(|error| {
+                    Failure::new(format!("{file}: no skin weights can be made up: {error}"))
                 })?;
-                output::message(&format!(
-                    "{file} has no skin weights: each vertex follows the bones nearest to it"
-                ));
-                weights
+                let why = match given {
+                    Some(_) => "the skin weights of the file are not taken",
+                    None => "there are no skin weights",
+                };
+                let note = format!("{why}: each vertex follows {}", choice.follows());
+                output::message(&format!("{file}: {note}"));
+                (weights, Some(note))
             }
         };
         Ok(Skin::Rig {
             skeleton: &rig.skeleton,
             mesh,
             weights: Box::new(weights.into()),
+            note,
         })
     }
 }
 
 impl Skin<'_> {
+    /// What was made up, if anything.
+    pub(crate) fn note(&self) -> Option<String> {
+        match self {
+            Self::Rig { note, .. } => note.clone(),
+            Self::Scene { .. } => None,
+        }
+    }
+
     /// The mesh for the stacked angles `q`, in radians.
     pub(crate) fn posed(&self, q: &[f64], method: SkinningMethod) -> Outcome<TriangleMesh> {
         match self {
@@ -140,6 +158,7 @@ impl Skin<'_> {
                 skeleton,
                 mesh,
                 weights,
+                ..
             } => {
                 let pose = skeleton.pose(q);
                 let transforms = pose.skinning_transforms(skeleton);

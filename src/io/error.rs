@@ -94,6 +94,11 @@ impl ReadError {
         }
     }
 
+    /// Whether it is that the file does not exist.
+    pub(crate) fn is_missing(&self) -> bool {
+        matches!(&self.problem, ReadProblem::Io(error) if error.kind() == std::io::ErrorKind::NotFound)
+    }
+
     /// Announced contents that the rest of the file cannot hold.
     pub(crate) fn truncated(
         file: &str,

@@ -1,6 +1,6 @@
 //! Skinning: moving a mesh with the handles it is bound to.
 //!
-//! - Bones: [`SkinWeights`] (given, or by [`AutomaticWeights`]) and a transform per bone, by
+//! - Bones: [`SkinWeights`] (given, by [`AutomaticWeights`], or by `HeatWeights` with feature `heat`) and a transform per bone, by
 //!   [`LinearBlend`] or [`DualQuaternionBlend`]; both are [`Deformation`]s.
 //! - The fast path for four influences: [`PackedWeights`], [`PackedLinearBlend`],
 //!   [`PackedDualQuaternionBlend`]. [`MeshWeights`] take it where they can.
@@ -32,6 +32,8 @@ mod twisted_tube;
 mod vertices;
 mod weights;
 
+#[cfg(feature = "heat")]
+pub use automatic_weights::HeatWeights;
 pub use automatic_weights::{AutomaticWeights, AutomaticWeightsError};
 pub use blend_shapes::{BlendShapes, BlendShapesError};
 pub use bone_transform::single_precision_transform;

@@ -1,7 +1,7 @@
 //! Promise: a malformed rig is an error that names the file, the place in it and the problem.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::io::rig::Rig;
+use kinopt::io::rig::{Rig, RigNote};
 use kinopt::io::{Place, ReadProblem, dmat, ply};
 use serde_json::{Value, json};
 use support::small_rig::{DMAT, PLY, SmallRig};
@@ -408,15 +408,6 @@ fn named_files_that_cannot_be_read() {
         &["model.file: ", "small.ply", "cannot be read"],
     );
     let rig = SmallRig {
-        dmat: None,
-        ..SmallRig::with_json(support::small_rig::JSON)
-    };
-    refused_with(
-        "absent weights",
-        &rig,
-        &["weights.file: ", "small.dmat", "cannot be read"],
-    );
-    let rig = SmallRig {
         ply: Some(PLY[..PLY.len() - 3].into()),
         ..SmallRig::with_json(support::small_rig::JSON)
     };
@@ -425,6 +416,31 @@ fn named_files_that_cannot_be_read() {
         &rig,
         &["model.file: ", "small.ply", "line 13"],
     );
+}
+
+/// Bones and keyframes do not need the weights.
+#[test]
+fn weights_that_do_not_exist_are_noted() {
+    let rig = SmallRig {
+        dmat: None,
+        ..SmallRig::with_json(support::small_rig::JSON)
+    };
+    let read = rig.parse().unwrap();
+    assert!(read.weights.is_none() && read.mesh.is_some());
+    assert_eq!(
+        (read.skeleton.bones().len(), read.clip.tracks().len()),
+        (3, 1)
+    );
+    let file = "small.dmat".to_owned();
+    assert_eq!(read.notes, [RigNote::NoWeightsFile { file }]);
+    assert_eq!(
+        read.notes[0].to_string(),
+        "weights.file: small.dmat does not exist: there are no skin weights"
+    );
+    let whole = SmallRig::with_json(support::small_rig::JSON)
+        .parse()
+        .unwrap();
+    assert!(whole.notes.is_empty());
 }
 
 #[test]

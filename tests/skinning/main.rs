@@ -5,6 +5,7 @@ mod blend_shapes;
 mod cage_coordinates;
 mod dual_quaternion_skinning;
 mod exact_lengths;
+mod heat_weights;
 mod linear_blend_skinning;
 mod morph_targets;
 mod packed_skinning;

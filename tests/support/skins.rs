@@ -1,6 +1,7 @@
 //! Random skins with numbers that never change.
 
 use glam::{Affine3A, Mat3A, Quat, Vec3, Vec4};
+use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{Deformation, PosedVertices, RestVertices, SkinWeights};
 
 use super::random::Random;
@@ -82,4 +83,57 @@ pub fn stretching(random: &mut Random) -> Affine3A {
         matrix3: rigid.matrix3 * Mat3A::from_diagonal(scale),
         translation: rigid.translation,
     }
+}
+
+/// A closed tube about x from 0 to `length`, its rings turned by half a step from one to the next, so that
+/// all its triangles are acute where rings are far enough apart.
+pub fn closed_tube(length: f32, radius: f32, around: u32, along: u32) -> TriangleMesh {
+    let step = std::f32::consts::TAU / around as f32;
+    let mut positions = Vec::new();
+    for ring in 0..=along {
+        for k in 0..around {
+            let (sin, cos) = (step * (k as f32 + 0.5 * (ring % 2) as f32)).sin_cos();
+            let x = length * ring as f32 / along as f32;
+            positions.push(Vec3::new(x, radius * cos, radius * sin));
+        }
+    }
+    let mut triangles = Vec::new();
+    for ring in 0..along {
+        let (low, high) = (ring * around, (ring + 1) * around);
+        for k in 0..around {
+            let next = (k + 1) % around;
+            if ring % 2 == 0 {
+                triangles.push([low + k, low + next, high + k]);
+                triangles.push([low + next, high + next, high + k]);
+            } else {
+                triangles.push([low + k, low + next, high + next]);
+                triangles.push([low + k, high + next, high + k]);
+            }
+        }
+    }
+    let ends = [0, along * around];
+    for (end, first) in ends.into_iter().enumerate() {
+        let centre = positions.len() as u32;
+        positions.push(Vec3::X * length * end as f32);
+        for k in 0..around {
+            let [a, b] = [first + k, first + (k + 1) % around];
+            triangles.push(if end == 0 {
+                [b, a, centre]
+            } else {
+                [a, b, centre]
+            });
+        }
+    }
+    TriangleMesh::new(positions, Vec::new(), triangles).unwrap()
+}
+
+/// The largest difference of a bone's weight along an edge.
+pub fn steepest(mesh: &TriangleMesh, weights: &SkinWeights) -> f64 {
+    let table = weights.to_table();
+    let edges = mesh
+        .triangles()
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let steps = edges.map(|(a, b)| (table.row(a as usize) - table.row(b as usize)).amax());
+    steps.fold(0.0, f64::max)
 }

@@ -19,6 +19,7 @@ use crate::interpolation_choice::InterpolationChoice;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{MeshFile, MeshFormat};
 use crate::robot_options::RobotOptions;
+use crate::weights_choice::WeightsChoice;
 use crate::{number_list, output, skinning_choice};
 
 const EXAMPLES: &str = "\
@@ -40,8 +41,7 @@ Examples:
 #[command(after_help = EXAMPLES)]
 #[command(group = ArgGroup::new("moments").args(["time", "fps"]).required(true))]
 pub(crate) struct Arguments {
-    /// The rig's .json file, with keyframes and a mesh, or a scene's .glb or .gltf file. Where a rig has
-    /// no skin weights, each vertex follows the bones nearest to it.
+    /// The rig's .json file, with keyframes and a mesh, or a scene's .glb or .gltf file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
@@ -87,6 +87,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, conflicts_with = "time", hide_default_value = true)]
     format: Option<MeshFormat>,
 
+    /// How a rig's skin weights are made up. Default: those of the file, else by heat.
+    #[arg(long, value_enum, hide_default_value = true)]
+    skin_weights: Option<WeightsChoice>,
+
     /// How the bones move the skin.
     #[arg(long, value_name = "METHOD", default_value_t, value_parser = skinning_choice::parser())]
     skinning: SkinningMethod,
@@ -97,6 +101,9 @@ struct Document<'a> {
     frames: Vec<FrameDocument<'a>>,
     vertices: usize,
     skinning: &'static str,
+    /// What was done without or made up.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    notes: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -117,10 +124,12 @@ fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
     loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let clip = loaded.keyframes("animate")?;
-    let skin = loaded.skin()?;
+    let skin = loaded.skin(arguments.skin_weights)?;
+    let mut notes = loaded.notes();
+    notes.extend(skin.note());
     let span = clip.time_span().unwrap_or([0.0; 2]);
     let mut q = vec![0.0; loaded.model.degrees_of_freedom()];
-    write_frames(arguments, json, span, |time, playback| {
+    write_frames(arguments, json, &notes, span, |time, playback| {
         clip.sample(time, playback, &mut q)?;
         skin.posed(&q, arguments.skinning)
     })
@@ -135,6 +144,10 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
         );
         return Err(Failure::usage(problem));
     }
+    if arguments.skin_weights.is_some() {
+        let problem = format!("{file}: --skin-weights is for rigs; a {kind} has its own");
+        return Err(Failure::usage(problem));
+    }
     let scene = animated.scene.as_deref();
     let scene = scene
         .filter(|scene| !scene.meshes.is_empty())
@@ -145,7 +158,7 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
     let clip = animated.clip(arguments.clip.as_deref())?;
     let mut posing = ScenePosing::new(scene, arguments.skinning)?;
     let span = clip.span().map(f64::from);
-    write_frames(arguments, json, span, |time, playback| {
+    write_frames(arguments, json, &[], span, |time, playback| {
         let pose = animated.pose_at(clip, time, playback)?;
         Ok(posing.mesh(&pose)?)
     })
@@ -155,6 +168,7 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
 fn write_frames(
     arguments: &Arguments,
     json: bool,
+    notes: &[String],
     span: [f64; 2],
     mut posed: impl FnMut(f64, Playback) -> Outcome<TriangleMesh>,
 ) -> Outcome<()> {
@@ -181,6 +195,7 @@ fn write_frames(
             frames: frames.collect(),
             vertices,
             skinning: arguments.skinning.name(),
+            notes,
         });
     }
     output::result(&text(&files, vertices))

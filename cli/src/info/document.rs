@@ -47,6 +47,8 @@ pub(super) struct RigDocument<'a> {
     pub(super) weights: Option<WeightsDocument>,
     pub(super) keyframes: Option<KeyframesDocument>,
     pub(super) constrained: Vec<&'a str>,
+    /// What reading did without.
+    pub(super) notes: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -176,6 +178,7 @@ fn rig_document(rig: &Rig) -> RigDocument<'_> {
             interpolation: interpolation(rig),
         }),
         constrained: rig.constrained.iter().copied().filter_map(name).collect(),
+        notes: rig.notes.iter().map(ToString::to_string).collect(),
     }
 }
 

@@ -97,13 +97,15 @@ fn rig_lines(rig: &RigDocument) -> Vec<(&'static str, String)> {
         [] => none(),
         names => format!("the tips of {}", names.join(", ")),
     };
-    vec![
+    let mut lines = vec![
         ("bones", rig.bones.len().to_string()),
         ("mesh", mesh.unwrap_or_else(none)),
         ("weights", weights.unwrap_or_else(none)),
         ("keyframes", keyframes.unwrap_or_else(none)),
         ("pinned", pinned),
-    ]
+    ];
+    lines.extend(rig.notes.iter().map(|note| ("note", note.clone())));
+    lines
 }
 
 fn joint_table(document: &Document) -> String {

@@ -24,6 +24,7 @@ use crate::number_list;
 use crate::robot_options::RobotOptions;
 use crate::skinning_choice;
 use crate::target::{RayTarget, Start, Target};
+use crate::weights_choice::WeightsChoice;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -224,10 +225,19 @@ pub(crate) struct Arguments {
 
     /// Write the mesh in the pose found, as .obj, .ply or .glb. Default: not written.
     ///
-    /// It needs a rig with a mesh; where there are no skin weights, each vertex follows the bones
-    /// nearest to it.
+    /// It needs a rig or a scene with a mesh.
     #[arg(long, value_name = "FILE", value_parser = MeshFile::parse)]
     pub(super) out: Option<MeshFile>,
+
+    /// With --out: how a rig's skin weights are made up. Default: those of the file, else by heat.
+    #[arg(
+        long,
+        value_enum,
+        requires = "out",
+        conflicts_with = "file",
+        hide_default_value = true
+    )]
+    pub(super) skin_weights: Option<WeightsChoice>,
 
     /// With --out: how the bones move the skin.
     #[arg(long, value_name = "METHOD", requires = "out", conflicts_with = "file", default_value_t,

@@ -44,7 +44,12 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     arguments.put_tool(&mut loaded)?;
     let robot = arguments.arm_of(&loaded)?;
     // Before the search, not after it.
-    let skin = arguments.out.as_ref().map(|_| loaded.skin()).transpose()?;
+    let skin = arguments.out.as_ref();
+    let skin = skin
+        .map(|_| loaded.skin(arguments.skin_weights))
+        .transpose()?;
+    let mut notes = loaded.notes();
+    notes.extend(skin.as_ref().and_then(|skin| skin.note()));
     let answered = match robot {
         Some(robot) => by_arm(&loaded, robot, arguments)?,
         None => by_general_solver(&loaded, arguments)?,
@@ -59,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         bystanders: &answered.bystanders,
     };
     if json {
-        output::json(&report.document_with_joints())?;
+        output::json(&report.whole_document(notes))?;
     } else {
         output::result(&report.text(arguments.degrees))?;
     }

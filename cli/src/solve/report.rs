@@ -39,6 +39,9 @@ pub(super) struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     micros: Option<f64>,
     explanation: String,
+    /// What was done without or made up; once for many answers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -71,9 +74,11 @@ struct Evaluations {
 }
 
 impl<'a> Report<'a> {
-    /// As [`document`](Self::document), with the joints' names for a robot.
-    pub(super) fn document_with_joints(&self) -> Document<'a> {
+    /// As [`document`](Self::document), with the joints' names for a robot, and what was done without or
+    /// made up.
+    pub(super) fn whole_document(&self, notes: Vec<String>) -> Document<'a> {
         Document {
+            notes,
             joints: self.loaded.documented_joints(),
             ..self.document()
         }
@@ -104,6 +109,7 @@ impl<'a> Report<'a> {
         Document {
             q: &self.answer.q,
             joints: None,
+            notes: Vec::new(),
             alternatives: &self.answer.alternatives,
             reached: solution.reached,
             termination: solution.termination.name(),

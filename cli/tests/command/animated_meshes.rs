@@ -222,6 +222,7 @@ fn a_mesh_without_weights_follows_the_nearest_bones() {
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(0), "{message}");
     assert!(message.contains("bare.json") && message.contains("no skin weights"));
+    assert!(message.contains("heat"), "{message}");
     // The skin goes with the limbs it is on, within its own thickness at the joints.
     let posed = ply::read(&out).unwrap();
     let rest = rig().mesh.unwrap();
@@ -232,6 +233,50 @@ fn a_mesh_without_weights_follows_the_nearest_bones() {
     };
     let (posed, still) = (off(posed.positions()), off(rest.positions()));
     assert!(posed < 0.25 * still, "off by {posed}, at rest by {still}");
+}
+
+/// As some rigs are published: bones, keyframes and mesh work, and what is missing is said.
+#[test]
+fn a_rig_whose_weights_file_is_missing_is_posed() {
+    let folder = Folder::new("animate-missing-weights");
+    let file = folder.rig();
+    std::fs::remove_file(folder.file("rig.dmat")).unwrap();
+    let note = "rig.dmat does not exist";
+    let out = folder.file("posed.ply");
+    for way in ["heat", "distance"] {
+        let arguments = ["animate", &file, "--time=2.3", "--out", &out, "--json"];
+        let output = kinopt(&[&arguments[..], &["--skin-weights", way]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stderr(&output).contains(note), "{}", stderr(&output));
+        let document: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+        let notes = &document["notes"];
+        assert!(notes[0].as_str().unwrap().contains(note), "{notes}");
+        let follows = if way == "heat" { "heat" } else { "nearest" };
+        assert!(notes[1].as_str().unwrap().contains(follows), "{notes}");
+        assert_eq!(
+            ply::read(&out).unwrap().positions().len(),
+            rig().mesh.unwrap().positions().len()
+        );
+    }
+    for command in [&["info", &file][..], &["fk", &file, "--time=1"]] {
+        let output = kinopt(&[command, &["--json"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stderr(&output).contains(note));
+        let document: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+        let notes = &document["notes"];
+        assert!(notes[0].as_str().unwrap().contains(note), "{notes}");
+    }
+    // What the file does give may be made up anew, which is said too.
+    let other = Folder::new("animate-other-weights");
+    let output = kinopt(&[
+        "animate",
+        &other.rig(),
+        "--time=1",
+        "--out",
+        &out,
+        "--skin-weights=heat",
+    ]);
+    assert!(stderr(&output).contains("not taken"), "{}", stderr(&output));
 }
 
 #[test]

@@ -103,6 +103,7 @@ pub(crate) fn rig() -> Rig {
         weights: Some(weights),
         clip: clip.unwrap(),
         constrained: vec![bone(2), bone(4)],
+        notes: Vec::new(),
         skeleton,
     }
 }

@@ -309,3 +309,16 @@ fn solve_drags_the_joints_of_a_scene() {
     let cloth = json(&["solve", &file, "--target=cloth=1,0,0", "--json"]);
     assert_eq!(cloth["reached"], false);
 }
+
+#[test]
+fn an_empty_scene_has_no_size() {
+    let folder = Folder::new("empty-scene");
+    let file = folder.file("empty.gltf");
+    std::fs::write(&file, r#"{"asset":{"version":"2.0"},"scenes":[{}]}"#).unwrap();
+    let output = kinopt(&["info", &file]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(!text.contains("inf "), "{text}");
+    assert!(text.contains("size"), "{text}");
+    assert_eq!(json(&["info", &file, "--json"])["size"], 0.0);
+}

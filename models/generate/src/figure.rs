@@ -114,6 +114,7 @@ impl Figure {
             weights: Some(builder.build()?),
             clip,
             constrained,
+            notes: Vec::new(),
         })
     }
 

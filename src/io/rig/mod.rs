@@ -1,6 +1,7 @@
 //! Rigs: a JSON file of bones that names a PLY mesh and a DMAT table of skin weights.
 //!
-//! - `model.file`, `weights.file`: relative to the JSON file; each may be absent.
+//! - `model.file`, `weights.file`: relative to the JSON file; each may be absent. Weights that are named
+//!   but do not exist are a [note](RigNote): bones and keyframes do not need them.
 //! - `bones`: parents before children. A bone has `parent_id` (−1 for a root), `weight_id` (its
 //!   column in the weights' table, −1 for none), `length`, `rest_T` (4×4 rows: canonical bone →
 //!   model) and optionally `xzx_min` and `xzx_max` in degrees; absent or ±1e10 means unbounded.
@@ -28,9 +29,11 @@ mod degrees;
 mod interpolation;
 mod json;
 mod names;
+mod note;
 mod posing;
 mod write;
 
+pub use note::RigNote;
 pub use posing::{RigPosing, RigPosingError};
 
 use std::path::Path;
@@ -59,6 +62,8 @@ pub struct Rig {
     pub clip: EulerClip,
     /// The bones whose tips are pinned.
     pub constrained: Vec<BoneId>,
+    /// What reading did without; not looked at by writing.
+    pub notes: Vec<RigNote>,
 }
 
 impl Rig {
@@ -101,12 +106,19 @@ impl Rig {
             let read = bytes.and_then(|bytes| ply::from_bytes(&bytes, &part.file));
             mesh = Some(read.map_err(|error| referred("model.file", error))?);
         }
-        let mut weights = None;
+        let (mut weights, mut notes) = (None, Vec::new());
         if let Some(part) = &file.weights {
-            let bytes = open(&part.file);
-            let read = bytes.and_then(|bytes| dmat::from_bytes(&bytes, &part.file));
-            let table = read.map_err(|error| referred("weights.file", error))?;
-            weights = Some(columns::weights(&file, &table, mesh.as_ref(), name)?);
+            match open(&part.file) {
+                Err(error) if error.is_missing() => {
+                    let file = part.file.clone();
+                    notes.push(RigNote::NoWeightsFile { file });
+                }
+                bytes => {
+                    let read = bytes.and_then(|bytes| dmat::from_bytes(&bytes, &part.file));
+                    let table = read.map_err(|error| referred("weights.file", error))?;
+                    weights = Some(columns::weights(&file, &table, mesh.as_ref(), name)?);
+                }
+            }
         }
         Ok(Self {
             skeleton,
@@ -114,6 +126,7 @@ impl Rig {
             weights,
             clip,
             constrained,
+            notes,
         })
     }
 }

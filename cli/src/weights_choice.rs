@@ -1,0 +1,37 @@
+//! `--skin-weights`: how a rig's mesh follows its bones.
+
+use clap::ValueEnum;
+use kinopt::mesh::TriangleMesh;
+use kinopt::skeleton::Skeleton;
+use kinopt::skinning::{AutomaticWeights, AutomaticWeightsError, HeatWeights, SkinWeights};
+
+/// How skin weights are made up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum WeightsChoice {
+    /// Heat spreads from the bones over the skin
+    #[default]
+    Heat,
+    /// Bones pull at what is near, also through the air
+    Distance,
+}
+
+impl WeightsChoice {
+    pub(crate) fn made(
+        self,
+        mesh: &TriangleMesh,
+        skeleton: &Skeleton,
+    ) -> Result<SkinWeights, AutomaticWeightsError> {
+        match self {
+            Self::Heat => HeatWeights::default().for_skeleton(mesh, skeleton),
+            Self::Distance => AutomaticWeights::default().for_skeleton(mesh, skeleton),
+        }
+    }
+
+    /// What it does, to go on "each vertex follows …".
+    pub(crate) fn follows(self) -> &'static str {
+        match self {
+            Self::Heat => "the bones that heat it along the skin",
+            Self::Distance => "the bones nearest to it",
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Whether a surface stands between two points: triangles in a tree of boxes.
+
+use glam::DVec3;
+
+use super::surface::Surface;
+
+/// Boxes of no more triangles are not divided.
+const SMALLEST: usize = 8;
+
+pub(super) struct Crossings<'a> {
+    surface: &'a Surface,
+    /// The triangles, those of a box side by side.
+    triangles: Vec<usize>,
+    boxes: Vec<Bounds>,
+}
+
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+    content: Content,
+}
+
+enum Content {
+    /// Places in the list of triangles.
+    Triangles(std::ops::Range<usize>),
+    /// The first of two boxes is the next one of the list.
+    Second(usize),
+}
+
+impl<'a> Crossings<'a> {
+    pub(super) fn of(surface: &'a Surface) -> Self {
+        let mut own = Self {
+            surface,
+            triangles: (0..surface.triangles.len()).collect(),
+            boxes: Vec::new(),
+        };
+        own.divide(0..own.triangles.len());
+        own
+    }
+
+    /// Halves each time, so it is no deeper than the logarithm of their number.
+    fn divide(&mut self, range: std::ops::Range<usize>) {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &triangle in &self.triangles[range.clone()] {
+            for corner in self.surface.corners(self.surface.triangles[triangle]) {
+                low = low.min(corner);
+                high = high.max(corner);
+            }
+        }
+        let at = self.boxes.len();
+        self.boxes.push(Bounds {
+            low,
+            high,
+            content: Content::Triangles(range.clone()),
+        });
+        if range.len() <= SMALLEST {
+            return;
+        }
+        let axis = (high - low).max_position();
+        let surface = self.surface;
+        let middle = |triangle: usize| {
+            let [a, b, c] = surface.corners(surface.triangles[triangle]);
+            a[axis] + b[axis] + c[axis]
+        };
+        self.triangles[range.clone()]
+            .sort_by(|&a, &b| middle(a).total_cmp(&middle(b)).then(a.cmp(&b)));
+        let half = range.start + range.len() / 2;
+        self.divide(range.start..half);
+        self.boxes[at].content = Content::Second(self.boxes.len());
+        self.divide(half..range.end);
+    }
+
+    /// Whether a triangle without the point lies between the point and a place.
+    pub(super) fn hide(&self, point: usize, place: DVec3) -> bool {
+        let from = self.surface.points[point];
+        let way = place - from;
+        let mut stack = vec![0];
+        while let Some(at) = stack.pop() {
+            let bounds = &self.boxes[at];
+            if !bounds.meets(from, way) {
+                continue;
+            }
+            match &bounds.content {
+                Content::Second(second) => stack.extend([at + 1, *second]),
+                Content::Triangles(range) => {
+                    let mut inside = self.triangles[range.clone()].iter();
+                    let crosses = |&triangle: &usize| {
+                        let corners = self.surface.triangles[triangle];
+                        !corners.contains(&point)
+                            && crosses(from, way, self.surface.corners(corners))
+                    };
+                    if inside.any(crosses) {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
+    }
+}
+
+impl Bounds {
+    /// Whether from + s way is in the box for an s within [0, 1].
+    fn meets(&self, from: DVec3, way: DVec3) -> bool {
+        let (mut first, mut last) = (0.0_f64, 1.0_f64);
+        for axis in 0..3 {
+            let [low, high] = [self.low, self.high].map(|end| end[axis] - from[axis]);
+            if way[axis] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return false;
+                }
+            } else {
+                let [a, b] = [low / way[axis], high / way[axis]];
+                first = first.max(a.min(b));
+                last = last.min(a.max(b));
+            }
+        }
+        first <= last
+    }
+}
+
+/// Whether from + s way crosses a triangle for an s within (0, 1); by determinants (Möller & Trumbore
+/// 1997). Ways along the triangle do not.
+fn crosses(from: DVec3, way: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
+    let (ab, ac) = (b - a, c - a);
+    let normal = way.cross(ac);
+    let determinant = ab.dot(normal);
+    let to = from - a;
+    let across = to.cross(ab);
+    let sign = determinant.signum();
+    let size = determinant.abs();
+    let u = sign * to.dot(normal);
+    let v = sign * way.dot(across);
+    let s = sign * ac.dot(across);
+    size > 0.0 && u >= 0.0 && v >= 0.0 && u + v <= size && s > 0.0 && s < size
+}

@@ -1,0 +1,74 @@
+//! In which order points are eliminated: nested dissection, which keeps the Cholesky factor thin.
+
+use glam::DVec3;
+
+/// Parts of no more points are not divided.
+const SMALLEST: usize = 32;
+
+/// An order in which the points between two halves come after both, and so on within the halves
+/// (George 1973); halves are along the longest side. `neighbours` are the points next to each.
+pub(super) fn order(points: &[DVec3], neighbours: &[Vec<usize>]) -> Vec<usize> {
+    let mut own = Dissection {
+        points,
+        neighbours,
+        side: vec![0; points.len()],
+        sides: 0,
+        order: Vec::with_capacity(points.len()),
+    };
+    own.divide((0..points.len()).collect());
+    own.order
+}
+
+struct Dissection<'a> {
+    points: &'a [DVec3],
+    neighbours: &'a [Vec<usize>],
+    /// The last part that a point was put into, by a number that no other part has.
+    side: Vec<usize>,
+    sides: usize,
+    order: Vec<usize>,
+}
+
+impl Dissection<'_> {
+    /// Halves each time, so it is no deeper than the logarithm of their number.
+    fn divide(&mut self, mut part: Vec<usize>) {
+        if part.len() <= SMALLEST {
+            self.order.append(&mut part);
+            return;
+        }
+        let axis = self.longest_axis(&part);
+        part.sort_by(|&a, &b| {
+            let [x, y] = [a, b].map(|point| self.points[point][axis]);
+            x.total_cmp(&y).then(a.cmp(&b))
+        });
+        let upper = part.split_off(part.len() / 2);
+        self.sides += 1;
+        for &point in &upper {
+            self.side[point] = self.sides;
+        }
+        let far = self.sides;
+        let touches = |&point: &usize| {
+            let mut next = self.neighbours[point].iter();
+            next.any(|&other| self.side[other] == far)
+        };
+        let (mut between, lower): (Vec<usize>, Vec<usize>) = part.into_iter().partition(touches);
+        self.divide(lower);
+        self.divide(upper);
+        self.order.append(&mut between);
+    }
+
+    fn longest_axis(&self, part: &[usize]) -> usize {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &point in part {
+            low = low.min(self.points[point]);
+            high = high.max(self.points[point]);
+        }
+        let sides = high - low;
+        if sides.x >= sides.y && sides.x >= sides.z {
+            0
+        } else if sides.y >= sides.z {
+            1
+        } else {
+            2
+        }
+    }
+}

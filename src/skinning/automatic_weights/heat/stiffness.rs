@@ -1,0 +1,70 @@
+//! How well heat flows between the points of a surface: cotangent weights, which no needle breaks.
+
+use glam::DVec3;
+
+use super::surface::Surface;
+
+/// Cotangents count no further than this: a needle's would be without bound.
+const STEEPEST: f64 = 1e3;
+/// No edge conducts less than this. Obtuse corners would else make heat flow uphill, which ends in
+/// weights below 0, and edges without any conduction would cut the surface apart.
+const LEAST_CONDUCTION: f64 = 1e-3;
+/// No point has less than this share of the mean area.
+const LEAST_AREA: f64 = 1e-6;
+
+/// The surface's edges and the areas around its points.
+pub(super) struct Stiffness {
+    /// (point, point, conduction): the first point is the lower one; sorted, each edge once.
+    pub(super) edges: Vec<(usize, usize, f64)>,
+    /// A third of the triangles around a point.
+    pub(super) areas: Vec<f64>,
+}
+
+impl Stiffness {
+    /// Of each edge ½ (cot α + cot β), with α and β the angles across it (Pinkall & Polthier 1993),
+    /// within bounds: all off-diagonal entries of the system are negative, so that its inverse has none,
+    /// and weights are within 0 and 1 on any mesh.
+    pub(super) fn of(surface: &Surface) -> Self {
+        let mut edges = Vec::with_capacity(3 * surface.triangles.len());
+        let mut areas = vec![0.0; surface.points.len()];
+        for &triangle in &surface.triangles {
+            let [a, b, c] = surface.corners(triangle);
+            let area = 0.5 * (b - a).cross(c - a).length();
+            for (corner, point) in triangle.into_iter().enumerate() {
+                areas[point] += area / 3.0;
+                let [next, last] = [1, 2].map(|step| triangle[(corner + step) % 3]);
+                let [from, to] =
+                    [next, last].map(|end| surface.points[end] - surface.points[point]);
+                edges.push((next.min(last), next.max(last), 0.5 * cotangent(from, to)));
+            }
+        }
+        edges.sort_by_key(|edge| (edge.0, edge.1));
+        edges.dedup_by(|second, first| {
+            let same = (second.0, second.1) == (first.0, first.1);
+            if same {
+                first.2 += second.2;
+            }
+            same
+        });
+        for edge in &mut edges {
+            edge.2 = edge.2.max(LEAST_CONDUCTION);
+        }
+        let total: f64 = areas.iter().sum();
+        let mean = total / areas.len().max(1) as f64;
+        let least = if mean > 0.0 { LEAST_AREA * mean } else { 1.0 };
+        for area in &mut areas {
+            *area = area.max(least);
+        }
+        Self { edges, areas }
+    }
+}
+
+/// The cotangent of the angle between two vectors, within bounds.
+fn cotangent(a: DVec3, b: DVec3) -> f64 {
+    let (along, across) = (a.dot(b), a.cross(b).length());
+    if along.abs() < STEEPEST * across {
+        along / across
+    } else {
+        STEEPEST.copysign(along)
+    }
+}

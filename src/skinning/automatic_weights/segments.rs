@@ -1,0 +1,45 @@
+//! Bones as segments from tail to tip.
+
+use glam::DVec3;
+
+use super::AutomaticWeightsError;
+use crate::skeleton::Skeleton;
+
+/// A bone's tail and tip; the same point twice for one without length.
+pub(super) type Segment = [DVec3; 2];
+
+/// A skeleton's bones at rest.
+pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
+    let end = |v: crate::spatial::Vector3<f64>| DVec3::from_array(v.to_array());
+    let bones = skeleton.bones().iter();
+    bones
+        .map(|bone| [end(bone.rest_tail()), end(bone.rest_tip())])
+        .collect()
+}
+
+/// There are bones, and all their ends are finite.
+pub(super) fn check(segments: &[Segment]) -> Result<(), AutomaticWeightsError> {
+    let broken = |[tail, tip]: &Segment| !(tail.is_finite() && tip.is_finite());
+    match segments.iter().position(broken) {
+        Some(bone) => Err(AutomaticWeightsError::NonFiniteBone { bone }),
+        None if segments.is_empty() => Err(AutomaticWeightsError::NoBones),
+        None => Ok(()),
+    }
+}
+
+/// The point of a segment that is nearest to a point.
+pub(super) fn nearest_point(point: DVec3, [tail, tip]: &Segment) -> DVec3 {
+    let along = *tip - *tail;
+    let squared = along.length_squared();
+    let share = if squared > 0.0 {
+        ((point - *tail).dot(along) / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    *tail + share * along
+}
+
+/// From a point to a segment.
+pub(super) fn distance(point: DVec3, segment: &Segment) -> f64 {
+    point.distance(nearest_point(point, segment))
+}
