@@ -1,4 +1,4 @@
-//! Out of reach ends honestly: the best point found and its errors; bad input is an error.
+//! Out of reach ends honestly: the best point found and its errors; bad input is an error. Of all attempts, that is the search for the first.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Instant;
@@ -19,7 +19,7 @@ fn the_nearest_point_is_found() {
     let goal = Placement::new(Matrix3::identity(), Vector3::new(3.0, 4.0, 0.0));
     let mut q = [0.0; 2];
     let outcome = solver
-        .solve(&goal, &[0.3, 0.4], Search::Start, None, &mut q)
+        .solve(&goal, &[0.3, 0.4], Search::First, None, &mut q)
         .unwrap();
     assert!(!outcome.reached && outcome.winner.is_none());
     assert!((outcome.position_error - 3.0).abs() < 1e-3, "{outcome:?}");
@@ -44,7 +44,7 @@ fn a_far_point_is_approached() {
     let goal = far_away();
     let before = (target(&chain, &start).translation - goal.translation).norm();
     let outcome = solver
-        .solve(&goal, &start, Search::Start, None, &mut q)
+        .solve(&goal, &start, Search::First, None, &mut q)
         .unwrap();
     assert!(!outcome.reached && outcome.attempts == 40);
     assert!(
@@ -65,7 +65,7 @@ fn a_passed_deadline_ends_the_search() {
     let mut q = [0.0; 7];
     let now = Some(Instant::now());
     let outcome = solver
-        .solve(&far_away(), &[0.0; 7], Search::Start, now, &mut q)
+        .solve(&far_away(), &[0.0; 7], Search::First, now, &mut q)
         .unwrap();
     assert!(!outcome.reached && outcome.attempts <= 4);
     assert!(outcome.position_error.is_finite());
