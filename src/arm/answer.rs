@@ -282,7 +282,7 @@ impl Arm {
         termination
     }
 
-    fn cost_of(&self, errors: Errors) -> f64 {
+    pub(super) fn cost_of(&self, errors: Errors) -> f64 {
         self.cost(errors.position, errors.orientation)
     }
 

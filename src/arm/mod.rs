@@ -39,6 +39,7 @@ mod rescue;
 mod retarget;
 mod route;
 mod search;
+mod seed_table;
 mod serial;
 mod servo;
 mod settle;

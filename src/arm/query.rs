@@ -1,10 +1,11 @@
 //! The arm, and single questions to it.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
 use super::coordinates::Coordinates;
 use super::options::Options;
+use super::seed_table::SeedTable;
 use super::serial::Serial;
 use super::workspace::Workspace;
 use super::{ArmError, QueryError};
@@ -35,6 +36,9 @@ pub struct Arm {
     pub(super) scale: Vec<f64>,
     /// One a joint, infinite for none.
     pub(super) velocity_limits: Vec<f64>,
+    /// Seeds of a chain that the lane engine cannot express, made for the first question that needs
+    /// them.
+    pub(super) seeds: OnceLock<SeedTable>,
     /// Memory of the slower ways, taken out while one is under way.
     workspaces: Mutex<Vec<Box<Workspace>>>,
 }
@@ -99,6 +103,7 @@ impl Arm {
             lanes,
             coordinates,
             names,
+            seeds: OnceLock::new(),
             workspaces: Mutex::new(vec![Box::new(workspace)]),
         })
     }

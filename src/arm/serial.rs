@@ -27,6 +27,11 @@ pub(super) struct Serial {
     pub(super) joints: Vec<JointId>,
     /// The variables that a follower in the chain depends on.
     pub(super) followed: Vec<bool>,
+    /// Length of the way from base to tip with the magnitude of every part, free slides at zero;
+    /// metres.
+    extent_to_tip: f64,
+    /// The same to the tool.
+    pub(super) extent: f64,
 }
 
 /// Puts the chain together.
@@ -37,6 +42,7 @@ struct Assembly<'a> {
     last: Option<JointId>,
     way: Placement<f64>,
     chain: Vec<ChainJoint>,
+    extent: f64,
     /// The new joint of every variable of the full map.
     leaders: Vec<Option<JointId>>,
     /// Source joint of every variable, base to tip.
@@ -87,6 +93,7 @@ impl Serial {
             last: None,
             way: Placement::identity(),
             chain: Vec::new(),
+            extent: 0.0,
             leaders: vec![None; full.variables()],
             joints: Vec::new(),
             followers: Vec::new(),
@@ -100,13 +107,17 @@ impl Serial {
     /// The same chain with another tool.
     pub(super) fn with_tool(&self, tip_from_tool: Placement<f64>) -> Result<Self, ArmError> {
         let last_from_tool = self.last_from_tip * tip_from_tool;
+        let extent = self.extent_to_tip + tip_from_tool.translation.norm();
         let chain = self.chain.as_ref();
+        let chain = chain.and_then(|chain| chain.with_tip(last_from_tool).ok());
         Ok(Self {
             model: self.model.with_frame_at(self.tool, last_from_tool)?,
             map: self.map.clone(),
             tool: self.tool,
             last_from_tip: self.last_from_tip,
-            chain: chain.and_then(|chain| chain.with_tip(last_from_tool).ok()),
+            chain: chain.map(|chain| chain.with_extent(extent)),
+            extent_to_tip: self.extent_to_tip,
+            extent,
             joints: self.joints.clone(),
             followed: self.followed.clone(),
         })
@@ -117,6 +128,7 @@ impl Assembly<'_> {
     fn add(&mut self, part: &Part, parts: &[Part]) {
         let (id, reversed) = match *part {
             Part::Way(way) => {
+                self.extent += way.translation.norm();
                 self.way = self.way * way;
                 return;
             }
@@ -128,7 +140,11 @@ impl Assembly<'_> {
             return;
         };
         match source_of(self.full, coordinate) {
-            Source::Constant(value) => self.way = self.way * motion(joint.kind, axis, value),
+            Source::Constant(value) => {
+                let motion = motion(joint.kind, axis, value);
+                self.extent += motion.translation.norm();
+                self.way = self.way * motion;
+            }
             Source::Variable {
                 variable,
                 ratio,
@@ -202,6 +218,7 @@ impl Assembly<'_> {
             });
         }
         let last_from_tool = self.way * tip_from_tool;
+        let extent = self.extent + tip_from_tool.translation.norm();
         let tool = self.builder.frame(TOOL, self.last, last_from_tool);
         let model = self.builder.build()?;
         let mut map = ParameterMap::builder(&model);
@@ -218,7 +235,9 @@ impl Assembly<'_> {
         let map = map.build()?;
         // Bounds of a million radians and the like are for the core.
         let chain = match self.followers.is_empty() {
-            true => Chain::new(self.chain, last_from_tool).ok(),
+            true => Chain::new(self.chain, last_from_tool)
+                .ok()
+                .map(|chain| chain.with_extent(extent)),
             false => None,
         };
         Ok(Serial {
@@ -229,6 +248,8 @@ impl Assembly<'_> {
             chain,
             joints: self.joints,
             followed,
+            extent_to_tip: self.extent,
+            extent,
         })
     }
 }

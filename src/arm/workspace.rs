@@ -10,11 +10,12 @@ use super::tool_pose::ToolPose;
 use crate::ik::{self, Solution, Solver};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::{Outcome, PoseSolver};
+use crate::model::{JointKind, Source};
 use crate::problem::{Evaluation, Problem, ProblemError, Scratch, TaskId};
 use crate::solver::{
     LeastSquares, LevenbergMarquardt, Memory, Silent, Stopping, Termination, minimise_until,
 };
-use crate::spatial::Placement;
+use crate::spatial::{Placement, resolved, rounding};
 use crate::task::{Quantity, Task};
 
 /// The errors of a configuration.
@@ -73,9 +74,15 @@ pub(super) struct Workspace {
     pub(super) outcomes: Vec<Outcome>,
     /// (distance from the start, place in `found`).
     pub(super) order: Vec<(f64, usize)>,
+    /// The same of a chain's seeds.
+    pub(super) rows: Vec<(f64, usize)>,
     /// A configuration of the whole serial model.
     pub(super) q: Vec<f64>,
     kinematics: ForwardKinematics,
+    /// The chain's, without slides.
+    extent: f64,
+    /// Which coordinates of the serial model are angles.
+    turns: Vec<bool>,
     position_tolerance: f64,
     orientation_tolerance: f64,
     metres_per_radian: f64,
@@ -124,8 +131,13 @@ impl Workspace {
             found: Vec::new(),
             outcomes: Vec::new(),
             order: Vec::new(),
+            rows: Vec::new(),
             q: vec![0.0; serial.model.degrees_of_freedom()],
             kinematics: ForwardKinematics::new(&serial.model),
+            extent: serial.extent,
+            turns: (serial.model.moving_joints().iter())
+                .map(|id| serial.model.joints()[id.index()].kind != JointKind::Prismatic)
+                .collect(),
             position_tolerance: options.position_tolerance,
             orientation_tolerance: options.orientation_tolerance,
             metres_per_radian: options.metres_per_radian,
@@ -143,7 +155,7 @@ impl Workspace {
     /// The errors at x.
     pub(super) fn judge(&mut self, x: &[f64]) -> Errors {
         let residual = self.residual(x);
-        self.errors(&residual)
+        self.errors(&residual, x)
     }
 
     /// As [`judge`](Self::judge), of the workspace's own x.
@@ -155,7 +167,7 @@ impl Workspace {
     }
 
     /// What a weighted residual means.
-    fn errors(&self, residual: &[f64; 6]) -> Errors {
+    fn errors(&self, residual: &[f64; 6], x: &[f64]) -> Errors {
         // Errors that overflow are infinite.
         let norm = |rows: &[f64]| {
             let norm = rows.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -163,14 +175,36 @@ impl Workspace {
         };
         let position = norm(&residual[..3]);
         let turn = norm(&residual[3..]) / self.metres_per_radian;
+        let (metres, radians) = self.resolution(x);
         let pose = self.problem.residual(self.task);
         let orientation = pose.map_or(turn, |pose| pose.angle(turn));
+        let position = resolved(position, metres, self.position_tolerance);
+        let orientation = resolved(orientation, radians, self.orientation_tolerance);
         Errors {
             position,
             orientation,
             reached: position <= self.position_tolerance
                 && orientation <= self.orientation_tolerance,
         }
+    }
+
+    /// What rounding may hide at x, metres and radians.
+    fn resolution(&self, x: &[f64]) -> (f64, f64) {
+        let (mut turned, mut slid) = (0.0, 0.0);
+        let sources = self.problem.parameters().sources();
+        for (source, turns) in sources.iter().zip(&self.turns) {
+            // A follower keeps the rounding of both its parts, which may cancel.
+            let size = match *source {
+                Source::Constant(value) => value.abs(),
+                Source::Variable {
+                    variable,
+                    ratio,
+                    offset,
+                } => (ratio * x[variable]).abs() + offset.abs(),
+            };
+            *(if *turns { &mut turned } else { &mut slid }) += size;
+        }
+        rounding(self.turns.len(), turned, self.extent + slid)
     }
 
     /// The weighted residual at x.
@@ -190,11 +224,20 @@ impl Workspace {
     /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt. Where
     /// nothing is finite x stays.
     pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
+        self.settle_within(None, deadline)
+    }
+
+    /// As [`settle`](Self::settle), given up after so many steps without halving the cost.
+    pub(super) fn settle_within(
+        &mut self,
+        patience: Option<usize>,
+        deadline: Option<Instant>,
+    ) -> (Termination, usize) {
         let outcome = minimise_until(
             &mut Evaluation::new(&self.problem, &mut self.scratch),
             &LevenbergMarquardt::default(),
             &self.x,
-            &stopping(),
+            &stopping().with_patience(patience),
             deadline,
             &mut Silent,
             &mut self.memory,
@@ -203,6 +246,12 @@ impl Workspace {
             self.x.copy_from_slice(self.memory.x());
         }
         (outcome.termination, outcome.iterations)
+    }
+
+    /// The target.
+    pub(super) fn target(&self) -> Placement<f64> {
+        let pose = self.problem.residual(self.task);
+        pose.map_or_else(Placement::identity, |pose| pose.target)
     }
 
     /// An error that is far within the tolerances, metres.

@@ -40,6 +40,8 @@ pub struct ChainJoint {
 pub struct Chain {
     joints: Vec<ChainJoint>,
     joint_from_tip: Placement<f64>,
+    /// Length of the way from base to tip with the magnitude of every part, slides at zero; metres.
+    extent: f64,
 }
 
 /// Why a list of joints is no [`Chain`].
@@ -105,9 +107,22 @@ impl Chain {
             return Err(ChainError::Placement(joints.len()));
         }
         Ok(Self {
+            extent: extent(&joints, &joint_from_tip),
             joints,
             joint_from_tip,
         })
+    }
+
+    /// The same chain, whose constant ways were put together from longer ones.
+    #[must_use]
+    pub(crate) fn with_extent(mut self, extent: f64) -> Self {
+        self.extent = self.extent.max(extent);
+        self
+    }
+
+    /// Length of the way from base to tip with the magnitude of every part, slides at zero; metres.
+    pub(crate) fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// The joints, base to tip.
@@ -122,6 +137,7 @@ impl Chain {
             return Err(ChainError::Placement(self.joints.len()));
         }
         Ok(Self {
+            extent: extent(&self.joints, &joint_from_tip),
             joints: self.joints.clone(),
             joint_from_tip,
         })
@@ -129,9 +145,11 @@ impl Chain {
 
     /// The joints alone: the tip is the last joint's frame.
     pub(crate) fn without_tool(&self) -> Self {
+        let joint_from_tip = Placement::identity();
         Self {
+            extent: extent(&self.joints, &joint_from_tip),
             joints: self.joints.clone(),
-            joint_from_tip: Placement::identity(),
+            joint_from_tip,
         }
     }
 
@@ -154,6 +172,13 @@ impl Chain {
         }
         base_from_joint * self.joint_from_tip
     }
+}
+
+/// Length of the constant ways, each with its magnitude.
+fn extent(joints: &[ChainJoint], joint_from_tip: &Placement<f64>) -> f64 {
+    let ways = joints.iter().map(|joint| &joint.parent_from_joint);
+    let ways = ways.chain([joint_from_tip]);
+    ways.map(|way| way.translation.norm()).sum()
 }
 
 impl ChainJoint {

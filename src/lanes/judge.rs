@@ -9,7 +9,7 @@ use super::prepared::Prepared;
 use super::settings::Settings;
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
-use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::spatial::{Matrix3, Placement, Vector3, resolved, rounding};
 
 /// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
 /// errors in metres and radians.
@@ -26,9 +26,31 @@ pub(crate) fn judge<V: LaneScalar, const N: usize>(
     if errors.position.is_nan() {
         errors.position = f64::INFINITY;
     }
-    let reached = errors.position <= prepared.options.position_tolerance
-        && errors.orientation <= prepared.options.orientation_tolerance;
+    let (metres, radians) = resolution(links, q);
+    let options = &prepared.options;
+    errors.position = resolved(errors.position, metres, options.position_tolerance);
+    errors.orientation = resolved(errors.orientation, radians, options.orientation_tolerance);
+    let reached = errors.position <= options.position_tolerance
+        && errors.orientation <= options.orientation_tolerance;
     (reached, errors)
+}
+
+/// What rounding may hide at `q`, metres and radians.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn resolution(links: &Links, q: &[f64]) -> (f64, f64) {
+    let (mut turned, mut slid) = (0.0, 0.0);
+    if links.all_revolute {
+        turned = q.iter().map(|q| q.abs()).sum();
+    } else {
+        for (q, link) in q.iter().zip(&links.links) {
+            match link.kind {
+                JointKind::Revolute => turned += q.abs(),
+                JointKind::Prismatic => slid += q.abs(),
+            }
+        }
+    }
+    let size = links.extent + slid * links.metres_per_length;
+    rounding(links.links.len(), turned, size)
 }
 
 /// Distance and angle of the tip at `q` from the goal, in the solver's lengths.

@@ -52,6 +52,8 @@ pub(crate) struct Links {
     pub(crate) metres_per_length: f64,
     /// Its reciprocal.
     pub(crate) lengths_per_metre: f64,
+    /// The chain's own.
+    pub(crate) extent: f64,
 }
 
 impl Links {
@@ -129,6 +131,7 @@ impl Links {
             slid,
             metres_per_length,
             lengths_per_metre,
+            extent: chain.extent(),
         };
         let bounds: Vec<(f64, f64)> = joints.iter().map(|j| (j.lower, j.upper)).collect();
         links.set_bounds(bounds.into_iter());

@@ -8,6 +8,7 @@ mod matrix;
 mod placement;
 mod polar;
 mod rotation;
+mod rounding;
 mod vector;
 
 pub use conversions::NotRigid;
@@ -15,4 +16,5 @@ pub use matrix::Matrix3;
 pub use placement::Placement;
 pub(crate) use polar::Polar;
 pub use rotation::{Quaternion, rotation_exp, rotation_log, rotation_log_jacobian};
+pub(crate) use rounding::{resolved, rounding};
 pub use vector::Vector3;

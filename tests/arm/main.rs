@@ -1,6 +1,9 @@
 //! Poses, batches and paths of arms.
 
 mod any_chain;
+mod chains_with_followers;
+mod huge_numbers;
+
 mod lines_out_of_reach;
 mod misses;
 mod options;

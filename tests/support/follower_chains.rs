@@ -24,8 +24,8 @@ pub fn follower_chain(number: u64) -> (String, String) {
         let mut between = |low: f64, high: f64| low + (high - low) * random.unit();
         let kind = between(0.0, 1.0);
         let (kind, lower, upper) = match kind {
-            _ if master.is_some() && kind < 0.25 => ("prismatic", -9.0, 9.0),
-            _ if master.is_some() => ("revolute", -60.0, 60.0),
+            _ if master.is_some() && kind < 0.25 => ("prismatic", -2.0, 2.0),
+            _ if master.is_some() => ("revolute", -4.0, 4.0),
             k if k < 0.2 => ("prismatic", -0.1, between(0.1, 0.4)),
             k if k < 0.35 => ("continuous", 0.0, 0.0),
             _ => ("revolute", between(-3.1, -0.3), between(0.3, 3.1)),

@@ -116,10 +116,9 @@ impl Tree {
         let motion = match joint.kind.as_str() {
             "fixed" => IDENTITY,
             "prismatic" => {
-                let length = joint.axis.iter().map(|v| v * v).sum::<f64>().sqrt();
                 let mut slide = IDENTITY;
-                for (row, axis) in slide.iter_mut().zip(joint.axis) {
-                    row[3] = axis / length * value;
+                for (row, axis) in slide.iter_mut().zip(unit(joint.axis)) {
+                    row[3] = axis * value;
                 }
                 slide
             }
@@ -150,10 +149,17 @@ fn origin(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Matrix {
     all
 }
 
+fn unit(axis: [f64; 3]) -> [f64; 3] {
+    // Squares of what is beyond 1e154 overflow.
+    let largest = axis.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let axis = axis.map(|v| v / largest);
+    let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
+    axis.map(|v| v / length)
+}
+
 /// Rodrigues' formula about an axis of any length.
 pub fn about(axis: [f64; 3], angle: f64) -> Matrix {
-    let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let [x, y, z] = axis.map(|v| v / length);
+    let [x, y, z] = unit(axis);
     let (s, c) = angle.sin_cos();
     let d = 1.0 - c;
     [

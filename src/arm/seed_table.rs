@@ -1,0 +1,97 @@
+//! Where the tool of a chain comes to stand, for configurations all over its limits: seeds near a
+//! target for chains that the lane engine's atlas does not know.
+
+use super::serial::Serial;
+use super::workspace::Workspace;
+use crate::model::Limits;
+use crate::spatial::Placement;
+
+/// Configurations that are sampled: some 2.5 MB for seven joints, and a few milliseconds once.
+const SEEDS: usize = 16_384;
+
+/// Configurations and where they put the tool.
+#[derive(Debug)]
+pub(super) struct SeedTable {
+    /// One configuration after another.
+    values: Vec<f64>,
+    /// Of the tool in the base, one a configuration.
+    places: Vec<Placement<f64>>,
+}
+
+impl SeedTable {
+    /// Samples the chain by Roberts's R sequence, which fills a box more evenly than random numbers.
+    pub(super) fn new(serial: &Serial, workspace: &mut Workspace) -> Self {
+        let n = serial.map.variables();
+        // The root of x^(n + 1) = x + 1, halved towards; steps are its inverse powers.
+        let (mut low, mut high) = (1.0_f64, 2.0_f64);
+        for _ in 0..60 {
+            let root = 0.5 * (low + high);
+            let power = (0..=n).fold(1.0, |power, _| power * root);
+            *(if power < root + 1.0 {
+                &mut low
+            } else {
+                &mut high
+            }) = root;
+        }
+        let steps: Vec<f64> = (0..n)
+            .scan(1.0, |step, _| {
+                *step /= low;
+                Some(*step)
+            })
+            .collect();
+        let ranges: Vec<(f64, f64)> = (serial.map.lower().iter().zip(serial.map.upper()))
+            .enumerate()
+            .map(|(i, (&lower, &upper))| {
+                let at = Limits::new(lower, upper).clamp(0.0);
+                workspace.problem.sampling_range(i, at)
+            })
+            .collect();
+        let mut table = Self {
+            values: Vec::with_capacity(SEEDS * n),
+            places: Vec::with_capacity(SEEDS),
+        };
+        let mut x = vec![0.0; n];
+        for k in 0..SEEDS {
+            for ((value, step), (lower, upper)) in x.iter_mut().zip(&steps).zip(&ranges) {
+                let share = (0.5 + step * (k as f64 + 1.0)).fract();
+                *value = lower + share * (upper - lower);
+            }
+            table.values.extend_from_slice(&x);
+            table.places.push(workspace.base_from_tool(serial, &x));
+        }
+        table
+    }
+
+    /// The configuration of a row.
+    pub(super) fn seed(&self, row: usize) -> &[f64] {
+        let n = self.values.len() / self.places.len().max(1);
+        self.values.get(row * n..(row + 1) * n).unwrap_or(&[])
+    }
+
+    /// The `most` rows nearest to a target, nearest first: squared metres, and squared radians (as
+    /// chords) that count `metres_per_radian` each.
+    pub(super) fn nearest(
+        &self,
+        target: &Placement<f64>,
+        (position, metres_per_radian): (f64, f64),
+        most: usize,
+        rows: &mut Vec<(f64, usize)>,
+    ) {
+        let turned = 0.5 * metres_per_radian * metres_per_radian;
+        rows.clear();
+        rows.extend(self.places.iter().enumerate().map(|(row, place)| {
+            let off = place.translation - target.translation;
+            let (a, b) = (&place.rotation, &target.rotation);
+            let turn = [a.x - b.x, a.y - b.y, a.z - b.z].map(|column| column.dot(column));
+            let turn: f64 = turn.iter().sum();
+            (position * off.dot(off) + turned * turn, row)
+        }));
+        let by_distance =
+            |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        if rows.len() > most {
+            rows.select_nth_unstable_by(most, by_distance);
+            rows.truncate(most);
+        }
+        rows.sort_unstable_by(by_distance);
+    }
+}

@@ -1,0 +1,92 @@
+//! Reachable poses of random chains whose joints follow one another, and of NAO from one foot to the
+//! other, are reached; so is every one of them by the searches that compare.
+//!
+//! A longer search: `KINOPT_CASES=2500 cargo test --release --test arm chains_with_followers`.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::{Arm, Search};
+use kinopt::robot::Robot;
+use support::arms::{Random, cases, robot, within_limits};
+use support::follower_chains::follower_chain;
+use support::urdf_matrices::{Tree, apart, placement};
+
+/// Solves random poses; how many of them were missed.
+fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: usize) -> usize {
+    let mut random = Random(seed);
+    let place = |q: &[f64]| {
+        let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
+        tree.base_from_tip(base, tip, &values)
+    };
+    let answers = (0..count).map(|_| {
+        let wanted = place(&random.configuration(arm));
+        let solution = arm.solve(placement(&wanted), &random.configuration(arm));
+        let solution = solution.unwrap();
+        assert!(within_limits(arm, &solution.q));
+        if solution.reached {
+            let (metres, radians) = apart(&place(&solution.q), &wanted);
+            assert!(metres <= 1e-6 && radians <= 1e-6, "{metres:e} {radians:e}");
+        }
+        !solution.reached
+    });
+    answers.filter(|missed| *missed).count()
+}
+
+#[test]
+fn random_chains_reach_what_they_can() {
+    let count = cases(60, 12);
+    for number in 0..24 {
+        let (text, tip) = follower_chain(number);
+        // Some followers leave their leader no value; some chains have none.
+        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+            continue;
+        };
+        let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
+        let arm = arm.build().unwrap();
+        let missed = missed(&arm, &Tree::parse(&text), ("l0", &tip), number, count);
+        assert_eq!(missed, 0, "of {count} poses of chain {number}");
+    }
+}
+
+/// These were missed while only random attempts were made.
+#[test]
+fn poses_in_narrow_valleys_are_found() {
+    for (number, seed) in [(3, 1_000_006), (57, 1_000_060)] {
+        let (text, tip) = follower_chain(number);
+        let robot = Robot::parse(&text, "followers.urdf").unwrap();
+        let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
+        let arm = arm.build().unwrap();
+        let missed = missed(
+            &arm,
+            &Tree::parse(&text),
+            ("l0", &tip),
+            seed,
+            cases(200, 100),
+        );
+        assert_eq!(missed, 0, "of chain {number}");
+    }
+}
+
+#[test]
+fn nao_reaches_from_foot_to_foot() {
+    let (nao, tree) = (
+        robot("aldebaran_nao"),
+        Tree::read("models/aldebaran_nao.urdf"),
+    );
+    for way in [("left_sole", "right_sole"), ("right_sole", "left_sole")] {
+        let arm = Arm::new(&nao, way.0, way.1).unwrap();
+        assert_eq!(missed(&arm, &tree, way, 3, cases(200, 20)), 0);
+    }
+}
+
+#[test]
+fn searches_that_compare_look_from_seeds_too() {
+    let (text, tip) = follower_chain(3);
+    let robot = Robot::parse(&text, "followers.urdf").unwrap();
+    let tree = Tree::parse(&text);
+    let nearest = Arm::builder(&robot, "l0", &tip)
+        .unwrap()
+        .with_search(Search::Nearest)
+        .build()
+        .unwrap();
+    assert_eq!(missed(&nearest, &tree, ("l0", &tip), 5, cases(60, 10)), 0);
+}

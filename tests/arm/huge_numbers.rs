@@ -1,0 +1,85 @@
+//! A file with a number of any size in it is refused, or its arm claims nothing that plain matrices do
+//! not bear out: where placements cannot resolve the tolerance, nothing is reached.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::Arm;
+use kinopt::robot::Robot;
+use support::arms::{Random, cases};
+use support::urdf_matrices::{Tree, apart, placement};
+
+/// File, base and tip.
+const CHAINS: [(&str, &str, &str); 5] = [
+    ("adept_cobra_s600", "base", "flange"),
+    ("franka_panda", "base", "tool"),
+    ("universal_ur5e", "base", "flange"),
+    ("aldebaran_nao", "left_sole", "right_sole"),
+    ("franka_panda", "base", "finger_right"),
+];
+
+/// Where the file has numbers of joints: each word of `xyz`, `rpy`, `lower`, `upper`, `multiplier`,
+/// `offset`.
+fn numbers(text: &str) -> Vec<(usize, usize)> {
+    let mut places = Vec::new();
+    for name in ["xyz", "rpy", "lower", "upper", "multiplier", "offset"] {
+        for (at, opening) in text.match_indices(&format!(" {name}=\"")) {
+            let from = at + opening.len();
+            let to = from + text[from..].find('"').unwrap();
+            let mut word = from;
+            for part in text[from..to].split(' ') {
+                places.push((word, word + part.len()));
+                word += part.len() + 1;
+            }
+        }
+    }
+    places
+}
+
+#[test]
+fn nothing_is_said_to_be_reached_that_is_not() {
+    let mut random = Random(13);
+    let (mut reached, mut built) = (0, 0);
+    for case in 0..cases(4000, 300) {
+        let (file, base, tip) = CHAINS[case % CHAINS.len()];
+        let mut text = std::fs::read_to_string(format!("models/{file}.urdf")).unwrap();
+        for _ in 0..1 + (random.unit() * 2.0) as usize {
+            let places = numbers(&text);
+            let (from, to) = places[(random.unit() * places.len() as f64) as usize];
+            let size = 10f64.powf(random.unit() * [8.0, 18.0, 300.0][case % 3]);
+            let number = if random.unit() < 0.4 { -size } else { size };
+            text.replace_range(from..to, &number.to_string());
+        }
+        let Ok(robot) = Robot::parse(&text, "huge.urdf") else {
+            continue;
+        };
+        let Ok(arm) = Arm::builder(&robot, base, tip)
+            .unwrap()
+            .with_atlas(false)
+            .build()
+        else {
+            continue;
+        };
+        built += 1;
+        let tree = Tree::parse(&text);
+        for _ in 0..2 {
+            let (truth, start) = (random.configuration(&arm), random.configuration(&arm));
+            let at =
+                |q: &[f64]| -> Vec<(&str, f64)> { arm.joints().zip(q.iter().copied()).collect() };
+            // The target by the file's own matrices, which the arm may refuse as no rigid motion.
+            let wanted = tree.base_from_tip(base, tip, &at(&truth));
+            let Ok(solution) = arm.solve(placement(&wanted), &start) else {
+                continue;
+            };
+            let values = at(&solution.q);
+            let found = tree.base_from_tip(base, tip, &values);
+            let (metres, radians) = apart(&found, &wanted);
+            if solution.reached {
+                reached += 1;
+                assert!(
+                    metres <= 1.1e-6 && radians <= 1.1e-6,
+                    "case {case}: {metres:e} m, {radians:e} rad off\n{values:?}\n{text}"
+                );
+            }
+        }
+    }
+    assert!(built > 0 && reached > 0, "{built} {reached}");
+}
