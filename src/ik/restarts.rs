@@ -23,8 +23,9 @@ const PATIENCE_AT_START: usize = 6;
 const PATIENCE: usize = 9;
 const PATIENCE_BEFORE_AGREEING: usize = 10;
 
-/// Where attempts that agree are to end the search, so many give up before others run to their ends.
-const QUICK_BEFORE_AGREEING: usize = 8;
+/// After so many attempts that gave up the best of them is finished for the first time: it often reaches
+/// what only takes long, as where limbs are stretched.
+const QUICK_BEFORE_BEST: usize = 8;
 /// Where attempts run to their ends anyway, so many that agree end the search.
 const AGREEING: usize = 3;
 
@@ -142,16 +143,20 @@ impl Restarts {
         let quick = match self.attempts {
             1 => 0,
             _ if patient => 0,
-            // Only attempts that came to their ends can agree.
-            attempts if self.agreeing.is_some() => attempts.min(QUICK_BEFORE_AGREEING),
-            attempts => attempts,
+            attempts => attempts.min(QUICK_BEFORE_BEST),
+        };
+        // Only attempts that came to their ends can agree.
+        let later = match quick > 0 && self.agreeing.is_none() {
+            true => Trial::Quick,
+            false => Trial::Full,
         };
         let best = (quick > 0).then_some(Trial::FinishBest);
         let first = (quick > 0 && self.agreeing.is_none()).then_some(Trial::FinishFirst);
         (0..quick)
             .map(Trial::Quick)
             .chain(best)
-            .chain((quick..self.attempts).map(Trial::Full))
+            .chain((quick..self.attempts).map(later))
+            .chain(best)
             .chain(first)
             .chain([Trial::FinishAtLast])
     }
