@@ -24,7 +24,7 @@ impl Arm {
     /// use kinopt::spatial::{Placement, Vector3};
     ///
     /// let robot = Robot::read("models/universal_ur5e.urdf")?;
-    /// let arm = Arm::new(&robot, "base_link", "tool0")?;
+    /// let arm = Arm::new(&robot, "base", "flange")?;
     /// let drill = Placement::translation(Vector3::new(0.0, 0.0, 0.12));
     /// let drilling = arm.with_tool(drill)?.with_goal(Goal::free_about(kinopt::arm::Axis::Z))?;
     /// let q = [0.1, -1.2, 1.0, -1.3, -1.5, 0.2];

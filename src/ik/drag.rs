@@ -55,8 +55,9 @@ const BETTER: f64 = 1.0 - 1e-3;
 ///     if let Some(point) = drag.residual_mut(hand) {
 ///         point.set_target(mouse);
 ///     }
-///     let solution = drag.advance();
-///     assert!(solution.reached || frame > 10);
+///     let reached = drag.advance().reached;
+///     // It catches up with the first target, and from frame 22 on the mouse is beyond its reach.
+///     assert!(reached || frame < 5 || frame > 21);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

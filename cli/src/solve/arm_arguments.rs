@@ -60,6 +60,11 @@ pub(crate) struct ArmArguments {
     #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, conflicts_with_all = GENERAL)]
     pub(super) joint_weights: Option<Moves>,
 
+    /// Answer a target that is out of reach by the best place anywhere, and let a path whose branch
+    /// ends go on by a jump. Robots only. Default: a miss stays near the start, a path on its branch.
+    #[arg(long, conflicts_with_all = GENERAL)]
+    pub(super) global_search_on_miss: bool,
+
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
     /// quarter of the arm's length.
     #[arg(long, value_name = "METRES", value_parser = number_list::positive,
@@ -79,6 +84,7 @@ impl ArmArguments {
             ("--free-axis", self.free_axis.is_some()),
             ("--interval", !self.intervals.is_empty()),
             ("--joint-weights", self.joint_weights.is_some()),
+            ("--global-search-on-miss", self.global_search_on_miss),
             ("--metres-per-radian", self.metres_per_radian.is_some()),
         ];
         let mut given = options.into_iter().filter(|(_, given)| *given);

@@ -69,6 +69,7 @@ impl<'a> ArmDoor<'a> {
         let mut builder = builder(loaded, robot, base, tip)?
             .with_goal(goal)
             .with_search(search)
+            .with_global_search_on_miss(options.global_search_on_miss)
             .with_seed(arguments.rng_seed);
         if let Some(tolerance) = arguments.tolerance {
             builder = builder

@@ -173,6 +173,13 @@ fn a_flip_is_told() {
     let path = write(&folder, "path.json", &content);
     let all = ["solve", file, "--targets", &path, "--track", "--base=base"];
     let document = json(&[&all[..], &["--json"]].concat());
+    assert_eq!(
+        document["summary"]["jumps"],
+        json!([]),
+        "it stays on its branch"
+    );
+    let all = [&all[..], &["--global-search-on-miss"]].concat();
+    let document = json(&[&all[..], &["--json"]].concat());
     let jumps = document["summary"]["jumps"].as_array().unwrap();
     assert_eq!(jumps.len(), 1, "{jumps:?}");
     assert_eq!(jumps[0]["step"], 31);
