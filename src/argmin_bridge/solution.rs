@@ -72,7 +72,7 @@ pub(super) fn solution_at<I: State>(
         let steepest = columns.map(|column| column.norm()).fold(0.0, f64::max);
         let negligible = STATIONARY * steepest * (2.0 * solution.cost).sqrt();
         solution.measure(
-            problem,
+            &mut Evaluation::new(problem, &mut buffers.scratch),
             &buffers.x,
             &buffers.residual,
             &buffers.gradient,

@@ -63,6 +63,7 @@ impl Arm {
             variable_is_angle: leaders.map(|c| turns(leader(c))).collect(),
             tasks: vec![format!("pose of `{tip}`")],
             task_frames: vec![Some(tip.to_owned())],
+            anchors: Vec::new(),
         };
         Self::of_parts(
             serial,

@@ -45,6 +45,7 @@ pub(super) fn report(
         negligible = negligible_slope(column_norm, best.cost, &stopping);
         gradient = slope;
     }
-    solution.measure(problem, &best.x, &best.residual, gradient, negligible);
+    let evaluation = &mut Evaluation::new(problem, scratch);
+    solution.measure(evaluation, &best.x, &best.residual, gradient, negligible);
     solution
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::GeometricError;
 use super::report::{Best, report};
 use crate::ik::{Restarts, Solution, check_start};
-use crate::problem::{Evaluation, Problem, Scratch};
+use crate::problem::{Evaluation, Problem, Scratch, Share};
 use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, Stopping, Termination, half_squared, project,
 };
@@ -108,7 +108,7 @@ impl Search<'_> {
         let mut residual = vec![0.0; problem.rows()];
         self.residual(from, &mut residual);
         let mut wander = vec![true; problem.variables()];
-        problem.mark_free_to_wander(&residual, &mut wander);
+        problem.mark_free_to_wander(Share::All, &residual, &mut wander);
 
         let mut best = Best::default();
         let mut ended = Termination::NonFinite;
@@ -119,8 +119,10 @@ impl Search<'_> {
             project(&mut x, problem.lower(), problem.upper());
             let (found, termination) = self.attempt(&x, method, observer);
             attempt += 1;
-            let better =
-                attempt == 1 || found.reached || found.cost < best.cost * (1.0 - SAME_COST);
+            let better = attempt == 1
+                || found.reached
+                || found.cost < best.cost * (1.0 - SAME_COST)
+                || (best.cost.is_nan() && !found.cost.is_nan());
             if matches!(termination, Termination::SmallStep | Termination::Stalled) {
                 agreeing = match better {
                     true => 1,
@@ -130,17 +132,18 @@ impl Search<'_> {
             if better {
                 (best, ended) = (found, termination);
             }
-            let late = self
-                .deadline
-                .is_some_and(|deadline| Instant::now() >= deadline);
-            let over = matches!(termination, Termination::Cancelled | Termination::NonFinite);
-            if best.reached
-                || over
-                || late
-                || attempt >= restarts.attempts
+            let over = attempt >= restarts.attempts
                 || agreeing >= restarts.enough(true)
-                || self.iterations >= restarts.steps
-            {
+                || self.iterations >= restarts.steps;
+            let late = || self.deadline.is_some_and(|at| Instant::now() >= at);
+            // What ends the search is told, also where an earlier attempt is the one returned.
+            let cut = match termination {
+                Termination::Cancelled | Termination::TimeLimit => Some(termination),
+                _ if !over && late() => Some(Termination::TimeLimit),
+                _ => None,
+            };
+            if best.reached || over || cut.is_some() {
+                let ended = cut.filter(|_| !best.reached).unwrap_or(ended);
                 return (best, ended, attempt);
             }
         }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::Workspace;
 use super::restarts::{Restarts, Trial};
-use crate::problem::{Evaluation, Problem, Scratch};
+use crate::problem::{Evaluation, Problem, Scratch, Share};
 use crate::solver::{Counts, Method, Observer, Outcome, Stopping, Termination, minimise_until};
 
 /// Costs within this share of each other count as the same miss.
@@ -14,6 +14,9 @@ const SAME_COST: f64 = 1e-6;
 /// one did not ask for should not happen for a hair's breadth.
 const NEARLY_SAME: f64 = 1e-3;
 
+/// Room for the costs of so many attempts is made before the first.
+const USUAL_ATTEMPTS: usize = 1024;
+
 /// What the attempts together came to; where, is in the workspace.
 pub(super) struct Found {
     /// How the attempt that counts ended.
@@ -21,6 +24,8 @@ pub(super) struct Found {
     pub(super) cost: f64,
     pub(super) iterations: usize,
     pub(super) attempts: usize,
+    /// How many attempts stopped as near as the one that counts, itself included.
+    pub(super) agreeing: usize,
     pub(super) counts: Counts,
 }
 
@@ -35,6 +40,7 @@ impl Found {
             cost: f64::INFINITY,
             iterations: 0,
             attempts: 0,
+            agreeing: 0,
             counts: Counts::default(),
         }
     }
@@ -55,6 +61,7 @@ impl Attempts<'_> {
         &self,
         workspace: &mut Workspace,
         scratch: &mut Scratch,
+        deadline: Option<Instant>,
         observer: &mut dyn Observer,
     ) -> Found {
         let Workspace {
@@ -63,36 +70,45 @@ impl Attempts<'_> {
             attempt,
             wander,
             first_x,
+            costs,
             best_x,
             best_residual,
             ..
         } = workspace;
-        let deadline = self.stopping.deadline();
         let mut found = Found::nothing();
         let mut agreeing = 0;
-        // With preferences the minimum is the goal, and a stall is on the way to it.
-        let patient = self.problem.has_preferences();
+        let share = self.problem.search_share();
+        // Where preferences are traded the minimum is the goal, and a stall is on the way to it.
+        let patient = share == Share::All && self.problem.has_preferences();
         let enough = self.restarts.enough(patient);
         let (mut over, mut first_is_best, mut first_may_win) = (false, true, false);
+        costs.clear();
+        costs.reserve(self.restarts.attempts.min(USUAL_ATTEMPTS));
+        let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         for trial in self.restarts.trials(patient) {
             if over && !trial.finishes() {
                 continue;
             }
             match trial {
+                Trial::FinishBest if found.outcome.termination != Termination::Stalled => continue,
+                Trial::FinishFirst if first_is_best || !first_may_win => continue,
+                Trial::FinishAtLast if settled(found.outcome.termination) => continue,
+                Trial::FinishAtLast if found.attempts == self.restarts.attempts => continue,
+                _ if found.attempts > 0 && late() => {
+                    found.outcome.termination = Termination::TimeLimit;
+                    break;
+                }
                 Trial::Quick(index) | Trial::Full(index) => {
                     if index == 1 {
-                        let mut evaluation = Evaluation::new(self.problem, scratch);
+                        let mut evaluation = Evaluation::of(share, self.problem, scratch);
                         memory.evaluate_at(&mut evaluation, start);
-                        self.problem.mark_free_to_wander(memory.residual(), wander);
+                        let residual = memory.residual();
+                        self.problem.mark_free_to_wander(share, residual, wander);
                     }
                     self.restarts
                         .start_of(index, start, wander, self.problem, attempt);
                     found.attempts += 1;
                 }
-                Trial::FinishBest if found.outcome.termination != Termination::Stalled => continue,
-                Trial::FinishFirst if first_is_best || !first_may_win => continue,
-                Trial::FinishAtLast if settled(found.outcome.termination) => continue,
-                Trial::FinishAtLast if found.attempts == self.restarts.attempts => continue,
                 Trial::FinishAtLast => {
                     found.attempts += 1;
                     attempt.copy_from_slice(best_x);
@@ -105,7 +121,7 @@ impl Attempts<'_> {
                 _ => self.stopping,
             };
             let outcome = minimise_until(
-                &mut Evaluation::new(self.problem, scratch),
+                &mut Evaluation::of(share, self.problem, scratch),
                 self.method,
                 attempt,
                 &stopping,
@@ -117,7 +133,11 @@ impl Attempts<'_> {
             found.counts += memory.counts();
 
             let cost = memory.cost();
-            let reached = self.problem.is_reached(memory.residual());
+            let reached = self.problem.is_reached_by(share, memory.residual());
+            let stalled = outcome.termination == Termination::Stalled;
+            if !trial.goes_on() && (stalled || settled(outcome.termination)) {
+                costs.push(cost);
+            }
             if settled(outcome.termination) && trial.counts_for_agreement() {
                 agreeing = if cost < found.cost * (1.0 - SAME_COST) {
                     1
@@ -143,19 +163,28 @@ impl Attempts<'_> {
                 best_x.copy_from_slice(memory.x());
                 best_residual.copy_from_slice(memory.residual());
             }
-            let cancelled = outcome.termination == Termination::Cancelled;
-            let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
             over = found.iterations >= self.restarts.steps || agreeing >= enough;
-            if reached || cancelled || late {
+            let cut = matches!(
+                outcome.termination,
+                Termination::Cancelled | Termination::TimeLimit
+            );
+            if cut && !reached {
+                // What ends the search is told, also where an earlier attempt is the one returned.
+                found.outcome.termination = outcome.termination;
+            }
+            if reached || cut {
                 break;
             }
         }
+        let alike = found.cost * (1.0 + NEARLY_SAME);
+        let agreeing = costs.iter().filter(|cost| **cost <= alike);
+        found.agreeing = agreeing.count().max(1);
         found
     }
 }
 
 /// Whether an attempt ended because nothing better is near, rather than for lack of patience.
-fn settled(termination: Termination) -> bool {
+pub(super) fn settled(termination: Termination) -> bool {
     matches!(
         termination,
         Termination::Stationary | Termination::SmallStep

@@ -36,13 +36,53 @@ impl Solution {
             counted(self.attempts, "attempt"),
         )?;
         if self.reached {
-            if self.termination == Termination::TimeLimit {
-                write!(text, "; the time limit ended the search for others early")?;
+            if let Some(early) = self.ended_early() {
+                write!(text, "; {early}")?;
             }
             text.push('.');
             return Ok(());
         }
-        writeln!(text, ": {}.", why(self.termination))?;
+        writeln!(text, ": {}.", self.why())?;
+        self.write_misses(text)?;
+        self.write_verdict(text)?;
+        self.write_limits(text)
+    }
+
+    /// What cut a search short that came to a solution all the same.
+    fn ended_early(&self) -> Option<&'static str> {
+        let pulled = self.rows.iter().any(|rows| rows.role == Role::Preference);
+        Some(match (self.termination, pulled) {
+            (Termination::TimeLimit, false) => "the time limit ended the search for others early",
+            (Termination::TimeLimit, true) => {
+                "the time limit ended the pull of the preferences early"
+            }
+            (Termination::Cancelled, _) => "the observer ended the pull of the preferences early",
+            (Termination::NonFinite, _) => "a preference is not a finite number",
+            _ => return None,
+        })
+    }
+
+    fn why(&self) -> &'static str {
+        match self.termination {
+            Termination::Reached | Termination::Stationary if !self.pulling.is_empty() => {
+                "no free joint can lower the sum of goals and preferences from here"
+            }
+            Termination::Reached | Termination::Stationary => {
+                "no free joint can lower the error from here"
+            }
+            Termination::SmallStep => "steps became too small to change anything",
+            Termination::Stalled => "progress became too slow",
+            Termination::IterationLimit => "the iteration limit was hit",
+            Termination::CannotContinue => {
+                "none of these came to a solution within the moves allowed from the start"
+            }
+            Termination::TimeLimit => "the time limit was hit",
+            Termination::Cancelled => "the observer stopped the search",
+            Termination::NonFinite => "a residual or a derivative is not a finite number",
+        }
+    }
+
+    fn write_misses(&self, text: &mut String) -> std::fmt::Result {
         for task in self.tasks().filter(|t| t.role == Role::Goal && !t.reached) {
             write!(text, "  {} misses by ", task.name)?;
             let misses = task.rows.iter().filter(|rows| !rows.reached);
@@ -56,6 +96,59 @@ impl Solution {
             }
             writeln!(text, ".")?;
         }
+        Ok(())
+    }
+
+    /// Out of reach, or a local minimum: as far as it can be told.
+    fn write_verdict(&self, text: &mut String) -> std::fmt::Result {
+        if let (Some(beyond), Some(names)) = (self.beyond, self.names.as_deref()) {
+            let unit = self.length_unit().symbol();
+            if let (Some(task), Some(Some(anchor))) =
+                (names.tasks.get(beyond.task), names.anchors.get(beyond.task))
+            {
+                let (distance, reach) = (Significant(beyond.distance), Significant(beyond.reach));
+                return writeln!(
+                    text,
+                    "  Out of reach: {task} should be {distance} {unit} from `{}`, where its chain \
+                     begins, and the chain reaches {reach} {unit}.",
+                    anchor.joint
+                );
+            }
+        }
+        if !self.pulling.is_empty() {
+            for (k, name) in self.pulling_preferences().enumerate() {
+                write!(text, "{}{name}", if k > 0 { ", " } else { "  " })?;
+            }
+            let verb = if self.pulling.len() == 1 {
+                "pulls"
+            } else {
+                "pull"
+            };
+            return writeln!(
+                text,
+                " {verb} against the goals: preferences are traded off by their weights."
+            );
+        }
+        match (self.agreeing, self.attempts) {
+            (0, _) => Ok(()),
+            (1, 1) => writeln!(
+                text,
+                "  Only one attempt was made: another start may do better."
+            ),
+            (1, _) => writeln!(
+                text,
+                "  No other attempt ended here: it may be a local minimum, and another start may do \
+                 better."
+            ),
+            (agreeing, attempts) => writeln!(
+                text,
+                "  {agreeing} of {attempts} attempts ended at this same miss: most likely nothing \
+                 comes nearer."
+            ),
+        }
+    }
+
+    fn write_limits(&self, text: &mut String) -> std::fmt::Result {
         // A search that was cut short proves nothing about what is in its way.
         let cut_short = matches!(
             self.termination,
@@ -121,21 +214,4 @@ impl std::fmt::Display for Significant {
 fn counted(count: usize, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {noun}{plural}")
-}
-
-fn why(termination: Termination) -> &'static str {
-    match termination {
-        Termination::Reached | Termination::Stationary => {
-            "no free joint can lower the error from here"
-        }
-        Termination::SmallStep => "steps became too small to change anything",
-        Termination::Stalled => "progress became too slow",
-        Termination::IterationLimit => "the iteration limit was hit",
-        Termination::CannotContinue => {
-            "none of these came to a solution within the moves allowed from the start"
-        }
-        Termination::TimeLimit => "the time limit was hit",
-        Termination::Cancelled => "the observer stopped the search",
-        Termination::NonFinite => "a residual or a derivative is not a finite number",
-    }
 }

@@ -114,8 +114,8 @@ impl Restarts {
         self
     }
 
-    /// Ends when so many attempts have stopped at the same lowest cost: the target is then taken
-    /// to be out of reach. At least 1. All attempts but the first eight then run to their ends, so a
+    /// Ends when so many attempts have stopped at the same lowest cost: the target is then most
+    /// likely out of reach. At least 1. All attempts but the first eight then run to their ends, so a
     /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
     /// and three are enough.
     #[must_use]

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::problem::{Names, Problem};
+use super::reach::Beyond;
+use crate::problem::{Evaluation, Names, Share};
 use crate::scalar::elementary;
 use crate::solver::{Counts, Termination};
 use crate::task::{Quantity, Role};
@@ -59,9 +60,10 @@ pub struct RowsReport {
     pub(super) task: usize,
     /// The unit of the error.
     pub quantity: Quantity,
-    /// Euclidean norm of the rows, in the unit of `quantity`.
+    /// Euclidean norm of the rows, in the unit of `quantity`, whatever their weight.
     pub error: f64,
-    /// Whether the error is within the task's tolerance.
+    /// Whether the error is within the task's tolerance. Rows of weight 0 are not asked for: they never
+    /// count as missed.
     pub reached: bool,
     pub(super) role: Role,
 }
@@ -75,7 +77,7 @@ pub struct TaskReport<'a> {
     pub frame: Option<&'a str>,
     /// Goal or preference.
     pub role: Role,
-    /// Whether all its rows are within tolerance.
+    /// Whether all its rows that have a weight are within tolerance.
     pub reached: bool,
     /// Its errors, quantity by quantity.
     pub rows: &'a [RowsReport],
@@ -110,20 +112,29 @@ pub struct Solution {
     pub q: Vec<f64>,
     /// Whether every goal is within its tolerances at `q`.
     pub reached: bool,
-    /// Which test ended the attempt that is returned.
+    /// Which test ended the attempt that is returned, or what ended the whole search early: the clock
+    /// or the observer. Of a solution that is reached these ended a comparison or the preferences' pull.
     pub termination: Termination,
-    /// ½ Σ ‖W r‖² at `q`.
+    /// ½ Σ ‖W r‖² at `q`, of goals and preferences.
     pub cost: f64,
-    /// ‖proj(x − g) − x‖∞ at `q`; `None` when the goals were reached first.
+    /// ‖proj(x − g) − x‖∞ at `q`, of the goals' cost where preferences act within them; `None` when the
+    /// goals were reached first.
     pub projected_gradient: Option<f64>,
     /// Steps of all attempts together.
     pub iterations: usize,
     /// Attempts made, the caller's start included.
     pub attempts: usize,
+    /// How many of the attempts stopped as near as this solution, within a thousandth of the cost, itself
+    /// included; 0 where it is reached, where it was cut short, or where attempts are not compared.
+    /// Many that agree are no proof that a target is out of reach, but most often it is.
+    pub agreeing: usize,
     /// Evaluations of all attempts together.
     pub counts: Counts,
     pub(super) rows: Vec<RowsReport>,
     pub(super) blocked: Vec<Blocked>,
+    /// The preferences that goals are traded off against, the strongest first.
+    pub(super) pulling: Vec<usize>,
+    pub(super) beyond: Option<Beyond>,
     pub(super) names: Option<Arc<Names>>,
 }
 
@@ -137,9 +148,12 @@ impl Default for Solution {
             projected_gradient: None,
             iterations: 0,
             attempts: 0,
+            agreeing: 0,
             counts: Counts::default(),
             rows: Vec::new(),
             blocked: Vec::new(),
+            pulling: Vec::new(),
+            beyond: None,
             names: None,
         }
     }
@@ -161,6 +175,22 @@ impl Solution {
         })
     }
 
+    /// The preferences that keep a missed goal from coming nearer, the strongest first. Only where they
+    /// are [traded](crate::problem::Preferences::Traded) off against goals can there be any.
+    pub fn pulling_preferences(&self) -> impl Iterator<Item = &str> {
+        self.pulling.iter().filter_map(|&task| {
+            let names = self.names.as_deref()?;
+            names.tasks.get(task).map(String::as_str)
+        })
+    }
+
+    /// Whether a missed goal is certainly out of reach: its place is farther from where the chain
+    /// begins than the chain is long. False where that is not known.
+    #[must_use]
+    pub fn is_out_of_reach(&self) -> bool {
+        self.beyond.is_some()
+    }
+
     /// The limits that hold the solution back; empty when it is reached.
     pub fn active_limits(&self) -> impl Iterator<Item = ActiveLimit<'_>> {
         self.blocked.iter().filter_map(|blocked| {
@@ -176,26 +206,35 @@ impl Solution {
         })
     }
 
-    /// Takes the configuration, the errors and the blocking limits at x. A slope up to `negligible`
-    /// does not push.
+    /// Takes the configuration, the errors and the blocking limits at x, with the weighted residual of
+    /// all tasks there. A slope up to `negligible` does not push.
     pub(crate) fn measure(
         &mut self,
-        problem: &Problem,
+        evaluation: &mut Evaluation<'_>,
         x: &[f64],
         r: &[f64],
         gradient: &[f64],
         negligible: f64,
     ) {
+        let problem = evaluation.problem();
         self.q.resize(problem.degrees_of_freedom(), 0.0);
         problem.parameters().expand_within_limits(x, &mut self.q);
         self.rows.clear();
-        self.rows.extend(problem.errors(r).map(|block| RowsReport {
-            task: block.task,
-            quantity: block.quantity,
-            error: block.error,
-            reached: block.reached,
-            role: block.role,
-        }));
+        self.rows
+            .extend(problem.errors(Share::All, r).map(|block| RowsReport {
+                task: block.task,
+                quantity: block.quantity,
+                error: block.error,
+                reached: block.reached,
+                role: block.role,
+            }));
+        if problem.leaves_rows_out() {
+            let errors = problem.unasked_errors(evaluation.unweighted(x));
+            for (rows, error) in self.rows.iter_mut().zip(errors) {
+                rows.error = error.unwrap_or(rows.error);
+            }
+        }
+        self.beyond = None;
         let goals = self.rows.iter().filter(|rows| rows.role == Role::Goal);
         self.reached = goals.into_iter().all(|rows| rows.reached);
 
@@ -269,6 +308,8 @@ impl Solution {
             }));
         self.reached = self.rows.iter().all(|rows| rows.reached);
         self.blocked.clear();
+        self.pulling.clear();
+        (self.beyond, self.agreeing) = (None, 0);
         let known = self.names.as_ref();
         if !known.is_some_and(|known| Arc::ptr_eq(known, names)) {
             self.names = Some(Arc::clone(names));

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::attempts::Attempts;
+use super::refine::Limits;
 use super::{Restarts, Solution, SolveError, Workspace};
-use crate::problem::Problem;
+use crate::problem::{Problem, Share};
 use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping, project};
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
@@ -112,7 +113,15 @@ impl Solver {
             stopping: self.stopping,
             restarts: self.restarts,
         };
-        let found = attempts.run(workspace, &mut scratch, observer);
+        let deadline = self.stopping.deadline();
+        let mut found = attempts.run(workspace, &mut scratch, deadline, observer);
+        if problem.search_share() == Share::Goals {
+            let limits = Limits {
+                stopping: self.stopping,
+                deadline,
+            };
+            workspace.refine(problem, &mut scratch, &mut found, &limits, observer);
+        }
         workspace.report(problem, &self.stopping, &mut scratch, &found);
         workspace.scratch = Some(scratch);
         Ok(&workspace.solution)

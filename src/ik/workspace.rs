@@ -1,9 +1,14 @@
 //! The memory of solving, which belongs to the caller.
 
 use super::Solution;
-use super::attempts::Found;
-use crate::problem::{Evaluation, Problem, Scratch};
-use crate::solver::{Memory, Stopping, negligible_slope};
+use super::attempts::{Found, settled};
+use super::pulling::Pulls;
+use super::refine::{Limits, Place, Refinement};
+use crate::problem::{Evaluation, Problem, Scratch, Share};
+use crate::solver::{
+    LeastSquares, Memory, Observer, Stopping, half_squared, negligible_slope,
+    projected_gradient_norm,
+};
 
 /// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
 /// problem, a solve allocates nothing. It fits any problem, one at a time.
@@ -17,7 +22,13 @@ pub struct Workspace {
     /// Where the attempt from the start ended.
     pub(super) first_x: Vec<f64>,
     pub(super) best_x: Vec<f64>,
+    /// The cost of every attempt that came to its end or stalled.
+    pub(super) costs: Vec<f64>,
+    /// Of the tasks that the search is for.
     pub(super) best_residual: Vec<f64>,
+    /// Of all tasks.
+    whole_residual: Vec<f64>,
+    refinement: Refinement,
     pub(super) solution: Solution,
 }
 
@@ -47,7 +58,14 @@ impl Workspace {
             vector.resize(problem.variables(), 0.0);
         }
         self.wander.resize(problem.variables(), true);
-        self.best_residual.resize(problem.rows(), 0.0);
+        let share = problem.search_share();
+        self.best_residual.resize(problem.rows_of(share), 0.0);
+        if share == Share::Goals {
+            self.whole_residual.resize(problem.rows(), 0.0);
+            self.refinement.fit(problem);
+        }
+        self.solution.pulling.clear();
+        self.solution.pulling.reserve(problem.tasks());
         // A first solve that reaches its target names no limit; a later one may name them all.
         self.solution.blocked.clear();
         self.solution.blocked.reserve(problem.variables());
@@ -55,6 +73,38 @@ impl Workspace {
             Some(scratch) if scratch.fits(problem) => scratch,
             _ => problem.scratch(),
         }
+    }
+
+    /// Lets the preferences act within what the goals leave free, from where these came to.
+    pub(super) fn refine(
+        &mut self,
+        problem: &Problem,
+        scratch: &mut Scratch,
+        found: &mut Found,
+        limits: &Limits,
+        observer: &mut dyn Observer,
+    ) {
+        let reached = problem.is_reached_by(Share::Goals, &self.best_residual);
+        if !reached && !settled(found.outcome.termination) {
+            return;
+        }
+        let from = Place {
+            x: &self.best_x,
+            residual: &self.best_residual,
+            reached,
+        };
+        let memory = &mut self.memory;
+        let refined = self
+            .refinement
+            .run(problem, scratch, memory, &from, limits, observer);
+        found.iterations += refined.iterations;
+        found.counts += refined.counts;
+        if let Some(cut) = refined.cut {
+            found.outcome.termination = cut;
+        }
+        self.best_x.copy_from_slice(&self.refinement.x);
+        let mut goals = Evaluation::of(Share::Goals, problem, scratch);
+        goals.residual(&self.best_x, &mut self.best_residual);
     }
 
     /// Fills the solution in from what a search found.
@@ -66,20 +116,51 @@ impl Workspace {
         found: &Found,
     ) {
         let solution = &mut self.solution;
+        let share = problem.search_share();
+        let (x, residual) = (&self.best_x, &self.best_residual);
+        let cost = half_squared(residual);
+        let reached = problem.is_reached_by(share, residual);
         solution.termination = found.outcome.termination;
         solution.projected_gradient = found.outcome.projected_gradient;
-        solution.cost = found.cost;
         solution.iterations = found.iterations;
         solution.attempts = found.attempts;
+        let compared = !reached && settled(found.outcome.termination);
+        solution.agreeing = if compared { found.agreeing } else { 0 };
         solution.counts = found.counts;
-        let (x, residual) = (&self.best_x, &self.best_residual);
-        let (gradient, column_norm): (&[f64], f64) = if problem.is_reached(residual) {
-            (&[], 0.0)
+        solution.pulling.clear();
+        let (mut gradient, mut column_norm): (&[f64], f64) = (&[], 0.0);
+        if !reached {
+            let mut evaluation = Evaluation::of(share, problem, scratch);
+            (gradient, column_norm) = self.memory.slope_at(&mut evaluation, x, residual);
+        }
+        let negligible = negligible_slope(column_norm, cost, stopping);
+        let mut evaluation = Evaluation::new(problem, scratch);
+        if share == Share::All {
+            solution.cost = found.cost;
+            solution.measure(&mut evaluation, x, residual, gradient, negligible);
         } else {
-            let mut evaluation = Evaluation::new(problem, scratch);
-            self.memory.slope_at(&mut evaluation, x, residual)
-        };
-        let negligible = negligible_slope(column_norm, found.cost, stopping);
-        solution.measure(problem, x, residual, gradient, negligible);
+            evaluation.residual(x, &mut self.whole_residual);
+            let whole = &self.whole_residual;
+            solution.cost = half_squared(whole);
+            if !reached {
+                let (lower, upper) = (problem.lower(), problem.upper());
+                let left = projected_gradient_norm(x, gradient, 1.0, lower, upper);
+                solution.projected_gradient = Some(left);
+            }
+            solution.measure(&mut evaluation, x, whole, gradient, negligible);
+        }
+        if reached {
+            return;
+        }
+        solution.find_beyond(problem);
+        if share == Share::All && problem.has_preferences() {
+            let pulls = Pulls {
+                problem,
+                jacobian: self.memory.jacobian(),
+                residual,
+                negligible,
+            };
+            pulls.list(x, &mut self.attempt, &mut solution.pulling);
+        }
     }
 }

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
-use super::{Derivatives, Names, Problem, ProblemError, TaskId};
+use super::{Derivatives, Names, Preferences, Problem, ProblemError, TaskId};
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
 use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
@@ -37,6 +38,7 @@ pub struct ProblemBuilder<'m> {
     extra_bounds: Vec<(JointId, Limits)>,
     tolerances: Vec<(Quantity, f64)>,
     derivatives: Derivatives,
+    preferences: Preferences,
 }
 
 impl<'m> ProblemBuilder<'m> {
@@ -48,6 +50,7 @@ impl<'m> ProblemBuilder<'m> {
             extra_bounds: Vec::new(),
             tolerances: Vec::new(),
             derivatives: Derivatives::default(),
+            preferences: Preferences::default(),
         }
     }
 
@@ -98,6 +101,13 @@ impl<'m> ProblemBuilder<'m> {
         self
     }
 
+    /// Whether preferences act within what the goals leave free, as they do by default, or are traded
+    /// off against the goals by their weights.
+    pub fn preferences(&mut self, preferences: Preferences) -> &mut Self {
+        self.preferences = preferences;
+        self
+    }
+
     /// Checks everything and compiles the kinematics.
     ///
     /// # Errors
@@ -129,12 +139,18 @@ impl<'m> ProblemBuilder<'m> {
 
         let mut frames = Vec::new();
         let mut tasks = Vec::with_capacity(self.tasks.len());
-        let mut task_frames = Vec::with_capacity(self.tasks.len());
-        let mut rows = 0;
+        let mut first_frames = Vec::with_capacity(self.tasks.len());
+        let (mut rows, mut rows_of_goals, mut rows_of_pulls) = (0, 0, 0);
         for (index, pending) in self.tasks.into_iter().enumerate() {
             let first_frame = pending.frames.first().copied();
-            let task = place(model, index, pending, &self.tolerances, &mut frames, rows)?;
-            task_frames.push(first_frame.map(|f| model.frames()[f.index()].name.clone()));
+            let mut task = place(model, index, pending, &self.tolerances, &mut frames, rows)?;
+            let share = match task.binds {
+                true => &mut rows_of_goals,
+                false => &mut rows_of_pulls,
+            };
+            task.rows_of_share = *share..*share + task.rows.len();
+            *share = task.rows_of_share.end;
+            first_frames.push(first_frame);
             rows = task.rows.end;
             tasks.push(task);
         }
@@ -160,7 +176,12 @@ impl<'m> ProblemBuilder<'m> {
                 .map(|v| leading_joint(v).kind != JointKind::Prismatic)
                 .collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
-            task_frames,
+            task_frames: (first_frames.iter())
+                .map(|frame| frame.map(|f| model.frames()[f.index()].name.clone()))
+                .collect(),
+            anchors: (first_frames.iter())
+                .map(|frame| anchor(model, &map, (*frame)?))
+                .collect(),
         };
         let mut problem = Problem {
             names: Arc::new(names),
@@ -170,6 +191,9 @@ impl<'m> ProblemBuilder<'m> {
             map,
             tasks,
             rows,
+            rows_of_goals,
+            places_moved: false,
+            preferences: self.preferences,
             spread,
             reach,
             derivatives: self.derivatives,
@@ -245,6 +269,11 @@ fn place(
                 weight,
             });
         }
+        // In the cost a weight whose square is nothing is none.
+        let weight = match weight * weight < f64::MIN_POSITIVE {
+            true => 0.0,
+            false => weight,
+        };
         let tolerance = own(&pending.tolerances)
             .or_else(|| own(tolerances))
             .unwrap_or_else(|| default_tolerance(rows.quantity));
@@ -268,8 +297,10 @@ fn place(
         name,
         residual: pending.residual,
         role: pending.role,
+        binds: pending.role == Role::Goal && blocks.iter().any(Block::can_miss),
         blocks,
         rows: first_row..next_row,
+        rows_of_share: 0..0,
         weights,
         frames: slots,
         coordinates,

@@ -15,6 +15,18 @@ pub(crate) struct Block {
     pub(crate) tolerance: f64,
 }
 
+impl Block {
+    /// Its rows, where those of its task begin at `to` instead of `from`.
+    pub(crate) fn rows_after(&self, from: usize, to: usize) -> Range<usize> {
+        self.rows.start - from + to..self.rows.end - from + to
+    }
+
+    /// Whether anything is asked of the rows: a weight of 0 or an infinite tolerance asks nothing.
+    pub(crate) fn can_miss(&self) -> bool {
+        self.weight > 0.0 && self.tolerance < f64::INFINITY
+    }
+}
+
 pub(crate) struct CompiledTask {
     pub(crate) name: String,
     pub(crate) residual: Box<dyn ErasedResidual>,
@@ -22,6 +34,10 @@ pub(crate) struct CompiledTask {
     pub(crate) blocks: Vec<Block>,
     /// All rows, of the whole problem.
     pub(crate) rows: Range<usize>,
+    /// Whether it is a goal that can be missed.
+    pub(crate) binds: bool,
+    /// The same rows among those of all tasks that bind, or of all that do not.
+    pub(crate) rows_of_share: Range<usize>,
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,
     pub(crate) frames: Vec<FrameSlot>,
@@ -32,6 +48,11 @@ pub(crate) struct CompiledTask {
 impl CompiledTask {
     pub(crate) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Whether the task wants its rows kept where the goals' own search left them: all that can miss.
+    pub(crate) fn keeps(&self, block: &Block) -> bool {
+        self.binds && block.can_miss()
     }
 
     pub(crate) fn blocks(&self) -> impl Iterator<Item = &Block> {

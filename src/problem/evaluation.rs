@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::compiled_task::CompiledTask;
-use super::{Derivatives, Names, Problem};
+use super::{Derivatives, Names, Problem, Share};
 use crate::kinematics::{Partials, TreeState, Wrench, Wrenches};
 use crate::model::Source;
 use crate::scalar::elementary;
@@ -93,6 +93,7 @@ impl Scratch {
 #[derive(Debug)]
 pub struct Evaluation<'a> {
     problem: &'a Problem,
+    share: Share,
     scratch: &'a mut Scratch,
 }
 
@@ -101,14 +102,42 @@ impl<'a> Evaluation<'a> {
     /// replaced. Arguments of the wrong shape give NaN everywhere.
     #[must_use]
     pub fn new(problem: &'a Problem, scratch: &'a mut Scratch) -> Self {
+        Self::of(Share::All, problem, scratch)
+    }
+
+    /// As [`new`](Self::new), of a share of the tasks.
+    pub(crate) fn of(share: Share, problem: &'a Problem, scratch: &'a mut Scratch) -> Self {
         if !scratch.fits(problem) {
             *scratch = problem.scratch();
         }
-        Self { problem, scratch }
+        Self {
+            problem,
+            share,
+            scratch,
+        }
+    }
+
+    /// The problem that is evaluated.
+    pub(crate) fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
+    /// r(x) of the whole problem before weighting.
+    pub(crate) fn unweighted(&mut self, x: &[f64]) -> &[f64] {
+        self.forward(x);
+        let mut residual = std::mem::take(&mut self.scratch.shifted_residual[0]);
+        for task in &self.problem.tasks {
+            Self::gather(self.scratch, task);
+            let rows = &mut residual[task.rows.clone()];
+            task.residual
+                .evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+        }
+        self.scratch.shifted_residual[0] = residual;
+        &self.scratch.shifted_residual[0]
     }
 
     fn fits(&self, x: &[f64], rows: usize) -> bool {
-        x.len() == self.problem.variables() && rows == self.problem.rows()
+        x.len() == self.problem.variables() && rows == self.rows()
     }
 
     /// Runs the forward pass unless the last one was at the same x.
@@ -155,14 +184,14 @@ impl<'a> Evaluation<'a> {
         // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
         jacobian.as_mut_slice().fill(0.0);
         let problem = self.problem;
-        let rows = problem.rows();
-        for task in &problem.tasks {
+        let rows = self.rows();
+        for (task, task_rows) in problem.tasks_of(self.share) {
             Self::differentiate(self.scratch, task);
             let Scratch { state, local, .. } = &*self.scratch;
             for (k, &frame) in task.frames.iter().enumerate() {
                 let partials = Partials {
                     frame,
-                    first_row: task.rows.start,
+                    first_row: task_rows.start,
                     linear: local.linear(k),
                     angular: local.angular(k),
                 };
@@ -177,7 +206,7 @@ impl<'a> Evaluation<'a> {
                 } = problem.map.sources()[coordinate]
                 {
                     for (row, entry) in local.joint(k) {
-                        entries[variable * rows + task.rows.start + row] += ratio * entry;
+                        entries[variable * rows + task_rows.start + row] += ratio * entry;
                     }
                 }
             }
@@ -189,7 +218,7 @@ impl<'a> Evaluation<'a> {
         gradient.fill(0.0);
         let problem = self.problem;
         self.scratch.wrenches.clear();
-        for task in &problem.tasks {
+        for (task, rows) in problem.tasks_of(self.share) {
             Self::differentiate(self.scratch, task);
             let Scratch {
                 state,
@@ -197,7 +226,7 @@ impl<'a> Evaluation<'a> {
                 wrenches,
                 ..
             } = &mut *self.scratch;
-            let r = &r[task.rows.clone()];
+            let r = &r[rows];
             for (k, &frame) in task.frames.iter().enumerate() {
                 let sum = |parts: &[Vector3<f64>]| {
                     let weighted = parts.iter().zip(r).map(|(&part, &value)| part * value);
@@ -227,6 +256,7 @@ impl<'a> Evaluation<'a> {
 
     fn dual_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         let problem = self.problem;
+        let share = self.share;
         let pass = &mut *self.scratch.dual;
         for first in (0..x.len()).step_by(CHUNK) {
             let chunk = first..x.len().min(first + CHUNK);
@@ -239,7 +269,7 @@ impl<'a> Evaluation<'a> {
             }
             problem.tree.forward(&pass.x, &mut pass.state);
             problem.map.expand(&pass.x, &mut pass.q);
-            for task in &problem.tasks {
+            for (task, task_rows) in problem.tasks_of(share) {
                 let all = pass.state.frames();
                 let DualScratch {
                     frames,
@@ -253,7 +283,7 @@ impl<'a> Evaluation<'a> {
                 residual.clear();
                 residual.resize(task.rows.len(), Dual::zero());
                 task.residual.evaluate_dual(frames, joints, residual);
-                let rows = residual.iter().zip(&task.weights).zip(task.rows.clone());
+                let rows = residual.iter().zip(&task.weights).zip(task_rows);
                 for ((value, weight), row) in rows {
                     let derivatives = value.derivatives();
                     for k in chunk.clone() {
@@ -266,10 +296,12 @@ impl<'a> Evaluation<'a> {
 
     fn difference_jacobian(&mut self, x: &[f64], central: bool, jacobian: &mut DMatrix<f64>) {
         let mut shifted = std::mem::take(&mut self.scratch.shifted);
-        let [mut ahead, mut behind] = std::mem::take(&mut self.scratch.shifted_residual);
+        let mut both = std::mem::take(&mut self.scratch.shifted_residual);
         shifted.copy_from_slice(x);
+        let rows = self.rows();
+        let [ahead, behind] = both.each_mut().map(|residual| &mut residual[..rows]);
         if !central {
-            self.residual(x, &mut behind);
+            self.residual(x, behind);
         }
         let relative_step = if central {
             elementary::cbrt(f64::EPSILON)
@@ -281,20 +313,20 @@ impl<'a> Evaluation<'a> {
             // The step that was really taken, after rounding.
             shifted[k] = x[k] + step;
             let mut taken = shifted[k] - x[k];
-            self.residual(&shifted, &mut ahead);
+            self.residual(&shifted, ahead);
             if central {
                 shifted[k] = x[k] - step;
                 taken += x[k] - shifted[k];
-                self.residual(&shifted, &mut behind);
+                self.residual(&shifted, behind);
             }
             shifted[k] = x[k];
             let rows = jacobian.column_mut(k);
-            for ((entry, a), b) in rows.into_iter().zip(&ahead).zip(&behind) {
+            for ((entry, a), b) in rows.into_iter().zip(&*ahead).zip(&*behind) {
                 *entry = (a - b) / taken;
             }
         }
         self.scratch.shifted = shifted;
-        self.scratch.shifted_residual = [ahead, behind];
+        self.scratch.shifted_residual = both;
     }
 }
 
@@ -304,7 +336,7 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn rows(&self) -> usize {
-        self.problem.rows()
+        self.problem.rows_of(self.share)
     }
 
     fn lower(&self) -> &[f64] {
@@ -320,9 +352,9 @@ impl LeastSquares for Evaluation<'_> {
             return residual.fill(f64::NAN);
         }
         self.forward(x);
-        for task in &self.problem.tasks {
+        for (task, rows) in self.problem.tasks_of(self.share) {
             Self::gather(self.scratch, task);
-            let rows = &mut residual[task.rows.clone()];
+            let rows = &mut residual[rows];
             task.residual
                 .evaluate(&self.scratch.frames, &self.scratch.joints, rows);
             for (row, weight) in rows.iter_mut().zip(&task.weights) {
@@ -368,10 +400,10 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        self.problem.is_reached(residual)
+        self.problem.is_reached_by(self.share, residual)
     }
 
     fn stops_when_reached(&self) -> bool {
-        !self.problem.has_preferences()
+        self.share == Share::Goals || !self.problem.has_preferences()
     }
 }

@@ -1,25 +1,31 @@
 //! Tasks and bounds put together: r(x), its derivatives, and what the errors mean.
 
+mod anchor;
 mod builder;
 mod compiled_task;
 mod derivatives;
 mod error;
 mod evaluation;
 mod names;
+mod preferences;
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 pub use builder::ProblemBuilder;
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
 pub(crate) use names::Names;
+pub use preferences::Preferences;
+pub(crate) use preferences::Share;
 
 use std::sync::Arc;
 
 use crate::kinematics::{Tree, TreeMemory};
 use crate::model::{Limits, Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
+use anchor::Anchor;
 pub(crate) use compiled_task::CompiledTask;
 
 /// A task of one problem, with the type of its residual.
@@ -62,6 +68,11 @@ pub struct Problem {
     tree: Tree,
     tasks: Vec<CompiledTask>,
     rows: usize,
+    /// Rows of the goals that can be missed.
+    rows_of_goals: usize,
+    /// Whether joints stand elsewhere than where the anchors were taken.
+    places_moved: bool,
+    preferences: Preferences,
     lower: Vec<f64>,
     upper: Vec<f64>,
     /// How far around the start an unbounded variable is drawn at random: π or the reach.
@@ -185,6 +196,65 @@ impl Problem {
         self.tasks.iter().any(|task| task.role == Role::Preference)
     }
 
+    /// What preferences may cost the goals.
+    #[must_use]
+    pub fn preferences(&self) -> Preferences {
+        self.preferences
+    }
+
+    /// What a solver searches with: the goals alone where preferences act within them, everything
+    /// where there is nothing to tell apart.
+    pub(crate) fn search_share(&self) -> Share {
+        let within = self.preferences == Preferences::WithinGoals;
+        let both = 0 < self.rows_of_goals && self.rows_of_goals < self.rows;
+        match within && both && self.has_preferences() {
+            true => Share::Goals,
+            false => Share::All,
+        }
+    }
+
+    /// How many rows a share has.
+    pub(crate) fn rows_of(&self, share: Share) -> usize {
+        match share {
+            Share::All => self.rows,
+            Share::Goals => self.rows_of_goals,
+            Share::Pulls => self.rows - self.rows_of_goals,
+        }
+    }
+
+    /// The tasks of a share, and where their rows stand in it.
+    pub(crate) fn tasks_of(
+        &self,
+        share: Share,
+    ) -> impl Iterator<Item = (&CompiledTask, Range<usize>)> {
+        let tasks = self.tasks.iter();
+        tasks.filter_map(move |task| Some((task, task.rows_in(share)?)))
+    }
+
+    /// Rows of tasks that bind for which any error will do, as the goals count them.
+    pub(crate) fn free_goal_rows(&self) -> impl Iterator<Item = Range<usize>> {
+        self.tasks_of(Share::Goals).flat_map(|(task, rows)| {
+            let free = task.blocks().filter(|block| !task.keeps(block));
+            free.map(move |block| block.rows_after(task.rows.start, rows.start))
+        })
+    }
+
+    /// Whether the goals, whose weighted residual has changed by `change`, are where they were.
+    pub(crate) fn is_kept(&self, change: &[f64]) -> bool {
+        self.tasks_of(Share::Goals).all(|(task, rows)| {
+            let mut kept = task.blocks().filter(|block| task.keeps(block));
+            kept.all(|block| {
+                let rows = block.rows_after(task.rows.start, rows.start);
+                norm(&change[rows]) <= KEPT * block.tolerance * block.weight
+            })
+        })
+    }
+
+    /// Half the range that values of a variable without bounds are drawn from: π or the reach.
+    pub(crate) fn spread(&self, variable: usize) -> f64 {
+        self.spread[variable]
+    }
+
     /// Scratch memory for this problem.
     #[must_use]
     pub fn scratch(&self) -> Scratch {
@@ -200,11 +270,18 @@ impl Problem {
     /// Takes the places of joints and frames anew from its model, whose joints now stand elsewhere.
     pub(crate) fn take_places(&mut self, model: &Model, memory: &mut TreeMemory) {
         self.tree.compile(model, &self.map, memory);
+        self.places_moved = true;
     }
 
     /// The compiled kinematics that the tasks' slots refer to.
     pub(crate) fn tree(&self) -> &Tree {
         &self.tree
+    }
+
+    /// Where the chain of a task's first frame begins, if that is known.
+    pub(crate) fn anchor(&self, task: usize) -> Option<&Anchor> {
+        let anchors = (!self.places_moved).then_some(&self.names.anchors)?;
+        anchors.get(task)?.as_ref()
     }
 
     /// The tasks in order.
@@ -223,13 +300,13 @@ impl Problem {
         bounds.sampling_range(at, self.spread[variable])
     }
 
-    /// Marks the variables that move a missed goal and no reached one, given the weighted residual
-    /// there; all that any task feels where there is none such.
-    pub(crate) fn mark_free_to_wander(&self, r: &[f64], marked: &mut [bool]) {
+    /// Marks the variables that move a missed goal and no reached one, given the weighted residual of
+    /// a share there; all that any task feels where there is none such.
+    pub(crate) fn mark_free_to_wander(&self, share: Share, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
             for (index, task) in self.tasks.iter().enumerate() {
-                let mut blocks = self.errors(r).filter(|block| block.task == index);
+                let mut blocks = self.errors(share, r).filter(|block| block.task == index);
                 let missed = blocks.any(|block| !block.reached);
                 if task.role == Role::Goal && missed != pass_reached {
                     for variable in self.variables_moving(task) {
@@ -243,7 +320,7 @@ impl Problem {
         }
     }
 
-    /// Whether any task depends on a variable.
+    /// Whether any task of the search depends on a variable.
     pub(crate) fn is_felt(&self, variable: usize) -> bool {
         self.felt[variable]
     }
@@ -251,9 +328,8 @@ impl Problem {
     fn mark_felt(&mut self) {
         let mut felt = vec![false; self.variables()];
         for variable in self
-            .tasks
-            .iter()
-            .flat_map(|task| self.variables_moving(task))
+            .tasks_of(self.search_share())
+            .flat_map(|(task, _)| self.variables_moving(task))
         {
             felt[variable] = true;
         }
@@ -275,21 +351,23 @@ impl Problem {
         by_frames.chain(by_joints)
     }
 
-    /// For every block of rows: its task, its quantity, the error in that quantity's unit for the
-    /// weighted residual `r`, and whether it is within tolerance.
-    pub(crate) fn errors<'a>(&'a self, r: &'a [f64]) -> impl Iterator<Item = BlockError> + 'a {
-        self.tasks
-            .iter()
-            .enumerate()
-            .flat_map(move |(task, compiled)| {
+    /// For every block of rows of a share: its task, its quantity, the error in that quantity's unit
+    /// for the share's weighted residual `r`, and whether it is within tolerance. Rows of weight 0 say
+    /// nothing about their error and are not asked for.
+    pub(crate) fn errors<'a>(
+        &'a self,
+        share: Share,
+        r: &'a [f64],
+    ) -> impl Iterator<Item = BlockError> + 'a {
+        let tasks = self.tasks.iter().enumerate();
+        tasks.flat_map(move |(task, compiled)| {
+            let rows = compiled.rows_in(share);
+            rows.into_iter().flat_map(move |rows| {
                 compiled.blocks().map(move |block| {
-                    let rows = &r[block.rows.clone()];
-                    let weighted: f64 = rows.iter().map(|v| v * v).sum();
-                    // A weight of zero switches rows off: nobody asked for them.
-                    let error = if block.weight > 0.0 {
-                        weighted.sqrt() / block.weight
-                    } else {
-                        0.0
+                    let rows = block.rows_after(compiled.rows.start, rows.start);
+                    let error = match block.weight > 0.0 {
+                        true => norm(&r[rows]) / block.weight,
+                        false => 0.0,
                     };
                     BlockError {
                         task,
@@ -300,17 +378,57 @@ impl Problem {
                     }
                 })
             })
+        })
+    }
+
+    /// Whether any rows have weight 0.
+    pub(crate) fn leaves_rows_out(&self) -> bool {
+        let mut blocks = self.tasks.iter().flat_map(CompiledTask::blocks);
+        blocks.any(|block| block.weight == 0.0)
+    }
+
+    /// The true errors of rows of weight 0, by the unweighted residual of the whole problem, in the
+    /// order of [`errors`](Self::errors); `None` for the others.
+    pub(crate) fn unasked_errors<'a>(
+        &'a self,
+        unweighted: &'a [f64],
+    ) -> impl Iterator<Item = Option<f64>> + 'a {
+        let blocks = self.tasks.iter().flat_map(CompiledTask::blocks);
+        blocks.map(|block| (block.weight == 0.0).then(|| norm(&unweighted[block.rows.clone()])))
     }
 
     /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
-    /// [`rows`](Self::rows); of another length it reaches nothing).
+    /// [`rows`](Self::rows); of another length it reaches nothing). Rows of weight 0 are not asked
+    /// for.
     #[must_use]
     pub fn is_reached(&self, r: &[f64]) -> bool {
-        r.len() == self.rows
+        self.is_reached_by(Share::All, r)
+    }
+
+    /// As [`is_reached`](Self::is_reached), by the residual of a share.
+    pub(crate) fn is_reached_by(&self, share: Share, r: &[f64]) -> bool {
+        r.len() == self.rows_of(share)
             && self
-                .errors(r)
+                .errors(share, r)
                 .all(|block| block.reached || block.role == Role::Preference)
     }
+}
+
+/// How far from where it was a goal may end for the preferences' sake, as a share of its tolerance.
+const KEPT: f64 = 1e-3;
+
+/// Euclidean norm, also where squares are too small or too large for a number.
+fn norm(rows: &[f64]) -> f64 {
+    let squared: f64 = rows.iter().map(|v| v * v).sum();
+    if squared.is_normal() {
+        return squared.sqrt();
+    }
+    let largest = rows.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    if squared.is_nan() || largest == 0.0 || largest.is_infinite() {
+        return squared;
+    }
+    let scaled: f64 = rows.iter().map(|v| (v / largest) * (v / largest)).sum();
+    largest * scaled.sqrt()
 }
 
 /// The error of one block of rows.

@@ -1,5 +1,6 @@
 //! The names that reports need, shared with every solution.
 
+use super::anchor::Anchor;
 use crate::model::LengthUnit;
 
 /// Names of a problem's parts, by index.
@@ -14,4 +15,6 @@ pub(crate) struct Names {
     pub(crate) tasks: Vec<String>,
     /// The first frame each task looks at, if any.
     pub(crate) task_frames: Vec<Option<String>>,
+    /// Where the chain of that frame begins, if it is of finite length.
+    pub(crate) anchors: Vec<Option<Anchor>>,
 }

@@ -129,6 +129,11 @@ impl Memory {
         &self.gradient
     }
 
+    /// J where it was taken last.
+    pub(crate) fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
     /// λ for Levenberg-Marquardt, the step length σ or α for the others.
     #[must_use]
     pub fn damping(&self) -> f64 {

@@ -25,6 +25,7 @@ pub(crate) use active_set::projected_gradient_norm;
 pub use gauss_newton::GaussNewton;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt};
+pub(crate) use linear::{HeldStep, Room};
 pub(crate) use memory::half_squared;
 pub use memory::{Counts, Memory};
 pub use method::{Method, Step};

@@ -118,7 +118,8 @@ impl Stopping {
 pub enum Termination {
     /// Every goal is within its tolerance.
     Reached,
-    /// No free variable can lower the cost: a local minimum within the bounds.
+    /// No free variable can lower the cost from there: a local minimum within the bounds, most often.
+    /// There may be lower ones elsewhere.
     Stationary,
     /// Steps became too small to change anything: x, or over several steps the cost.
     SmallStep,
@@ -127,10 +128,10 @@ pub enum Termination {
     /// The iteration limit.
     IterationLimit,
     /// The wall-clock limit. Of a solution that is reached: it is one, but the search that compares
-    /// several was cut short.
+    /// several, or the preferences' pull, was cut short.
     TimeLimit,
-    /// No solution was found within the moves allowed from the start: there the nearest place on the
-    /// start's own way is returned.
+    /// No attempt came to a solution within the moves allowed from the start, which is no proof that
+    /// there is none: the nearest place on the start's own way is returned.
     CannotContinue,
     /// The observer said stop.
     Cancelled,

@@ -10,7 +10,8 @@ use crate::spatial::Placement;
 pub enum Role {
     /// The problem counts as reached only when this task is within its tolerances.
     Goal,
-    /// Pulls on the solution, but its error never counts as a miss.
+    /// Pulls on the solution, but its error never counts as a miss: within what the goals leave free,
+    /// unless [`Preferences`](crate::problem::Preferences) are traded.
     Preference,
 }
 

@@ -37,7 +37,8 @@ impl<R: Residual> Task<R> {
     }
 
     /// Multiplies the rows of one quantity: cost units (√) per metre, per radian, …
-    /// Must be finite and not negative.
+    /// Must be finite and not negative. Rows of weight 0 are not asked for: they tell their error but
+    /// never count as missed.
     #[must_use]
     pub fn weight(mut self, quantity: Quantity, weight: f64) -> Self {
         self.weights.push((quantity, weight));

@@ -267,3 +267,23 @@ fn the_other_way_round_is_taken_where_the_short_one_is_barred() {
         solution.q
     );
 }
+
+#[test]
+fn a_start_whose_error_overflows_is_not_the_last_attempt() {
+    // A slide so long that its square overflows at the start, and at most random places.
+    let long = 2.5e154;
+    let mut builder = Model::builder("slide");
+    let axis = Vector3::new(1.0, 0.0, 0.0);
+    let limits = Limits::new(-long, long);
+    let slide = builder.prismatic("slide", None, Placement::identity(), axis, limits);
+    let tip = builder.frame("tip", Some(slide), Placement::identity());
+    // Random places are drawn within a few times the model's size.
+    let size = Placement::translation([0.0, long, 0.0].into());
+    builder.frame("far", Some(slide), size);
+    let model = builder.build().unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [1.0, 0.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let solution = Ccd::default().solve(&problem, &[long]).unwrap();
+    assert!(solution.reached && solution.attempts > 1, "{solution:?}");
+}

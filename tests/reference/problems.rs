@@ -7,7 +7,7 @@ use std::path::Path;
 use kinopt::Model;
 use kinopt::io::rig::Rig;
 use kinopt::model::ParameterMap;
-use kinopt::problem::{Problem, ProblemBuilder};
+use kinopt::problem::{Preferences, Problem, ProblemBuilder};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
@@ -231,6 +231,8 @@ pub(super) fn problem(statement: &Statement, loaded: &Loaded) -> Problem {
     for asked in &statement.tasks {
         add(&mut builder, asked, loaded);
     }
+    // The references minimise the weighted sum.
+    builder.preferences(Preferences::Traded);
     builder.tolerance(Quantity::Metres, TOLERANCE);
     builder.tolerance(Quantity::Radians, TOLERANCE);
     builder.build().unwrap()

@@ -7,6 +7,7 @@ mod limits_hold;
 mod method_battery;
 mod not_finite;
 mod overextended_arm;
+mod preferences;
 mod reported_errors;
 mod restarts;
 mod same_bits;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Restarts, Side};
-use kinopt::problem::Problem;
+use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::Stopping;
 use kinopt::task::{Point, Pose, Posture, Quantity, Task};
 use kinopt::{Solution, Workspace};
@@ -58,6 +58,8 @@ fn ask(seed: u64, reachable: bool) -> Asked {
         let rest = vec![0.0; q.len()];
         let pull = Posture::new(&tree.model, &rest);
         builder.add(Task::new(pull).weight(Quantity::JointUnits, PULL));
+        // The limits that block are those of the sum.
+        builder.preferences(Preferences::Traded);
     }
     let problem = builder.build().unwrap();
     Asked {

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use kinopt::ik::Restarts;
 use kinopt::model::Model;
-use kinopt::problem::Problem;
+use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::task::{Point, Posture, Task};
 use kinopt::{Solver, Workspace};
@@ -139,6 +139,7 @@ fn the_best_miss_is_returned() {
     let mut builder = Problem::builder(&tree.model);
     builder.add(Point::new(tree.far_frame(), [9.0, 9.0, 9.0]));
     builder.add(Task::new(Posture::new(&tree.model, &start)).preference());
+    builder.preferences(Preferences::Traded);
     let problem = builder.build().unwrap();
     let mut last = f64::INFINITY;
     for attempts in 1..8 {

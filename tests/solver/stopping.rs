@@ -4,8 +4,9 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use kinopt::geometric::{Ccd, Geometric};
 use kinopt::ik::Restarts;
-use kinopt::problem::Problem;
+use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::{Iteration, Stopping, Termination};
 use kinopt::task::{Point, Posture};
 use kinopt::{Solver, Workspace};
@@ -81,6 +82,53 @@ fn an_observer_cancels() {
     }
 }
 
+/// Ends a search in its second attempt, after the first came to its own end: by saying stop, or by
+/// letting the time run out.
+fn interrupt(cancels: bool) -> impl FnMut(&Iteration<'_>) -> ControlFlow<()> {
+    let mut attempts = 0;
+    move |iteration| {
+        attempts += usize::from(iteration.index == 0);
+        match (attempts, cancels) {
+            (0 | 1, _) => ControlFlow::Continue(()),
+            (_, true) => ControlFlow::Break(()),
+            (_, false) => {
+                std::thread::sleep(LIMIT);
+                ControlFlow::Continue(())
+            }
+        }
+    }
+}
+
+/// Enough for a first attempt on any machine.
+const LIMIT: Duration = Duration::from_millis(400);
+
+#[test]
+fn what_ends_a_later_attempt_is_told_also_where_an_earlier_one_counts() {
+    let stopping = Stopping::default().with_time_limit(LIMIT);
+    let far = problem([5.0, 0.0, 0.0]);
+    let start = [0.0; 3];
+    for (cancels, ended) in [
+        (true, Termination::Cancelled),
+        (false, Termination::TimeLimit),
+    ] {
+        let mut workspace = Workspace::new();
+        let solver = Solver::default().with_stopping(stopping);
+        let solution = solver
+            .solve_observed(&far, &start, &mut workspace, &mut interrupt(cancels))
+            .unwrap();
+        assert_eq!((solution.termination, solution.attempts), (ended, 2));
+        // Stretched towards the target from the start on: the first attempt is the one returned.
+        assert_eq!(solution.q, start);
+
+        let swept = Ccd::default().with_stopping(stopping);
+        let solution = swept
+            .solve_observed(&far, &start, &mut interrupt(cancels))
+            .unwrap();
+        assert_eq!((solution.termination, solution.attempts), (ended, 2));
+        assert_eq!(solution.q, start);
+    }
+}
+
 #[test]
 fn the_iteration_limit_counts_each_attempt() {
     for solver in solvers() {
@@ -119,6 +167,7 @@ fn preferences_do_not_search_until_the_limit() {
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(model.frame("tip").unwrap(), [0.6, 0.6, 0.0]));
     builder.add(Posture::new(&model, &[0.0; 3]));
+    builder.preferences(Preferences::Traded);
     builder.tolerance(kinopt::task::Quantity::Metres, 10.0);
     let problem = builder.build().unwrap();
     for solver in solvers() {

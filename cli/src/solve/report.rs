@@ -34,6 +34,10 @@ pub(super) struct Document<'a> {
     active_limits: Vec<LimitDocument<'a>>,
     iterations: usize,
     attempts: usize,
+    /// How many of them ended at the same miss; 0 where it is reached or was not counted.
+    agreeing_attempts: usize,
+    /// Whether the miss is certain: a target farther away than its chain is long.
+    out_of_reach: bool,
     evaluations: Evaluations,
     /// Time spent solving, in microseconds; not told for targets that are solved together.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -118,6 +122,8 @@ impl<'a> Report<'a> {
             active_limits: limits.collect(),
             iterations: solution.iterations,
             attempts: solution.attempts,
+            agreeing_attempts: solution.agreeing,
+            out_of_reach: solution.is_out_of_reach(),
             evaluations: Evaluations {
                 residuals: solution.counts.residuals,
                 jacobians: solution.counts.jacobians,

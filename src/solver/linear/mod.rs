@@ -6,9 +6,11 @@ mod complete_orthogonal;
 mod curved_normal;
 mod damped_normal;
 mod dense;
+mod held_step;
 mod householder;
 
 pub(super) use complete_orthogonal::CompleteOrthogonal;
 pub(super) use curved_normal::{CurvedModel, CurvedNormal, multiply_symmetric, quadratic};
 pub(super) use damped_normal::DampedNormal;
 pub(super) use dense::{add_scaled, dot};
+pub(crate) use held_step::{HeldStep, Room};

@@ -1,0 +1,79 @@
+//! Which preferences keep goals from being met, where they are traded off against each other.
+
+use nalgebra::DMatrix;
+
+use crate::problem::{Problem, Share};
+use crate::task::Role;
+
+/// A preference is named when so much of what balances the goals' slope is its own.
+const WORTH_NAMING: f64 = 0.1;
+
+/// A miss of a weighted sum: the Jacobian and residual of all tasks there.
+pub(super) struct Pulls<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) jacobian: &'a DMatrix<f64>,
+    pub(super) residual: &'a [f64],
+    /// A slope of the whole cost up to this is none.
+    pub(super) negligible: f64,
+}
+
+impl Pulls<'_> {
+    /// Lists the preferences whose cost rises along the goals' steepest descent within the bounds at
+    /// x, the strongest first. `slope` is room for as many numbers as there are variables.
+    pub(super) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
+        tasks.clear();
+        let Self {
+            problem,
+            jacobian,
+            residual,
+            negligible,
+        } = *self;
+        let rows = residual.len();
+        let column = |j: usize| &jacobian.as_slice()[j * rows..(j + 1) * rows];
+        let goals = problem.tasks_of(Share::All);
+        let goals = goals.filter(|(task, _)| task.role == Role::Goal);
+        slope.fill(0.0);
+        for (_, rows) in goals {
+            for (j, slope) in slope.iter_mut().enumerate() {
+                let column = column(j)[rows.clone()].iter();
+                *slope += column
+                    .zip(&residual[rows.clone()])
+                    .map(|(j, r)| j * r)
+                    .sum::<f64>();
+            }
+        }
+        for (j, slope) in slope.iter_mut().enumerate() {
+            let held = (x[j] <= problem.lower()[j] && *slope > 0.0)
+                || (x[j] >= problem.upper()[j] && *slope < 0.0);
+            if held {
+                *slope = 0.0;
+            }
+        }
+        let steepest = slope.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
+        let all: f64 = slope.iter().map(|s| s * s).sum();
+        if steepest <= negligible || !all.is_finite() {
+            return;
+        }
+        // How fast a preference's cost rises along minus the goals' slope.
+        let against = |index: usize| {
+            let Some(task) = problem.compiled_tasks().get(index) else {
+                return 0.0;
+            };
+            let rows = task.rows.clone();
+            let along = slope.iter().enumerate().map(|(j, slope)| {
+                let column = column(j)[rows.clone()].iter();
+                slope
+                    * column
+                        .zip(&residual[rows.clone()])
+                        .map(|(j, r)| j * r)
+                        .sum::<f64>()
+            });
+            -along.sum::<f64>()
+        };
+        let preferences = problem.compiled_tasks().iter().enumerate();
+        let preferences = preferences.filter(|(_, task)| task.role == Role::Preference);
+        let named = preferences.filter(|&(index, _)| against(index) >= WORTH_NAMING * all);
+        tasks.extend(named.map(|(index, _)| index));
+        tasks.sort_unstable_by(|&a, &b| against(b).total_cmp(&against(a)));
+    }
+}

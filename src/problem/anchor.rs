@@ -1,0 +1,67 @@
+//! Where the chain of a frame begins, and how far from there the frame can be.
+
+use crate::model::{FrameId, JointKind, Model, ParameterMap, Source};
+use crate::spatial::{Placement, Vector3};
+
+/// The ball that a frame cannot leave.
+#[derive(Clone, Debug)]
+pub(crate) struct Anchor {
+    /// The joint that begins the chain.
+    pub(crate) joint: String,
+    /// Where that joint stands in the world.
+    pub(crate) centre: Vector3<f64>,
+    /// The chain's length: all its offsets and the longest ways of its slides.
+    pub(crate) reach: f64,
+}
+
+/// The anchor of a frame; `None` where nothing moves it or a slide has no end.
+pub(super) fn anchor(model: &Model, map: &ParameterMap, frame: FrameId) -> Option<Anchor> {
+    let frame = model.frames().get(frame.index())?;
+    let mut chain = Vec::new();
+    let mut above = frame.joint;
+    while let Some(id) = above {
+        chain.push(id);
+        above = model.joints()[id.index()].parent;
+    }
+    let mut world = Placement::identity();
+    let mut found: Option<Anchor> = None;
+    for &id in chain.iter().rev() {
+        let joint = &model.joints()[id.index()];
+        let slide = match (joint.kind, model.coordinate(id)) {
+            (JointKind::Prismatic, Some(coordinate)) => farthest(map, coordinate),
+            _ => 0.0,
+        };
+        match &mut found {
+            Some(anchor) => anchor.reach += joint.parent_from_joint.translation.norm() + slide,
+            None => {
+                world = world * joint.parent_from_joint;
+                if joint.kind != JointKind::Fixed {
+                    found = Some(Anchor {
+                        joint: joint.name.clone(),
+                        centre: world.translation,
+                        reach: slide,
+                    });
+                }
+            }
+        }
+    }
+    let mut anchor = found?;
+    anchor.reach += frame.joint_from_frame.translation.norm();
+    anchor.reach.is_finite().then_some(anchor)
+}
+
+/// How far from zero a coordinate can be.
+fn farthest(map: &ParameterMap, coordinate: usize) -> f64 {
+    match map.sources()[coordinate] {
+        Source::Constant(value) => value.abs(),
+        Source::Variable {
+            variable,
+            ratio,
+            offset,
+        } => {
+            let ends = [map.lower()[variable], map.upper()[variable]];
+            let [one, other] = ends.map(|end| (ratio * end + offset).abs());
+            one.max(other)
+        }
+    }
+}

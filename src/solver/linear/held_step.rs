@@ -1,0 +1,273 @@
+//! The step that is best for some pulls and leaves other rows where they are, within bounds.
+
+use nalgebra::DMatrix;
+
+use super::cholesky;
+use super::dense::{add_scaled, dot};
+
+/// What a variable that hardly any pull moves costs at least, as a share of the one that costs most.
+const LEAST_STIFFNESS: f64 = 1e-6;
+/// What keeps Newton's matrix regular where held rows depend on each other, as a share of the strongest.
+const WEAKEST: f64 = 1e-12;
+/// Newton's steps at most, …
+const MOST_STEPS: usize = 40;
+/// … the share of its promise that each must win, …
+const ENOUGH: f64 = 1e-4;
+/// … and the shortest that is tried.
+const SHORTEST: f64 = 1e-15;
+
+/// The bounded variables of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Room<'a> {
+    pub(crate) x: &'a [f64],
+    pub(crate) lower: &'a [f64],
+    pub(crate) upper: &'a [f64],
+    /// Variables that must not move.
+    pub(crate) fixed: &'a [bool],
+}
+
+/// Minimises ½‖r + JΔ‖² subject to CΔ = −c and the bounds, for the pulls' r and J and the held C.
+///
+/// Rows of J with one entry (a posture's) make a diagonal H; the others, E, are unknowns beside the
+/// multipliers y of C. With M = [C; E] what is left to solve is of the order of M's rows: without bounds
+/// (M H⁻¹Mᵀ + diag(0, 1)) w = (c, r_E) − M H⁻¹g, and Δ = −H⁻¹(g + Mᵀw).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct HeldStep {
+    /// H, by variable.
+    stiffness: Vec<f64>,
+    /// g: the slope of the rows with one entry, by variable.
+    slope: Vec<f64>,
+    entries_of_row: Vec<usize>,
+    /// E's rows among the pulls'.
+    dense: Vec<usize>,
+    /// M by columns.
+    columns: Vec<f64>,
+    /// (c, r_E).
+    bias: Vec<f64>,
+    factor: Vec<f64>,
+    pivot_column: Vec<f64>,
+    /// w, where a step of it starts, and the step.
+    unknown: Vec<f64>,
+    start: Vec<f64>,
+    newton: Vec<f64>,
+    slope_of_dual: Vec<f64>,
+    /// Which variables move freely, now and before the step of w.
+    standing: Vec<bool>,
+    last_standing: Vec<bool>,
+}
+
+impl HeldStep {
+    /// Makes room for every problem of this shape.
+    pub(crate) fn reserve(&mut self, held: usize, pulls: usize, variables: usize) {
+        let order = held + pulls;
+        for (vector, room) in [
+            (&mut self.stiffness, variables),
+            (&mut self.slope, variables),
+            (&mut self.columns, variables * order),
+            (&mut self.bias, order),
+            (&mut self.factor, order * order),
+            (&mut self.pivot_column, order),
+            (&mut self.unknown, order),
+            (&mut self.start, order),
+            (&mut self.newton, order),
+            (&mut self.slope_of_dual, order),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+        self.entries_of_row.clear();
+        self.entries_of_row.reserve(pulls);
+        self.dense.clear();
+        self.dense.reserve(pulls);
+        for standing in [&mut self.standing, &mut self.last_standing] {
+            standing.clear();
+            standing.reserve(variables);
+        }
+    }
+
+    /// Takes the pulls' J and r. False where nothing is pulled.
+    pub(crate) fn take_pulls(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) -> bool {
+        let (rows, n) = jacobian.shape();
+        let entries = jacobian.as_slice();
+        let columns = || entries.chunks_exact(rows.max(1));
+        self.entries_of_row.clear();
+        self.entries_of_row.resize(rows, 0);
+        for column in columns() {
+            for (count, &entry) in self.entries_of_row.iter_mut().zip(column) {
+                *count += usize::from(entry != 0.0);
+            }
+        }
+        let counts = &self.entries_of_row;
+        self.dense.clear();
+        self.dense.extend((0..rows).filter(|&row| counts[row] > 1));
+        self.stiffness.clear();
+        self.stiffness.resize(n, 0.0);
+        self.slope.clear();
+        self.slope.resize(n, 0.0);
+        let mut steepest = 0.0_f64;
+        for ((column, stiffness), slope) in columns().zip(&mut self.stiffness).zip(&mut self.slope)
+        {
+            steepest = steepest.max(dot(column, column));
+            for ((&entry, &value), &count) in column.iter().zip(residual).zip(counts) {
+                if count == 1 {
+                    *stiffness += entry * entry;
+                    *slope += entry * value;
+                }
+            }
+        }
+        for stiffness in &mut self.stiffness {
+            *stiffness += LEAST_STIFFNESS * steepest;
+        }
+        steepest > 0.0 && steepest.is_finite()
+    }
+
+    /// Writes the step that is best for the pulls, where `jacobian` and `residual` are those taken and
+    /// CΔ = 0 for C = `held`.
+    pub(crate) fn pull(
+        &mut self,
+        held: &DMatrix<f64>,
+        jacobian: &DMatrix<f64>,
+        residual: &[f64],
+        room: &Room<'_>,
+        step: &mut [f64],
+    ) {
+        let (holds, rows) = (held.nrows(), jacobian.nrows());
+        self.columns.clear();
+        for (j, held) in held.as_slice().chunks_exact(holds.max(1)).enumerate() {
+            self.columns.extend_from_slice(held);
+            let column = &jacobian.as_slice()[j * rows..(j + 1) * rows];
+            self.columns
+                .extend(self.dense.iter().map(|&row| column[row]));
+        }
+        self.bias.clear();
+        self.bias.resize(holds, 0.0);
+        self.bias
+            .extend(self.dense.iter().map(|&row| residual[row]));
+        self.solve(holds, room, step);
+    }
+
+    /// Writes the shortest step, as the pulls' H measures it, with CΔ = −c for C = `held`.
+    pub(crate) fn restore(
+        &mut self,
+        held: &DMatrix<f64>,
+        miss: &[f64],
+        room: &Room<'_>,
+        step: &mut [f64],
+    ) {
+        self.columns.clear();
+        self.columns.extend_from_slice(held.as_slice());
+        self.bias.clear();
+        self.bias.extend_from_slice(miss);
+        self.slope.fill(0.0);
+        self.solve(held.nrows(), room, step);
+    }
+
+    /// Newton's method on the concave dual of the step, D(w): for given w every variable's move is
+    /// its own, −(g + Mᵀw)/H within its bounds, and D's slope is what the held rows and E then miss. It
+    /// is exact once no move stops or starts again at a bound (Li & Li 2011, "Projections onto a box
+    /// and hyperplanes").
+    fn solve(&mut self, holds: usize, room: &Room<'_>, step: &mut [f64]) {
+        let order = self.bias.len();
+        self.unknown.clear();
+        self.unknown.resize(order, 0.0);
+        self.take_moves(room, step);
+        let mut height = self.height(holds, step);
+        let strongest = (0..holds).map(|row| {
+            let columns = self.columns.chunks_exact(order.max(1));
+            let entries = columns.zip(&self.stiffness);
+            entries.map(|(c, h)| c[row] * c[row] / h).sum()
+        });
+        let weakest = WEAKEST * strongest.fold(0.0, f64::max);
+        for _ in 0..MOST_STEPS {
+            self.take_newton(holds, weakest, step);
+            let promised = dot(&self.slope_of_dual, &self.newton);
+            if promised.is_nan() || promised <= 0.0 {
+                return;
+            }
+            std::mem::swap(&mut self.standing, &mut self.last_standing);
+            self.start.clear();
+            self.start.extend_from_slice(&self.unknown);
+            let mut share = 1.0;
+            let risen = loop {
+                self.unknown.copy_from_slice(&self.start);
+                add_scaled(&mut self.unknown, share, &self.newton);
+                self.take_moves(room, step);
+                let now = self.height(holds, step);
+                if now >= height + ENOUGH * share * promised {
+                    height = now;
+                    break true;
+                }
+                share *= 0.5;
+                if share < SHORTEST {
+                    break false;
+                }
+            };
+            // Where nothing rises any more, rounding is all that is left.
+            if !risen || (share == 1.0 && self.standing == self.last_standing) {
+                return;
+            }
+        }
+    }
+
+    /// Every variable's own best move for the multipliers that are here.
+    fn take_moves(&mut self, room: &Room<'_>, step: &mut [f64]) {
+        let order = self.bias.len();
+        self.standing.clear();
+        for (j, step) in step.iter_mut().enumerate() {
+            let column = &self.columns[j * order..(j + 1) * order];
+            let free = -(self.slope[j] + dot(column, &self.unknown)) / self.stiffness[j];
+            let (least, most) = (room.lower[j] - room.x[j], room.upper[j] - room.x[j]);
+            let fixed = room.fixed[j] || least >= most;
+            let held = free.max(least).min(most);
+            *step = if fixed { 0.0 } else { held };
+            self.standing.push(!fixed && held == free);
+        }
+    }
+
+    /// D(w) for the moves that go with it; its slope is left here.
+    fn height(&mut self, holds: usize, step: &[f64]) -> f64 {
+        let order = self.bias.len();
+        self.slope_of_dual.clear();
+        self.slope_of_dual.extend_from_slice(&self.bias);
+        let mut height = dot(&self.bias, &self.unknown);
+        for ((column, &step), (slope, stiffness)) in
+            (self.columns.chunks_exact(order.max(1)).zip(step))
+                .zip(self.slope.iter().zip(&self.stiffness))
+        {
+            let pull = slope + dot(column, &self.unknown);
+            height += (0.5 * stiffness * step + pull) * step;
+            add_scaled(&mut self.slope_of_dual, step, column);
+        }
+        for row in holds..order {
+            height -= 0.5 * self.unknown[row] * self.unknown[row];
+            self.slope_of_dual[row] -= self.unknown[row];
+        }
+        height
+    }
+
+    /// Newton's step for the variables that move.
+    fn take_newton(&mut self, holds: usize, weakest: f64, step: &[f64]) {
+        let order = self.bias.len();
+        self.factor.clear();
+        self.factor.resize(order * order, 0.0);
+        for j in (0..step.len()).filter(|&j| self.standing[j]) {
+            let column = &self.columns[j * order..(j + 1) * order];
+            let give = 1.0 / self.stiffness[j];
+            for (row, &entry) in column
+                .iter()
+                .enumerate()
+                .filter(|(_, entry)| **entry != 0.0)
+            {
+                let gram = &mut self.factor[row * order..=row * order + row];
+                add_scaled(gram, give * entry, &column[..=row]);
+            }
+        }
+        for row in 0..order {
+            self.factor[row * order + row] += if row < holds { weakest } else { 1.0 };
+        }
+        cholesky::factorise(&mut self.factor, order, &mut self.pivot_column);
+        self.newton.clear();
+        self.newton.extend_from_slice(&self.slope_of_dual);
+        cholesky::substitute(&self.factor, order, &mut self.newton);
+    }
+}
