@@ -7,7 +7,7 @@ use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use nalgebra::{DMatrix, DVector};
-use support::arms::{Random, distance, within_limits};
+use support::arms::{Random, cases, distance, within_limits};
 use support::urdf_matrices::{Matrix, Tree, apart, inverse, placement, product};
 
 const FILE: &str = "models/franka_panda.urdf";
@@ -54,11 +54,24 @@ fn quaternion_vector(r: &Matrix) -> [f64; 3] {
     ]
 }
 
+/// The arm of a search, with an atlas where it begins from there; built once.
+fn plain(search: Search) -> &'static Arm {
+    static ARMS: [OnceLock<Arm>; 3] = [const { OnceLock::new() }; 3];
+    let (place, atlas) = match search {
+        Search::Start => (0, false),
+        Search::First => (1, true),
+        _ => (2, false),
+    };
+    ARMS[place].get_or_init(|| {
+        let arm = builder().with_search(search).with_atlas(atlas);
+        arm.build().unwrap()
+    })
+}
+
 /// Solves random poses from random starts with a goal, and hands (wanted, found) to a judge.
 fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) {
     for search in [Search::Start, Search::First, Search::Nearest] {
-        let arm = builder().with_goal(goal).with_search(search);
-        let arm = arm.with_atlas(search == Search::First).build().unwrap();
+        let arm = plain(search).with_goal(goal).unwrap();
         let mut random = Random(41);
         let count = if search == Search::Nearest {
             count / 3
@@ -245,8 +258,8 @@ fn a_posture_is_as_near_as_the_null_space_allows() {
 #[test]
 fn weights_say_what_near_means() {
     let weights = [5.0, 1.0, 1.0, 0.2, 1.0, 1.0, 0.1];
-    let even = builder().with_search(Search::Nearest).build().unwrap();
-    let weighted = builder().with_search(Search::Nearest);
+    let even = plain(Search::Nearest);
+    let weighted = builder().with_search(Search::Nearest).with_atlas(false);
     let weighted = weighted.with_joint_weights(&weights).build().unwrap();
     let far = |a: &[f64], b: &[f64]| {
         let parts = a.iter().zip(b).zip(weights);
@@ -256,10 +269,10 @@ fn weights_say_what_near_means() {
             .sqrt()
     };
     let mut random = Random(44);
-    let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, 20);
+    let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, cases(20, 12));
     for _ in 0..cases {
-        let wanted = placement(&base_from_tip(&random.configuration(&even)));
-        let start = random.configuration(&even);
+        let wanted = placement(&base_from_tip(&random.configuration(even)));
+        let start = random.configuration(even);
         let a = even.solve(wanted, &start).unwrap();
         let b = weighted.solve(wanted, &start).unwrap();
         assert!(a.reached && b.reached);
@@ -279,7 +292,7 @@ fn weights_say_what_near_means() {
     }
     assert!(nearer * 100 >= cases * 95, "{nearer} of {cases}");
     assert!(
-        counted >= 5 && best * 10 >= counted * 9,
+        counted * 4 >= cases && best * 10 >= counted * 9,
         "{best} of {counted}"
     );
 }

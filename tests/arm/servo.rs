@@ -145,7 +145,7 @@ fn what_holds_it_is_told() {
     target.rotation = target.rotation * spin;
     let mut servo = arm.servo(&turned, TICK).unwrap();
     let mut last = Vec::new();
-    for _ in 0..400 {
+    for _ in 0..150 {
         let step = servo.step(target).unwrap();
         last = step
             .held()

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use kinopt::Solution;
 use kinopt::arm::{Arm, QueryError, Search};
 use kinopt::spatial::Placement;
-use support::arms::{Random, robot, within_limits};
+use support::arms::{Random, cases, robot, within_limits};
 use support::urdf_matrices::{apart, from_placement};
 
 const SEARCHES: [Search; 4] = [
@@ -153,7 +153,7 @@ fn singular_targets() {
             let mut random = Random(32);
             for truth in &truths {
                 let wanted = arm.base_from_tool(truth).unwrap();
-                for _ in 0..3 {
+                for _ in 0..cases(3, 1) {
                     let start = random.configuration(arm);
                     assert_solved(arm, &wanted, &arm.solve(wanted, &start).unwrap(), &start);
                 }

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use kinopt::arm::{Arm, Track};
 use kinopt::spatial::Placement;
 use kinopt::{Solution, solver::Termination};
-use support::arms::{Random, apart, base_from_tip, cases, robot, within_limits};
+use support::arms::{Random, apart, base_from_tip, cases, few, robot, within_limits};
 
 const STEPS: usize = 300;
 
@@ -60,9 +60,10 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
     let arm = Arm::builder(&robot, base, tip).unwrap();
     let arm = arm.with_global_search_on_miss(true).build().unwrap();
     let mut random = Random(31);
+    let legs = if few() { 2 } else { 4 };
     let mut all = 0;
     for _ in 0..count {
-        let own = path(&arm, &mut random, 4, margin);
+        let own = path(&arm, &mut random, legs, margin);
         let targets: Vec<Placement<f64>> =
             own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
         let track = arm.track(&targets, &own[0]).unwrap();

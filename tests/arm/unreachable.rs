@@ -10,7 +10,7 @@ use kinopt::ik::{BoundKind, Side};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use support::arms::{Random, apart, base_from_tip, robot, within_limits};
+use support::arms::{Random, apart, base_from_tip, cases, robot, within_limits};
 
 /// Metres that weigh as much as a radian.
 const WEIGHT: f64 = 0.25;
@@ -100,10 +100,12 @@ impl Reach<'_> {
 fn stationary(name: &str, base: &str, tip: &str) {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip).unwrap();
-    let arm = arm.with_metres_per_radian(WEIGHT).build().unwrap();
+    let arm = arm.with_metres_per_radian(WEIGHT).with_atlas(false);
+    let arm = arm.build().unwrap();
     let mut random = Random(17);
     let (mut missed, mut held) = (0, 0);
-    for k in 0..40 {
+    let count = cases(40, 18);
+    for k in 0..count {
         let q = random.configuration(&arm);
         let at = base_from_tip(robot.model(), &arm, &q, base, tip);
         let mut unit = || 2.0 * random.unit() - 1.0;
@@ -128,7 +130,7 @@ fn stationary(name: &str, base: &str, tip: &str) {
             held += usize::from(solution.active_limits().next().is_some());
         }
     }
-    assert!(missed >= 15 && held >= 1, "{missed} {held}");
+    assert!(missed * 8 >= count * 3 && held >= 1, "{missed} {held}");
 }
 
 #[test]
@@ -148,7 +150,8 @@ fn four_joints_and_a_slide() {
 #[test]
 fn an_orientation_beyond_a_limit() {
     let robot = robot("franka_panda");
-    let free = Arm::new(&robot, "base", "flange").unwrap();
+    let free = Arm::builder(&robot, "base", "flange").unwrap();
+    let free = free.with_atlas(false).build().unwrap();
     let names: Vec<String> = free.joints().map(str::to_owned).collect();
     let q = [0.2, -0.3, 0.1, -1.9, 0.2, 1.7];
     let mut builder = Arm::builder(&robot, "base", "flange").unwrap();

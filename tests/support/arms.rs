@@ -44,6 +44,11 @@ pub fn cases(release: usize, debug: usize) -> usize {
     asked.map_or(usual, |count| count.parse().unwrap())
 }
 
+/// Whether a test looks at less than all: in a debug build, unless `KINOPT_CASES` is set.
+pub fn few() -> bool {
+    cfg!(debug_assertions) && std::env::var_os("KINOPT_CASES").is_none()
+}
+
 pub fn robot(name: &str) -> Robot {
     Robot::read(format!("models/{name}.urdf")).unwrap()
 }

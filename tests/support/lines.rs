@@ -4,7 +4,7 @@ use kinopt::Solution;
 use kinopt::arm::Arm;
 use kinopt::spatial::{Placement, Vector3};
 
-use crate::arms::Random;
+use crate::arms::{Random, few};
 
 /// Every shipped robot: file, base, tip.
 pub const ROBOTS: [(&str, &str, &str); 7] = [
@@ -19,7 +19,7 @@ pub const ROBOTS: [(&str, &str, &str); 7] = [
 
 /// The robots that a test looks at: a debug build takes one of each kind unless `KINOPT_CASES` is set.
 pub fn robots() -> impl Iterator<Item = &'static str> {
-    let few = cfg!(debug_assertions) && std::env::var_os("KINOPT_CASES").is_none();
+    let few = few();
     let all = ROBOTS.into_iter().map(|(name, ..)| name);
     all.filter(move |name| {
         let kinds = ["franka_panda", "universal_ur5e", "adept_cobra_s600"];
