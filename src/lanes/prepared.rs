@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::atlas::{Atlas, TooledAtlas};
 use super::chain::{Chain, JointKind};
+use super::judge;
 use super::links::Links;
 use super::options::{LaneError, LaneOptions};
 use super::settings::Settings;
@@ -18,6 +19,8 @@ pub(crate) struct Prepared {
     pub(crate) atlas: Option<TooledAtlas>,
     /// Whether some joint can turn once round.
     pub(crate) wide: bool,
+    /// Whether rounding may hide half a tolerance at some q within the bounds that it was prepared with.
+    pub(crate) coarse: bool,
 }
 
 impl Prepared {
@@ -43,7 +46,12 @@ impl Prepared {
             .links
             .iter()
             .any(|link| link.kind == JointKind::Revolute && link.upper - link.lower >= TAU);
+        let farthest = links.links.iter().map(|l| l.lower.abs().max(l.upper.abs()));
+        let (metres, radians) = judge::resolution(&links, farthest);
+        let coarse = !(metres < 0.5 * options.position_tolerance
+            && radians < 0.5 * options.orientation_tolerance);
         Ok(Self {
+            coarse,
             atlas,
             links,
             settings,
@@ -60,6 +68,7 @@ impl Prepared {
             options: self.options.clone(),
             atlas: None,
             wide: self.wide,
+            coarse: self.coarse,
         }
     }
 
@@ -68,7 +77,7 @@ impl Prepared {
         self.links.links.len()
     }
 
-    /// Moves the bounds, radians or metres.
+    /// Moves the bounds within those of the chain, radians or metres.
     pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
         let bounds = lower.iter().zip(upper);
         self.links.set_bounds(bounds.map(|(l, u)| (*l, *u)));
