@@ -99,7 +99,7 @@ impl fmt::Display for Mended {
     }
 }
 
-/// "12: joint `elbow`, <limit>: what was done", to stand behind the file's name and a colon.
+/// `12: joint elbow, <limit>: what was done`, to stand behind the file's name and a colon.
 impl fmt::Display for Repair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}: {}", self.line, self.element, self.mended)
