@@ -13,35 +13,15 @@ use kinopt::arm::{Arm, ServoStatus};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use serde_json::json;
+use support::arms::Random;
+use support::lines::{ROBOTS, STEP};
 
-const ROBOTS: [(&str, &str, &str); 7] = [
-    ("franka_panda", "base", "flange"),
-    ("universal_ur5e", "base", "flange"),
-    ("kuka_iiwa14", "base", "flange"),
-    ("universal_ur10e", "base", "flange"),
-    ("rethink_baxter", "torso", "left_tool"),
-    ("adept_cobra_s600", "base", "flange"),
-    ("aldebaran_nao", "torso", "right_sole"),
-];
 const TICK: f64 = 1e-3;
-/// Metres a tick.
-const STEP: f64 = 3e-4;
 /// Ticks from the start of a line to its end, and at rest there.
 const WAY: usize = 400;
 const REST: usize = 1500;
 /// The last ticks at rest, which are watched.
 const WATCHED: usize = 100;
-
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 * 0.5f64.powi(53)
-    }
-}
 
 fn longest(a: &[f64], b: &[f64]) -> f64 {
     let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
