@@ -107,6 +107,29 @@ fn a_weighted_mean_does_not_care_about_order_or_signs_or_scale() {
     }
 }
 
+/// Three turns about one axis, two of which lie more than half a turn apart: each is taken the way round
+/// that is shorter to the heaviest.
+#[test]
+fn a_weighted_mean_is_on_the_side_of_the_heaviest() {
+    let mut random = Random::new(85);
+    let (armature, [mut a, mut b, mut c]) = poses::<3>(&mut random);
+    for (pose, degrees) in [(&mut a, 0.0_f32), (&mut b, 150.0), (&mut c, -150.0)] {
+        for index in 0..armature.bones() {
+            let bone = armature.bone_at(index).unwrap();
+            let turn = Quat::from_rotation_z(degrees.to_radians());
+            pose.set_rotation(bone, turn).unwrap();
+        }
+    }
+    let mut out = a.clone();
+    blend_poses(&[(&b, 0.2), (&a, 0.5), (&c, 0.3)], &mut out).unwrap();
+    let half = 75_f32.to_radians();
+    let (sin, cos) = (-0.1 * half.sin(), 0.5 + 0.5 * half.cos());
+    let expected = Quat::from_rotation_z(2.0 * sin.atan2(cos));
+    for rotation in out.rotations() {
+        assert!(rotation.dot(expected).abs() > 1.0 - 1e-5, "{rotation}");
+    }
+}
+
 #[test]
 fn weights_that_are_none_are_errors() {
     let mut random = Random::new(84);

@@ -329,3 +329,64 @@ fn a_squad_control_stays_on_the_side_of_its_own_key() {
         }
     }
 }
+
+/// About one axis rotations are angles, and a segment is the cubic Hermite of its angle, however far it
+/// swings out on the way.
+#[test]
+fn about_one_axis_a_rotation_hermite_is_the_cubic_of_the_angle() {
+    for [angle, leaving, arriving] in [
+        [0.7_f32, 0.3, 1.1],
+        [2.9, -1.5, -1.5],
+        [-3.0, 2.5, 1.0],
+        [0.4, 6.5, 6.0],
+    ] {
+        let about_z = |angle: f32| Quat::from_rotation_z(angle);
+        let [start, end] = [0.25, 0.25 + angle].map(about_z);
+        let rates = [leaving, arriving].map(|rate| Vec3::Z * rate);
+        let segment = RotationHermite::new(start, rates[0], end, rates[1]);
+        for step in 0..=16 {
+            let u = step as f32 / 16.0;
+            let rest = 1.0 - u;
+            let cubic =
+                u * u * (3.0 - 2.0 * u) * angle + u * rest * (rest * leaving - u * arriving);
+            let off = apart(segment.at(u), about_z(0.25 + cubic));
+            assert!(off < 1e-5, "{angle} at {u}: off by {off}");
+        }
+    }
+}
+
+/// A cubic leaves a key by that key's second tangent and arrives by the next one's first.
+#[test]
+fn a_cubic_of_rotations_leaves_and_arrives_by_its_own_tangents() {
+    let keys = [0.2, 0.9].map(Quat::from_rotation_y);
+    let nonsense = Vec4::splat(1e3);
+    let [leaving, arriving] = [
+        Vec4::new(0.3, -0.2, 0.5, 0.1),
+        Vec4::new(-0.4, 0.6, 0.2, -0.3),
+    ];
+    let rates = vec![[nonsense, leaving], [arriving, nonsense]];
+    let curve = RotationCurve::cubic(vec![1.0, 3.0], keys.to_vec(), rates).unwrap();
+    for u in [0.25_f32, 0.5, 0.8] {
+        let rest = 1.0 - u;
+        // Two seconds from key to key.
+        let sum = Vec4::from(keys[0]) * (rest * rest * (1.0 + 2.0 * u))
+            + leaving * (2.0 * u * rest * rest)
+            + Vec4::from(keys[1]) * (u * u * (3.0 - 2.0 * u))
+            - arriving * (2.0 * u * u * rest);
+        let expected = Quat::from_vec4(sum.normalize());
+        let got = curve.at(1.0 + 2.0 * u);
+        assert!(got.abs_diff_eq(expected, 1e-5), "{u}: {got} {expected}");
+    }
+}
+
+/// A steady turn has its own rate at every key, at whatever times.
+#[test]
+fn the_mean_rates_of_a_steady_turn_are_its_rate() {
+    let rate = Vec3::new(0.3, -0.5, 0.4);
+    let times = [0.0, 0.2, 1.7, 1.9, 4.0];
+    let at = |time: &f32| Quat::from_scaled_axis(rate * *time);
+    let rotations: Vec<Quat> = times.iter().map(at).collect();
+    for (key, got) in mean_rates(&times, &rotations).iter().enumerate() {
+        assert!((*got - rate).length() < 1e-5, "key {key}: {got}");
+    }
+}

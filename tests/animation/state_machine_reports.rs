@@ -97,6 +97,96 @@ fn events_of_one_update_are_bounded_and_it_says_so() {
     assert_eq!(heard(&mut run, 0.0), (0, false));
 }
 
+/// Also where the state that passed too many was left within the update.
+#[test]
+fn events_left_out_are_told_though_the_state_is_left() {
+    let armature = armature();
+    let clip = |name: &str, seconds: f32| {
+        let mut builder = Clip::builder(name, &armature);
+        builder.span(0.0, seconds).unwrap();
+        builder.event(0.5 * seconds, "tick").unwrap();
+        Arc::new(builder.build())
+    };
+    let definition = r#"{"initial": "buzz",
+        "states": [{"name": "buzz", "clip": "buzz"}, {"name": "calm", "clip": "calm"}],
+        "transitions": [{"from": "buzz", "to": "calm", "after_seconds": 0.5}]}"#;
+    let definition: StateMachineDefinition = serde_json::from_str(definition).unwrap();
+    let clips = [clip("buzz", 8e-8), clip("calm", 10.0)];
+    let machine = Arc::new(StateMachine::new(&definition, &clips).unwrap());
+    let mut run = StateMachineRun::new(machine, armature.rest()).unwrap();
+    run.update(1.0, |_| {}).unwrap();
+    assert_eq!((run.state(), run.events_left_out()), ("calm", true));
+}
+
+#[test]
+fn an_event_weighs_what_its_state_does_at_that_moment() {
+    // The event of `idle` is half a second after the start: 0.3 s into the fade, or a second's 0.3.
+    let mut run = run_of(MACHINE);
+    run.update(0.2, |_| {}).unwrap();
+    run.trigger("go").unwrap();
+    let mut heard = Vec::new();
+    run.update(0.9, |fired| {
+        heard.push((fired.state.to_owned(), fired.weight))
+    })
+    .unwrap();
+    assert_eq!(heard.len(), 1);
+    assert!(
+        heard[0].0 == "idle" && (heard[0].1 - 0.7).abs() < 1e-5,
+        "{heard:?}"
+    );
+}
+
+#[test]
+fn time_never_goes_back() {
+    let mut run = run_of(MACHINE);
+    run.update(0.25, |_| {}).unwrap();
+    for seconds in [-0.1, f64::NEG_INFINITY, f64::NAN] {
+        run.update(seconds, |_| {}).unwrap();
+        assert_eq!((run.seconds(), hips(&run)), (0.25, [0.25, 0.0]));
+    }
+}
+
+/// What plays backwards starts at its clips' end and comes to their start.
+#[test]
+fn backwards_a_state_plays_from_the_end() {
+    let definition = r#"{"parameters": {"go": "trigger"}, "initial": "back",
+        "states": [
+            {"name": "back", "clip": "walk", "playback": "hold", "speed": -2.0},
+            {"name": "rest", "clip": "stand"}
+        ],
+        "transitions": [
+            {"from": "rest", "to": "back", "when": [{"parameter": "go"}]},
+            {"from": "back", "to": "rest", "after": 1.0}
+        ]}"#;
+    let mut run = run_of(definition);
+    for _ in 0..2 {
+        assert_eq!((hips(&run), run.played()), ([2.0, 10.0], 0.0));
+        run.update(0.25, |_| {}).unwrap();
+        assert_eq!((hips(&run), run.played()), ([1.5, 10.0], 0.25));
+        run.update(0.5, |_| {}).unwrap();
+        assert_eq!((run.state(), hips(&run)), ("back", [0.5, 10.0]));
+        // Once through takes the two seconds of the clip at twice the speed.
+        run.update(0.5, |_| {}).unwrap();
+        assert_eq!((run.state(), run.seconds()), ("rest", 0.25));
+        run.trigger("go").unwrap();
+        run.update(0.0, |_| {}).unwrap();
+    }
+}
+
+#[test]
+fn bounds_of_numbers_do_not_belong_to_what_they_bound() {
+    let definition = r#"{"parameters": {"speed": 0.0}, "initial": "idle",
+        "states": [{"name": "idle", "clip": "stand"}, {"name": "walk", "clip": "walk"}],
+        "transitions": [{"from": "idle", "to": "walk",
+            "when": [{"parameter": "speed", "above": 1.0, "below": 2.0}]}]}"#;
+    for (speed, state) in [(1.0, "idle"), (1.5, "walk"), (2.0, "idle")] {
+        let mut run = run_of(definition);
+        run.set_number("speed", speed).unwrap();
+        run.update(0.1, |_| {}).unwrap();
+        assert_eq!(run.state(), state, "{speed}");
+    }
+}
+
 #[test]
 fn while_fading_both_states_events_are_heard_with_their_weights() {
     let mut run = run_of(MACHINE);

@@ -137,6 +137,16 @@ fn attempts_and_iterations_are_what_was_asked_for() {
         let solution = arm.build().unwrap().solve(target, &start).unwrap();
         assert!(solution.attempts < 40, "{search:?} {}", solution.attempts);
     }
+    // The nearest is looked for among all of them where the target is reached, too.
+    target.translation.x -= 2.0;
+    for attempts in [20, 250] {
+        let arm = builder()
+            .with_search(Search::Nearest)
+            .with_attempts(attempts);
+        let solution = arm.build().unwrap().solve(target, &start).unwrap();
+        assert!(solution.reached);
+        assert_eq!(solution.attempts, attempts as usize);
+    }
     let nao = self::robot("aldebaran_nao");
     let arm = Arm::builder(&nao, "left_sole", "right_sole").unwrap();
     let arm = arm.with_attempts(25).build().unwrap();

@@ -284,6 +284,25 @@ fn accessors() {
         ))
     };
     says(&sparse(""), &["accessors[0].sparse.indices", "rise"]);
+    // The places 1 and 2 are there, 1 and 3 are not.
+    for (last, there) in [(2, true), (3, false)] {
+        let mut own = Numbers::default();
+        let places = own.view(&[1, last]);
+        let values = own.view(&[0; 24]);
+        let at = own.accessor(format!(
+            r#"{{"componentType":5126,"type":"VEC3","count":3,"sparse":{{"count":2,"indices":{{"bufferView":{places},"componentType":5121}},"values":{{"bufferView":{values}}}}}}}"#
+        ));
+        let text = own.document(&format!(
+            r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{at}}}}}]}}]"#
+        ));
+        match read(text.as_bytes()) {
+            Ok(_) => assert!(there),
+            Err(error) => {
+                assert!(!there, "{error}");
+                says(&error.to_string(), &["sparse.indices", "the 3 entries"]);
+            }
+        }
+    }
     says(
         &sparse(r#","byteOffset":64"#),
         &["sparse.indices.bufferView", "byte 64"],

@@ -5,7 +5,7 @@
 use glam::{DMat4, DQuat, DVec3, Vec3, Vec4};
 use kinopt::io::gltf::{Note, ScenePosing};
 use kinopt::skinning::SkinningMethod;
-use support::gltf_text::Numbers;
+use support::gltf_text::{Numbers, read};
 
 #[test]
 fn morph_targets_may_be_sparse_and_start_with_weights() {
@@ -87,13 +87,11 @@ fn morph_targets_may_be_sparse_and_start_with_weights() {
         .map(Vec3::from)
     );
     assert_eq!(meshes[0].triangles(), [[0, 1, 2], [1, 3, 2]]);
+    let joined = posing.mesh(scene.armature.rest()).unwrap();
+    assert_eq!(joined.positions().len(), 8);
     assert_eq!(
-        posing
-            .mesh(scene.armature.rest())
-            .unwrap()
-            .positions()
-            .len(),
-        8
+        joined.triangles(),
+        [[0, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6]]
     );
 }
 
@@ -205,4 +203,41 @@ fn weights_are_put_right_and_that_is_said() {
     let (mesh, repair, merged) = note.unwrap();
     assert_eq!((mesh.as_str(), repair.rescaled, *merged), ("skin", 1, 1));
     assert_eq!(repair.worst.unwrap().0, 2);
+}
+
+/// Bytes as fractions: of the signed ones the lowest stands for −1 as well (section 3.6.2.2). And the last
+/// entry of an interleaved view need not be followed by the room that is between the others.
+#[test]
+fn fractions_and_interleaved_entries() {
+    let mut numbers = Numbers::default();
+    let bytes = [-128_i8, -127, 127, 0, 64, 1, 127, 0, 0].map(|v| v as u8);
+    let fractions = numbers.raw(&bytes, 5120, "VEC3", 3, r#","normalized":true"#);
+    let third = [[1.0_f32, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]];
+    let apart: Vec<u8> = third
+        .iter()
+        .flat_map(|entry| [entry[0], entry[1], entry[2], f32::NAN])
+        .flat_map(f32::to_le_bytes)
+        .collect();
+    let apart = numbers.raw(&apart[..44], 5126, "VEC3", 3, "");
+    let text = numbers.document(&format!(
+        r#""nodes":[{{"mesh":0}},{{"mesh":1}}],"extensionsRequired":["KHR_mesh_quantization"],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{fractions}}}}}]}},
+        {{"primitives":[{{"attributes":{{"POSITION":{apart}}}}}]}}]"#
+    ));
+    let text = text.replacen(
+        r#""byteLength":44"#,
+        r#""byteLength":44,"byteStride":16"#,
+        1,
+    );
+    let scene = read(text.as_bytes()).unwrap();
+    let share = |byte: f32| byte / 127.0;
+    assert_eq!(
+        scene.meshes[0].mesh.positions(),
+        [
+            Vec3::new(-1.0, -1.0, 1.0),
+            Vec3::new(0.0, share(64.0), share(1.0)),
+            Vec3::X,
+        ]
+    );
+    assert_eq!(scene.meshes[1].mesh.positions(), third.map(Vec3::from));
 }

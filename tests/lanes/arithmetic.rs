@@ -44,7 +44,8 @@ fn tiny_angles_keep_their_relative_precision() {
 }
 
 /// The two kernels run the same formulas with one or two roundings for a product and a sum; where
-/// attempts converge they converge to the same point.
+/// attempts converge they converge to the same point, in as many steps but for a few whose last one is
+/// decided by rounding.
 #[test]
 fn portable_and_fused_kernels_agree() {
     let chain = panda();
@@ -59,7 +60,7 @@ fn portable_and_fused_kernels_agree() {
     };
     let solvers = [fast, portable].map(|options| PoseSolver::new(&chain, options).unwrap());
     let mut random = Random(2);
-    let mut compared = 0;
+    let (mut compared, mut steps) = (0, [0; 2]);
     for _ in 0..40 {
         let truth = random.configuration(&chain);
         let goal = target(&chain, &truth);
@@ -77,8 +78,11 @@ fn portable_and_fused_kernels_agree() {
                 .map(|i| (q[0][i] - q[1][i]).abs())
                 .fold(0.0, f64::max);
             assert!(apart < 1e-8, "{apart}");
-            assert_eq!(outcomes[0].iterations, outcomes[1].iterations);
+            for k in 0..2 {
+                steps[k] += outcomes[k].iterations;
+            }
         }
     }
     assert!(compared > 30, "{compared}");
+    assert!(steps[0].abs_diff(steps[1]) <= compared / 8, "{steps:?}");
 }

@@ -163,12 +163,38 @@ fn four_influences_tear_no_crease() {
     let four = with(4);
     let own = AutomaticWeights::default().for_segments(&mesh, &bones);
     let [plain, faded, own] = [&plain, &four, &own.unwrap()].map(added);
-    assert!(faded < 0.6 * plain, "{plain} {faded}");
+    // Without evening out where they were cut they would add 0.57 of it.
+    assert!(faded < 0.54 * plain, "{plain} {faded}");
     assert!(own < 1e-6, "{plain} {own}");
     for influences in four.iter() {
         let sum: f64 = influences.iter().map(|i| i.weight).sum();
         assert!((sum - 1.0).abs() < 1e-12 && influences.iter().all(|i| i.weight > 0.0));
     }
+}
+
+/// Of pulls 1, 1/4 and 1/9 the third falls out: w − t² / w of each that stays, by their sum.
+#[test]
+fn the_weights_that_stay_fade_by_what_falls_out() {
+    let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
+    let at = |x: f64| [DVec3::X * x; 2];
+    let two = AutomaticWeights {
+        falloff: 2.0,
+        most: 2,
+        ..AutomaticWeights::default()
+    };
+    let kept = |bones: &[[DVec3; 2]]| -> Vec<(u32, f64)> {
+        let weights = two.for_segments(&dot, bones).unwrap();
+        let influences = weights.influences(0).iter();
+        influences.map(|own| (own.bone, own.weight)).collect()
+    };
+    let [(0, first), (2, second)] = kept(&[at(1.0), at(3.0), at(-2.0)])[..] else {
+        panic!("the nearest two");
+    };
+    let [a, b] = [36.0 - 16.0 / 36.0, 9.0 - 16.0 / 9.0];
+    assert!((first - a / (a + b)).abs() < 1e-12 && (second - b / (a + b)).abs() < 1e-12);
+    // Where all are equal there is nothing to fade to.
+    let equal = kept(&[at(1.0), at(-1.0), [DVec3::Y; 2]]);
+    assert_eq!(equal, [(0, 0.5), (1, 0.5)]);
 }
 
 #[test]

@@ -249,6 +249,22 @@ fn needles_and_rubbish_do_no_harm() {
     assert_eq!(weights.vertex_count(), 0);
 }
 
+/// Cotangents of obtuse corners are negative and would make heat flow uphill, out of what is not warm:
+/// on one piece of skin every bone that warms some of it is felt everywhere.
+#[test]
+fn heat_flows_over_obtuse_corners_too() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.05, 0.0]].map(Vec3::from);
+    let mesh = TriangleMesh::new(corners.to_vec(), vec![], vec![[0, 1, 2]]).unwrap();
+    let above = |corner: &Vec3| [corner.as_dvec3() + 0.5 * DVec3::Z; 2];
+    let bones: Vec<[DVec3; 2]> = corners.iter().map(above).collect();
+    let hot = HeatWeights { heat: 100.0, ..ALL };
+    let weights = hot.for_segments(&mesh, &bones).unwrap();
+    check(&weights);
+    for influences in weights.iter() {
+        assert_eq!(influences.len(), 3, "{influences:?}");
+    }
+}
+
 #[test]
 fn the_unit_of_length_does_not_matter() {
     let mesh = closed_tube(8.0, 0.6, 12, 10);

@@ -218,6 +218,21 @@ fn a_pose_set_anew_is_the_pose_built_anew() {
     let anew = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
     assert!(rest.deformed(&dqs) == rest.deformed(&anew));
     assert!(rest.deformed(&dqs.portable()) == rest.deformed(&anew.portable()));
+    // From one stretch to another, and back to none.
+    let stretched = [0.6, 1.7].map(|by| -> Vec<Affine3A> {
+        let stretch = Affine3A::from_scale(Vec3::new(by, 1.0, 1.0 / by));
+        after.iter().map(|turn| *turn * stretch).collect()
+    });
+    let pivots = [vec![Vec3::X; BONES], vec![Vec3::new(0.3, -0.2, 0.1); BONES]];
+    let mut dqs = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
+    dqs.set_stretched(&stretched[1], &pivots[1]).unwrap();
+    let anew = PackedDualQuaternionBlend::stretched(&packed, &stretched[1], &pivots[1]).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    let portable = dqs.clone().portable();
+    assert!(rest.deformed(&portable) == rest.deformed(&anew.portable()));
+    dqs.set_transforms(&before).unwrap();
+    let anew = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
 }
 
 #[test]

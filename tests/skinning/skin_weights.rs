@@ -154,6 +154,21 @@ fn a_negative_weight_is_refused_or_repaired() {
     assert!(right.build_repaired().unwrap().1.is_empty());
 }
 
+/// The largest loss and the worst sum are those of all vertices, whichever comes first.
+#[test]
+fn what_is_told_of_the_worst_vertex() {
+    let weights = SkinWeights::from_table(&dmatrix![0.5, 0.25, 0.25; 0.7, 0.2, 0.1]).unwrap();
+    assert!((weights.pruned(1).1.largest_lost - 0.5).abs() < 1e-15);
+    for sums in [[1.5, 0.2, 0.5], [0.2, 1.5, 0.5]] {
+        let mut builder = SkinWeights::builder(3, 1);
+        for (vertex, sum) in sums.into_iter().enumerate() {
+            builder.add(vertex, 0, sum).unwrap();
+        }
+        let worst = sums.iter().position(|sum| *sum == 0.2).map(|at| (at, 0.2));
+        assert_eq!(builder.build_repaired().unwrap().1.worst, worst);
+    }
+}
+
 #[test]
 fn pruning_keeps_the_largest_and_says_what_is_lost() {
     let table = dmatrix![

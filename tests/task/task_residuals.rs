@@ -2,10 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
+use kinopt::model::{Limits, Model};
 use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
-use kinopt::task::{LookAt, Quantity, Task};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Distance, LookAt, Point, Posture, Quantity, Smoothness, Task};
 use nalgebra as na;
+use support::planar_arm;
 use support::random::Random;
 use support::tasks::{WEIGHT, tasks_of};
 use support::trees::RandomTree;
@@ -61,4 +64,63 @@ fn look_at_keeps_its_digits_when_looking_away() {
         let error = (missing - (std::f64::consts::PI - delta)).abs();
         assert!(error < 1e-12, "δ = {delta:e}: off by {error:e} rad");
     }
+}
+
+/// The residual of the only task at a configuration.
+fn residual(problem: &Problem, q: &[f64]) -> Vec<f64> {
+    let mut residual = vec![f64::NAN; problem.rows()];
+    let mut scratch = problem.scratch();
+    Evaluation::new(problem, &mut scratch).residual(q, &mut residual);
+    residual
+}
+
+#[test]
+fn references_move_as_a_whole() {
+    let model = planar_arm(&[1.0; 3], None);
+    let (before, wanted) = ([0.0; 3], [1.0, 2.0, -3.0]);
+    let posture = Task::new(Posture::new(&model, &before)).weight(Quantity::JointUnits, 1.0);
+    let mut builder = Problem::builder(&model);
+    let task = builder.add(posture);
+    let mut problem = builder.build().unwrap();
+    problem.residual_mut(task).unwrap().set_reference(&wanted);
+    assert_eq!(residual(&problem, &before), [-1.0, -2.0, 3.0]);
+
+    let smooth = Task::new(Smoothness::new(&model, &before, 0.5));
+    let mut builder = Problem::builder(&model);
+    let task = builder.add(smooth.weight(Quantity::JointUnitsPerSecond, 1.0));
+    let mut problem = builder.build().unwrap();
+    problem.residual_mut(task).unwrap().set_previous(&wanted);
+    assert_eq!(residual(&problem, &before), [-2.0, -4.0, 6.0]);
+}
+
+/// Frames at one place are a distance of 0 apart, and some way leads them asunder.
+#[test]
+fn frames_that_coincide_are_no_distance_apart() {
+    let mut two = Model::builder("two");
+    let (at, along_x) = (Placement::identity(), Vector3::new(1.0, 0.0, 0.0));
+    let slide = two.prismatic("slide", None, at, along_x, Limits::new(-2.0, 2.0));
+    let (still, moved) = (
+        two.frame("still", None, at),
+        two.frame("moved", Some(slide), at),
+    );
+    let two = two.build().unwrap();
+    let mut builder = Problem::builder(&two);
+    builder.add(Task::new(Distance::new(moved, still, 0.4)).weight(Quantity::Metres, 1.0));
+    let problem = builder.build().unwrap();
+    assert_eq!(residual(&problem, &[0.0]), [-0.4]);
+    let mut scratch = problem.scratch();
+    let mut jacobian = na::DMatrix::zeros(1, 1);
+    Evaluation::new(&problem, &mut scratch).jacobian(&[0.0], &mut jacobian);
+    assert_eq!(jacobian[(0, 0)], 1.0);
+}
+
+#[test]
+fn factors_multiply() {
+    let model = planar_arm(&[1.0], None);
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    let point = Task::new(Point::new(tip, [0.5, 0.0, 0.0])).weight(Quantity::Metres, 0.5);
+    builder.add(point.times(2.0).times(3.0));
+    let problem = builder.build().unwrap();
+    assert_eq!(residual(&problem, &[0.0]), [1.5, 0.0, 0.0]);
 }

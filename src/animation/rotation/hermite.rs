@@ -26,7 +26,8 @@ impl RotationHermite {
         let [first, last] = [leaving / 3.0, arriving / 3.0];
         let end = nearer(end, start);
         let middle = exp(-first) * (start.conjugate() * end) * exp(-last);
-        let middle = log(nearer(middle, Quat::IDENTITY));
+        // Not the shorter turn of its rotation: where a segment swings out it comes back the way it went.
+        let middle = log(middle);
         Self {
             start,
             turns: [first, middle, last],

@@ -78,6 +78,7 @@ impl PackedWeights {
         let range = first..first.saturating_add(count);
         Part {
             vertices: self.vertices.get(range).unwrap_or(&[]),
+            #[cfg(target_arch = "x86_64")]
             bone_count: self.bone_count,
         }
     }
@@ -87,6 +88,7 @@ impl PackedWeights {
 #[derive(Clone, Copy)]
 pub(super) struct Part<'a> {
     vertices: &'a [FourInfluences],
+    #[cfg(target_arch = "x86_64")]
     bone_count: usize,
 }
 
