@@ -105,7 +105,8 @@ fn atan2_has_both_derivatives_on_the_axes() {
     ] {
         let angle = Dual::<2>::variable(y, 0).atan2(Dual::variable(x, 1));
         let squared: f64 = x * x + y * y;
-        assert_eq!(angle.value(), f64::atan2(y, x));
+        // The system's arc tangent may differ in the last bit.
+        assert!((angle.value() - f64::atan2(y, x)).abs() <= 1e-15);
         let [by_y, by_x] = angle.derivatives();
         assert!((by_y - x / squared).abs() <= 1e-15 * (1.0 / squared.sqrt()));
         assert!((by_x + y / squared).abs() <= 1e-15 * (1.0 / squared.sqrt()));

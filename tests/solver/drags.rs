@@ -3,11 +3,13 @@
 //! frame that misses costs no more than a few that reach.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use kinopt::Scalar;
 use kinopt::ik::{Drag, Restarts};
+use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::{Problem, TaskId};
 use kinopt::skeleton::Skeleton;
-use kinopt::spatial::Vector3;
-use kinopt::task::{Point, Quantity};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Quantity, Residual, Rows, Task};
 use support::bones::RandomRig;
 use support::planar_arm;
 
@@ -129,10 +131,18 @@ fn a_target_that_leaps_is_followed_and_the_lag_is_told() {
 #[test]
 fn a_stretched_arm_comes_back_along_the_line_it_left_by() {
     // Stretched out to the bit: no joint feels a target that comes straight back.
-    let model = planar_arm(&[1.0, 0.8], Some((-2.8, 2.8)));
+    let mut builder = Model::builder("arm and another joint");
+    let (here, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
+    let link = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
+    let limits = Limits::new(-2.8, 2.8);
+    let shoulder = builder.revolute("shoulder", None, here, z, limits);
+    let elbow = builder.revolute("elbow", Some(shoulder), link(1.0), z, limits);
+    builder.revolute("other", None, here, z, limits);
+    let tip = builder.frame("tip", Some(elbow), link(0.8));
+    let model = builder.build().unwrap();
     let mut builder = Problem::builder(&model);
-    let hand = builder.add(Point::new(model.frame("tip").unwrap(), [2.5, 0.0, 0.0]));
-    let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
+    let hand = builder.add(Point::new(tip, [2.5, 0.0, 0.0]));
+    let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0, 0.7]).unwrap();
     assert!(!drag.advance().reached);
     let mut q = drag.q().to_vec();
     for frame in 0..60 {
@@ -140,6 +150,8 @@ fn a_stretched_arm_comes_back_along_the_line_it_left_by() {
         drag.residual_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
         drag.advance();
         assert!(furthest(drag.q(), &q) <= MOST_MOVE);
+        // What no task feels stays.
+        assert_eq!(drag.q()[2], 0.7);
         q.copy_from_slice(drag.q());
     }
     assert!(drag.solution().reached, "{}", drag.solution().explain());
@@ -202,4 +214,106 @@ fn the_same_drag_twice_is_the_same_to_the_bit_and_starts_are_checked() {
     let before = drag.q().to_vec();
     assert!(!drag.advance().reached);
     assert_eq!(drag.q(), before);
+}
+
+/// A slide goes as far in a frame as a joint would carry what is a quarter of the reach away.
+#[test]
+fn slides_move_by_their_own_measure() {
+    let mut builder = Model::builder("slide and arm");
+    let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
+    let (here, link) = (Placement::identity(), Placement::translation(x));
+    let slide = builder.prismatic("slide", None, here, x, Limits::new(-50.0, 50.0));
+    let arm = builder.revolute("arm", Some(slide), here, z, Limits::new(-0.1, 0.1));
+    let tip = builder.frame("tip", Some(arm), link);
+    let model = builder.build().unwrap();
+    assert_eq!(model.reach(), 1.0);
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [30.0, 0.0, 0.0]));
+    let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
+    for most in [0.15, 0.04] {
+        drag = drag.with_max_move(most);
+        let before = drag.q()[0];
+        drag.advance();
+        let moved = drag.q()[0] - before;
+        assert!((moved - 0.25 * most).abs() < 1e-12, "{most}: {moved}");
+        assert!(drag.catching_up());
+    }
+}
+
+/// Two valleys along a slide: one at −3 that misses by 0.6, one at 3 that does not.
+struct Valleys(JointId);
+
+impl Residual for Valleys {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        vec![self.0]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        let c = S::constant;
+        let (s, beside) = (joints[0], joints[0] + c(3.0));
+        residual[0] = (s - c(3.0)) * (beside * beside + c(0.1));
+    }
+}
+
+/// What is told of a leap: the joint, and its move in its own unit; none where a joint may go so far.
+#[test]
+fn a_leap_along_a_slide_is_told_in_metres() {
+    let mut builder = Model::builder("slide beside an arm");
+    let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
+    let (here, link) = (Placement::identity(), Placement::translation(x));
+    let slide = builder.prismatic("slide", None, here, x, Limits::new(-4.0, 4.0));
+    let arm = builder.revolute("arm", Some(slide), here, z, Limits::new(-1.0, 1.0));
+    builder.frame("tip", Some(arm), link);
+    let model = builder.build().unwrap();
+    let drag = |search: bool, most: f64| {
+        let mut builder = Problem::builder(&model);
+        builder.add(Task::new(Valleys(slide)).tolerance(Quantity::Ratio, 1e-6));
+        let drag = Drag::new(builder.build().unwrap(), &[-2.99, 0.3]).unwrap();
+        let drag = drag.with_max_move(most);
+        match search {
+            true => drag.with_search(Restarts::default().with_attempts(20)),
+            false => drag,
+        }
+    };
+    let frames = |mut drag: Drag| {
+        let mut leaps = Vec::new();
+        let mut most_attempts = 0;
+        for _ in 0..12 {
+            let before = drag.q()[0];
+            drag.advance();
+            most_attempts = most_attempts.max(drag.solution().attempts);
+            // No task feels the arm.
+            assert_eq!(drag.q()[1], 0.3);
+            if let Some(leap) = drag.leap() {
+                let moved = (drag.q()[0] - before).abs();
+                assert!((leap.distance - moved).abs() < 1e-12 && leap.joint == "slide");
+                leaps.push(leap.distance);
+            }
+        }
+        (drag.q()[0], leaps, most_attempts)
+    };
+    let (at, leaps, attempts) = frames(drag(false, 0.15));
+    assert!((at + 2.99).abs() < 0.01 && leaps.is_empty());
+    // A frame and its nudge.
+    assert_eq!(attempts, 2);
+    let (at, leaps, attempts) = frames(drag(true, 0.15));
+    assert!(
+        (at - 3.0).abs() < 1e-5 && leaps.len() == 1 && leaps[0] > 5.9,
+        "{at} {leaps:?}"
+    );
+    assert!(attempts > 2, "{attempts}");
+    // 30 times a quarter of the reach is further than that.
+    let (at, leaps, _) = frames(drag(true, 30.0));
+    assert!(
+        (at - 3.0).abs() < 1e-5 && leaps.is_empty(),
+        "{at} {leaps:?}"
+    );
 }
