@@ -317,3 +317,36 @@ fn a_leap_along_a_slide_is_told_in_metres() {
         "{at} {leaps:?}"
     );
 }
+
+/// From another configuration a drag goes on as one that begins there, to the bit, however long it rested
+/// against its limits before.
+#[test]
+fn standing_elsewhere_is_beginning_there() {
+    let model = planar_arm(&[1.0, 0.8], Some((-1.0, 1.0)));
+    let tip = model.frame("tip").unwrap();
+    let drag = |target: [f64; 3]| {
+        let mut builder = Problem::builder(&model);
+        let hand = builder.add(Point::new(tip, target));
+        let drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
+        (drag, hand)
+    };
+    // Stretched out towards a target on its line.
+    let near = [1.6, 0.0, 0.0];
+    let run = |drag: &mut Drag| -> Vec<Vec<f64>> {
+        let frame = |_| {
+            drag.advance();
+            drag.q().to_vec()
+        };
+        (0..12).map(frame).collect()
+    };
+    let expected = run(&mut drag(near).0);
+    for rest in 0..5 {
+        let (mut moved, hand) = drag([-1.0, 0.5, 0.0]);
+        for _ in 0..20 + rest {
+            assert!(!moved.advance().reached);
+        }
+        moved.stand_at(&[0.0, 0.0]).unwrap();
+        moved.residual_mut(hand).unwrap().set_target(near);
+        assert_eq!(run(&mut moved), expected, "{rest}");
+    }
+}

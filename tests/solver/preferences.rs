@@ -6,14 +6,15 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use kinopt::model::{Model, ParameterMap};
+use kinopt::model::{FrameId, JointId, Model, ParameterMap};
 use kinopt::problem::{Evaluation, Preferences, Problem, ProblemBuilder};
 use kinopt::solver::{Iteration, LeastSquares, Stopping, Termination};
 use kinopt::spatial::Placement;
 use kinopt::task::{
-    LimitCentring, LookAt, Orientation, Point, Pose, Posture, Quantity, Role, Smoothness, Task,
+    LimitCentring, LookAt, Orientation, Point, Pose, Posture, Quantity, Residual, Role, Rows,
+    Smoothness, Task,
 };
-use kinopt::{Solution, Solver, Workspace};
+use kinopt::{Scalar, Solution, Solver, Workspace};
 use nalgebra::{DMatrix, DVector};
 use support::arms::{panda, robot};
 use support::bones::RandomRig;
@@ -374,6 +375,156 @@ fn traded_preferences_pull_goals_away_and_are_named() {
             "{words}"
         );
         assert!(words.contains("sum of goals and preferences"), "{words}");
+    }
+}
+
+/// The strongest first, whatever the order in which they were added.
+#[test]
+fn of_several_that_pull_the_strongest_is_named_first() {
+    let model = planar_arm(&[1.0, 0.8], Some((-2.5, 2.5)));
+    let tip = model.frame("tip").unwrap();
+    for weights in [[0.3, 0.5, 0.2], [0.5, 0.2, 0.3]] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, [0.9, 0.9, 0.0]));
+        for weight in weights {
+            let posture = Task::new(Posture::new(&model, &[-1.0, 0.5]));
+            let posture = posture.weight(Quantity::JointUnits, weight);
+            builder.add(posture.named(format!("{weight}")));
+        }
+        builder.preferences(Preferences::Traded);
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.2, 0.9]).unwrap();
+        let named: Vec<&str> = solution.pulling_preferences().collect();
+        assert_eq!(named, ["0.5", "0.3", "0.2"]);
+    }
+}
+
+/// Rows for which any error will do hold nothing: a pose whose orientation is free leaves as much to a
+/// posture as a point does.
+#[test]
+fn rows_that_cannot_be_missed_hold_nothing() {
+    let (robot, _, tool) = panda();
+    let (model, map) = (robot.model(), robot.map());
+    let frame = model.frame(tool).unwrap();
+    let mut left = Vec::new();
+    for seed in 0..4 {
+        let mut random = Random::new(seed);
+        let [there, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
+        let target = placement_of(model, tool, &there);
+        let pose: Add<'_> = &|builder| {
+            let pose = Task::new(Pose::new(frame, target));
+            builder.add(pose.tolerance(Quantity::Radians, f64::INFINITY));
+        };
+        let point: Add<'_> = &|builder| {
+            builder.add(Point::new(frame, target.translation));
+        };
+        let pull: Add<'_> = &|builder| {
+            builder.add(Posture::new(model, &other));
+        };
+        let both = problem(model, map, &[pose, pull]);
+        let [goals, pulls] = [point, pull].map(|add| problem(model, map, &[add]));
+        let solution = Solver::default().solve_once(&both, &start).unwrap();
+        assert!(solution.reached, "{seed}: {}", solution.explain());
+        left.push(left_over(&goals, &pulls, &solution.q));
+    }
+    assert!(left.iter().all(|left| *left < 3e-3), "{left:?}");
+}
+
+/// A goal that misses by 1 where its joint is below 0.3 and by 1.2 beyond 0.5, flat on both sides.
+struct Terrace(JointId);
+
+impl Residual for Terrace {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        vec![self.0]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        let c = S::constant;
+        let way = ((joints[0] - c(0.3)) * c(5.0)).max(c(0.0)).min(c(1.0));
+        residual[0] = c(1.0) + c(0.2) * way * way * (c(3.0) - c(2.0) * way);
+    }
+}
+
+/// A step over an edge ends where no slope leads back, and is not taken.
+#[test]
+fn a_miss_does_not_grow_for_a_preference_s_sake() {
+    let model = planar_arm(&[1.0], Some((-2.0, 2.0)));
+    let joint = model.joint("joint 0").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Task::new(Terrace(joint)).tolerance(Quantity::Ratio, 1e-6));
+    builder.add(Posture::new(&model, &[1.5]));
+    let problem = builder.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &[0.0]).unwrap();
+    assert!(!solution.reached);
+    let missed = solution
+        .tasks()
+        .next()
+        .unwrap()
+        .error(Quantity::Ratio)
+        .unwrap();
+    assert!(missed < 1.0 + 1e-6, "{missed} at {:?}", solution.q);
+    assert!(solution.q[0] > 0.1, "{:?}", solution.q);
+}
+
+/// What a task measures in one unit in several places is one error.
+struct Split(JointId);
+
+impl Residual for Split {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        vec![self.0]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        let metres = || Rows::new(Quantity::Metres, 1);
+        vec![metres(), Rows::new(Quantity::Radians, 1), metres()]
+    }
+
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        residual[0] = S::constant(3.0);
+        residual[1] = joints[0];
+        residual[2] = S::constant(-4.0);
+    }
+}
+
+#[test]
+fn the_error_of_rows_apart_is_that_of_all_of_them() {
+    let model = planar_arm(&[1.0], Some((-2.0, 2.0)));
+    let mut builder = Problem::builder(&model);
+    builder.add(Split(model.joint("joint 0").unwrap()));
+    let problem = builder.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &[0.4]).unwrap();
+    let task = solution.tasks().next().unwrap();
+    let errors = [Quantity::Metres, Quantity::Ratio].map(|quantity| task.error(quantity));
+    assert!((errors[0].unwrap() - 5.0).abs() < 1e-12 && errors[1].is_none());
+}
+
+/// Beyond the chain's length by less than its tolerance a goal is not out of reach, whatever else keeps
+/// it from its place.
+#[test]
+fn out_of_reach_is_beyond_the_tolerance() {
+    let model = planar_arm(&[1.0, 0.4], Some((-1.0, 1.0)));
+    let tip = model.frame("tip").unwrap();
+    for (x, beyond) in [(-1.45, false), (-1.55, true)] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Task::new(Point::new(tip, [x, 0.0, 0.0])).tolerance(Quantity::Metres, 0.1));
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.3, 0.2]).unwrap();
+        assert!(
+            !solution.reached && solution.is_out_of_reach() == beyond,
+            "{x}"
+        );
     }
 }
 

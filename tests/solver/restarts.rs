@@ -380,3 +380,15 @@ fn steps_of_all_attempts_may_be_bounded() {
         assert!(attempts.contains(&made), "{steps} steps: {made} attempts");
     }
 }
+
+/// Nudged starts fall into the hole that the start is in, and that they agree says nothing.
+#[test]
+fn only_starts_from_elsewhere_agree() {
+    for seed in 0..12 {
+        let problem = behind(1.2);
+        let restarts = Restarts::default().with_agreeing(2).with_seed(seed);
+        let solver = Solver::default().with_restarts(restarts);
+        let solution = solver.solve_once(&problem, &[-0.9]).unwrap();
+        assert!(solution.attempts > 2, "{seed}: {}", solution.attempts);
+    }
+}
