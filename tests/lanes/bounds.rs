@@ -99,3 +99,26 @@ fn wide_joints_come_back_as_near_to_the_start_as_bounds_allow() {
     }
     assert!(held > 40, "{held} were held by a bound");
 }
+
+/// Seeds too: a question that is given up at its first point has an answer within the bounds.
+#[test]
+fn the_first_point_is_within_bounds() {
+    for seed in 0..4 {
+        let chain = random_chain(40 + seed, 7, 0, false);
+        let options = LaneOptions {
+            iterations: 1,
+            ..LaneOptions::default()
+        };
+        let solver = PoseSolver::new(&chain, options).unwrap();
+        let mut random = Random(seed);
+        for _ in 0..20 {
+            let goal = target(&chain, &random.configuration(&chain));
+            let start = random.configuration(&chain);
+            let (mut q, mut each) = (vec![0.0; 7 * 6], vec![Outcome::default(); 6]);
+            solver
+                .run_attempts(&goal, &start, Search::First, 0, &mut q, &mut each)
+                .unwrap();
+            assert!(q.chunks(7).all(|q| within_bounds(&chain, q)));
+        }
+    }
+}

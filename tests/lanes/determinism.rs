@@ -1,7 +1,9 @@
 //! The same question has the same answer, bit for bit, however a batch is split.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{
+    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search,
+};
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, far_away, panda, random_chain, target};
 
@@ -202,4 +204,63 @@ fn attempts_of_unbounded_slides_begin_near_the_start() {
         assert!(outcome.reached, "{outcome:?}");
         assert!((q[0] - start[0]).abs() < 4.0, "{q:?}");
     }
+}
+
+/// A race counts the iterations of all its attempts, of which none has more than it may; a batch makes no
+/// attempt more than it may, and none less where nothing is reached.
+#[test]
+fn iterations_and_attempts_are_counted() {
+    let chain = panda();
+    let options = LaneOptions {
+        atlas: false,
+        attempts: 7,
+        iterations: 5,
+        stall_limit: 40,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let (mut random, goal) = (Random(6), far_away());
+    for _ in 0..4 {
+        let start = random.configuration(&chain);
+        let (mut q, mut each) = (vec![0.0; 49], vec![Outcome::default(); 7]);
+        solver
+            .run_attempts(&goal, &start, Search::Start, 0, &mut q, &mut each)
+            .unwrap();
+        assert!(each.iter().all(|outcome| outcome.iterations == 5));
+        let raced = solver.solve(&goal, &start, Search::Start, None, &mut q[..7]);
+        let raced = raced.unwrap();
+        let mut together = [Outcome::default()];
+        solver
+            .solve_batch(&[goal], &start, Search::Start, &mut q[..7], &mut together)
+            .unwrap();
+        for outcome in [raced, together[0]] {
+            assert!(!outcome.reached && outcome.winner.is_none());
+            assert_eq!((outcome.attempts, outcome.iterations), (7, 35));
+        }
+    }
+}
+
+/// Where any orientation will do, that of the target changes nothing but rounding.
+#[test]
+fn an_orientation_that_is_free_has_no_say() {
+    let chain = panda();
+    let options = LaneOptions {
+        axes: AxisGoal::position_only(),
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let mut random = Random(7);
+    let (mut alike, mut q) = (0, [[0.0; 7]; 2]);
+    for _ in 0..20 {
+        let [goal, other] = [(); 2].map(|()| target(&chain, &random.configuration(&chain)));
+        let turned = Placement::new(other.rotation, goal.translation);
+        let start = random.configuration(&chain);
+        for (goal, q) in [goal, turned].iter().zip(&mut q) {
+            let outcome = solver.solve(goal, &start, Search::First, None, q);
+            assert!(outcome.unwrap().reached);
+        }
+        let apart = (0..7).map(|i| (q[0][i] - q[1][i]).abs());
+        alike += usize::from(apart.fold(0.0, f64::max) < 1e-6);
+    }
+    assert!(alike >= 18, "{alike} of 20");
 }

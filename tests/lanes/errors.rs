@@ -1,7 +1,8 @@
 //! The errors beside a q are the errors of that q, judged by nalgebra's kinematics.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, LaneOptions, PoseSolver, Search};
+use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseSolver, Search};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
 fn check(chain: &Chain, seed: u64) {
@@ -46,5 +47,50 @@ fn reported_errors_are_those_of_the_returned_values() {
             &random_chain(seed, 2 + seed as usize, seed as usize % 3, seed % 2 == 1),
             seed,
         );
+    }
+}
+
+fn one_joint(kind: JointKind, lower: f64, upper: f64) -> PoseSolver {
+    let along = |x: f64| Placement::translation(Vector3::new(x, 0.0, 0.0));
+    let axis = match kind {
+        JointKind::Revolute => Vector3::new(0.0, 0.0, 1.0),
+        JointKind::Prismatic => Vector3::new(1.0, 0.0, 0.0),
+    };
+    let joint = ChainJoint {
+        parent_from_joint: along(0.0),
+        axis,
+        kind,
+        lower,
+        upper,
+    };
+    let chain = Chain::new(vec![joint], along(0.3)).unwrap();
+    PoseSolver::new(&chain, LaneOptions::default()).unwrap()
+}
+
+/// Half a turn away is π away, though a rotation by it and none have the same sine.
+#[test]
+fn half_a_turn_is_told() {
+    let solver = one_joint(JointKind::Revolute, -1e-5, 1e-5);
+    let turned = Placement::new(
+        Matrix3::identity().rotated_about_z((0.0, -1.0)),
+        Vector3::new(0.3, 0.0, 0.0),
+    );
+    let outcome = solver
+        .solve(&turned, &[0.0], Search::Start, None, &mut [0.0])
+        .unwrap();
+    assert!(!outcome.reached);
+    assert!((outcome.orientation_error - std::f64::consts::PI).abs() < 1e-4);
+}
+
+/// So far out a place is not known to a micrometre.
+#[test]
+fn what_a_long_slide_cannot_resolve_is_not_reached() {
+    let solver = one_joint(JointKind::Prismatic, 0.0, 1e12);
+    let far = |x: f64| Placement::translation(Vector3::new(x + 0.3, 0.0, 0.0));
+    for (x, reached) in [(1.0, true), (9e11, false)] {
+        let outcome = solver
+            .solve(&far(x), &[0.5 * x], Search::Start, None, &mut [0.0])
+            .unwrap();
+        assert_eq!(outcome.reached, reached, "{x}: {outcome:?}");
     }
 }

@@ -2,7 +2,9 @@
 //! the same angles, bit for bit where the units differ by a power of two.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{
+    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search,
+};
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, panda, random_chain, target, ur5};
 
@@ -171,5 +173,38 @@ fn starts_far_round() {
             let at = target(&chain, &q).translation - goal.translation;
             assert!(at.norm() < 1.01e-6);
         }
+    }
+}
+
+/// The room that a position is given is of the chain's own unit.
+#[test]
+fn room_is_in_the_unit_of_the_chain() {
+    for by in [1.0, 1024.0] {
+        let chain = chain_in(&ur5(), by);
+        let room = 0.05 * by;
+        let axes = AxisGoal {
+            position_half_widths: [room; 3],
+            ..AxisGoal::full_pose()
+        };
+        let options = LaneOptions {
+            axes,
+            atlas: false,
+            ..options_in(by)
+        };
+        let solver = PoseSolver::new(&chain, options).unwrap();
+        let mut random = Random(9);
+        let (mut q, mut used) = ([0.0; 6], 0.0_f64);
+        for _ in 0..10 {
+            let goal = target(&chain, &random.configuration(&chain));
+            let start = random.configuration(&chain);
+            let outcome = solver.solve(&goal, &start, Search::Start, None, &mut q);
+            assert!(outcome.unwrap().reached);
+            let off = goal.inverse() * target(&chain, &q);
+            for off in off.translation.to_array() {
+                assert!(off.abs() < room + 1.01e-6 * by, "{off} in units of {by}");
+                used = used.max(off.abs());
+            }
+        }
+        assert!(used > 0.5 * room, "{used} in units of {by}");
     }
 }
