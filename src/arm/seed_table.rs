@@ -95,3 +95,25 @@ impl SeedTable {
         rows.sort_unstable_by(by_distance);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::SeedTable;
+    use crate::spatial::Placement;
+
+    #[test]
+    fn the_nearest_rows_come_first_and_of_equal_ones_the_lower() {
+        let at = |x: f64| Placement::translation([x, 0.0, 0.0].into());
+        let places: Vec<_> = (0..50_u32).map(|k| at(f64::from(k * 37 % 50))).collect();
+        let table = SeedTable {
+            values: vec![0.0; places.len()],
+            places,
+        };
+        let mut found = Vec::new();
+        table.nearest(&at(20.0), (1.0, 1.0), 9, &mut found);
+        let off = |row: usize| f64::from(row as u32 * 37 % 50) - 20.0;
+        let mut all: Vec<(f64, usize)> = (0..50).map(|row| (off(row) * off(row), row)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        assert_eq!(found, all[..9]);
+    }
+}

@@ -90,3 +90,64 @@ fn searches_that_compare_look_from_seeds_too() {
         .unwrap();
     assert_eq!(missed(&nearest, &tree, ("l0", &tip), 5, cases(60, 10)), 0);
 }
+
+/// The winner is the attempt that reached, which ends the search: the last of those that were made.
+#[test]
+fn the_winner_is_the_last_attempt() {
+    let mut later = 0;
+    for number in 0..24 {
+        let (text, tip) = follower_chain(number);
+        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+            continue;
+        };
+        let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
+        let arm = arm.build().unwrap();
+        let mut random = Random(number);
+        for _ in 0..4 {
+            let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+            let start = random.configuration(&arm);
+            let mut q = vec![0.0; arm.joint_count()];
+            let mut outcome = [kinopt::arm::Outcome::default()];
+            arm.solve_batch_into(&[goal], &start, &mut q, &mut outcome)
+                .unwrap();
+            let [outcome] = outcome;
+            if let (true, Some(winner)) = (outcome.reached, outcome.winner) {
+                later += u32::from(winner > 1);
+                assert_eq!(winner + 1, outcome.attempts, "{number}: {outcome:?}");
+            }
+        }
+    }
+    assert!(later >= 3, "{later}");
+}
+
+/// A joint that another one follows by half its turn makes no whole turns towards the start.
+#[test]
+fn leaders_do_not_turn_round() {
+    let joint = |name: &str, parent: &str, child: &str, more: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <origin xyz=\"0.4 0 0\"/><axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-12\" upper=\"12\" effort=\"1\" velocity=\"1\"/>{more}</joint>"
+        )
+    };
+    let text = format!(
+        "<robot name=\"two\"><link name=\"l0\"/><link name=\"l1\"/><link name=\"l2\"/>{}{}</robot>",
+        joint("a", "l0", "l1", ""),
+        joint("b", "l1", "l2", "<mimic joint=\"a\" multiplier=\"0.5\"/>"),
+    );
+    let robot = Robot::parse(&text, "two.urdf").unwrap();
+    let arm = Arm::builder(&robot, "l0", "l2").unwrap();
+    let arm = arm.with_atlas(false).build().unwrap();
+    for k in 0..12 {
+        let there = [0.5 * f64::from(k) - 3.0];
+        let goal = arm.base_from_tool(&there).unwrap();
+        for turns in [-9.0, -5.0, 6.0, 10.0] {
+            let solution = arm.solve(goal, &[turns]).unwrap();
+            assert!(
+                solution.reached,
+                "{there:?} from {turns}: {}",
+                solution.explain()
+            );
+        }
+    }
+}

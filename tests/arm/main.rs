@@ -12,6 +12,7 @@ mod retarget;
 mod same_bits;
 mod searches;
 mod servo;
+mod servo_ticks;
 mod shared_workloads;
 mod shipped_robots;
 mod starts;

@@ -1,0 +1,232 @@
+//! What a servo and a follower do with the freedom that their target leaves, at limits, stretched out, and
+//! in other units; and what a tick tells.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, Goal, ServoStatus};
+use kinopt::model::{Limits, Model};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
+
+const TICK: f64 = 1e-3;
+
+/// An arm in a plane for positions alone, after a slide across that plane.
+fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
+    let mut builder = Model::builder("planar");
+    let z = Vector3::new(0.0, 0.0, 1.0);
+    let along = |length: f64| Placement::translation(Vector3::new(length * unit, 0.0, 0.0));
+    let slide = Limits::new(-0.5 * unit, 0.5 * unit);
+    let mut last = builder.prismatic("slide", None, along(0.0), z, slide);
+    builder.frame("base", None, along(0.0));
+    let mut from = along(0.0);
+    for (k, &link) in links.iter().enumerate() {
+        let name = format!("joint {k}");
+        last = builder.revolute(name, Some(last), from, z, Limits::new(-limits, limits));
+        from = along(link);
+    }
+    builder.frame("tip", Some(last), from);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tip")
+        .unwrap()
+        .with_atlas(false);
+    let arm = arm
+        .with_goal(Goal::position())
+        .with_position_tolerance(1e-6 * unit);
+    arm.build().unwrap()
+}
+
+fn at(place: [f64; 3]) -> Placement<f64> {
+    Placement::translation(place.into())
+}
+
+/// How far out a joint of the Panda is after a path along which the freedom left may draw it in: from -1
+/// on its lower limit to 1 on its upper.
+fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Vec<f64> {
+    let panda = robot("franka_panda");
+    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let mut arm = arm.with_atlas(false).with_limit_avoidance(rate);
+    if let Some(posture) = posture {
+        arm = arm.with_posture(posture);
+    }
+    let arm = arm.build().unwrap();
+    let from = arm.base_from_tool(start).unwrap();
+    let mut servo = arm.servo(start, 50.0 * TICK).unwrap();
+    let mut follower = arm.follower(start).unwrap();
+    let mut solution = Solution::default();
+    for k in 0..200 {
+        // There and back, slowly.
+        let way = 0.15 * (1.0 - (f64::from(k) / 100.0 - 1.0).abs());
+        let mut target = from;
+        target.translation.z += way;
+        if servoing {
+            assert!(servo.step(target).unwrap().position_error < 5e-3);
+        } else {
+            assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
+        }
+    }
+    let q = if servoing { servo.q() } else { follower.q() };
+    q.to_vec()
+}
+
+#[test]
+fn joints_are_drawn_away_from_both_their_limits() {
+    // The forearm's and the upper arm's turn near their ends.
+    for (joint, value) in [(2, -2.6), (2, 2.6)] {
+        let mut start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
+        start[joint] = value;
+        for servoing in [false, true] {
+            let left = ends(0.0, None, &start, servoing)[joint].abs();
+            let drawn = ends(0.5, None, &start, servoing)[joint].abs();
+            assert!(drawn < left - 1e-3, "{value} {servoing}: {drawn} {left}");
+        }
+    }
+}
+
+#[test]
+fn a_servo_is_drawn_to_its_posture() {
+    let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
+    let mut posture = start;
+    posture[2] += 0.8;
+    posture[0] -= 0.6;
+    let off = |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
+    let plain = ends(0.0, None, &start, true);
+    let drawn = ends(0.5, Some(&posture), &start, true);
+    assert!(off(&drawn) < off(&plain) - 1e-3, "{drawn:?} {plain:?}");
+}
+
+#[test]
+fn a_tick_tells_speeds_and_rest_as_they_are() {
+    let arm = planar(&[0.6, 0.4], 2.5, 1.0);
+    let mut servo = arm.servo(&[0.0, 0.4, 0.9], TICK).unwrap();
+    servo = servo.with_velocity_limits(&[0.3, 1.0, 1.0]).unwrap();
+    let mut rested = 0;
+    for tick in 0..3000 {
+        let x = if tick < 1500 { 1.7 } else { -1.4 };
+        let before = servo.q().to_vec();
+        let step = servo.step(at([x, 0.9, 0.1])).unwrap();
+        for ((before, after), velocity) in before.iter().zip(step.q).zip(step.velocity) {
+            assert!((velocity * TICK - (after - before)).abs() <= 1e-12);
+        }
+        assert!(!step.reached());
+        if step.status == ServoStatus::Nearest {
+            assert!(step.velocity.iter().all(|velocity| *velocity == 0.0));
+            rested += 1;
+        }
+    }
+    assert!(rested > 50, "{rested}");
+}
+
+/// Stretched out along the line to a target that comes straight back, joints hardly feel it: the elbow bends
+/// on to the side that it is bent to by a hair.
+#[test]
+fn a_stretched_arm_follows_a_target_that_comes_back() {
+    let arm = planar(&[0.6, 0.4], 2.5, 1.0);
+    for bend in [-1e-4, 1e-4] {
+        let start = [0.0, 0.0, bend];
+        let mut follower = arm.follower(&start).unwrap();
+        let mut solution = Solution::default();
+        for k in 0..1200 {
+            let target = at([(1.2 - 0.001 * f64::from(k)).max(0.8), 0.0, 0.0]);
+            assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
+        }
+        assert!(solution.reached, "{}", solution.explain());
+        assert!(
+            follower.q()[2] * bend > 0.0,
+            "{:?} from {bend}",
+            follower.q()
+        );
+    }
+}
+
+/// A joint on its limit leaves it where that lowers the error.
+#[test]
+fn limits_are_left_inwards() {
+    for end in [-1.0, 1.0] {
+        let arm = planar(&[0.6, 0.4], 1.0, 1.0);
+        let target = arm.base_from_tool(&[0.1, 0.2 * end, 0.5 * end]).unwrap();
+        let start = [0.5 * end, end, end];
+        let mut servo = arm.servo(&start, TICK).unwrap();
+        servo = servo.with_velocity_limits(&[5.0; 3]).unwrap();
+        let mut follower = arm.follower(&start).unwrap();
+        let mut solution = Solution::default();
+        for _ in 0..1500 {
+            servo.step(target).unwrap();
+            follower.advance(target, &mut solution).unwrap();
+        }
+        assert!(solution.reached && servo.step(target).unwrap().reached());
+    }
+}
+
+/// In millimetres all angles are as in metres, and slides a thousand times as long.
+#[test]
+fn the_unit_of_length_does_not_matter_to_a_servo() {
+    let [metres, millimetres] = [1.0, 1000.0].map(|unit| planar(&[0.6, 0.4], 2.5, unit));
+    let start = [0.05, 0.4, 0.9];
+    let scaled = |q: &[f64]| [1e3 * q[0], q[1], q[2]];
+    let mut servo = metres.servo(&start, TICK).unwrap();
+    let mut other = millimetres.servo(&scaled(&start), TICK).unwrap();
+    let none = [f64::INFINITY; 3];
+    servo = servo.with_velocity_limits(&none).unwrap();
+    other = other.with_velocity_limits(&none).unwrap();
+    for k in 0..150 {
+        let turn = 0.04 * f64::from(k);
+        // Within reach, and then not.
+        let place = [0.5 + 0.6 * turn.sin(), 0.4 * turn, 0.3 * turn - 0.4];
+        servo.step(at(place)).unwrap();
+        other.step(at(place.map(|x| 1e3 * x))).unwrap();
+        for (a, b) in scaled(servo.q()).iter().zip(other.q()) {
+            assert!((a - b).abs() < 1e-6 * a.abs().max(1.0), "{k}: {a} {b}");
+        }
+    }
+}
+
+/// The bound on moves that a question has bounds every step of a follower.
+#[test]
+fn a_follower_keeps_to_the_bound_on_moves() {
+    let panda = robot("franka_panda");
+    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let most = [0.01, 0.02, 0.01, 0.03, 0.01, 0.02, 0.01];
+    let arm = arm.with_atlas(false).with_max_move(&most).build().unwrap();
+    let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
+    let mut target = arm.base_from_tool(&start).unwrap();
+    let mut follower = arm.follower(&start).unwrap();
+    let mut solution = Solution::default();
+    for _ in 0..20 {
+        target.translation.z += 0.01;
+        let before = follower.q().to_vec();
+        follower.advance(target, &mut solution).unwrap();
+        for ((before, after), most) in before.iter().zip(follower.q()).zip(most) {
+            assert!((after - before).abs() <= most, "{before} {after}");
+        }
+    }
+}
+
+/// What is left of the gradient at a miss leaves out what limits hold.
+#[test]
+fn a_miss_against_limits_has_no_gradient_left() {
+    let arm = planar(&[0.6, 0.4], 1.0, 1.0);
+    let solution = arm.solve(at([-1.0, 0.4, 0.9]), &[0.1, 0.2, 0.3]).unwrap();
+    assert!(!solution.reached && solution.active_limits().count() >= 2);
+    assert!(solution.projected_gradient.unwrap() < 1e-6, "{solution:?}");
+}
+
+/// A winner is told where a question is reached, and nowhere else.
+#[test]
+fn a_batch_tells_winners_of_what_is_reached() {
+    let arm = planar(&[0.6, 0.4], 2.0, 1.0);
+    let targets: Vec<_> = (0..12)
+        .map(|k| at([0.9 - 0.1 * f64::from(k), 0.3, 0.2]))
+        .chain([at([2.0, 0.0, 0.0]), at([0.0, 0.0, 3.0])])
+        .collect();
+    let starts = [0.1, 0.2, 0.3].repeat(targets.len());
+    let mut q = vec![0.0; starts.len()];
+    let mut outcomes = vec![kinopt::arm::Outcome::default(); targets.len()];
+    arm.solve_batch_into(&targets, &starts, &mut q, &mut outcomes)
+        .unwrap();
+    let reached = outcomes.iter().filter(|outcome| outcome.reached).count();
+    assert!((5..=12).contains(&reached), "{reached}");
+    for outcome in outcomes {
+        assert_eq!(outcome.reached, outcome.winner.is_some(), "{outcome:?}");
+    }
+}
