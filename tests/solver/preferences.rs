@@ -663,3 +663,51 @@ fn attempts_that_agree_are_counted_and_told() {
     );
     assert_eq!(solve([1.0, 0.5, 0.0], 32).agreeing, 0);
 }
+
+/// Two joints that should sum to a half.
+struct Sum([JointId; 2]);
+
+impl Residual for Sum {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.0.to_vec()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        residual[0] = joints[0] + joints[1] - S::constant(0.5);
+    }
+}
+
+/// Pulls of any shape count: on one joint a row, on two, on many.
+#[test]
+fn a_pull_on_two_joints_pulls_both() {
+    let mut builder = Model::builder("three joints at one place");
+    let z = kinopt::spatial::Vector3::new(0.0, 0.0, 1.0);
+    let (here, link) = (
+        Placement::identity(),
+        Placement::translation([1.0, 0.0, 0.0].into()),
+    );
+    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, here, z));
+    let tip = builder.frame("tip", Some(c), link);
+    let model = builder.build().unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [0.6, 0.8, 0.0]));
+    builder.add(Task::new(Sum([a, b])).preference());
+    let problem = builder.build().unwrap();
+    let solution = Solver::default()
+        .solve_once(&problem, &[0.0, 0.1, 0.5])
+        .unwrap();
+    assert!(solution.reached);
+    assert!(
+        (solution.q[0] + solution.q[1] - 0.5).abs() < 1e-4,
+        "{:?}",
+        solution.q
+    );
+}

@@ -7,7 +7,7 @@ use std::time::Duration;
 use kinopt::geometric::{Ccd, Geometric};
 use kinopt::ik::Restarts;
 use kinopt::problem::{Preferences, Problem};
-use kinopt::solver::{Iteration, Stopping, Termination};
+use kinopt::solver::{FirstStep, Iteration, ProjectedGradient, Stopping, Termination};
 use kinopt::task::{Point, Posture};
 use kinopt::{Solver, Workspace};
 use support::methods::solvers;
@@ -184,4 +184,77 @@ fn preferences_do_not_search_until_the_limit() {
             solver.method()
         );
     }
+}
+
+/// Of a search that climbs on its way the lowest place that it saw is returned, wherever it is stopped.
+#[test]
+fn the_lowest_place_seen_is_returned() {
+    let rig = support::bones::RandomRig::new(6);
+    let mut builder = Problem::builder(rig.skeleton.model());
+    for &tip in &rig.tips {
+        builder.add(Point::new(rig.skeleton.tip(tip), [0.9, -0.8, 0.7]));
+    }
+    let far = builder.build().unwrap();
+    let start = rig.skeleton.model().neutral();
+    let mut climbed = 0;
+    for most in 1..40 {
+        let mut seen = Vec::new();
+        let mut watch = |iteration: &Iteration<'_>| {
+            seen.push(iteration.cost);
+            ControlFlow::Continue(())
+        };
+        let stopping = Stopping::default().with_max_iterations(most);
+        let solver = Solver::new(ProjectedGradient::new(FirstStep::BarzilaiBorwein))
+            .with_stopping(stopping)
+            .with_restarts(Restarts::none());
+        let mut workspace = Workspace::new();
+        let solution = solver.solve_observed(&far, &start, &mut workspace, &mut watch);
+        let solution = solution.unwrap();
+        let lowest = seen.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(
+            solution.cost <= lowest,
+            "{most}: {} {lowest}",
+            solution.cost
+        );
+        climbed += usize::from(seen.last().is_some_and(|last| *last > lowest));
+    }
+    assert!(climbed > 0);
+}
+
+/// A step is small by the tolerance times max(1, |x|), and what it leaves undone is not called stationary.
+#[test]
+fn a_small_step_is_told_as_one() {
+    let model = planar_arm(&[1.0], Some((-2.0, 2.0)));
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [1.0, 0.0, 0.0]));
+    let problem = builder.build().unwrap();
+    for (tolerance, ended) in [(0.9, Termination::SmallStep), (1e-15, Termination::Reached)] {
+        let solver = Solver::default()
+            .with_stopping(Stopping::default().with_step_tolerance(tolerance))
+            .with_restarts(Restarts::none());
+        let solution = solver.solve_once(&problem, &[-0.3]).unwrap();
+        assert_eq!(solution.termination, ended);
+        assert_eq!(solution.iterations == 1, tolerance > 0.1);
+    }
+}
+
+/// Who is less patient than the attempts are waits no longer.
+#[test]
+fn patience_asked_for_is_kept() {
+    let rig = support::bones::RandomRig::new(6);
+    let mut builder = Problem::builder(rig.skeleton.model());
+    for &tip in &rig.tips {
+        builder.add(Point::new(rig.skeleton.tip(tip), [9.0, -8.0, 7.0]));
+    }
+    let problem = builder.build().unwrap();
+    let start = rig.skeleton.model().neutral();
+    let steps = |patience: Option<usize>| {
+        let stopping = Stopping::default().with_patience(patience);
+        let solver = Solver::default().with_stopping(stopping);
+        let restarts = Restarts::default().with_attempts(8);
+        let solution = solver.with_restarts(restarts).solve_once(&problem, &start);
+        solution.unwrap().iterations
+    };
+    let [hasty, calm] = [Some(1), None].map(steps);
+    assert!(3 * hasty < calm, "{hasty} {calm}");
 }

@@ -230,3 +230,33 @@ fn sound_files_need_no_repair() {
     let joint = robot.model().joint("j").unwrap();
     assert_eq!(robot.velocity_limit(joint), None);
 }
+
+/// Repairs come in the order of the file, with the lines of the file as it is, also behind an XML declaration
+/// over several lines that is not looked at.
+#[test]
+fn repairs_are_told_in_the_file_s_own_lines() {
+    let body = "\n<axis xyz='0 0 1'/>\n<axis xyz='1 0 0'/>\n<limit lower='1' upper='-1'/>";
+    let body = format!("\n<origin xyz='1, 2, 3'/>{body}");
+    let text = format!(
+        "<!-- old -->\n<?xml version='1.0'\nencoding='utf-8'\n?>\n{}",
+        text("revolute", &body)
+    );
+    let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
+    let lines: Vec<u32> = robot.repairs().iter().map(|repair| repair.line).collect();
+    // The declaration, the commas, the second axis, the limits.
+    assert_eq!(lines, [2, 7, 9, 10], "{:?}", repairs(&robot));
+    for (line, word) in lines.iter().zip(["<?xml", "1, 2, 3", "1 0 0", "-1"]) {
+        let found = text.lines().nth(*line as usize - 1).unwrap();
+        assert!(found.contains(word), "{line}: {found}");
+    }
+}
+
+/// A comma within a number may be a decimal one: no reader takes it for a blank.
+#[test]
+fn decimal_commas_are_no_blanks() {
+    for (xyz, there) in [("1, 2, 3", true), ("0,5 2", false), ("1,2,3", false)] {
+        let text = text("continuous", &format!("<origin xyz='{xyz}'/>"));
+        let read = Robot::reader().lenient().parse(&text, "one.urdf");
+        assert_eq!(read.is_ok(), there, "{xyz}");
+    }
+}
