@@ -5,28 +5,89 @@ use serde::de::DeserializeOwned;
 use super::{Place, ReadError};
 
 pub(super) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
-    let mut parser = serde_json::Deserializer::from_slice(json);
-    let file = serde_path_to_error::deserialize(&mut parser);
-    let file = file.map_err(|error| wrong(&error, name))?;
-    parser
-        .end()
-        .map_err(|error| ReadError::malformed(name, Place::File, error.to_string()))?;
-    Ok(file)
+    parse_by(|json| serde_json::from_slice(json), json, name)
 }
 
-/// As [`parse`], of JSON that was read already.
-#[cfg(feature = "gltf")]
-pub(super) fn parse_value<T: DeserializeOwned>(
-    json: serde_json::Value,
+/// As [`parse`], by a reader of another crate, which is then compiled there and not here once more.
+pub(super) fn parse_by<T>(
+    reader: impl FnOnce(&[u8]) -> serde_json::Result<T>,
+    json: &[u8],
     name: &str,
 ) -> Result<T, ReadError> {
-    serde_path_to_error::deserialize(json).map_err(|error| wrong(&error, name))
+    reader(json).map_err(|error| {
+        let lines = json.split_inclusive(|byte| *byte == b'\n');
+        let before: usize = lines
+            .take(error.line().saturating_sub(1))
+            .map(<[u8]>::len)
+            .sum();
+        let end = (before + error.column()).min(json.len());
+        // What a type refuses after all of it was read is told behind the comma that follows.
+        let read = json[..end].trim_ascii_end();
+        let place = match path(read.strip_suffix(b",").unwrap_or(read)) {
+            root if root.is_empty() => Place::File,
+            path => Place::Json(path),
+        };
+        ReadError::malformed(name, place, error.to_string())
+    })
 }
 
-fn wrong(error: &serde_path_to_error::Error<serde_json::Error>, name: &str) -> ReadError {
-    let place = match error.path().to_string() {
-        root if root == "." => Place::File,
-        path => Place::Json(path),
-    };
-    ReadError::malformed(name, place, error.inner().to_string())
+/// A list or an object that is not closed yet, and where in it the text stands.
+enum Open {
+    List(usize),
+    Object(Option<String>),
+}
+
+/// The path of the value in which, or right behind which, a beginning of a JSON text ends. serde_json
+/// tells line and column only.
+fn path(beginning: &[u8]) -> String {
+    let mut open: Vec<Open> = Vec::new();
+    // Whether a string is a key: after a brace, or after a comma in an object.
+    let mut key_is_next = false;
+    let mut at = 0;
+    while let Some(&byte) = beginning.get(at) {
+        at += 1;
+        match byte {
+            b'[' => open.push(Open::List(0)),
+            b'{' => {
+                open.push(Open::Object(None));
+                key_is_next = true;
+            }
+            b']' | b'}' => {
+                open.pop();
+                key_is_next = false;
+            }
+            b',' => match open.last_mut() {
+                Some(Open::List(index)) => *index += 1,
+                Some(Open::Object(_)) => key_is_next = true,
+                None => {}
+            },
+            b'"' => {
+                let length = string_length(&beginning[at..]);
+                if let (true, Some(Open::Object(key))) = (key_is_next, open.last_mut()) {
+                    let text = &beginning[at..at + length];
+                    *key = Some(String::from_utf8_lossy(text).into_owned());
+                    key_is_next = false;
+                }
+                at += length + 1;
+            }
+            _ => {}
+        }
+    }
+    open.iter().fold(String::new(), |path, place| match place {
+        Open::List(index) => format!("{path}[{index}]"),
+        Open::Object(Some(key)) if path.is_empty() => key.clone(),
+        Open::Object(Some(key)) => format!("{path}.{key}"),
+        Open::Object(None) => path,
+    })
+}
+
+/// The bytes of a string up to its closing quotation mark, or to the end of the text.
+fn string_length(text: &[u8]) -> usize {
+    let mut escaped = false;
+    let end = text.iter().position(|byte| {
+        let closes = *byte == b'"' && !escaped;
+        escaped = *byte == b'\\' && !escaped;
+        closes
+    });
+    end.unwrap_or(text.len())
 }

@@ -7,6 +7,7 @@ use kinopt::lanes::{
 };
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, panda, random_chain, target, ur5};
+use support::sample::cases;
 
 fn longer(placement: &Placement<f64>, by: f64) -> Placement<f64> {
     Placement::new(placement.rotation, placement.translation * by)
@@ -57,7 +58,7 @@ fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<Outcome>) {
         .collect();
     let mut random = Random(3);
     let (mut goals, mut starts) = (Vec::new(), Vec::new());
-    for k in 0..24 {
+    for k in 0..cases(24, 8) {
         let mut goal = target(chain, &random.configuration(chain));
         if k % 8 == 7 {
             goal.translation = goal.translation * 4.0;
@@ -138,7 +139,7 @@ fn millimetres_give_the_same_angles() {
             let apart = apart.fold(0.0, f64::max);
             same += usize::from(apart < 1e-6);
         }
-        assert!(compared >= 40, "{compared}");
+        assert!(6 * compared >= 5 * outcomes.len(), "{compared}");
         assert_eq!(same, compared);
     }
 }

@@ -1,5 +1,6 @@
 //! Arms for tests, and forward kinematics by nalgebra, joint by joint from the model's numbers.
 
+pub use crate::sample::{cases, few};
 use kinopt::arm::Arm;
 use kinopt::model::{JointKind, Model};
 use kinopt::robot::Robot;
@@ -31,22 +32,6 @@ impl Random {
             .map(|(l, u)| l + self.unit() * (u - l))
             .collect()
     }
-}
-
-/// How many cases of something: fewer in a debug build, and as many as `KINOPT_CASES` asks for.
-pub fn cases(release: usize, debug: usize) -> usize {
-    let asked = std::env::var("KINOPT_CASES").ok();
-    let usual = if cfg!(debug_assertions) {
-        debug
-    } else {
-        release
-    };
-    asked.map_or(usual, |count| count.parse().unwrap())
-}
-
-/// Whether a test looks at less than all: in a debug build, unless `KINOPT_CASES` is set.
-pub fn few() -> bool {
-    cfg!(debug_assertions) && std::env::var_os("KINOPT_CASES").is_none()
 }
 
 pub fn robot(name: &str) -> Robot {

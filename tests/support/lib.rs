@@ -20,6 +20,7 @@ pub mod lines;
 pub mod maps;
 pub mod methods;
 pub mod random;
+pub mod sample;
 pub mod skins;
 pub mod small_rig;
 pub mod state_machines;

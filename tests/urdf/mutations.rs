@@ -17,7 +17,6 @@ const FILES: [&str; 8] = [
     "models/universal_ur5e.urdf",
     "tests/reference/oblique.urdf",
 ];
-const COPIES_PER_FILE: u64 = 600;
 
 /// Steele, Lea and Flood's SplitMix64: a fixed stream from a seed.
 struct Random(u64);
@@ -180,9 +179,10 @@ fn assert_sound(robot: &Robot) {
 #[test]
 fn a_damaged_file_is_an_error_or_a_sound_model() {
     let mut outcomes: BTreeMap<&str, u32> = BTreeMap::new();
+    let copies = support::sample::cases(600, 300) as u64;
     for (number, file) in FILES.iter().enumerate() {
         let text = std::fs::read_to_string(file).unwrap();
-        for copy in 0..COPIES_PER_FILE {
+        for copy in 0..copies {
             let mut random = Random(1_000_000 * number as u64 + copy);
             let mut damaged = text.clone();
             for _ in 0..=random.below(3) {
@@ -211,5 +211,6 @@ fn a_damaged_file_is_an_error_or_a_sound_model() {
     // The copies are damaged enough, and not all beyond reading.
     let kinds: Vec<_> = outcomes.keys().copied().collect();
     assert_eq!(kinds, ["element", "model", "not XML", "read", "xacro"]);
-    assert!(outcomes["read"] > 500 && outcomes["element"] > 1000);
+    let often = |outcome, sixths| 6 * u64::from(outcomes[outcome]) > sixths * copies;
+    assert!(often("read", 3) && often("element", 6), "{outcomes:?}");
 }

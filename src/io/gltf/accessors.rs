@@ -1,8 +1,8 @@
 //! Numbers out of buffers: accessors and their sparse parts, each offset checked.
 
-use ::gltf::json::accessor::{ComponentType, Type};
-use ::gltf::json::validation::Checked;
-use ::gltf::json::{Accessor, Index};
+use gltf_json::accessor::{ComponentType, Type};
+use gltf_json::validation::Checked;
+use gltf_json::{Accessor, Index};
 
 use super::run::Run;
 use super::source::Source;

@@ -1,9 +1,9 @@
 //! Animations as clips: steps, lines and cubic splines of translation, rotation, scale and morph
 //! weights.
 
-use ::gltf::json::animation::{Animation, Property, Sampler};
-use ::gltf::json::validation::Checked;
 use glam::{Vec3A, Vec4};
+use gltf_json::animation::{Animation, Property, Sampler};
+use gltf_json::validation::Checked;
 
 use super::keys::{Keys, curve, rotation};
 use super::meshes::Meshes;

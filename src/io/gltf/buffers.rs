@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
-use ::gltf::json::Root;
 use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use gltf_json::Root;
 
 use crate::io::{Place, ReadError, ReadProblem};
 

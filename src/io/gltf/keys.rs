@@ -1,7 +1,7 @@
 //! The keys of an animation's sampler as curves.
 
-use ::gltf::json::animation::Interpolation;
 use glam::{Quat, Vec4};
+use gltf_json::animation::Interpolation;
 
 use super::source::Source;
 use crate::animation::curve::{CurveValue, KeyError, KeyedCurve};

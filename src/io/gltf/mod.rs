@@ -37,7 +37,8 @@
 mod accessors;
 mod animations;
 mod buffers;
-mod container;
+mod document;
+mod glb;
 mod keys;
 mod meshes;
 mod morph_targets;
@@ -63,7 +64,7 @@ pub use write::{UnwritableScene, WriteOptions, mesh_to_bytes, to_bytes, write, w
 
 use std::path::Path;
 
-use ::gltf::json::Root;
+use gltf_json::Root;
 
 use self::source::Source;
 use super::{ReadError, read_bytes};
@@ -96,8 +97,8 @@ pub fn from_bytes(
     name: &str,
     open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Scene, ReadError> {
-    let chunks = container::split(bytes, name)?;
-    let (root, nodeless) = container::document(chunks.json, name)?;
+    let chunks = glb::split(bytes, name)?;
+    let (root, nodeless) = document::document(chunks.json, name)?;
     let buffers = buffers::load(&root, chunks.binary, name, open)?;
     let source = Source::new(name, &root, chunks.json.len(), buffers);
     let mut notes = left_out(&root);
@@ -138,7 +139,7 @@ fn left_out(root: &Root) -> Vec<Note> {
     let filled = lists.into_iter().filter(|(_, count)| *count > 0);
     let lists = filled.map(|(what, count)| Note::left_out(what, format!("{count} {what}")));
     let extensions = root.extensions_used.iter().enumerate();
-    let ignored = extensions.filter(|(_, name)| *name != container::QUANTIZATION);
+    let ignored = extensions.filter(|(_, name)| *name != document::QUANTIZATION);
     let extensions = ignored.map(|(index, name)| {
         Note::left_out(
             format!("extensionsUsed[{index}]"),

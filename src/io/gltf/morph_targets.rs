@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use ::gltf::json::Mesh;
-use ::gltf::json::mesh::MorphTarget as Entry;
 use glam::Vec3;
+use gltf_json::Mesh;
+use gltf_json::mesh::MorphTarget as Entry;
 use serde::{Deserialize, Serialize};
 
 use super::source::Source;

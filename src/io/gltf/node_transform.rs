@@ -1,8 +1,8 @@
 //! Where a node stands in its parent: by translation, rotation and scale, or by a matrix that is
 //! taken apart.
 
-use ::gltf::json::Node;
 use glam::{DAffine3, DMat3, DVec3, Quat, Vec3A};
+use gltf_json::Node;
 
 use crate::animation::{Decomposition, LocalTransform};
 

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
-use ::gltf::json::Node;
+use gltf_json::Node;
 
 use super::node_transform::{Local, local};
 use super::note::Note;

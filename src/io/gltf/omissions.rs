@@ -1,15 +1,15 @@
-//! What a document may leave out though the gltf crate's types ask for it: the nodes of a scene, and
+//! What a document may leave out though gltf-json's types ask for it: the nodes of a scene, and
 //! the node of an animation's channel.
 
 use std::collections::BTreeSet;
 
-use ::gltf::json::Root;
+use gltf_json::Root;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::{Map, Value};
 
 use crate::io::ReadError;
-use crate::io::json::{parse, parse_value};
+use crate::io::json::{parse, parse_by};
 
 /// As much of a document as says what it leaves out.
 #[derive(Deserialize)]
@@ -62,7 +62,7 @@ pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nod
             || channels.into_iter().any(Channel::has_no_node)
     });
     if !omits {
-        return Ok((parse(json, name)?, Nodeless::new()));
+        return Ok((parse_by(Root::from_slice, json, name)?, Nodeless::new()));
     }
     let mut document: Map<String, Value> = parse(json, name)?;
     for scene in objects(&mut document, "scenes") {
@@ -79,7 +79,9 @@ pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nod
             nodeless.insert((number, channel));
         }
     }
-    Ok((parse_value(Value::Object(document), name)?, nodeless))
+    let completed = Value::Object(document).to_string();
+    let root = parse_by(Root::from_slice, completed.as_bytes(), name)?;
+    Ok((root, nodeless))
 }
 
 /// The objects in a list of a document.

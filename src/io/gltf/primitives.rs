@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ::gltf::json::mesh::{Primitive, Semantic};
-use ::gltf::json::validation::Checked;
-use ::gltf::json::{Accessor, Index};
 use glam::{Vec3, Vec4};
+use gltf_json::mesh::{Primitive, Semantic};
+use gltf_json::validation::Checked;
+use gltf_json::{Accessor, Index};
 
 use super::morph_targets::{self, Deltas};
 use super::nodes::label;

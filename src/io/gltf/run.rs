@@ -1,8 +1,8 @@
 //! Runs of numbers in a buffer: views and offsets, each checked.
 
-use ::gltf::json::Index;
-use ::gltf::json::accessor::ComponentType;
-use ::gltf::json::buffer::View;
+use gltf_json::Index;
+use gltf_json::accessor::ComponentType;
+use gltf_json::buffer::View;
 
 use super::source::Source;
 use crate::io::{Place, ReadError};

@@ -1,7 +1,7 @@
 //! Skins: which bones are joints, where they were bound, and how strongly they move each vertex.
 
-use ::gltf::json::Skin as Entry;
 use glam::{Affine3A, Mat3A, Vec3A};
+use gltf_json::Skin as Entry;
 
 use super::node_transform::affine;
 use super::nodes::{label, missing_node};

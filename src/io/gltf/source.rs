@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::cell::Cell;
 
-use ::gltf::json::Root;
+use gltf_json::Root;
 
 use crate::io::{Place, ReadError};
 

@@ -1,8 +1,8 @@
 //! Sparse accessors: the entries that differ from zero, or from those of a buffer view.
 
-use ::gltf::json::accessor::sparse::Sparse;
-use ::gltf::json::validation::Checked;
-use ::gltf::json::{Accessor, Index};
+use gltf_json::accessor::sparse::Sparse;
+use gltf_json::validation::Checked;
+use gltf_json::{Accessor, Index};
 
 use super::run::Run;
 use super::source::Source;

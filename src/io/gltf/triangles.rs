@@ -1,7 +1,7 @@
 //! The triangles of a primitive: indexed or not, strips and fans taken apart.
 
-use ::gltf::json::mesh::{Mode, Primitive};
-use ::gltf::json::validation::Checked;
+use gltf_json::mesh::{Mode, Primitive};
+use gltf_json::validation::Checked;
 
 use super::raw_mesh::RawMesh;
 use super::source::Source;

@@ -1,10 +1,10 @@
 //! Clips into the document.
 
-use ::gltf::json::Index;
-use ::gltf::json::animation::{
+use gltf_json::Index;
+use gltf_json::animation::{
     Animation, Channel as Entry, Interpolation, Property as Path, Sampler, Target,
 };
-use ::gltf::json::validation::Checked;
+use gltf_json::validation::Checked;
 
 use super::UnwritableScene;
 use super::buffer::Document;

@@ -1,17 +1,14 @@
 //! The document that grows while a scene is written, and the binary chunk beside it.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use ::gltf::json::accessor::{
-    ComponentType, GenericComponentType, IndexComponentType, Type, sparse,
-};
-use ::gltf::json::buffer::{Buffer, Target, View};
-use ::gltf::json::validation::{Checked, USize64};
-use ::gltf::json::{Accessor, Index, Root, Value};
-use ::gltf::{Glb, binary::Header};
+use gltf_json::accessor::{ComponentType, GenericComponentType, IndexComponentType, Type, sparse};
+use gltf_json::buffer::{Buffer, Target, View};
+use gltf_json::validation::{Checked, USize64};
+use gltf_json::{Accessor, Index, Root, Value};
 
 use super::UnwritableScene;
+use crate::io::gltf::glb;
 
 /// A document and its only buffer.
 pub(super) struct Document {
@@ -205,25 +202,10 @@ impl Document {
                 extras: None,
             });
         }
-        let json = serde_json::to_vec(&self.root);
+        let json = self.root.to_vec();
         let json = json.map_err(|error| UnwritableScene::Document(error.to_string()))?;
-        // The header's length is of 32 bits and counts itself, two chunk headers and the padding.
-        let length = json.len() + self.bytes.len() + 64;
-        if u32::try_from(length).is_err() {
-            return Err(UnwritableScene::TooLong { bytes: length });
-        }
-        let glb = Glb {
-            // Filled in by the crate.
-            header: Header {
-                magic: *b"glTF",
-                version: 2,
-                length: 0,
-            },
-            json: Cow::Owned(json),
-            bin: (!self.bytes.is_empty()).then_some(Cow::Owned(self.bytes)),
-        };
-        let bytes = glb.to_vec();
-        bytes.map_err(|error| UnwritableScene::Document(error.to_string()))
+        let bytes = json.len() + self.bytes.len();
+        glb::join(&json, &self.bytes).ok_or(UnwritableScene::TooLong { bytes })
     }
 }
 

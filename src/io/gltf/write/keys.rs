@@ -1,8 +1,8 @@
 //! Curves as the keys that glTF has: steps, lines and cubic splines. Other curves become lines
 //! through samples.
 
-use ::gltf::json::animation::Interpolation;
 use glam::{Quat, Vec3A};
+use gltf_json::animation::Interpolation;
 
 use super::UnwritableScene;
 use crate::animation::curve::{Between, CurveValue, KeyedCurve};

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use ::gltf::json::buffer::Target;
-use ::gltf::json::extras::RawValue;
-use ::gltf::json::mesh::{Mesh, Mode, MorphTarget as Entry, Primitive, Semantic};
-use ::gltf::json::validation::Checked;
-use ::gltf::json::{Accessor, Index, skin};
 use glam::Vec3;
+use gltf_json::buffer::Target;
+use gltf_json::extras::RawValue;
+use gltf_json::mesh::{Mesh, Mode, MorphTarget as Entry, Primitive, Semantic};
+use gltf_json::validation::Checked;
+use gltf_json::{Accessor, Index, skin};
 
 use super::UnwritableScene;
 use super::buffer::Document;

@@ -11,8 +11,8 @@ mod skins;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
-use ::gltf::json;
-use ::gltf::json::Index;
+use gltf_json as json;
+use gltf_json::Index;
 
 pub use error::UnwritableScene;
 

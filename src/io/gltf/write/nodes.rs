@@ -1,7 +1,7 @@
 //! Bones into the document.
 
-use ::gltf::json::Index;
-use ::gltf::json::scene::{Node, UnitQuaternion};
+use gltf_json::Index;
+use gltf_json::scene::{Node, UnitQuaternion};
 
 use crate::animation::Armature;
 use crate::skeleton::BoneId;

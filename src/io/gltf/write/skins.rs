@@ -1,7 +1,7 @@
 //! Skins and weights into the document.
 
-use ::gltf::json::{Index, skin};
 use glam::Affine3A;
+use gltf_json::{Index, skin};
 
 use super::buffer::Document;
 use crate::io::gltf::scene::Skin;

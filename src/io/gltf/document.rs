@@ -1,0 +1,73 @@
+//! The document of a file, once it is known that it can be read.
+
+use gltf_json::Root;
+use serde::Deserialize;
+
+use super::omissions::{Nodeless, parse_with_omissions};
+use crate::io::json::parse;
+use crate::io::{Place, ReadError};
+
+/// Extensions that change looks only, or that reading copes with anyway: a file may require them.
+const HARMLESS: [&str; 7] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    QUANTIZATION,
+    "KHR_xmp",
+];
+/// The extension that reading applies.
+pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
+
+/// What is looked at before the rest is parsed.
+#[derive(Deserialize)]
+struct Heading {
+    asset: Asset,
+    #[serde(default, rename = "extensionsRequired")]
+    required: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Asset {
+    version: String,
+    min_version: Option<String>,
+}
+
+/// The document, once its version is known to be 2 and it requires nothing that is not supported.
+pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
+    let heading: Heading = parse(json, name)?;
+    let asset = heading.asset;
+    let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
+    let wrong_minor = asset.min_version.is_some() && needed != "2.0";
+    if needed.split('.').next() != Some("2") || wrong_minor {
+        let problem = format!("is glTF of version {needed}; version 2.0 is read");
+        return Err(ReadError::malformed(
+            name,
+            Place::Json("asset".into()),
+            problem,
+        ));
+    }
+    let harmless = |required: &str| HARMLESS.iter().any(|known| required.starts_with(known));
+    for (index, required) in heading.required.iter().enumerate() {
+        if !harmless(required) {
+            let place = Place::Json(format!("extensionsRequired[{index}]"));
+            let known: Vec<String> = HARMLESS.iter().map(|known| known_name(known)).collect();
+            let problem = format!(
+                "`{required}` is required and not supported; those that may be are {}",
+                known.join(", ")
+            );
+            return Err(ReadError::malformed(name, place, problem));
+        }
+    }
+    parse_with_omissions(json, name)
+}
+
+/// As people write a family of extensions.
+fn known_name(prefix: &str) -> String {
+    match prefix.ends_with('_') {
+        true => format!("{prefix}…"),
+        false => prefix.to_owned(),
+    }
+}

@@ -1,0 +1,99 @@
+//! GLB, the container of a document and its buffer: glTF 2.0 specification, section 4.4.
+
+use crate::io::{Place, ReadError};
+
+/// What a GLB file starts with.
+const MAGIC: &[u8; 4] = b"glTF";
+
+/// The bytes of the header, and of that of a chunk.
+const HEADER: usize = 12;
+const CHUNK_HEADER: usize = 8;
+
+/// The JSON and the binary chunk of a file.
+pub(super) struct Chunks<'a> {
+    pub(super) json: &'a [u8],
+    pub(super) binary: Option<&'a [u8]>,
+}
+
+/// Tells GLB from text.
+pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadError> {
+    if !bytes.starts_with(MAGIC) {
+        return Ok(Chunks {
+            json: bytes,
+            binary: None,
+        });
+    }
+    let fail = |at: usize, problem: String| ReadError::malformed(name, Place::Byte(at), problem);
+    let word = |at: usize| -> Result<u32, ReadError> {
+        let word = bytes
+            .get(at..at + 4)
+            .and_then(|w| <[u8; 4]>::try_from(w).ok());
+        word.map(u32::from_le_bytes)
+            .ok_or_else(|| fail(at, "the header is cut off".into()))
+    };
+    let version = word(4)?;
+    if version != 2 {
+        let problem = format!("is GLB of version {version}; version 2 is read");
+        return Err(fail(4, problem));
+    }
+    let announced = word(8)? as usize;
+    let Some(file) = bytes.get(..announced) else {
+        let what = "the contents of the GLB file".to_owned();
+        let left = bytes.len();
+        return Err(ReadError::truncated(
+            name,
+            Place::Byte(8),
+            what,
+            announced as u128,
+            left,
+        ));
+    };
+    let (mut json, mut binary, mut at) = (None, None, HEADER);
+    // A tail too short for a header of a chunk is padding of a careless writer.
+    while at + CHUNK_HEADER <= file.len() {
+        let (length, kind) = (word(at)? as usize, word(at + 4)?);
+        let (start, left) = (at + CHUNK_HEADER, file.len() - at - CHUNK_HEADER);
+        let Some(chunk) = file.get(start..start.saturating_add(length)) else {
+            let (what, length) = ("a chunk".to_owned(), length as u128);
+            return Err(ReadError::truncated(
+                name,
+                Place::Byte(at),
+                what,
+                length,
+                left,
+            ));
+        };
+        match &kind.to_le_bytes() {
+            b"JSON" if json.is_none() => json = Some(chunk),
+            b"BIN\0" if binary.is_none() => binary = Some(chunk),
+            _ => {}
+        }
+        at = start + length;
+    }
+    let json = json.ok_or_else(|| fail(HEADER, "there is no JSON chunk".into()))?;
+    Ok(Chunks { json, binary })
+}
+
+/// A GLB file of a document and a buffer; nothing where it is too long for the format's 32 bits.
+pub(super) fn join(json: &[u8], binary: &[u8]) -> Option<Vec<u8>> {
+    // Chunks end at multiples of four bytes: JSON is filled up with spaces, the buffer with zeros.
+    let chunks = [(b"JSON", json, b' '), (b"BIN\0", binary, 0)];
+    let chunks = chunks.into_iter().filter(|(_, bytes, _)| !bytes.is_empty());
+    let lengths = chunks
+        .clone()
+        .map(|(_, bytes, _)| CHUNK_HEADER + bytes.len().next_multiple_of(4));
+    let length = u32::try_from(HEADER + lengths.sum::<usize>()).ok()?;
+    let mut file = Vec::with_capacity(length as usize);
+    file.extend(MAGIC);
+    file.extend(2u32.to_le_bytes());
+    file.extend(length.to_le_bytes());
+    for (kind, bytes, filling) in chunks {
+        let padded = bytes.len().next_multiple_of(4);
+        // No more than the whole, which fits.
+        file.extend((padded as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(bytes);
+        file.resize(file.len() + padded - bytes.len(), filling);
+    }
+    Some(file)
+}
