@@ -212,6 +212,11 @@ fn fractions_and_interleaved_entries() {
     let mut numbers = Numbers::default();
     let bytes = [-128_i8, -127, 127, 0, 64, 1, 127, 0, 0].map(|v| v as u8);
     let fractions = numbers.raw(&bytes, 5120, "VEC3", 3, r#","normalized":true"#);
+    let shorts: Vec<u8> = [-32768_i16, -32767, 32767, 0, 16384, 1, 32767, 0, 0]
+        .into_iter()
+        .flat_map(i16::to_le_bytes)
+        .collect();
+    let shorts = numbers.raw(&shorts, 5122, "VEC3", 3, r#","normalized":true"#);
     let third = [[1.0_f32, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]];
     let apart: Vec<u8> = third
         .iter()
@@ -220,9 +225,10 @@ fn fractions_and_interleaved_entries() {
         .collect();
     let apart = numbers.raw(&apart[..44], 5126, "VEC3", 3, "");
     let text = numbers.document(&format!(
-        r#""nodes":[{{"mesh":0}},{{"mesh":1}}],"extensionsRequired":["KHR_mesh_quantization"],
+        r#""nodes":[{{"mesh":0}},{{"mesh":1}},{{"mesh":2}}],"extensionsRequired":["KHR_mesh_quantization"],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{fractions}}}}}]}},
-        {{"primitives":[{{"attributes":{{"POSITION":{apart}}}}}]}}]"#
+        {{"primitives":[{{"attributes":{{"POSITION":{apart}}}}}]}},
+        {{"primitives":[{{"attributes":{{"POSITION":{shorts}}}}}]}}]"#
     ));
     let text = text.replacen(
         r#""byteLength":44"#,
@@ -230,14 +236,14 @@ fn fractions_and_interleaved_entries() {
         1,
     );
     let scene = read(text.as_bytes()).unwrap();
-    let share = |byte: f32| byte / 127.0;
-    assert_eq!(
-        scene.meshes[0].mesh.positions(),
-        [
+    for (mesh, middle, most) in [(0, 64.0, 127.0), (2, 16384.0, 32767.0)] {
+        let expected = [
             Vec3::new(-1.0, -1.0, 1.0),
-            Vec3::new(0.0, share(64.0), share(1.0)),
+            Vec3::new(0.0, middle / most, 1.0 / most),
             Vec3::X,
-        ]
-    );
+        ];
+        let found = scene.meshes[mesh].mesh.positions().iter().zip(expected);
+        found.for_each(|(found, expected)| assert!(found.distance(expected) < 1e-7));
+    }
     assert_eq!(scene.meshes[1].mesh.positions(), third.map(Vec3::from));
 }

@@ -711,3 +711,35 @@ fn a_pull_on_two_joints_pulls_both() {
         solution.q
     );
 }
+
+/// A task is reached where all its rows are.
+#[test]
+fn a_task_half_reached_is_not_reached() {
+    let model = planar_arm(&[1.0, 0.4], Some((-1.0, 1.0)));
+    let tip = model.frame("tip").unwrap();
+    // About x no joint turns it.
+    let turned = nalgebra::Rotation3::from_euler_angles(0.7, 0.0, 0.0).into_inner();
+    let target = Placement::new(turned.into(), [1.2, 0.3, 0.0].into());
+    for (free, reached) in [
+        (Quantity::Metres, [true, false]),
+        (Quantity::Radians, [false, true]),
+    ] {
+        let away = Placement::new(turned.into(), [1.2, 0.3, 0.5].into());
+        let pose = Pose::new(
+            tip,
+            if free == Quantity::Metres {
+                target
+            } else {
+                away
+            },
+        );
+        let mut builder = Problem::builder(&model);
+        builder.add(Task::new(pose).tolerance(free, f64::INFINITY));
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.3, 0.2]).unwrap();
+        let task = solution.tasks().next().unwrap();
+        let rows: Vec<bool> = task.rows.iter().map(|rows| rows.reached).collect();
+        assert_eq!(rows, reached);
+        assert!(!task.reached && !solution.reached);
+    }
+}

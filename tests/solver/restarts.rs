@@ -392,3 +392,33 @@ fn only_starts_from_elsewhere_agree() {
         assert!(solution.attempts > 2, "{seed}: {}", solution.attempts);
     }
 }
+
+/// Joints without limits start within half a turn of where they stand, however far round that is.
+#[test]
+fn endless_joints_are_drawn_about_the_start() {
+    let model = support::planar_arm(&[1.0, 0.5], None);
+    let start = [100.0, -50.0];
+    let all = attempts(&model, 3, 9, &start);
+    for x in &all[1..] {
+        for (value, from) in x.iter().zip(&start) {
+            assert!((value - from).abs() <= PI, "{value} from {from}");
+        }
+    }
+    let furthest = all.iter().map(|x| (x[0] - start[0]).abs());
+    assert!(furthest.fold(0.0, f64::max) > 0.5);
+}
+
+/// What all attempts took is told: no step without a residual.
+#[test]
+fn evaluations_of_all_attempts_are_counted() {
+    let problem = behind(1.2);
+    for attempts in [1, 4, 16] {
+        let restarts = Restarts::default().with_attempts(attempts);
+        let solver = Solver::default().with_restarts(restarts);
+        let solution = solver.solve_once(&problem, &[0.3]).unwrap();
+        assert_eq!(solution.attempts, attempts);
+        let least = solution.iterations + attempts;
+        assert!(solution.counts.residuals >= least, "{solution:?}");
+        assert!(solution.counts.jacobians >= attempts, "{solution:?}");
+    }
+}
