@@ -1,11 +1,13 @@
 //! A model that is an armature with clips, and no joints with limits: what files of animation hold.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use kinopt::animation::{Armature, Clip, Cursor, Playback, Pose};
 use kinopt::io::bvh::{self, BvhChannel, MotionCapture};
 use kinopt::io::gltf::{self, Scene, ScenePosing};
 use kinopt::model::UnknownName;
+use kinopt::skeleton::BoneId;
 use kinopt::skinning::SkinningMethod;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
@@ -88,6 +90,24 @@ impl AnimatedArmature {
             frames: None,
             scene: Some(Box::new(scene)),
         }
+    }
+
+    /// The bones that may turn: a capture's with channels, the joints of a scene's skins, all where
+    /// nothing is said.
+    pub(crate) fn turning_bones(&self) -> BTreeSet<BoneId> {
+        let skins = self.scene.iter().flat_map(|scene| &scene.meshes);
+        let joints = skins.filter_map(|mesh| mesh.skin.as_ref());
+        let mut turning: BTreeSet<BoneId> = joints.flat_map(|s| &s.joints).copied().collect();
+        let channels = self.frames.iter().flat_map(|frames| &frames.channels);
+        let turned = channels.enumerate().filter(|(_, own)| {
+            let mut own = own.iter();
+            own.any(|channel| channel.is_rotation())
+        });
+        turning.extend(turned.filter_map(|(bone, _)| self.armature.bone_at(bone)));
+        if turning.is_empty() {
+            turning.extend((0..self.armature.bones()).filter_map(|b| self.armature.bone_at(b)));
+        }
+        turning
     }
 
     /// The clip of a name, or the first.

@@ -93,6 +93,7 @@ mod tests {
                 notes: Vec::new(),
             })),
             scene: None,
+            capture: None,
             robot: None,
             held: None,
             tool: None,

@@ -1,11 +1,10 @@
 //! Whatever file a model comes from, as one thing.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use kinopt::Model;
-use kinopt::animation::EulerClip;
-use kinopt::io::gltf::{self, Scene};
+use kinopt::animation::{Armature, EulerClip, Playback};
+use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointKind, Limits, ParameterMap};
 use kinopt::robot::Robot;
@@ -18,7 +17,8 @@ use crate::robot_options::RobotOptions;
 use crate::solve::HeldJoints;
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
-const SUPPORTED: &str = ".urdf (a robot), .json (a rig), .glb and .gltf (a scene)";
+const SUPPORTED: &str =
+    ".urdf (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)";
 
 /// Rigs count as reached within this share of their size; an angle within as many radians.
 const RIG_TOLERANCE: f64 = 1e-9;
@@ -36,6 +36,8 @@ pub(crate) struct LoadedModel {
     pub(crate) rig: Option<Box<Rig>>,
     /// The meshes of a scene.
     pub(crate) scene: Option<Box<Scene>>,
+    /// The bones of motion capture.
+    pub(crate) capture: Option<Box<Capture>>,
     /// A robot with its mimic joints; `None` for a rig.
     pub(crate) robot: Option<Box<Robot>>,
     /// Joints that the command holds.
@@ -44,15 +46,50 @@ pub(crate) struct LoadedModel {
     pub(crate) tool: Option<(FrameId, FrameId)>,
 }
 
+/// The bones of motion capture, at rest as the model is.
+#[derive(Debug)]
+pub(crate) struct Capture {
+    pub(crate) armature: Armature,
+    /// From one frame to the next, in seconds.
+    pub(crate) frame_time: f64,
+    notes: Vec<String>,
+}
+
+/// A time of a clip, at which a figure is at rest instead of as its file has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment<'a> {
+    /// In seconds, as the file counts them.
+    pub(crate) time: f64,
+    /// The clip's name; the first where there is none.
+    pub(crate) clip: Option<&'a str>,
+}
+
 impl LoadedModel {
     /// Reads any supported file, told apart by its extension.
     pub(crate) fn read(path: &Path, options: &RobotOptions) -> Outcome<Self> {
+        Self::read_at(path, options, None)
+    }
+
+    /// As [`read`](Self::read), a scene or a capture at a moment of a clip.
+    pub(crate) fn read_at(
+        path: &Path,
+        options: &RobotOptions,
+        moment: Option<Moment<'_>>,
+    ) -> Outcome<Self> {
         let file = path.display().to_string();
         let is_robot = path
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
         if !is_robot {
             options.refuse(&file)?;
+        }
+        if AnimatedArmature::is_at(path) {
+            return Self::of_animated(AnimatedArmature::read(path)?, moment);
+        }
+        if moment.is_some() {
+            return Err(Failure::usage(format!(
+                "{file}: --time and --clip are for scenes and motion capture"
+            )));
         }
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
         match extension.to_ascii_lowercase().as_str() {
@@ -66,18 +103,15 @@ impl LoadedModel {
                     model: rig.skeleton.model().clone(),
                     rig: Some(Box::new(rig)),
                     scene: None,
+                    capture: None,
                     robot: None,
                     held: None,
                     tool: None,
                 })
             }
-            "glb" | "gltf" => Self::of_scene(file, gltf::read(path)?),
             "urdf" => Ok(Self::of_robot(file, options.read(path)?)),
             "" => Err(Failure::new(format!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
-            ))),
-            _ if AnimatedArmature::is_at(path) => Err(Failure::new(format!(
-                "{file}: motion capture has no joints with limits; it is for kinopt info and kinopt fk"
             ))),
             other => Err(Failure::new(format!(
                 "{file}: models in .{other} files are not supported; supported: {SUPPORTED}"
@@ -85,17 +119,39 @@ impl LoadedModel {
         }
     }
 
-    /// A scene's bones, each free to turn about where it stands. Where there are skins, only their
-    /// joints are.
-    fn of_scene(file: String, scene: Scene) -> Outcome<Self> {
-        let skins = scene.meshes.iter().filter_map(|mesh| mesh.skin.as_ref());
-        let joints: BTreeSet<BoneId> = skins.flat_map(|skin| &skin.joints).copied().collect();
-        let limits = |bone: BoneId| match joints.is_empty() || joints.contains(&bone) {
+    /// The bones of a scene or a capture, each free to turn about where it stands. Where a scene has skins,
+    /// only their joints are; of a capture those that have channels.
+    fn of_animated(animated: AnimatedArmature, moment: Option<Moment<'_>>) -> Outcome<Self> {
+        let pose = moment.map(|Moment { time, clip }| {
+            animated.pose_at(animated.clip(clip)?, time, Playback::Hold)
+        });
+        let pose = pose.transpose()?;
+        let turns = animated.turning_bones();
+        let AnimatedArmature {
+            file,
+            mut armature,
+            frames,
+            notes,
+            mut scene,
+            ..
+        } = animated;
+        if let Some(pose) = &pose {
+            armature = armature.at_rest_in(pose)?;
+        }
+        if let Some(scene) = &mut scene {
+            scene.armature = armature.clone();
+        }
+        let limits = |bone: BoneId| match turns.contains(&bone) {
             true => [Limits::UNBOUNDED; 3],
             false => [Limits::new(0.0, 0.0); 3],
         };
-        let skeleton = scene.armature.skeleton(file.clone(), limits);
+        let skeleton = armature.skeleton(file.clone(), limits);
         let skeleton = skeleton.map_err(|error| Failure::new(format!("{file}: {error}")))?;
+        let capture = frames.map(|frames| Capture {
+            armature,
+            frame_time: frames.time,
+            notes,
+        });
         Ok(Self {
             file,
             model: skeleton.model().clone(),
@@ -107,7 +163,8 @@ impl LoadedModel {
                 constrained: Vec::new(),
                 notes: Vec::new(),
             })),
-            scene: Some(Box::new(scene)),
+            scene,
+            capture: capture.map(Box::new),
             robot: None,
             held: None,
             tool: None,
@@ -120,6 +177,7 @@ impl LoadedModel {
             model: robot.model().clone(),
             rig: None,
             scene: None,
+            capture: None,
             robot: Some(Box::new(robot)),
             held: None,
             tool: None,
@@ -138,16 +196,26 @@ impl LoadedModel {
     /// What reading a rig did without.
     pub(crate) fn notes(&self) -> Vec<String> {
         let notes = self.rig.iter().flat_map(|rig| &rig.notes);
-        notes.map(ToString::to_string).collect()
+        let notes = notes.map(ToString::to_string);
+        let capture = self.capture.iter().flat_map(|capture| &capture.notes);
+        notes.chain(capture.cloned()).collect()
     }
 
-    /// "rig", "scene" or "robot".
+    /// "rig", "scene", "motion capture" or "robot".
     pub(crate) fn kind(&self) -> &'static str {
-        match (&self.rig, &self.scene) {
-            (_, Some(_)) => "scene",
-            (Some(_), None) => "rig",
-            (None, None) => "robot",
+        match self {
+            Self { scene: Some(_), .. } => "scene",
+            Self {
+                capture: Some(_), ..
+            } => "motion capture",
+            Self { rig: Some(_), .. } => "rig",
+            _ => "robot",
         }
+    }
+
+    /// Whether the file says neither how far bones turn nor what is pinned.
+    pub(crate) fn is_bare_figure(&self) -> bool {
+        self.scene.is_some() || self.capture.is_some()
     }
 
     /// A length of the model's own scale: a rig's mesh (or, without one, its bones) in the rig's

@@ -3,7 +3,7 @@
 use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace, check_start};
 use crate::problem::{Problem, TaskId};
 use crate::random::RandomStream;
-use crate::solver::{Stopping, Termination, project};
+use crate::solver::{Counts, Stopping, Termination, project};
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless told otherwise, in radians: 9 rad/s at 60 frames a
@@ -19,6 +19,10 @@ const NUDGE_EVERY: usize = 4;
 /// How far the nudge goes, in radians, and for how many steps it may show that it leads on.
 const NUDGE: f64 = 0.01;
 const NUDGE_STEPS: usize = 10;
+/// Steps of the preferences within what the goals leave free, a frame: the next ones go on.
+const REFINING: usize = 2;
+/// A body whose joints move less in a frame rests, in radians.
+const REST: f64 = 1e-6;
 /// The cost at which a nudge, or a search from elsewhere, has led to something better.
 const BETTER: f64 = 1.0 - 1e-3;
 
@@ -80,6 +84,8 @@ pub struct Drag {
     trial: Workspace,
     /// Frames in a row that settled on a miss.
     misses: usize,
+    /// The furthest that a joint moved in the last frame, in radians.
+    moved: f64,
     leap: Option<(usize, f64)>,
 }
 
@@ -122,6 +128,7 @@ impl Drag {
             workspace: Workspace::new(),
             trial: Workspace::new(),
             misses: 0,
+            moved: 0.0,
             leap: None,
             problem,
         };
@@ -143,10 +150,9 @@ impl Drag {
     pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Self {
         let few = stopping.max_iterations().min(NUDGE_STEPS);
         let once = solver.with_restarts(Restarts::none());
-        self.nudged = once
-            .clone()
-            .with_stopping(stopping.with_max_iterations(few));
-        self.solver = once.with_stopping(stopping);
+        let nudged = once.clone().with_refining(0);
+        self.nudged = nudged.with_stopping(stopping.with_max_iterations(few));
+        self.solver = once.with_refining(REFINING).with_stopping(stopping);
         self
     }
 
@@ -252,11 +258,47 @@ impl Drag {
             self.search();
         }
         let solution = &self.workspace.solution;
+        self.moved = 0.0;
         if solution.q.iter().all(|value| value.is_finite()) {
             self.q.copy_from_slice(&solution.q);
-            self.problem.parameters().reduce(&self.q, &mut self.x);
+            let map = self.problem.parameters();
+            // The bounds of the frame are done with.
+            let [from, _] = &mut self.around;
+            from.copy_from_slice(&self.x);
+            map.reduce(&self.q, &mut self.x);
+            let moves = self.x.iter().zip(from).zip(&self.unit);
+            let moves = moves.map(|((to, from), unit)| (to - *from).abs() / unit);
+            self.moved = moves.fold(0.0, f64::max);
         }
         solution
+    }
+
+    /// Frame after frame until the body rests, on its targets or where it comes no nearer to them; at most
+    /// so many frames. What the body comes to from where it stands on its own way, without a search
+    /// elsewhere: for a single pose, and for targets that are far apart. The solution's steps and
+    /// evaluations are those of all frames.
+    pub fn settle(&mut self, frames: usize) -> &Solution {
+        let (mut iterations, mut counts) = (0, Counts::default());
+        for _ in 0..frames {
+            self.advance();
+            let solution = &self.workspace.solution;
+            iterations += solution.iterations;
+            counts += solution.counts;
+            if self.rests() {
+                break;
+            }
+        }
+        let solution = &mut self.workspace.solution;
+        (solution.iterations, solution.counts) = (iterations, counts);
+        solution
+    }
+
+    /// Whether the last frame moved no joint, or reached its targets with nothing else to come: the next
+    /// would do nothing.
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        let done = self.solution().reached && !self.problem.has_preferences();
+        done || self.moved < REST
     }
 
     /// Narrows the bounds to what a joint may move in a frame.

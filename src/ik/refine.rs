@@ -60,6 +60,8 @@ pub(super) struct Place<'a> {
 /// How long it goes on.
 pub(super) struct Limits {
     pub(super) stopping: Stopping,
+    /// Steps along the goals at most.
+    pub(super) steps: usize,
     pub(super) deadline: Option<Instant>,
 }
 
@@ -144,7 +146,9 @@ impl Refinement {
             true => (STEPS, WORTHWHILE),
             false => (STEPS_AT_A_MISS, WORTHWHILE_AT_A_MISS),
         };
-        let steps = steps.min(limits.stopping.max_iterations());
+        let steps = steps
+            .min(limits.steps)
+            .min(limits.stopping.max_iterations());
         let (mut bend, mut moved, mut last_falls) = (1.0, 0.0, None);
         loop {
             if !cost.is_finite() {

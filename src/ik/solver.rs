@@ -15,6 +15,8 @@ pub struct Solver {
     method: Arc<dyn Method>,
     stopping: Stopping,
     restarts: Restarts,
+    /// The most steps of preferences within what the goals leave free.
+    refining: usize,
 }
 
 impl std::fmt::Debug for Solver {
@@ -42,7 +44,15 @@ impl Solver {
             method: Arc::new(method),
             stopping: Stopping::default(),
             restarts: Restarts::default(),
+            refining: usize::MAX,
         }
+    }
+
+    /// Sets how many steps the preferences take at most within what the goals leave free.
+    #[must_use]
+    pub(super) fn with_refining(mut self, steps: usize) -> Self {
+        self.refining = steps;
+        self
     }
 
     /// Sets the limits of each attempt; the time limit is for all of them together.
@@ -118,6 +128,7 @@ impl Solver {
         if problem.search_share() == Share::Goals {
             let limits = Limits {
                 stopping: self.stopping,
+                steps: self.refining,
                 deadline,
             };
             workspace.refine(problem, &mut scratch, &mut found, &limits, observer);

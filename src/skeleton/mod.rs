@@ -14,7 +14,7 @@ mod error;
 mod holds;
 mod pose;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 pub use bone::{Bone, BoneId};
 pub use builder::SkeletonBuilder;
@@ -45,8 +45,9 @@ impl Skeleton {
 
     /// Checks the bones and compiles them.
     ///
-    /// The model's frames are `NAME` (the bone's own frame, origin at its tail) and `NAME/tip`;
-    /// its joints are `NAME/twist2`, `NAME/bend` and `NAME/twist1`, from the parent outwards. A
+    /// The model's frames are `NAME` (the bone's own frame, origin at its tail) and `NAME/tip`, or where
+    /// a bone is called so, as the End Sites of motion capture are, the first of `NAME/tip/2`, `NAME/tip/3`, …
+    /// that is no bone's; its joints are `NAME/twist2`, `NAME/bend` and `NAME/twist1`, from the parent outwards. A
     /// child stands on its parent's canonical frame, wherever its own tail is at rest.
     ///
     /// # Errors
@@ -197,6 +198,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
     builder.length_unit(LengthUnit::Own);
     let mut order = Vec::with_capacity(ANGLES_PER_BONE * bones.len());
     let mut last_joint: Vec<JointId> = Vec::with_capacity(bones.len());
+    let mut taken: HashSet<String> = bones.iter().map(|bone| bone.name.clone()).collect();
     for bone in bones {
         let (parent, parent_from_bone) = match bone.parent {
             Some(parent) => {
@@ -225,9 +227,20 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
 
         builder.frame(bone.name.clone(), Some(twist1), still);
         let tip = Vector3::new(bone.length, 0.0, 0.0);
-        let tip_name = format!("{}/tip", bone.name);
+        let tip_name = free_name(format!("{}/tip", bone.name), &mut taken);
         builder.frame(tip_name, Some(twist1), Placement::translation(tip));
     }
     builder.configuration_order(order);
     Ok(builder.build()?)
+}
+
+/// The name, or the first one with a number after it that is not taken; it is taken then.
+fn free_name(name: String, taken: &mut HashSet<String>) -> String {
+    let numbered = (2..).map(|number| format!("{name}/{number}"));
+    let free = std::iter::once(name.clone())
+        .chain(numbered)
+        .find(|name| !taken.contains(name));
+    let free = free.unwrap_or(name);
+    taken.insert(free.clone());
+    free
 }

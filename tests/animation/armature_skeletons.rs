@@ -90,6 +90,72 @@ fn a_hand_is_dragged() {
 }
 
 #[test]
+fn a_bone_may_be_called_as_a_tip_is() {
+    // As the End Sites of motion capture are: the joint's own tip takes another name.
+    let bone = |name: &str, parent, x: f32| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation: Vec3A::new(x, 0.0, 0.0),
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let bones = vec![
+        bone("Head", None, 1.0),
+        bone("Head/tip", Some(0), 2.0),
+        bone("Head/tip/2", Some(0), 3.0),
+    ];
+    let armature = Armature::new(bones, Vec::new()).unwrap();
+    let skeleton = armature.skeleton("one", |_| FREE).unwrap();
+    let model = skeleton.model();
+    for (name, frame) in [
+        (
+            "Head/tip",
+            skeleton.tail(skeleton.bone("Head/tip").unwrap()),
+        ),
+        (
+            "Head/tip/2",
+            skeleton.tail(skeleton.bone("Head/tip/2").unwrap()),
+        ),
+        ("Head/tip/3", skeleton.tip(skeleton.bone("Head").unwrap())),
+        (
+            "Head/tip/tip",
+            skeleton.tip(skeleton.bone("Head/tip").unwrap()),
+        ),
+    ] {
+        assert_eq!(model.frame(name).unwrap(), frame, "{name}");
+    }
+    let frames = model.frames().iter().map(|frame| frame.name.as_str());
+    let different: std::collections::BTreeSet<&str> = frames.collect();
+    assert_eq!(different.len(), 6);
+}
+
+#[test]
+fn a_figure_rests_in_a_pose_of_its_own() {
+    let random = &mut StdRng::seed_from_u64(6);
+    let armature = armature(6, random);
+    let mut pose = armature.rest().clone();
+    for bone in (0..6).filter_map(|bone| armature.bone_at(bone)) {
+        let turn = Quat::from_rotation_y(random.random_range(-1.0..1.0));
+        pose.set_rotation(bone, turn).unwrap();
+    }
+    let expected = places(&armature, &pose);
+    let posed = armature.clone().at_rest_in(&pose).unwrap();
+    assert_eq!(places(&posed, posed.rest()), expected);
+    for (rest_from_model, model_from_rest) in posed.rest_from_model().iter().zip(&expected) {
+        assert!((*rest_from_model * *model_from_rest).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
+    }
+    let skeleton = posed.skeleton("one", |_| FREE).unwrap();
+    let placed = skeleton.pose(&vec![0.0; skeleton.angles()]);
+    for (bone, place) in skeleton.bone_ids().zip(&expected) {
+        let apart = place.translation.as_dvec3() - glam::DVec3::from(placed.tail(bone).to_array());
+        assert!(apart.length() < 1e-5);
+    }
+    let other = Armature::new(Vec::new(), Vec::new()).unwrap();
+    assert!(armature.at_rest_in(other.rest()).is_err());
+}
+
+#[test]
 fn uneven_scales_with_children_are_refused() {
     let with = |scale: [f32; 3], children: bool| {
         let bone = |name: &str, parent, scale: [f32; 3]| ArmatureBone {

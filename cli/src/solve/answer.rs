@@ -20,6 +20,20 @@ pub(super) struct Answer {
     pub(super) solution: Solution,
     /// Time spent solving, in microseconds; none where it was solved together with others.
     pub(super) micros: Option<f64>,
+    /// Of a figure, unless it was only searched for.
+    pub(super) way: Option<Way>,
+    /// The cost of a nearer miss that a search found elsewhere and that was not asked for.
+    pub(super) elsewhere: Option<f64>,
+}
+
+/// Which way a figure took to its pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Way {
+    /// It settled there from where it stood.
+    Own,
+    /// Its own way missed, and a search from other places found better.
+    Another,
 }
 
 /// What came out for a path.

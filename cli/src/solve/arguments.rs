@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::{ArgGroup, Args};
 use kinopt::Solver;
+use kinopt::arm::Search;
 use kinopt::ik::Restarts;
 use kinopt::problem::Derivatives;
 use kinopt::robot::Robot;
@@ -13,12 +14,12 @@ use kinopt::solver::Stopping;
 
 use super::arm_arguments::ArmArguments;
 use super::chain_arguments::ChainArguments;
+use super::out_file::OutFile;
 use super::weights::FrameWeight;
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
-use crate::loaded_model::LoadedModel;
-use crate::mesh_output::MeshFile;
+use crate::loaded_model::{LoadedModel, Moment};
 use crate::method_choice::{self, JacobianRoute};
 use crate::number_list;
 use crate::robot_options::RobotOptions;
@@ -52,6 +53,8 @@ Examples:
         a whole pose (quaternion w,x,y,z), and the skinned mesh
   kinopt solve fox.glb --target b_LeftHand_011=10,15,30 --out dragged.glb
         a scene's joint, and its skinned meshes
+  kinopt solve walk.bvh --time 1.5 --target LeftHand=30,120,40 --out reached.bvh
+        a captured pose, and the pose that came of it
   kinopt solve arm.json --ray bone/6=0,0.5,3:0.2,0.5,0 --json
         a tip onto the viewing ray through two points
 
@@ -63,8 +66,8 @@ target misses by and which limits hold it back (--json: \"reached\": false). The
 /// One --target of a robot, and its --targets, go through the arm's front door: the lane engine with
 /// numbered attempts, always the same answer for the same question. Several --target, --ray, rigs
 /// and anything with --solver go through the general solvers. In a rig the other tips that the file
-/// pins (ik_constraints) are held where they are at the start. In a scene all joints of skins turn
-/// freely and their tips are where they stand; the trunk up to where the limbs branch off does not
+/// pins (ik_constraints) are held where they are at the start. In a scene all joints of skins, in motion
+/// capture those with channels, turn freely and their tips are where they stand; the trunk up to where the limbs branch off does not
 /// turn, and the ends of the other limbs are held. --hold says otherwise.
 ///
 /// In the output q lists all moving joints in the order of the file (for a robot their names are
@@ -75,7 +78,7 @@ target misses by and which limits hold it back (--json: \"reached\": false). The
     group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file"])
 )]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf, a rig's .json or a scene's .glb or .gltf file.
+    /// The model: a robot's .urdf, a rig's .json, a scene's .glb or .gltf or a motion capture's .bvh file.
     #[arg(value_name = "MODEL")]
     pub(super) model: PathBuf,
 
@@ -177,6 +180,15 @@ pub(crate) struct Arguments {
           allow_hyphen_values = true, value_parser = Start::parse)]
     pub(super) start: Start,
 
+    /// Rest is how a scene or a capture is at this time of a clip, in seconds. Default: as its file has it.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true,
+          value_parser = number_list::number)]
+    pub(super) time: Option<f64>,
+
+    /// With --time: which of a scene's clips: its name, or the end of it. Default: the first.
+    #[arg(long, value_name = "NAME", requires = "time")]
+    pub(super) clip: Option<String>,
+
     /// The angles of --start, --lock, --max-move, --posture and --interval, and those in text output,
     /// are in degrees. Default: radians.
     #[arg(long)]
@@ -223,11 +235,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N")]
     pub(super) max_iterations: Option<u32>,
 
-    /// Write the mesh in the pose found, as .obj, .ply or .glb. Default: not written.
+    /// Write the mesh in the pose found, as .obj, .ply or .glb, or the pose of motion capture, as .bvh.
+    /// Default: not written.
     ///
-    /// It needs a rig or a scene with a mesh.
-    #[arg(long, value_name = "FILE", value_parser = MeshFile::parse)]
-    pub(super) out: Option<MeshFile>,
+    /// A mesh needs a rig or a scene that has one.
+    #[arg(long, value_name = "FILE", value_parser = OutFile::parse)]
+    pub(super) out: Option<OutFile>,
 
     /// With --out: how a rig's skin weights are made up. Default: those of the file, else by heat.
     #[arg(
@@ -262,10 +275,22 @@ fn milliseconds(text: &str) -> Result<Duration, String> {
 }
 
 impl Arguments {
+    /// When a figure is as the search finds it.
+    pub(super) fn moment(&self) -> Option<Moment<'_>> {
+        let clip = self.clip.as_deref();
+        self.time.map(|time| Moment { time, clip })
+    }
+
     /// How many attempts at most, as typed.
     pub(super) fn attempts(&self) -> Option<u32> {
         self.attempts
             .or_else(|| self.restarts.map(|restarts| restarts.saturating_add(1)))
+    }
+
+    /// Whether a figure settles from where it stands before anything is searched for.
+    pub(super) fn settles(&self) -> bool {
+        let plain = self.solver.is_none() && self.max_iterations.is_none();
+        plain && self.arm.search != Some(Search::First)
     }
 
     /// The derivatives of the general solvers.
@@ -316,7 +341,7 @@ impl Arguments {
         let general =
             self.solver.is_some() || self.jacobian.is_some() || self.max_iterations.is_some();
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
-        match (&loaded.robot, self.arm.given()) {
+        match (&loaded.robot, self.arm.given(loaded.rig.is_some())) {
             (Some(_), _) if one_frame && !general && !self.weights.is_empty() => {
                 Err(Failure::usage(
                     "--weight is for several targets or held tips; beside a single target's position \
@@ -325,9 +350,14 @@ impl Arguments {
             }
             (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
             (_, None) => Ok(None),
+            (None, Some("--search")) => Err(Failure::usage(format!(
+                "--search of a {} is start or first; the others are for robots",
+                loaded.kind()
+            ))),
             (None, Some(option)) => Err(Failure::usage(format!(
-                "{option} is for robots, and {} is a rig",
-                loaded.file
+                "{option} is for robots, and {} is a {}",
+                loaded.file,
+                loaded.kind()
             ))),
             (Some(_), Some(option)) => Err(Failure::usage(format!(
                 "{option} is for one --target or for --targets, not for {} targets at once",

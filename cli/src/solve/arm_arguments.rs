@@ -13,14 +13,19 @@ const APART: f64 = 0.5;
 /// Options of robots' single frames; none goes with the general solvers.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ArmArguments {
-    /// Which of several answers is wanted. Robots only. Default: start.
+    /// Which of several answers is wanted. Default: start.
+    ///
+    /// Of a rig, scene or capture: `start`, where the figure comes to as it settles from its start, in
+    /// small steps, as a drag does; other places are searched only where that misses, and taken only
+    /// where they reach, which is told. `first`: a search from several places at once, as with
+    /// --solver and --max-iterations. Of a robot:
     ///
     /// `start`: the one that the start's own attempt comes to, others only where it fails; `first`:
     /// whichever is fastest; `nearest` to the start by the root of the summed squares of the joints'
     /// moves; `distinct:K`: up to K, nearest first, that are more than 0.5 (radians and metres)
     /// apart, or more than D with `distinct:K,D`.
     #[arg(long, value_name = "start|first|nearest|distinct:K", value_parser = search,
-          conflicts_with_all = GENERAL)]
+          conflicts_with_all = METHOD)]
     pub(super) search: Option<Search>,
 
     /// How far each joint may move from the start, in radians (--degrees) and metres: one number,
@@ -60,9 +65,9 @@ pub(crate) struct ArmArguments {
     #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, conflicts_with_all = GENERAL)]
     pub(super) joint_weights: Option<Moves>,
 
-    /// Answer a target that is out of reach by the best place anywhere, and let a path whose branch
-    /// ends go on by a jump. Robots only. Default: a miss stays near the start, a path on its branch.
-    #[arg(long, conflicts_with_all = GENERAL)]
+    /// Answer a target that is out of reach by the best place anywhere, and let a robot's path whose branch
+    /// ends go on by a jump. Default: a miss stays near the start, a path on its branch.
+    #[arg(long, conflicts_with_all = METHOD)]
     pub(super) global_search_on_miss: bool,
 
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
@@ -73,18 +78,27 @@ pub(crate) struct ArmArguments {
 }
 
 const GENERAL: [&str; 4] = ["solver", "jacobian", "max_iterations", "rays"];
+const METHOD: [&str; 3] = ["solver", "jacobian", "max_iterations"];
 
 impl ArmArguments {
-    /// The first of the options that was given, if any.
-    pub(super) fn given(&self) -> Option<&'static str> {
+    /// The first of the options that was given, if any; of a `figure` those that it understands do not
+    /// count.
+    pub(super) fn given(&self, figure: bool) -> Option<&'static str> {
+        let searched = match self.search {
+            Some(Search::Start | Search::First) => !figure,
+            search => search.is_some(),
+        };
         let options = [
-            ("--search", self.search.is_some()),
+            ("--search", searched),
             ("--max-move", self.max_move.is_some()),
             ("--posture", self.posture.is_some()),
             ("--free-axis", self.free_axis.is_some()),
             ("--interval", !self.intervals.is_empty()),
             ("--joint-weights", self.joint_weights.is_some()),
-            ("--global-search-on-miss", self.global_search_on_miss),
+            (
+                "--global-search-on-miss",
+                self.global_search_on_miss && !figure,
+            ),
             ("--metres-per-radian", self.metres_per_radian.is_some()),
         ];
         let mut given = options.into_iter().filter(|(_, given)| *given);

@@ -147,6 +147,8 @@ impl<'a> ArmDoor<'a> {
             alternatives: Vec::new(),
             solution,
             micros,
+            way: None,
+            elsewhere: None,
         })
     }
 

@@ -5,9 +5,9 @@ use std::time::Instant;
 use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::problem::{Derivatives, ProblemBuilder, TaskId};
-use kinopt::solver::Stopping;
+use kinopt::solver::Silent;
 use kinopt::task::{Point, Quantity, Task};
-use kinopt::{Problem, Solution, Solver, Workspace};
+use kinopt::{Problem, Workspace};
 use rayon::prelude::*;
 
 use super::answer::{Answer, AskedTask, LongStep, Path, Question};
@@ -15,20 +15,17 @@ use super::arguments::Arguments;
 use super::arm_door::microseconds;
 use super::base::{Base, TargetTask};
 use super::door::Door;
+use super::figure::{FRAMES, Finder, Found};
 use super::held::Held;
 use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 
-/// How many frames a step of a path may take: at 0.15 rad a frame, several turns.
-const MOST_FRAMES: usize = 200;
-
 /// A solver and the problem it is asked again and again.
 pub(super) struct CoreDoor<'a> {
     loaded: &'a LoadedModel,
-    solver: Solver,
-    stopping: Stopping,
+    finder: Finder,
     derivatives: Derivatives,
     tolerances: (f64, f64),
     base: Base,
@@ -41,7 +38,7 @@ pub(super) struct CoreDoor<'a> {
 
 /// The problem and the memory of one thread.
 pub(super) struct CoreDesk {
-    problem: Problem,
+    body: Drag,
     target: TargetTask,
     held: Vec<(FrameId, TaskId<Point>)>,
     /// What is held still stands as here.
@@ -64,8 +61,7 @@ impl<'a> CoreDoor<'a> {
         let weights = Weights::of(loaded, arguments, &all)?;
         Ok(Self {
             loaded,
-            solver: arguments.general_solver(),
-            stopping: arguments.stopping(),
+            finder: Finder::new(loaded, arguments),
             derivatives: arguments.derivatives(),
             tolerances: arguments.tolerances(loaded),
             base,
@@ -105,7 +101,7 @@ impl<'a> CoreDoor<'a> {
         });
         let held = held.collect();
         Ok(CoreDesk {
-            problem: builder.build()?,
+            body: Drag::new(builder.build()?, start)?,
             target,
             held,
             start: start.to_vec(),
@@ -114,26 +110,16 @@ impl<'a> CoreDoor<'a> {
     }
 
     /// Puts the held tips where `start` has them.
-    fn hold(&self, problem: &mut Problem, held: &[(FrameId, TaskId<Point>)], start: &[f64]) {
-        if held.is_empty() {
+    fn hold(&self, desk: &mut CoreDesk, start: &[f64]) {
+        if desk.held.is_empty() {
             return;
         }
         let placements = self.loaded.all_frames(start);
-        for (frame, task) in held {
+        for (frame, task) in &desk.held {
             let placed = placements.get(frame.index());
-            if let (Some(point), Some(placed)) = (problem.residual_mut(*task), placed) {
+            if let (Some(point), Some(placed)) = (desk.body.residual_mut(*task), placed) {
                 point.set_target(placed.translation);
             }
-        }
-    }
-
-    /// What came out, and the microseconds it took.
-    fn told(solution: &Solution, micros: f64) -> Answer {
-        Answer {
-            q: solution.q.clone(),
-            alternatives: Vec::new(),
-            solution: solution.clone(),
-            micros: Some(micros),
         }
     }
 }
@@ -149,14 +135,14 @@ impl Door for CoreDoor<'_> {
         if self.held.holds_still() && desk.start != question.start {
             *desk = self.desk_at(&question.start)?;
         }
-        self.base
-            .aim(&mut desk.problem, desk.target, question.base_from_tip);
-        self.hold(&mut desk.problem, &desk.held, &question.start);
-        let started = Instant::now();
-        let solution = self
-            .solver
-            .solve(&desk.problem, &question.start, &mut desk.workspace)?;
-        Ok(Self::told(solution, microseconds(started)))
+        let (place, start) = (question.base_from_tip, &question.start);
+        self.base.aim(&mut desk.body, desk.target, place);
+        self.hold(desk, start);
+        let (started, workspace) = (Instant::now(), &mut desk.workspace);
+        let found = self
+            .finder
+            .find(&mut desk.body, start, workspace, &mut Silent)?;
+        Ok(found.answer(microseconds(started)))
     }
 
     fn path(&self, questions: &[Question], told: &dyn Fn()) -> Outcome<Path> {
@@ -164,26 +150,25 @@ impl Door for CoreDoor<'_> {
             return Ok(Path::default());
         };
         let mut desk = self.desk_at(&first.start)?;
-        self.hold(&mut desk.problem, &desk.held, &first.start);
-        let mut drag =
-            Drag::new(desk.problem, &first.start)?.with_solver(self.solver.clone(), self.stopping);
+        self.hold(&mut desk, &first.start);
+        let mut body = self.finder.follower(desk.body);
         let angles: Vec<bool> = self.loaded.is_angle().collect();
         let joints = self.loaded.joint_names();
         let (mut answers, mut jumps) = (Vec::with_capacity(questions.len()), Vec::new());
         for (step, question) in questions.iter().enumerate() {
-            let before = drag.q().to_vec();
+            let before = body.q().to_vec();
             self.base
-                .aim(&mut drag, desk.target, question.base_from_tip);
+                .aim(&mut body, desk.target, question.base_from_tip);
             let started = Instant::now();
-            let mut frames = 1;
-            drag.advance();
-            while drag.catching_up() && frames < MOST_FRAMES {
-                drag.advance();
-                frames += 1;
-            }
-            answers.push(Self::told(drag.solution(), microseconds(started)));
+            let solution = body.settle(FRAMES).clone();
+            let found = Found {
+                solution,
+                way: None,
+                elsewhere: None,
+            };
+            answers.push(found.answer(microseconds(started)));
             if step > 0 {
-                jumps.extend(LongStep::between(step, &before, drag.q(), &angles, &joints));
+                jumps.extend(LongStep::between(step, &before, body.q(), &angles, &joints));
             }
             told();
         }

@@ -51,7 +51,7 @@ impl Held {
         }
         let mut tips = Vec::new();
         match named {
-            [] if loaded.scene.is_some() => {
+            [] if loaded.is_bare_figure() => {
                 let Holds { trunk, ends } = skeleton.holds(&dragged_bones);
                 (held.still, tips) = (trunk, ends);
             }

@@ -9,9 +9,11 @@ mod bystanders;
 mod chain_arguments;
 mod core_door;
 mod door;
+mod figure;
 mod held;
 mod interval;
 mod many;
+mod out_file;
 mod relative_pose;
 mod report;
 mod tasks;
@@ -20,6 +22,7 @@ mod weights;
 use std::time::Instant;
 
 use kinopt::Workspace;
+use kinopt::ik::Drag;
 use kinopt::robot::Robot;
 
 use answer::{Answer, AskedTask, Question};
@@ -27,6 +30,7 @@ pub(crate) use arguments::Arguments;
 use arm_door::{ArmDoor, microseconds};
 pub(crate) use chain_arguments::HeldJoints;
 use door::Door;
+use figure::Finder;
 use report::Report;
 
 use crate::failure::Outcome;
@@ -36,7 +40,8 @@ use crate::output;
 use crate::progress::Progress;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let mut loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
+    let moment = arguments.moment();
+    let mut loaded = LoadedModel::read_at(&arguments.model, &arguments.robot, moment)?;
     arguments.hold(&mut loaded)?;
     if let Some(file) = &arguments.file {
         return many::run(loaded, arguments, file, json);
@@ -44,19 +49,20 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     arguments.put_tool(&mut loaded)?;
     let robot = arguments.arm_of(&loaded)?;
     // Before the search, not after it.
-    let skin = arguments.out.as_ref();
-    let skin = skin
-        .map(|_| loaded.skin(arguments.skin_weights))
+    let written = arguments.out.as_ref();
+    let written = written
+        .map(|out| out.of(&loaded, arguments.skin_weights))
         .transpose()?;
     let mut notes = loaded.notes();
-    notes.extend(skin.as_ref().and_then(|skin| skin.note()));
+    notes.extend(written.as_ref().and_then(|written| written.note()));
     let answered = match robot {
         Some(robot) => by_arm(&loaded, robot, arguments)?,
         None => by_general_solver(&loaded, arguments)?,
     };
-    if let (Some(skin), Some(out)) = (skin, &arguments.out) {
-        out.write(&skin.posed(&answered.answer.q, arguments.skinning)?)?;
-    }
+    let written = written.as_ref();
+    let written = written
+        .map(|written| written.write(&answered.answer.q, arguments.skinning))
+        .transpose()?;
     let report = Report {
         loaded: &loaded,
         answer: &answered.answer,
@@ -68,8 +74,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     } else {
         output::result(&report.text(arguments.degrees))?;
     }
-    if let Some(out) = &arguments.out {
-        output::message(&format!("wrote {}", out.path().display()));
+    if let Some(path) = written {
+        output::message(&format!("wrote {}", path.display()));
     }
     let missed = usize::from(!answered.answer.solution.reached);
     arguments.told_misses(missed, 1)
@@ -112,19 +118,14 @@ fn by_general_solver(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Ans
     let asked = tasks::asked(loaded, arguments, &start)?;
     let mut workspace = Workspace::new();
     let mut progress = Progress::new();
-    let solver = arguments.general_solver();
+    let finder = Finder::new(loaded, arguments);
+    let mut body = Drag::new(asked.problem, &start)?;
     let started = Instant::now();
-    let solution = solver.solve_observed(&asked.problem, &start, &mut workspace, &mut progress)?;
+    let found = finder.find(&mut body, &start, &mut workspace, &mut progress)?;
     let micros = microseconds(started);
     progress.finish();
-    let answer = Answer {
-        q: solution.q.clone(),
-        alternatives: Vec::new(),
-        solution: solution.clone(),
-        micros: Some(micros),
-    };
     Ok(Answered {
-        answer,
+        answer: found.answer(micros),
         tasks: asked.tasks,
         bystanders: asked.bystanders,
     })

@@ -3,7 +3,7 @@
 use kinopt::ik::{BoundKind, Side};
 use serde::Serialize;
 
-use super::answer::{Answer, AskedTask};
+use super::answer::{Answer, AskedTask, Way};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits};
 use crate::table::{Align, Table};
@@ -38,6 +38,12 @@ pub(super) struct Document<'a> {
     agreeing_attempts: usize,
     /// Whether the miss is certain: a target farther away than its chain is long.
     out_of_reach: bool,
+    /// `own` where a figure settled from where it stood, `another` where a search found better.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    way: Option<Way>,
+    /// The lower cost of a miss elsewhere, which --global-search-on-miss would answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_cost_elsewhere: Option<f64>,
     evaluations: Evaluations,
     /// Time spent solving, in microseconds; not told for targets that are solved together.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -124,6 +130,8 @@ impl<'a> Report<'a> {
             attempts: solution.attempts,
             agreeing_attempts: solution.agreeing,
             out_of_reach: solution.is_out_of_reach(),
+            way: self.answer.way,
+            lower_cost_elsewhere: self.answer.elsewhere,
             evaluations: Evaluations {
                 residuals: solution.counts.residuals,
                 jacobians: solution.counts.jacobians,
@@ -140,6 +148,16 @@ impl<'a> Report<'a> {
         let mut text = solution.explain();
         if !solution.reached && self.tasks.iter().any(|task| task.held) {
             text.push_str("\n  What is held stays where it was; --hold says what else should.");
+        }
+        if self.answer.way == Some(Way::Another) {
+            text.push_str(
+                "\n  The figure's own way missed; a search from other places found this.",
+            );
+        }
+        if self.answer.elsewhere.is_some() {
+            text.push_str(
+                "\n  Another way comes nearer; --global-search-on-miss answers with that.",
+            );
         }
         if let Some(micros) = self.answer.micros {
             text.push_str(&format!("\n  Solved in {}.", duration(micros)));

@@ -171,6 +171,9 @@ fn solve_has_every_key_and_its_q_is_what_it_says() {
     for key in ["iterations", "attempts", "micros"] {
         assert!(solution[key].as_f64().unwrap() > 0.0, "{key}");
     }
+    assert_eq!(solution["agreeing_attempts"], 0);
+    assert_eq!(solution["out_of_reach"], false);
+    assert_eq!(solution["way"], "own");
     assert!(solution["evaluations"]["residuals"].as_u64().unwrap() > 0);
     assert!(
         solution["explanation"]
@@ -324,4 +327,48 @@ fn the_same_seed_gives_the_same_answer() {
     };
     assert_eq!(q("5"), q("5"));
     assert_ne!(q("5"), q("6"));
+}
+
+/// How sure a miss is: `out_of_reach` where it is certain, `agreeing_attempts` of `attempts` otherwise.
+#[test]
+fn a_miss_says_how_sure_it_is() {
+    let folder = Folder::new("sure-misses");
+    let rig = folder.rig();
+    let solve = |more: &[&str]| json(&[&["solve", &rig, "--json"], more].concat());
+    // 90 away from an arm that is 2 long.
+    let beyond = solve(&["--target=bone/2=-90,0,0"]);
+    assert_eq!(
+        (&beyond["reached"], &beyond["out_of_reach"]),
+        (&false.into(), &true.into())
+    );
+    let explained = beyond["explanation"].as_str().unwrap();
+    assert!(explained.contains("Out of reach"), "{explained}");
+
+    // Within the arm's length, but its limits keep it away: that is no proof, but attempts agree.
+    let anywhere = "--global-search-on-miss";
+    let blocked = solve(&["--target=bone/2=-1,0,0", anywhere]);
+    assert_eq!(
+        (&blocked["reached"], &blocked["out_of_reach"]),
+        (&false.into(), &false.into())
+    );
+    let count = |document: &Value, key: &str| document[key].as_u64().unwrap();
+    let agreeing = count(&blocked, "agreeing_attempts");
+    assert!(
+        agreeing > 1 && agreeing <= count(&blocked, "attempts"),
+        "{blocked}"
+    );
+
+    let alone = solve(&["--target=bone/2=-1,0,0", "--attempts=1"]);
+    assert_eq!(
+        (
+            count(&alone, "attempts"),
+            count(&alone, "agreeing_attempts")
+        ),
+        (1, 1)
+    );
+    let explained = alone["explanation"].as_str().unwrap();
+    assert!(
+        explained.contains("Only one attempt was made"),
+        "{explained}"
+    );
 }

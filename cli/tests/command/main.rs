@@ -3,6 +3,7 @@
 
 mod animated_meshes;
 mod exit_codes_and_errors;
+mod figures_settle;
 mod forked_rig;
 mod held_joints;
 mod holds;

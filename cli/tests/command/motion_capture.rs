@@ -144,16 +144,31 @@ fn what_cannot_be_is_refused() {
         &["wave.bvh: --q ", "--time"],
     );
     let spline = "--interpolation=linear";
+    let out = folder.file("posed.obj");
+    let target = "--target=Upper Arm/tip=1,2,3";
     refused(
-        &["fk", &file, "--time=0", spline],
-        2,
-        &["--interpolation", "--time"],
-    );
-    let target = "--target=Hips=1,2,3";
-    refused(
-        &["solve", &file, target],
+        &["solve", &file, target, "--out", &out],
         1,
-        &["wave.bvh: ", "kinopt info and kinopt fk"],
+        &["wave.bvh", "mesh"],
+    );
+    refused(
+        &["solve", &file, "--target=Hand=1,2,3"],
+        1,
+        &["`Hand`", "Upper Arm/tip"],
+    );
+    refused(
+        &["solve", &file, target, "--search=nearest"],
+        2,
+        &["--search", "motion capture", "start or first"],
+    );
+    let rig = folder.rig();
+    let capture = folder.file("posed.bvh");
+    let tip = "--target=bone/2=-2,0,0";
+    refused(&["solve", &rig, tip, "--time=1"], 2, &["--time", "motion"]);
+    refused(
+        &["solve", &rig, tip, "--out", &capture],
+        2,
+        &[".bvh", "rig"],
     );
     let broken = folder.file("broken.BVH");
     std::fs::write(&broken, WAVE.replace("5 90", "5 NaN")).unwrap();
@@ -162,4 +177,45 @@ fn what_cannot_be_is_refused() {
         1,
         &["broken.BVH: line 20: ", "`Hips` in frame 2", "`NaN`"],
     );
+}
+
+/// The arm's tip goes where it can: the arm is 3 long and hangs on the hips, 4 above them.
+#[test]
+fn solve_drags_a_captured_pose() {
+    let folder = Folder::new("capture-solve");
+    let file = wave(&folder);
+    let out = folder.file("posed.bvh");
+    // At 0.25 s the hips stand at (1, 2, 5) and have turned by 90° about y.
+    let target = "--target=Upper Arm/tip=1,9,5";
+    let solved = json(&[
+        "solve",
+        &file,
+        "--time=0.25",
+        target,
+        "--out",
+        &out,
+        "--json",
+    ]);
+    assert_eq!(
+        (&solved["reached"], &solved["way"]),
+        (&json!(true), &json!("own"))
+    );
+    let frames = |frame: &str| {
+        let fk = json(&["fk", &out, "--time=0", "--json", "--frame", frame]);
+        numbers(&fk["frames"][frame]["position"])
+    };
+    assert!(distance(&frames("Upper Arm/tip"), &[1.0, 9.0, 5.0]) < 1e-4);
+    assert!(distance(&frames("Upper Arm"), &[1.0, 6.0, 5.0]) < 1e-4);
+    assert!(distance(&frames("Hips"), &[1.0, 2.0, 5.0]) < 1e-4);
+    let info = json(&["info", &out, "--json"]);
+    assert_eq!(info["captured"]["frames"], 1);
+
+    // At rest they stand at the origin, and an End Site does not turn.
+    let far = json(&["solve", &file, "--target=Upper Arm/tip=9,4,0", "--json"]);
+    assert_eq!(
+        (&far["reached"], &far["way"]),
+        (&json!(false), &json!("own"))
+    );
+    let q = numbers(&far["q"]);
+    assert_eq!(q[6..9], [0.0; 3]);
 }

@@ -359,9 +359,9 @@ fn wrong_names_and_options() {
             vec!["--track"],
         ),
         (
-            vec!["solve", &rig, point, "--search=first"],
+            vec!["solve", &rig, point, "--search=nearest"],
             2,
-            vec!["--search", "rig"],
+            vec!["--search", "rig", "start or first"],
         ),
         (
             vec!["info", "robot.xacro"],

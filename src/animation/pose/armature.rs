@@ -100,19 +100,14 @@ impl Armature {
         check_targets(&morph_targets)?;
         let locals: Vec<LocalTransform> = bones.iter().map(|bone| bone.rest).collect();
         let parents = bones.iter().map(|b| b.parent.map_or(-1, |p| p as i32));
-        let mut own = Self {
+        let own = Self {
             parents: parents.collect(),
             rest: Pose::new(&locals, morph_targets.len()),
             rest_from_model: vec![Affine3A::IDENTITY; bones.len()],
             names: bones.into_iter().map(|bone| bone.name).collect(),
             morph_targets,
         };
-        let mut model_from_rest = own.rest_from_model.clone();
-        own.propagate(&own.rest, &mut model_from_rest);
-        for (inverse, placement) in own.rest_from_model.iter_mut().zip(&model_from_rest) {
-            *inverse = placement.inverse();
-        }
-        Ok(own)
+        Ok(own.with_inverses())
     }
 
     /// The same, with these weights of the morph targets at rest instead of zeros.
@@ -124,6 +119,27 @@ impl Armature {
         SizeMismatch::check("morph weights", weights.len(), targets)?;
         self.rest.morph_weights.copy_from_slice(weights);
         Ok(self)
+    }
+
+    /// The same bones and morph targets, at rest as `pose` has them: a figure in the middle of a clip, which a
+    /// [`skeleton`](Self::skeleton) of it then starts from.
+    ///
+    /// # Errors
+    /// The pose is not of this armature's size.
+    pub fn at_rest_in(mut self, pose: &Pose) -> Result<Self, SizeMismatch> {
+        self.rest.check_same_size(pose)?;
+        self.rest.copy_from(pose);
+        Ok(self.with_inverses())
+    }
+
+    /// The same, with the inverses of where the rest pose puts the bones.
+    fn with_inverses(mut self) -> Self {
+        let mut model_from_rest = self.rest_from_model.clone();
+        self.propagate(&self.rest, &mut model_from_rest);
+        for (inverse, placement) in self.rest_from_model.iter_mut().zip(&model_from_rest) {
+            *inverse = placement.inverse();
+        }
+        self
     }
 
     /// The bones of a skeleton, with the same ids: at rest each stands where its angles are zero. Morph

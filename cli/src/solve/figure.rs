@@ -1,0 +1,153 @@
+//! A figure's pose: settled from where it stands, and searched for where that misses.
+
+use std::time::{Duration, Instant};
+
+use kinopt::ik::Drag;
+use kinopt::solver::{Observer, Stopping};
+use kinopt::{Solution, Solver, Workspace};
+
+use super::answer::{Answer, Way};
+use super::arguments::Arguments;
+use crate::failure::Outcome;
+use crate::loaded_model::LoadedModel;
+
+/// Frames until a figure rests at most: at 0.15 rad each, several turns.
+pub(super) const FRAMES: usize = 200;
+/// A search from elsewhere has found better where its cost is lower by a thousandth.
+const BETTER: f64 = 1.0 - 1e-3;
+
+/// How poses are found.
+#[derive(Clone, Debug)]
+pub(super) struct Finder {
+    solver: Solver,
+    stopping: Stopping,
+    settles: bool,
+    /// Whether a miss is searched for from elsewhere.
+    searches: bool,
+    /// Whether what is found there counts though it misses too.
+    anywhere: bool,
+    limit: Option<Duration>,
+}
+
+/// What was found, and which way; none where there was only one.
+pub(super) struct Found {
+    pub(super) solution: Solution,
+    pub(super) way: Option<Way>,
+    pub(super) elsewhere: Option<f64>,
+}
+
+impl Found {
+    /// As an answer that took so many microseconds.
+    pub(super) fn answer(self, micros: f64) -> Answer {
+        Answer {
+            q: self.solution.q.clone(),
+            alternatives: Vec::new(),
+            solution: self.solution,
+            micros: Some(micros),
+            way: self.way,
+            elsewhere: self.elsewhere,
+        }
+    }
+}
+
+impl Finder {
+    pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments) -> Self {
+        Self {
+            solver: arguments.general_solver(),
+            stopping: arguments.stopping(),
+            settles: loaded.rig.is_some() && arguments.settles(),
+            searches: arguments.attempts() != Some(1),
+            anywhere: arguments.arm.global_search_on_miss,
+            limit: arguments.time_limit,
+        }
+    }
+
+    /// The pose for the targets as they are, from `start`.
+    pub(super) fn find(
+        &self,
+        body: &mut Drag,
+        start: &[f64],
+        workspace: &mut Workspace,
+        observer: &mut dyn Observer,
+    ) -> Outcome<Found> {
+        if !self.settles {
+            let solved = self
+                .solver
+                .solve_observed(body.problem(), start, workspace, observer)?;
+            return Ok(Found {
+                solution: solved.clone(),
+                way: None,
+                elsewhere: None,
+            });
+        }
+        let began = Instant::now();
+        body.stand_at(start)?;
+        let settled = self.settled(body, began);
+        let left = self
+            .limit
+            .map(|limit| limit.saturating_sub(began.elapsed()));
+        if settled.reached || !self.searches || left.is_some_and(|left| left.is_zero()) {
+            return Ok(Found {
+                solution: settled,
+                way: Some(Way::Own),
+                elsewhere: None,
+            });
+        }
+        let searched =
+            self.search(left)
+                .solve_observed(body.problem(), start, workspace, observer)?;
+        let better = searched.cost < BETTER * settled.cost;
+        let taken = searched.reached || (self.anywhere && better);
+        let mut solution = if taken {
+            searched.clone()
+        } else {
+            settled.clone()
+        };
+        solution.iterations = settled.iterations + searched.iterations;
+        solution.counts = settled.counts;
+        solution.counts += searched.counts;
+        solution.attempts = searched.attempts + 1;
+        if !taken {
+            // None agrees with what is not the lowest.
+            solution.agreeing = if better { 1 } else { searched.agreeing + 1 };
+        }
+        Ok(Found {
+            solution,
+            way: Some(if taken { Way::Another } else { Way::Own }),
+            elsewhere: (better && !taken).then_some(searched.cost),
+        })
+    }
+
+    /// A body that follows a path by the solver's method.
+    pub(super) fn follower(&self, body: Drag) -> Drag {
+        body.with_solver(self.solver.clone(), self.stopping)
+    }
+
+    /// Where the body rests, or stands when its time is over.
+    fn settled(&self, body: &mut Drag, began: Instant) -> Solution {
+        let mut settled = body.settle(1).clone();
+        for _ in 1..FRAMES {
+            let late = self.limit.is_some_and(|limit| began.elapsed() >= limit);
+            if body.rests() || late {
+                break;
+            }
+            let (iterations, mut counts) = (settled.iterations, settled.counts);
+            settled.clone_from(body.settle(1));
+            settled.iterations += iterations;
+            counts += settled.counts;
+            settled.counts = counts;
+        }
+        settled
+    }
+
+    /// The solver with the time that is left.
+    fn search(&self, left: Option<Duration>) -> Solver {
+        match left {
+            Some(left) => {
+                let stopping = self.stopping.with_time_limit(left);
+                self.solver.clone().with_stopping(stopping)
+            }
+            None => self.solver.clone(),
+        }
+    }
+}
