@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use kinopt::model::{FrameId, Limits};
+use kinopt::model::{FrameId, Limits, ModelError, ParameterMap};
 use kinopt::problem::{ProblemError, TaskId};
 use kinopt::skeleton::BoneId;
 use kinopt::spatial::Vector3;
-use kinopt::task::{Point, Quantity};
+use kinopt::task::{Point, Posture, Quantity, Task};
 use kinopt::{Model, Problem, Skeleton};
 
 /// The figure with every bend a little off zero: a pose in which a body stands at ease.
@@ -44,6 +44,8 @@ pub struct DragScene {
     held: Vec<(FrameId, Vector3<f64>)>,
     from: Vector3<f64>,
     size: f64,
+    map: ParameterMap,
+    postures: Vec<Task<Posture>>,
 }
 
 impl DragScene {
@@ -66,8 +68,40 @@ impl DragScene {
             held: held.collect(),
             from: pose.tip(skeleton, hand),
             size: skeleton.size(),
+            map: ParameterMap::free(skeleton.model()),
+            postures: Vec::new(),
             start,
         }
+    }
+
+    /// A figure that says neither how far its bones turn nor what is pinned, as files of animation have them:
+    /// held by the default.
+    ///
+    /// # Errors
+    /// None for a start within the limits.
+    pub fn of_bare_figure(
+        name: &str,
+        skeleton: &Skeleton,
+        hand: BoneId,
+        start: Vec<f64>,
+    ) -> Result<Self, ModelError> {
+        let holds = skeleton.holds(&[hand]);
+        let map = holds.parameters(skeleton, &start)?;
+        let postures = holds.postures(skeleton, &start);
+        Ok(Self {
+            map,
+            postures,
+            ..Self::of_skeleton(name, skeleton, hand, &holds.ends, start)
+        })
+    }
+
+    /// The same with a posture to keep to where the targets leave room.
+    #[must_use]
+    pub fn with_posture(mut self) -> Self {
+        self.name.push_str(", with a posture");
+        let posture = Posture::new(&self.model, &self.start);
+        self.postures = vec![Task::new(posture)];
+        self
     }
 
     /// The problem, and the task that drags.
@@ -77,9 +111,13 @@ impl DragScene {
     pub fn problem(&self) -> Result<(Problem, TaskId<Point>), ProblemError> {
         let mut builder = Problem::builder(&self.model);
         builder.tolerance(Quantity::Metres, 1e-6 * self.size);
+        builder.parameters(self.map.clone());
         let hand = builder.add(Point::new(self.hand, self.from));
         for &(frame, place) in &self.held {
             builder.add(Point::new(frame, place));
+        }
+        for posture in &self.postures {
+            builder.add(posture.clone());
         }
         Ok((builder.build()?, hand))
     }

@@ -9,6 +9,7 @@ mod drag;
 mod figure;
 mod sequence;
 mod stages;
+mod thread_time;
 
 pub use animated::{Keying, armature, clip};
 pub use arm_poses::{ArmPoses, chain, random_configuration, random_poses, smooth_path};
@@ -18,3 +19,4 @@ pub use drag::{DragScene, at_ease, drag_targets};
 pub use figure::{every_angle_free, figure, random_targets};
 pub use sequence::Sequence;
 pub use stages::{Run, Stage, stages};
+pub use thread_time::ThreadTime;

@@ -1,5 +1,8 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
+use std::time::Instant;
+
+use super::refine::Extent;
 use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace, check_start};
 use crate::problem::{Problem, TaskId};
 use crate::random::RandomStream;
@@ -19,8 +22,8 @@ const NUDGE_EVERY: usize = 4;
 /// How far the nudge goes, in radians, and for how many steps it may show that it leads on.
 const NUDGE: f64 = 0.01;
 const NUDGE_STEPS: usize = 10;
-/// Steps of the preferences within what the goals leave free, a frame: the next ones go on.
-const REFINING: usize = 2;
+/// A joint this near the middle of its range, as a share of it, has no side to go to.
+const CENTRED: f64 = 1e-6;
 /// A body whose joints move less in a frame rests, in radians.
 const REST: f64 = 1e-6;
 /// The cost at which a nudge, or a search from elsewhere, has led to something better.
@@ -150,9 +153,9 @@ impl Drag {
     pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Self {
         let few = stopping.max_iterations().min(NUDGE_STEPS);
         let once = solver.with_restarts(Restarts::none());
-        let nudged = once.clone().with_refining(0);
+        let nudged = once.clone().with_refining(Extent::Nothing);
         self.nudged = nudged.with_stopping(stopping.with_max_iterations(few));
-        self.solver = once.with_refining(REFINING).with_stopping(stopping);
+        self.solver = once.with_refining(Extent::Frame).with_stopping(stopping);
         self
     }
 
@@ -273,32 +276,62 @@ impl Drag {
         solution
     }
 
-    /// Frame after frame until the body rests, on its targets or where it comes no nearer to them; at most
-    /// so many frames. What the body comes to from where it stands on its own way, without a search
-    /// elsewhere: for a single pose, and for targets that are far apart. The solution's steps and
-    /// evaluations are those of all frames.
+    /// Where the body comes to from where it stands, on its own way, without a search elsewhere: for a single
+    /// pose, and for targets that are far apart. At first joints move as far as their limits let them, which
+    /// keeps a symmetric body symmetric; where that misses the way is gone again in steps of a frame, and
+    /// the nearer end counts. Either goes on for so many frames at most, until the body rests on its
+    /// targets or where it comes no nearer to them. The solution's steps and evaluations are those of all
+    /// frames, which count as one attempt; a time limit is for all of them. Allocates.
     pub fn settle(&mut self, frames: usize) -> &Solution {
+        let start = self.x.clone();
+        let max_move = std::mem::replace(&mut self.max_move, f64::INFINITY);
+        let deadline = self.solver.stopping().deadline();
+        let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let (mut iterations, mut counts) = self.go_on(frames, &late);
+        self.max_move = max_move;
+        if !self.solution().reached && !late() {
+            let (far, far_x, far_q) = (self.solution().clone(), self.x.clone(), self.q.clone());
+            self.x.copy_from_slice(&start);
+            let map = self.problem.parameters();
+            map.expand_within_limits(&self.x, &mut self.q);
+            self.misses = 0;
+            let again = self.go_on(frames, &late);
+            iterations += again.0;
+            counts += again.1;
+            let solution = self.solution();
+            if !(solution.reached || solution.cost < BETTER * far.cost) {
+                self.workspace.solution = far;
+                (self.x, self.q) = (far_x, far_q);
+            }
+        }
+        let solution = &mut self.workspace.solution;
+        (solution.iterations, solution.counts) = (iterations, counts);
+        (solution.attempts, solution.agreeing) = (1, solution.agreeing.min(1));
+        solution
+    }
+
+    /// Frames until the body rests or it is late; the steps and evaluations of all of them.
+    fn go_on(&mut self, frames: usize, late: &dyn Fn() -> bool) -> (usize, Counts) {
         let (mut iterations, mut counts) = (0, Counts::default());
         for _ in 0..frames {
             self.advance();
             let solution = &self.workspace.solution;
             iterations += solution.iterations;
             counts += solution.counts;
-            if self.rests() {
+            if self.rests() || late() {
                 break;
             }
         }
-        let solution = &mut self.workspace.solution;
-        (solution.iterations, solution.counts) = (iterations, counts);
-        solution
+        (iterations, counts)
     }
 
-    /// Whether the last frame moved no joint, or reached its targets with nothing else to come: the next
-    /// would do nothing.
+    /// Whether the last frame moved no joint, nor did nudges where it missed, or reached its targets with
+    /// nothing else to come: the next would do nothing.
     #[must_use]
     pub fn rests(&self) -> bool {
         let done = self.solution().reached && !self.problem.has_preferences();
-        done || self.moved < REST
+        let nudged = self.misses == 0 || self.misses > NUDGE_EVERY;
+        done || (self.moved < REST && nudged)
     }
 
     /// Narrows the bounds to what a joint may move in a frame.
@@ -321,10 +354,22 @@ impl Drag {
         self.trial.start.resize(self.x.len(), 0.0);
         map.reduce(from, &mut self.trial.start);
         let mut random = RandomStream::new(0, self.misses as u64);
+        // First towards the middle of the joints' ranges, which is where both sides of a symmetric body bend
+        // alike, then anywhere.
+        let inward = self.misses % (2 * NUDGE_EVERY) == 1;
+        let [lower, upper] = &self.limits;
         for (j, value) in self.trial.start.iter_mut().enumerate() {
-            let aside = self.unit[j] * NUDGE * (2.0 * random.unit() - 1.0);
+            let drawn = 2.0 * random.unit() - 1.0;
+            let off = 0.5 * (lower[j] + upper[j]) - *value;
+            let aside = match inward {
+                true if off.is_finite() && off.abs() > CENTRED * (upper[j] - lower[j]) => {
+                    off.signum()
+                }
+                true => 0.0,
+                false => drawn,
+            };
             if self.problem.is_felt(j) {
-                *value += aside;
+                *value += self.unit[j] * NUDGE * aside;
             }
         }
         project(&mut self.trial.start, &self.around[0], &self.around[1]);

@@ -4,6 +4,7 @@ mod attempts;
 mod drag;
 mod error;
 mod explain;
+mod holding;
 mod pulling;
 mod reach;
 mod refine;

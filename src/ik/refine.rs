@@ -21,6 +21,10 @@ use crate::solver::{
 const STEPS: usize = 60;
 /// … and at a miss, where each costs a curvature.
 const STEPS_AT_A_MISS: usize = 15;
+/// Steps along the goals in a frame of a drag, …
+const STEPS_A_FRAME: usize = 2;
+/// … which at a miss waits until the goals' own search takes no more steps than these.
+const AT_REST: usize = 3;
 /// Halvings of a step that gains nothing.
 const HALVINGS: usize = 6;
 /// Corrections back to the goals after a step.
@@ -57,11 +61,44 @@ pub(super) struct Place<'a> {
     pub(super) reached: bool,
 }
 
+/// How far a refinement goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// To where nothing more is gained.
+    Whole,
+    /// A frame's share of it: the next ones go on.
+    Frame,
+    /// Nowhere.
+    Nothing,
+}
+
+impl Extent {
+    /// Steps along the goals at most, and halvings of one.
+    fn most(self, reached: bool) -> (usize, usize) {
+        match (self, reached) {
+            (Self::Whole, true) => (STEPS, HALVINGS),
+            (Self::Whole, false) => (STEPS_AT_A_MISS, HALVINGS),
+            (Self::Frame, true) => (STEPS_A_FRAME, HALVINGS),
+            (Self::Frame, false) => (1, 1),
+            (Self::Nothing, _) => (0, 0),
+        }
+    }
+
+    /// Whether it makes sense after a search of the goals that took so many steps. While a body still
+    /// goes after a target that it misses, its posture can wait: a step there costs a curvature.
+    pub(super) fn follows(self, reached: bool, iterations: usize) -> bool {
+        match self {
+            Self::Whole => true,
+            Self::Frame => reached || iterations <= AT_REST,
+            Self::Nothing => false,
+        }
+    }
+}
+
 /// How long it goes on.
 pub(super) struct Limits {
     pub(super) stopping: Stopping,
-    /// Steps along the goals at most.
-    pub(super) steps: usize,
+    pub(super) extent: Extent,
     pub(super) deadline: Option<Instant>,
 }
 
@@ -142,13 +179,12 @@ impl Refinement {
         self.hold_back(problem, scratch, memory, from, limits);
         let mut cost = self.pull_at_x(problem, scratch);
         done.counts.residuals += 1;
-        let (steps, worthwhile) = match from.reached {
-            true => (STEPS, WORTHWHILE),
-            false => (STEPS_AT_A_MISS, WORTHWHILE_AT_A_MISS),
+        let (steps, halvings) = limits.extent.most(from.reached);
+        let worthwhile = match from.reached {
+            true => WORTHWHILE,
+            false => WORTHWHILE_AT_A_MISS,
         };
-        let steps = steps
-            .min(limits.steps)
-            .min(limits.stopping.max_iterations());
+        let steps = steps.min(limits.stopping.max_iterations());
         let (mut bend, mut moved, mut last_falls) = (1.0, 0.0, None);
         loop {
             if !cost.is_finite() {
@@ -192,7 +228,7 @@ impl Refinement {
             let longest = self.longest_share(problem);
             let mut share = longest.min(slope / (bend * stiffness));
             let mut gained = None;
-            for _ in 0..HALVINGS {
+            for _ in 0..halvings {
                 for ((trial, x), step) in self.trial.iter_mut().zip(&self.x).zip(&self.direction) {
                     *trial = x + share * step;
                 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::attempts::Attempts;
-use super::refine::Limits;
+use super::refine::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::problem::{Problem, Share};
 use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping, project};
@@ -15,8 +15,8 @@ pub struct Solver {
     method: Arc<dyn Method>,
     stopping: Stopping,
     restarts: Restarts,
-    /// The most steps of preferences within what the goals leave free.
-    refining: usize,
+    /// How far preferences act within what the goals leave free.
+    refining: Extent,
 }
 
 impl std::fmt::Debug for Solver {
@@ -44,14 +44,19 @@ impl Solver {
             method: Arc::new(method),
             stopping: Stopping::default(),
             restarts: Restarts::default(),
-            refining: usize::MAX,
+            refining: Extent::Whole,
         }
     }
 
-    /// Sets how many steps the preferences take at most within what the goals leave free.
+    /// The limits of each attempt.
+    pub(super) fn stopping(&self) -> &Stopping {
+        &self.stopping
+    }
+
+    /// Sets how far preferences act within what the goals leave free.
     #[must_use]
-    pub(super) fn with_refining(mut self, steps: usize) -> Self {
-        self.refining = steps;
+    pub(super) fn with_refining(mut self, extent: Extent) -> Self {
+        self.refining = extent;
         self
     }
 
@@ -128,7 +133,7 @@ impl Solver {
         if problem.search_share() == Share::Goals {
             let limits = Limits {
                 stopping: self.stopping,
-                steps: self.refining,
+                extent: self.refining,
                 deadline,
             };
             workspace.refine(problem, &mut scratch, &mut found, &limits, observer);

@@ -85,7 +85,8 @@ impl Workspace {
         observer: &mut dyn Observer,
     ) {
         let reached = problem.is_reached_by(Share::Goals, &self.best_residual);
-        if !reached && !settled(found.outcome.termination) {
+        let follows = limits.extent.follows(reached, found.iterations);
+        if !follows || (!reached && !settled(found.outcome.termination)) {
             return;
         }
         let from = Place {

@@ -84,6 +84,7 @@ impl ParameterMap {
     pub fn builder(model: &Model) -> ParameterMapBuilder<'_> {
         ParameterMapBuilder {
             model,
+            limits: model.limits().collect(),
             roles: vec![Role::Free; model.degrees_of_freedom()],
             told: vec![[false; 2]; model.degrees_of_freedom()],
             problem: None,
@@ -204,6 +205,7 @@ enum Role {
 #[derive(Clone, Debug)]
 pub struct ParameterMapBuilder<'m> {
     model: &'m Model,
+    limits: Vec<Limits>,
     roles: Vec<Role>,
     /// Which joints were locked and coupled by name: twice is a slip that nobody would find.
     told: Vec<[bool; 2]>,
@@ -237,6 +239,16 @@ impl ParameterMapBuilder<'_> {
         self
     }
 
+    /// Leaves a joint only the values that `limits` (radians or metres) allow too.
+    #[must_use]
+    pub fn narrow(mut self, joint: JointId, limits: Limits) -> Self {
+        if let Some(coordinate) = self.moving(joint, "narrowed") {
+            let own = &mut self.limits[coordinate];
+            *own = own.intersection(&limits);
+        }
+        self
+    }
+
     /// Frees only the given joints: every other joint that was free is locked at its value in `q`
     /// (shape: degrees of freedom; a missing value counts as 0), clamped into its limits.
     #[must_use]
@@ -247,7 +259,7 @@ impl ParameterMapBuilder<'_> {
                 keep[coordinate] = true;
             }
         }
-        let limits: Vec<Limits> = self.model.limits().collect();
+        let limits = &self.limits;
         for (coordinate, role) in self.roles.iter_mut().enumerate() {
             if *role == Role::Free && !keep[coordinate] {
                 let value = q.get(coordinate).copied().unwrap_or(0.0);
@@ -266,8 +278,7 @@ impl ParameterMapBuilder<'_> {
         if let Some(problem) = self.problem {
             return Err(problem);
         }
-        let model = self.model;
-        let limits: Vec<Limits> = model.limits().collect();
+        let (model, limits) = (self.model, self.limits);
         let name = |c: usize| {
             model.joints()[model.moving_joints()[c].index()]
                 .name

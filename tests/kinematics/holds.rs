@@ -9,40 +9,56 @@ use kinopt::spatial::{Placement, Vector3};
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
 const LOCKED: [Limits; 3] = [Limits::new(0.0, 0.0); 3];
 
-/// Bones by name, parent and limits.
-fn skeleton(bones: &[(&str, Option<usize>, [Limits; 3])]) -> Skeleton {
+/// Bones by name, parent, where they stand at rest, and limits.
+type Plan = (&'static str, Option<usize>, [f64; 2], [Limits; 3]);
+
+fn skeleton(bones: &[Plan]) -> Skeleton {
     let mut builder = Skeleton::builder("character");
     let mut ids: Vec<BoneId> = Vec::new();
-    for (k, &(name, parent, limits)) in bones.iter().enumerate() {
+    for &(name, parent, [x, y], limits) in bones {
         ids.push(builder.add(Bone {
             name: name.into(),
             parent: parent.map(|parent| ids[parent]),
             length: 0.0,
-            model_from_rest: Placement::translation(Vector3::new(k as f64, 0.0, 0.0)),
+            model_from_rest: Placement::translation(Vector3::new(x, y, 0.0)),
             limits,
         }));
     }
     builder.build().unwrap()
 }
 
-/// Two legs, a chest with two arms, a nose on the head, and a prop that does not move.
+/// Two legs, a back of two bones with two arms, a head with a nose, three fingers on each hand, and a prop
+/// that does not move.
+const CHARACTER: [Plan; 25] = [
+    ("scene", None, [0.0, 0.0], LOCKED),
+    ("root", Some(0), [0.0, 0.0], FREE),
+    ("hips", Some(1), [0.0, 1.0], FREE),
+    ("left leg", Some(2), [0.1, 0.9], FREE),
+    ("left knee", Some(3), [0.1, 0.5], FREE),
+    ("left foot", Some(4), [0.1, 0.1], FREE),
+    ("right leg", Some(2), [-0.1, 0.9], FREE),
+    ("right knee", Some(6), [-0.1, 0.5], FREE),
+    ("right foot", Some(7), [-0.1, 0.1], FREE),
+    ("spine", Some(2), [0.0, 1.1], FREE),
+    ("chest", Some(9), [0.0, 1.4], FREE),
+    ("neck", Some(10), [0.0, 1.5], FREE),
+    ("head", Some(11), [0.0, 1.6], FREE),
+    ("nose", Some(12), [0.0, 1.7], FREE),
+    ("left arm", Some(10), [0.2, 1.4], FREE),
+    ("left elbow", Some(14), [0.5, 1.4], FREE),
+    ("left hand", Some(15), [0.8, 1.4], FREE),
+    ("left finger", Some(16), [0.9, 1.4], FREE),
+    ("left ring", Some(17), [0.95, 1.4], LOCKED),
+    ("right arm", Some(10), [-0.2, 1.4], FREE),
+    ("right elbow", Some(19), [-0.5, 1.4], FREE),
+    ("right hand", Some(20), [-0.8, 1.4], FREE),
+    ("right thumb", Some(21), [-0.84, 1.4], FREE),
+    ("right finger", Some(21), [-0.9, 1.4], FREE),
+    ("prop", Some(0), [0.0, 0.0], LOCKED),
+];
+
 fn character() -> Skeleton {
-    skeleton(&[
-        ("scene", None, LOCKED),
-        ("root", Some(0), FREE),
-        ("hips", Some(1), FREE),
-        ("left leg", Some(2), FREE),
-        ("left foot", Some(3), FREE),
-        ("right leg", Some(2), FREE),
-        ("right foot", Some(5), FREE),
-        ("chest", Some(2), FREE),
-        ("left arm", Some(7), FREE),
-        ("left hand", Some(8), FREE),
-        ("left ring", Some(9), LOCKED),
-        ("right arm", Some(7), FREE),
-        ("right hand", Some(11), FREE),
-        ("prop", Some(0), LOCKED),
-    ])
+    skeleton(&CHARACTER)
 }
 
 fn held(skeleton: &Skeleton, dragged: &[&str]) -> (Vec<String>, Vec<String>) {
@@ -67,7 +83,9 @@ fn the_trunk_and_the_other_limbs_stay() {
     for dragged in ["left hand", "left arm", "left ring"] {
         let (still, ends) = held(&character, &[dragged]);
         assert_eq!(still, trunk, "{dragged}");
-        assert_eq!(ends, ["left foot", "right foot", "right hand"], "{dragged}");
+        // Of a hand one finger; the head goes along.
+        let others = ["left foot", "right foot", "right finger"];
+        assert_eq!(ends, others, "{dragged}");
     }
     // What hangs on what is dragged comes along.
     let (still, ends) = held(&character, &["chest"]);
@@ -76,22 +94,71 @@ fn the_trunk_and_the_other_limbs_stay() {
         (3, vec!["left foot".into(), "right foot".into()])
     );
     let (_, ends) = held(&character, &["left hand", "right foot"]);
-    assert_eq!(ends, ["left foot", "right hand"]);
+    assert_eq!(ends, ["left foot", "right finger"]);
 }
 
 #[test]
 fn a_dragged_trunk_leaves_its_limbs_behind() {
     let (still, ends) = held(&character(), &["hips"]);
     assert_eq!(still, ["scene", "root"]);
-    assert_eq!(ends, ["left foot", "right foot", "left hand", "right hand"]);
+    let all = ["left foot", "right foot", "left finger", "right finger"];
+    assert_eq!(ends, all);
+}
+
+#[test]
+fn the_back_hardly_bends() {
+    let character = character();
+    let back = |dragged: &[&str]| {
+        let ids: Vec<BoneId> = dragged.iter().map(|d| character.bone(d).unwrap()).collect();
+        let back = character.holds(&ids).back.into_iter();
+        back.map(|id| character.bones()[id.index()].name.clone())
+            .collect::<Vec<_>>()
+    };
+    for dragged in [
+        &["left hand"][..],
+        &["right thumb"],
+        &["left hand", "right hand"],
+    ] {
+        assert_eq!(back(dragged), ["spine", "chest"], "{dragged:?}");
+    }
+    // It is what is dragged, or has no part in it.
+    for dragged in ["chest", "hips", "left foot"] {
+        assert!(back(&[dragged]).is_empty(), "{dragged}");
+    }
+
+    let holds = character.holds(&[character.bone("left hand").unwrap()]);
+    let at = |k: usize| if k < 3 { 0.0 } else { 0.001 * k as f64 };
+    let q: Vec<f64> = (0..character.angles()).map(at).collect();
+    let map = holds.parameters(&character, &q).unwrap();
+    let mut x = vec![0.0; map.variables()];
+    map.reduce(&q, &mut x);
+    for (variable, &coordinate) in map.leaders().iter().enumerate() {
+        let bone = &character.bones()[coordinate / 3].name;
+        let [below, above] = [
+            x[variable] - map.lower()[variable],
+            map.upper()[variable] - x[variable],
+        ];
+        // Two bones that bend by 0.7 rad together, and twist by as much.
+        let expected = match (bone.as_str(), coordinate % 3) {
+            ("spine" | "chest", 1) => 0.35,
+            ("spine" | "chest", _) => 0.175,
+            _ => f64::INFINITY,
+        };
+        for room in [below, above] {
+            assert!(
+                room == expected || (room - expected).abs() < 1e-12,
+                "{bone}: {room}"
+            );
+        }
+    }
 }
 
 #[test]
 fn one_chain_holds_nothing() {
     let arm = skeleton(&[
-        ("a", None, FREE),
-        ("b", Some(0), FREE),
-        ("c", Some(1), FREE),
+        ("a", None, [0.0, 0.0], FREE),
+        ("b", Some(0), [1.0, 0.0], FREE),
+        ("c", Some(1), [2.0, 0.0], FREE),
     ]);
     assert_eq!(held(&arm, &["c"]), (Vec::new(), Vec::new()));
 }
@@ -105,8 +172,8 @@ fn the_trunk_s_angles_stay_as_they_are() {
         .map(|k| if k < 3 { 0.0 } else { 0.01 * k as f64 })
         .collect();
     let map = holds.parameters(&character, &q).unwrap();
-    // Nine bones turn freely.
-    assert_eq!(map.variables(), 27);
+    // Of 25 bones three are the trunk and two more never move.
+    assert_eq!(map.variables(), 60);
     let mut expanded = vec![0.0; q.len()];
     map.expand(&vec![0.0; map.variables()], &mut expanded);
     assert_eq!(expanded[3..9], q[3..9]);

@@ -47,7 +47,8 @@ fn furthest(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn out_of_reach_into_limits_and_back_without_a_leap() {
-    for seed in 0..2 {
+    // KINOPT_CASES=… for more rigs.
+    for seed in 0..support::arms::cases(4, 1) as u64 {
         let rig = RandomRig::new(seed);
         let start = at_ease(&rig.skeleton);
         let (mut drag, hand, from) = drag(&rig, &start);
@@ -348,5 +349,30 @@ fn standing_elsewhere_is_beginning_there() {
         moved.stand_at(&[0.0, 0.0]).unwrap();
         moved.residual_mut(hand).unwrap().set_target(near);
         assert_eq!(run(&mut moved), expected, "{rest}");
+    }
+}
+
+#[test]
+fn a_body_settles_on_its_own_way() {
+    let rig = RandomRig::new(4);
+    let start = at_ease(&rig.skeleton);
+    for far in [0.05, 0.6] {
+        let (mut body, hand, from) = drag(&rig, &start);
+        let target = from + Vector3::new(1.0, 0.5, 0.2) * (far * rig.skeleton.size());
+        body.residual_mut(hand).unwrap().set_target(target);
+        let settled = body.settle(200).clone();
+        assert_eq!(settled.reached, far < 0.1, "{}", settled.explain());
+        assert!(body.rests() && !body.catching_up() && settled.iterations > 0);
+        assert_eq!(body.leap(), None);
+        // What follows takes it from there, in small steps again.
+        for _ in 0..8 {
+            body.advance();
+            assert!(furthest(body.q(), &settled.q) < 1e-5);
+        }
+        let back = from - Vector3::new(1.0, 0.5, 0.2) * (0.3 * rig.skeleton.size());
+        body.residual_mut(hand).unwrap().set_target(back);
+        let before = body.q().to_vec();
+        body.advance();
+        assert!(furthest(body.q(), &before) <= MOST_MOVE);
     }
 }

@@ -1,17 +1,19 @@
 //! Rigs dragged out of reach, into their limits and back: how far any joint leaps between two
-//! frames, and what a frame costs; then what whole bodies cost that cannot reach:
-//! `cargo run --release -p kinopt-benches --bin drags -- [FILE.json | FILE.urdf …]`.
+//! frames, and what a frame costs in processor time; then what whole bodies cost that cannot reach:
+//! `cargo run --release -p kinopt-benches --bin drags -- [--solver] [FILE.json | FILE.urdf …]`,
+//! with `--solver` beside searches from scratch.
 #![allow(clippy::print_stdout)]
 
-use std::error::Error;
-use std::path::Path;
-use std::time::Instant;
-
+use kinopt::animation::Armature;
 use kinopt::ik::{Drag, Restarts};
 use kinopt::io::rig::Rig;
+use kinopt::model::Limits;
 use kinopt::robot::Robot;
+use kinopt::skeleton::BoneId;
 use kinopt::{Solution, Solver, Workspace};
-use kinopt_benches::{BodyMiss, DragScene, at_ease, figure};
+use kinopt_benches::{BodyMiss, DragScene, ThreadTime, at_ease, figure};
+use std::error::Error;
+use std::path::Path;
 
 /// Frames of one drag.
 const FRAMES: u32 = 5000;
@@ -30,8 +32,8 @@ struct Course {
 }
 
 impl Course {
-    fn take(&mut self, begun: Instant, solution: &Solution, q: &mut [f64]) {
-        self.micros.push(begun.elapsed().as_secs_f64() * 1e6);
+    fn take(&mut self, begun: ThreadTime, solution: &Solution, q: &mut [f64]) {
+        self.micros.push(begun.micros());
         let moves = solution.q.iter().zip(&*q);
         let furthest = moves.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
         self.leaps += usize::from(furthest > LEAP);
@@ -69,7 +71,7 @@ fn by_solver(scene: &DragScene, solver: &Solver) -> Result<Course, Box<dyn Error
         if let Some(point) = problem.residual_mut(hand) {
             point.set_target(scene.target(frame, FRAMES));
         }
-        let begun = Instant::now();
+        let begun = ThreadTime::now();
         let solution = solver.solve(&problem, &q, &mut workspace)?;
         course.take(begun, solution, &mut q);
     }
@@ -85,7 +87,7 @@ fn by_drag(scene: &DragScene) -> Result<Course, Box<dyn Error>> {
         if let Some(point) = drag.residual_mut(hand) {
             point.set_target(scene.target(frame, FRAMES));
         }
-        let begun = Instant::now();
+        let begun = ThreadTime::now();
         let solution = drag.advance();
         course.take(begun, solution, &mut q);
     }
@@ -94,6 +96,7 @@ fn by_drag(scene: &DragScene) -> Result<Course, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let files: Vec<String> = std::env::args().skip(1).collect();
+    let peers = files.iter().any(|argument| argument == "--solver");
     let mut scenes = Vec::new();
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let (skeleton, tips) = figure(2, 4);
@@ -131,11 +134,25 @@ fn main() -> Result<(), Box<dyn Error>> {
             rest,
         ));
     }
+    let rig = Rig::read(models.join("humanoid/humanoid.json"))?;
+    let (skeleton_, rest) = (&rig.skeleton, rig.skeleton.model().neutral());
+    let hand = skeleton_.bone("left_hand")?;
+    let humanoid =
+        |held: &[BoneId]| DragScene::of_skeleton("humanoid", skeleton_, hand, held, rest.clone());
+    scenes.push(humanoid(&rig.constrained).with_posture());
+    // The same bones as a file of animation would have them.
+    let bare = Armature::of_skeleton(skeleton_).skeleton("bare", |_| [Limits::UNBOUNDED; 3])?;
+    let hand = bare.bone("left_hand")?;
+    let start = bare.model().neutral();
+    let name = "humanoid as a scene has it";
+    scenes.push(DragScene::of_bare_figure(name, &bare, hand, start)?);
     for scene in &scenes {
         println!("{}, {FRAMES} frames", scene.name);
-        by_solver(scene, &Solver::default())?.print("solver");
-        let once = Solver::default().with_restarts(Restarts::none());
-        by_solver(scene, &once)?.print("solver, one attempt");
+        if peers {
+            by_solver(scene, &Solver::default())?.print("solver");
+            let once = Solver::default().with_restarts(Restarts::none());
+            by_solver(scene, &once)?.print("solver, one attempt");
+        }
         by_drag(scene)?.print("drag");
     }
 
@@ -156,9 +173,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             for (what, problem) in &body.problems {
                 let mut micros: Vec<f64> = Vec::new();
                 for _ in 0..5 {
-                    let begun = Instant::now();
+                    let begun = ThreadTime::now();
                     solver.solve(problem, &body.start, &mut workspace)?;
-                    micros.push(begun.elapsed().as_secs_f64() * 1e6);
+                    micros.push(begun.micros());
                 }
                 micros.sort_by(f64::total_cmp);
                 let solution = workspace.solution();

@@ -100,8 +100,11 @@ impl<'a> CoreDoor<'a> {
             (*frame, task)
         });
         let held = held.collect();
+        for posture in self.held.posture(self.loaded, start) {
+            builder.add(posture);
+        }
         Ok(CoreDesk {
-            body: Drag::new(builder.build()?, start)?,
+            body: self.finder.body(builder.build()?, start)?,
             target,
             held,
             start: start.to_vec(),
@@ -160,7 +163,14 @@ impl Door for CoreDoor<'_> {
             self.base
                 .aim(&mut body, desk.target, question.base_from_tip);
             let started = Instant::now();
-            let solution = body.settle(FRAMES).clone();
+            body.advance();
+            for _ in 1..FRAMES {
+                if !body.catching_up() {
+                    break;
+                }
+                body.advance();
+            }
+            let solution = body.solution().clone();
             let found = Found {
                 solution,
                 way: None,

@@ -4,15 +4,17 @@ use std::time::{Duration, Instant};
 
 use kinopt::ik::Drag;
 use kinopt::solver::{Observer, Stopping};
-use kinopt::{Solution, Solver, Workspace};
+use kinopt::{Problem, Solution, Solver, Workspace};
 
 use super::answer::{Answer, Way};
 use super::arguments::Arguments;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 
-/// Frames until a figure rests at most: at 0.15 rad each, several turns.
+/// Frames until a figure rests at most; in a path, at 0.15 rad each, several turns.
 pub(super) const FRAMES: usize = 200;
+/// Steps of a frame at most.
+const FRAME_STEPS: usize = 40;
 /// A search from elsewhere has found better where its cost is lower by a thousandth.
 const BETTER: f64 = 1.0 - 1e-3;
 
@@ -82,7 +84,7 @@ impl Finder {
         }
         let began = Instant::now();
         body.stand_at(start)?;
-        let settled = self.settled(body, began);
+        let settled = body.settle(FRAMES).clone();
         let left = self
             .limit
             .map(|limit| limit.saturating_sub(began.elapsed()));
@@ -118,26 +120,19 @@ impl Finder {
         })
     }
 
+    /// A body at a problem's start, for the poses that are asked for.
+    pub(super) fn body(&self, problem: Problem, start: &[f64]) -> Outcome<Drag> {
+        let drag = Drag::new(problem, start)?;
+        let Some(limit) = self.limit.filter(|_| self.settles) else {
+            return Ok(drag);
+        };
+        let frame = Stopping::default().with_max_iterations(FRAME_STEPS);
+        Ok(drag.with_solver(Solver::default(), frame.with_time_limit(limit)))
+    }
+
     /// A body that follows a path by the solver's method.
     pub(super) fn follower(&self, body: Drag) -> Drag {
         body.with_solver(self.solver.clone(), self.stopping)
-    }
-
-    /// Where the body rests, or stands when its time is over.
-    fn settled(&self, body: &mut Drag, began: Instant) -> Solution {
-        let mut settled = body.settle(1).clone();
-        for _ in 1..FRAMES {
-            let late = self.limit.is_some_and(|limit| began.elapsed() >= limit);
-            if body.rests() || late {
-                break;
-            }
-            let (iterations, mut counts) = (settled.iterations, settled.counts);
-            settled.clone_from(body.settle(1));
-            settled.iterations += iterations;
-            counts += settled.counts;
-            settled.counts = counts;
-        }
-        settled
     }
 
     /// The solver with the time that is left.

@@ -2,6 +2,7 @@
 
 use kinopt::model::{FrameId, ModelError, ParameterMap, Source};
 use kinopt::skeleton::{BoneId, Holds};
+use kinopt::task::{Posture, Task};
 
 use super::arguments::Arguments;
 use crate::failure::{Failure, Outcome};
@@ -14,8 +15,10 @@ const NOTHING: &str = "none";
 /// What is held.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Held {
-    /// Bones that do not turn.
-    still: Vec<BoneId>,
+    /// Bones that do not turn, and those that hardly bend.
+    holds: Holds,
+    /// Whether a figure keeps to the posture that it starts in.
+    keeps_posture: bool,
     /// Tips that stay where they are, by their bones' names.
     pub(super) tips: Vec<(String, FrameId)>,
 }
@@ -52,8 +55,9 @@ impl Held {
         let mut tips = Vec::new();
         match named {
             [] if loaded.is_bare_figure() => {
-                let Holds { trunk, ends } = skeleton.holds(&dragged_bones);
-                (held.still, tips) = (trunk, ends);
+                held.holds = skeleton.holds(&dragged_bones);
+                held.keeps_posture = true;
+                tips.clone_from(&held.holds.ends);
             }
             [] => tips.extend_from_slice(&rig.constrained),
             _ => {
@@ -64,7 +68,7 @@ impl Held {
                     };
                     // Of a bone that carries what is dragged, the tip alone would say little.
                     if dragged_bones.iter().any(|&b| loaded.carries(bone, b)) {
-                        held.still.extend(loaded.up_from(bone));
+                        held.holds.trunk.extend(loaded.up_from(bone));
                     } else {
                         tips.push(bone);
                     }
@@ -80,9 +84,9 @@ impl Held {
         Ok(held)
     }
 
-    /// Whether some bones do not turn.
+    /// Whether some bones stay as the start has them.
     pub(super) fn holds_still(&self) -> bool {
-        !self.still.is_empty()
+        self.keeps_posture || !self.holds.trunk.is_empty()
     }
 
     /// The variables of the solver: what is held still stays as in `start`.
@@ -94,28 +98,31 @@ impl Held {
         loaded: &LoadedModel,
         start: &[f64],
     ) -> Result<ParameterMap, ModelError> {
-        match (&loaded.rig, &loaded.held) {
-            (Some(rig), None) if !self.still.is_empty() => Holds {
-                trunk: self.still.clone(),
-                ends: Vec::new(),
-            }
-            .parameters(&rig.skeleton, start),
-            (Some(rig), Some(held)) if !self.still.is_empty() => {
-                let trunk = self.still.iter();
-                let trunk: Vec<_> = trunk.flat_map(|&b| rig.skeleton.joints(b)).collect();
-                let mut builder = ParameterMap::builder(&loaded.model);
-                let joints = loaded.model.moving_joints().iter();
-                for ((&joint, source), &value) in joints.zip(held.map.sources()).zip(start) {
-                    builder = match *source {
-                        Source::Constant(value) => builder.lock(joint, value),
-                        _ if trunk.contains(&joint) => builder.lock(joint, value),
-                        Source::Variable { .. } => builder,
-                    };
+        let Some(rig) = loaded.rig.as_ref().filter(|_| self.holds_still()) else {
+            return Ok(loaded.parameters());
+        };
+        let builder = ParameterMap::builder(&loaded.model);
+        let mut builder = self.holds.narrow(builder, &rig.skeleton, start);
+        if let Some(held) = &loaded.held {
+            let trunk = self.holds.trunk.iter();
+            let trunk: Vec<_> = trunk.flat_map(|&b| rig.skeleton.joints(b)).collect();
+            let joints = loaded.model.moving_joints().iter();
+            for (&joint, source) in joints.zip(held.map.sources()) {
+                if let Source::Constant(value) = *source {
+                    if !trunk.contains(&joint) {
+                        builder = builder.lock(joint, value);
+                    }
                 }
-                builder.build()
             }
-            _ => Ok(loaded.parameters()),
         }
+        builder.build()
+    }
+
+    /// What keeps a figure that says nothing of itself near the posture it starts in, where the targets
+    /// leave room, its back more than its limbs: none for the others.
+    pub(super) fn posture(&self, loaded: &LoadedModel, start: &[f64]) -> Vec<Task<Posture>> {
+        let rig = loaded.rig.as_ref().filter(|_| self.keeps_posture);
+        rig.map_or_else(Vec::new, |rig| self.holds.postures(&rig.skeleton, start))
     }
 }
 

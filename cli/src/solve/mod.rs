@@ -22,7 +22,6 @@ mod weights;
 use std::time::Instant;
 
 use kinopt::Workspace;
-use kinopt::ik::Drag;
 use kinopt::robot::Robot;
 
 use answer::{Answer, AskedTask, Question};
@@ -119,7 +118,7 @@ fn by_general_solver(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Ans
     let mut workspace = Workspace::new();
     let mut progress = Progress::new();
     let finder = Finder::new(loaded, arguments);
-    let mut body = Drag::new(asked.problem, &start)?;
+    let mut body = finder.body(asked.problem, &start)?;
     let started = Instant::now();
     let found = finder.find(&mut body, &start, &mut workspace, &mut progress)?;
     let micros = microseconds(started);

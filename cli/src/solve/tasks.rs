@@ -41,6 +41,7 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
     let dragged: Vec<FrameId> = taken.iter().map(|(_, frame)| *frame).collect();
     let held = Held::of(loaded, arguments, &dragged)?;
     builder.parameters(held.parameters(loaded, start)?);
+    let posture = held.posture(loaded, start);
     let all = [taken, held.tips.clone()].concat();
     let weights = Weights::of(loaded, arguments, &all)?;
 
@@ -79,6 +80,10 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
             frame: name,
             held: true,
         });
+    }
+    // After what was asked for, in whose order the answer is told.
+    for posture in posture {
+        builder.add(posture);
     }
     taken.extend(base.moving_frame());
     Ok(Asked {

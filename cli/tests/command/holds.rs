@@ -99,6 +99,21 @@ fn a_character_dragged_by_a_hand_stays_on_its_feet() {
         }
         assert!(moved(&out, "left hand") > 0.3);
     }
+    // The arm goes, not the back; and where it is too short the back bends, but does not twist round.
+    let shoulder = |target: &str| {
+        let hold = json(&["solve", &file, target, "--out", &out, "--json"]);
+        (hold["reached"] == true, moved(&out, "right arm"))
+    };
+    let (reached, moved_shoulder) = shoulder("--target=left hand=0.5,1.6,0.3");
+    assert!(reached && moved_shoulder < 0.02, "{moved_shoulder}");
+    for target in ["3,3,1", "-3,1.4,0.5", "0.5,1.4,-3", "0.2,-3,0.5"] {
+        let (reached, moved_shoulder) = shoulder(&format!("--target=left hand={target}"));
+        // 0.7 rad of an arm's length of 0.2.
+        assert!(
+            !reached && moved_shoulder < 0.15,
+            "{target}: {moved_shoulder}"
+        );
+    }
 }
 
 #[test]

@@ -144,6 +144,11 @@ fn what_cannot_be_is_refused() {
         &["wave.bvh: --q ", "--time"],
     );
     let spline = "--interpolation=linear";
+    refused(
+        &["fk", &file, "--time=0", spline],
+        2,
+        &["--interpolation", "--time"],
+    );
     let out = folder.file("posed.obj");
     let target = "--target=Upper Arm/tip=1,2,3";
     refused(

@@ -2,9 +2,11 @@
 //!
 //!     cargo run --release -p kinopt-models              # the rigs
 //!     cargo run --release -p kinopt-models -- picture   # docs/humanoid.png
+//!     cargo run --release -p kinopt-models -- dragged   # docs/dragged.png
 //!     cargo run --release -p kinopt-models -- look DIR  # the rigs from several sides, as PNG
 
 mod contact_sheet;
+mod dragged;
 mod figure;
 mod humanoid;
 mod humanoid_body;
@@ -53,6 +55,10 @@ fn run() -> Result<(), Failure> {
             let rig = Rig::read(rig_path("humanoid"))?;
             picture::picture(&rig, &root().join("docs/humanoid.png"))?;
         }
+        ["dragged"] => {
+            let rig = Rig::read(rig_path("humanoid"))?;
+            dragged::dragged(&rig, &root().join("docs/dragged.png"))?;
+        }
         ["look", folder] => {
             for name in ["robot-arm", "humanoid"] {
                 let rig = Rig::read(rig_path(name))?;
@@ -63,7 +69,7 @@ fn run() -> Result<(), Failure> {
                 }
             }
         }
-        _ => return Err("usage: kinopt-models [picture | look DIR]".into()),
+        _ => return Err("usage: kinopt-models [picture | dragged | look DIR]".into()),
     }
     Ok(())
 }

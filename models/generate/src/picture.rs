@@ -27,9 +27,9 @@ const POSTURE: [f64; 3] = [0.1, 0.01, 1e-3];
 const TOLERANCE: f64 = 1e-4;
 
 const SIZE: [usize; 2] = [1280, 820];
-const PAPER: u32 = 0xfafafa;
-const AT_REST: u32 = 0xc9ccd1;
-const POSED: u32 = 0x5b9bd5;
+pub(crate) const PAPER: u32 = 0xfafafa;
+pub(crate) const AT_REST: u32 = 0xc9ccd1;
+pub(crate) const POSED: u32 = 0x5b9bd5;
 const TARGET: u32 = 0xf2542d;
 const BONE: u32 = 0xffffff;
 
@@ -108,7 +108,7 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
     image.write(path)
 }
 
-fn draw_bones(image: &mut Image, view: &View, rig: &Rig, q: &[f64], place: DVec3) {
+pub(crate) fn draw_bones(image: &mut Image, view: &View, rig: &Rig, q: &[f64], place: DVec3) {
     let placements = rig.skeleton.pose(q);
     for bone in rig.skeleton.bone_ids() {
         let ends = [placements.tail(bone), placements.tip(&rig.skeleton, bone)];
@@ -119,7 +119,7 @@ fn draw_bones(image: &mut Image, view: &View, rig: &Rig, q: &[f64], place: DVec3
 }
 
 /// A ring around a target and a dot on it.
-fn ring(image: &mut Image, view: &View, centre: DVec3) {
+pub(crate) fn ring(image: &mut Image, view: &View, centre: DVec3) {
     const CORNERS: usize = 48;
     let (right, up) = view.across();
     let at = |corner: usize| {

@@ -1,0 +1,88 @@
+//! Whether shipped rigs reach targets that they can reach, from rest, and in how many attempts:
+//! `cargo run --release -p kinopt-benches --bin rig_reach -- [targets]`.
+#![allow(clippy::print_stdout)]
+
+use std::error::Error;
+use std::path::Path;
+
+use kinopt::ik::Drag;
+use kinopt::io::rig::Rig;
+use kinopt::model::ParameterMap;
+use kinopt::skeleton::BoneId;
+use kinopt::task::{Point, Quantity};
+use kinopt::{Problem, Skeleton, Solver, Workspace};
+use kinopt_benches::{Sequence, ThreadTime, figure, random_targets};
+
+/// Frames of a body that settles, at most.
+const FRAMES: usize = 200;
+
+fn reach(
+    name: &str,
+    skeleton: &Skeleton,
+    tips: &[BoneId],
+    count: usize,
+) -> Result<(), Box<dyn Error>> {
+    let mut builder = Problem::builder(skeleton.model());
+    builder.parameters(ParameterMap::free(skeleton.model()));
+    builder.tolerance(Quantity::Metres, 1e-9 * skeleton.size());
+    let tasks: Vec<_> = tips
+        .iter()
+        .map(|&tip| builder.add(Point::new(skeleton.tip(tip), [0.0; 3])))
+        .collect();
+    let targets = random_targets(skeleton, tips, count, &mut Sequence::new(0.5));
+    let rest = skeleton.model().neutral();
+    let mut body = Drag::new(builder.build()?, &rest)?;
+    let mut workspace = Workspace::new();
+    let (mut own, mut missed, mut attempts) = (0, Vec::new(), Vec::new());
+    let mut micros = [Vec::new(), Vec::new()];
+    for (index, target) in targets.iter().enumerate() {
+        for (&task, &at) in tasks.iter().zip(target) {
+            if let Some(point) = body.residual_mut(task) {
+                point.set_target(at);
+            }
+        }
+        body.stand_at(&rest)?;
+        let begun = ThreadTime::now();
+        own += usize::from(body.settle(FRAMES).reached);
+        micros[0].push(begun.micros());
+        let begun = ThreadTime::now();
+        let solution = Solver::default().solve(body.problem(), &rest, &mut workspace)?;
+        micros[1].push(begun.micros());
+        match solution.reached {
+            true => attempts.push(solution.attempts),
+            false => missed.push(index),
+        }
+    }
+    attempts.sort_unstable();
+    micros
+        .iter_mut()
+        .for_each(|list| list.sort_by(f64::total_cmp));
+    let at = |list: &[f64], share: f64| list[((list.len() - 1) as f64 * share) as usize];
+    let most: Vec<_> = attempts.iter().rev().take(8).collect();
+    println!(
+        "{name}: {count} targets of {} tips: {} missed {missed:?}; attempts: most {most:?}; \
+         p50 {:.0} µs, p99 {:.0} µs; settled on its own way: {own}, p50 {:.0} µs, p99 {:.0} µs",
+        tips.len(),
+        missed.len(),
+        at(&micros[1], 0.5),
+        at(&micros[1], 0.99),
+        at(&micros[0], 0.5),
+        at(&micros[0], 0.99),
+    );
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let count: usize = std::env::args().nth(1).map_or(Ok(6000), |n| n.parse())?;
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let (figure, tips) = figure(2, 4);
+    reach("figure of 22 bones", &figure, &tips, count)?;
+    for name in ["humanoid", "robot-arm"] {
+        let rig = Rig::read(models.join(name).join(format!("{name}.json")))?;
+        let skeleton = &rig.skeleton;
+        reach(name, skeleton, &rig.constrained, count)?;
+        let last = rig.constrained.first().copied();
+        reach(name, skeleton, last.as_slice(), count)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,127 @@
+//! Promise: a goal out of reach is missed by no more for the sake of preferences, which use what the miss
+//! leaves free.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::model::{FrameId, JointId};
+use kinopt::problem::Problem;
+use kinopt::spatial::Placement;
+use kinopt::task::{Point, Posture, Quantity, Residual, Rows, Task};
+use kinopt::{Scalar, Solution, Solver};
+use support::arms::panda;
+use support::planar_arm;
+use support::random::Random;
+use support::trees::configuration_of;
+
+use crate::pulls::{Add, drag, problem, pull_of, within_limits};
+
+#[test]
+fn a_goal_out_of_reach_is_missed_by_no_more() {
+    for seed in 0..support::arms::cases(4, 1) as u64 {
+        let drag = drag(seed);
+        let model = drag.rig.skeleton.model();
+        let goal: Add<'_> = &|builder| drag.add_goals(builder, 4.0);
+        let pull: Add<'_> = &|builder| {
+            builder.add(Posture::new(model, &drag.rest));
+        };
+        let goals = problem(model, &drag.map, &[goal]);
+        let both = problem(model, &drag.map, &[goal, pull]);
+        let alone = Solver::default().solve_once(&goals, &drag.start).unwrap();
+        let solution = Solver::default().solve_once(&both, &drag.start).unwrap();
+        assert!(!alone.reached && !solution.reached);
+        let missed = solution.cost - pull_of(&solution);
+        assert!(
+            missed <= alone.cost * (1.0 + 2e-9),
+            "{seed}: {missed} {}",
+            alone.cost
+        );
+        let pull = |q: &[f64]| {
+            let off = q.iter().zip(&drag.rest).map(|(a, b)| (a - b).powi(2));
+            0.5 * off.sum::<f64>()
+        };
+        assert!(
+            pull(&solution.q) < pull(&alone.q),
+            "{seed}: no nearer to rest"
+        );
+        assert!(within_limits(&both, &solution.q));
+        assert_eq!(solution.pulling_preferences().count(), 0);
+    }
+}
+
+#[test]
+fn what_a_miss_leaves_free_is_used() {
+    // A stretched arm of ball joints may still roll about its own line, and a joint beside it turn.
+    let (robot, _, tool) = panda();
+    let (model, map) = (robot.model(), robot.map());
+    let frame = model.frame(tool).unwrap();
+    let mut random = Random::new(5);
+    let start = configuration_of(model, &mut random);
+    let other = configuration_of(model, &mut random);
+    let goal: Add<'_> = &|builder| {
+        builder.add(Point::new(frame, [2.0, 1.0, 0.4]));
+    };
+    let pull: Add<'_> = &|builder| {
+        builder.add(Posture::new(model, &other));
+    };
+    let goals = problem(model, map, &[goal]);
+    let both = problem(model, map, &[goal, pull]);
+    let alone = Solver::default().solve_once(&goals, &start).unwrap();
+    let solution = Solver::default().solve_once(&both, &start).unwrap();
+    let missed = |s: &Solution| s.tasks().next().unwrap().position_error().unwrap();
+    assert!((missed(&alone) - missed(&solution)).abs() < 1e-8);
+    // The last joint turns about the tool's own line: nothing keeps it from its value.
+    let last = 6;
+    assert!(
+        (solution.q[last] - other[last]).abs() < 1e-4,
+        "{solution:?}"
+    );
+    assert!(solution.is_out_of_reach());
+    assert!(
+        solution.explain().contains("Out of reach: point of"),
+        "{}",
+        solution.explain()
+    );
+}
+
+/// A goal that misses by 1 where its joint is below 0.3 and by 1.2 beyond 0.5, flat on both sides.
+struct Terrace(JointId);
+
+impl Residual for Terrace {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        vec![self.0]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        let c = S::constant;
+        let way = ((joints[0] - c(0.3)) * c(5.0)).max(c(0.0)).min(c(1.0));
+        residual[0] = c(1.0) + c(0.2) * way * way * (c(3.0) - c(2.0) * way);
+    }
+}
+
+/// A step over an edge ends where no slope leads back, and is not taken.
+#[test]
+fn a_miss_does_not_grow_for_a_preference_s_sake() {
+    let model = planar_arm(&[1.0], Some((-2.0, 2.0)));
+    let joint = model.joint("joint 0").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Task::new(Terrace(joint)).tolerance(Quantity::Ratio, 1e-6));
+    builder.add(Posture::new(&model, &[1.5]));
+    let problem = builder.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &[0.0]).unwrap();
+    assert!(!solution.reached);
+    let missed = solution
+        .tasks()
+        .next()
+        .unwrap()
+        .error(Quantity::Ratio)
+        .unwrap();
+    assert!(missed < 1.0 + 1e-6, "{missed} at {:?}", solution.q);
+    assert!(solution.q[0] > 0.1, "{:?}", solution.q);
+}

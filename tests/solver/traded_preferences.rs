@@ -1,0 +1,137 @@
+//! Promise: preferences that are traded off against goals pull them away, and a solution names them; one
+//! that is cut short or no number is told.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use kinopt::problem::{Preferences, Problem};
+use kinopt::solver::{Iteration, Stopping, Termination};
+use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::{Solver, Workspace};
+use support::arms::panda;
+use support::planar_arm;
+use support::random::Random;
+use support::trees::configuration_of;
+
+use crate::pulls::{linearised, placement_of};
+
+#[test]
+fn traded_preferences_pull_goals_away_and_are_named() {
+    let (robot, _, tool) = panda();
+    let (model, map) = (robot.model(), robot.map());
+    let frame = model.frame(tool).unwrap();
+    let mut random = Random::new(2);
+    let [there, other] = [(); 2].map(|()| configuration_of(model, &mut random));
+    let target = placement_of(model, tool, &there);
+    for weight in [1.0, 1e-2] {
+        let mut builder = Problem::builder(model);
+        builder.parameters(map.clone());
+        builder.add(Pose::new(frame, target));
+        builder.add(
+            Task::new(Posture::new(model, &other))
+                .weight(Quantity::JointUnits, weight)
+                .named("my posture"),
+        );
+        builder.add(Task::new(Posture::new(model, &there)).weight(Quantity::JointUnits, 1e-9));
+        builder.preferences(Preferences::Traded);
+        let problem = builder.build().unwrap();
+        assert_eq!(problem.preferences(), Preferences::Traded);
+        let solution = Solver::default().solve_once(&problem, &there).unwrap();
+        assert!(!solution.reached);
+        let named: Vec<&str> = solution.pulling_preferences().collect();
+        assert_eq!(named, ["my posture"]);
+        let words = solution.explain();
+        assert!(
+            words.contains("my posture pulls against the goals"),
+            "{words}"
+        );
+        assert!(words.contains("sum of goals and preferences"), "{words}");
+    }
+}
+
+/// The strongest first, whatever the order in which they were added.
+#[test]
+fn of_several_that_pull_the_strongest_is_named_first() {
+    let model = planar_arm(&[1.0, 0.8], Some((-2.5, 2.5)));
+    let tip = model.frame("tip").unwrap();
+    for weights in [[0.3, 0.5, 0.2], [0.5, 0.2, 0.3]] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, [0.9, 0.9, 0.0]));
+        for weight in weights {
+            let posture = Task::new(Posture::new(&model, &[-1.0, 0.5]));
+            let posture = posture.weight(Quantity::JointUnits, weight);
+            builder.add(posture.named(format!("{weight}")));
+        }
+        builder.preferences(Preferences::Traded);
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.2, 0.9]).unwrap();
+        let named: Vec<&str> = solution.pulling_preferences().collect();
+        assert_eq!(named, ["0.5", "0.3", "0.2"]);
+    }
+}
+
+#[test]
+fn without_goals_that_can_be_missed_the_sum_is_minimised() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
+    let tip = model.frame("tip").unwrap();
+    let solve = |goal: bool| {
+        let mut builder = Problem::builder(&model);
+        let point = Task::new(Point::new(tip, [0.5, 0.5, 0.0]));
+        builder.add(match goal {
+            true => point.tolerance(Quantity::Metres, f64::INFINITY),
+            false => point.preference(),
+        });
+        builder.add(Posture::new(&model, &[0.3, 0.3, 0.3]));
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.1; 3]).unwrap();
+        let (residual, jacobian) = linearised(&problem, &solution.q);
+        assert!((jacobian.transpose() * residual).amax() < 1e-7);
+        assert!(solution.reached);
+        solution.q
+    };
+    assert_eq!(solve(true), solve(false));
+}
+
+#[test]
+fn a_preference_that_is_cut_short_or_not_finite_is_told() {
+    let (robot, _, tool) = panda();
+    let (model, map) = (robot.model(), robot.map());
+    let frame = model.frame(tool).unwrap();
+    let mut random = Random::new(4);
+    let [there, other] = [(); 2].map(|()| configuration_of(model, &mut random));
+    let mut builder = Problem::builder(model);
+    builder.parameters(map.clone());
+    builder.add(Pose::new(frame, placement_of(model, tool, &there)));
+    let task = builder.add(Posture::new(model, &other));
+    let mut problem = builder.build().unwrap();
+    for (cancels, ended) in [
+        (true, Termination::Cancelled),
+        (false, Termination::TimeLimit),
+    ] {
+        let limit = Duration::from_millis(200);
+        let solver = Solver::default().with_stopping(Stopping::default().with_time_limit(limit));
+        let mut seen = 0;
+        let mut watch = |_: &Iteration<'_>| {
+            seen += 1;
+            match (seen, cancels) {
+                (3, true) => return ControlFlow::Break(()),
+                (3, false) => std::thread::sleep(limit),
+                _ => {}
+            }
+            ControlFlow::Continue(())
+        };
+        let mut workspace = Workspace::new();
+        // The goals are met at the start.
+        let solution = solver.solve_observed(&problem, &there, &mut workspace, &mut watch);
+        let solution = solution.unwrap();
+        assert!(solution.reached);
+        assert_eq!(solution.termination, ended);
+        assert!(solution.explain().contains("pull of the preferences early"));
+    }
+    let posture = problem.residual_mut(task).unwrap();
+    posture.set_reference(&vec![f64::NAN; other.len()]);
+    let solution = Solver::default().solve_once(&problem, &there).unwrap();
+    assert_eq!(solution.termination, Termination::NonFinite);
+    assert!(solution.q.iter().all(|v| v.is_finite()));
+}
