@@ -12,6 +12,7 @@ use kinopt::task::{
 };
 use kinopt::{Scalar, Solver};
 use support::arms::panda;
+use support::planar_arm;
 use support::random::Random;
 use support::trees::configuration_of;
 
