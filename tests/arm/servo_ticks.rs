@@ -230,3 +230,26 @@ fn a_batch_tells_winners_of_what_is_reached() {
         assert_eq!(outcome.reached, outcome.winner.is_some(), "{outcome:?}");
     }
 }
+
+/// Drawn beyond its limits, on either side, a servo stands on them to the bit.
+#[test]
+fn a_servo_is_never_beyond_its_limits() {
+    let arm = planar(&[0.6, 0.4], 1.0, 1.0);
+    let further = planar(&[0.6, 0.4], 2.5, 1.0);
+    for side in [-1.0, 1.0] {
+        let mut target = further
+            .base_from_tool(&[0.0, 1.5 * side, 1.4 * side])
+            .unwrap();
+        target.translation.z = 0.9 * side;
+        let mut servo = arm.servo(&[0.0, 0.1 * side, 0.2 * side], TICK).unwrap();
+        servo = servo.with_velocity_limits(&[2.0; 3]).unwrap();
+        for _ in 0..1500 {
+            let step = servo.step(target).unwrap();
+            for (q, limits) in step.q.iter().zip(arm.limits()) {
+                assert!(limits.contains(*q), "{:?}", step.q);
+            }
+        }
+        assert_eq!(servo.q()[0], 0.5 * side);
+        assert_eq!(servo.q()[1], side);
+    }
+}
