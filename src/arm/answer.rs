@@ -3,11 +3,9 @@
 use std::time::Instant;
 
 use super::QueryError;
-use super::follower::LONG_STEP;
 use super::options::Search;
 use super::query::Arm;
 use super::report::Reply;
-use super::settle::Settling;
 use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes;
@@ -17,9 +15,6 @@ use crate::spatial::Placement;
 /// Iterations after which the start's own end and the engine's best are first handed to the core,
 /// whose damping by gain ratio comes through narrow valleys that the engine's does not.
 pub(super) const QUICK: u32 = 600;
-
-/// Steps of a careful way from the start.
-const NEAR_STEPS: usize = 100;
 
 impl Arm {
     /// Whether the lane engine's answer to a question is the arm's, if it reaches.
@@ -188,9 +183,6 @@ impl Arm {
             _ => Some(0),
         };
         let mut termination = self.settle(workspace, reply, deadline);
-        if !reply.errors.reached && self.options.search != Search::First && !late() {
-            self.stay_near(workspace, reply, deadline);
-        }
         if !reply.errors.reached && !late() {
             let own = reply.errors;
             // Taken out and put back, so that nothing is allocated.
@@ -211,35 +203,6 @@ impl Arm {
             reply.winner = None;
         }
         reply.termination = self.ended(reply.errors, termination, late());
-    }
-
-    /// Replaces the start's own end by the nearest place that a careful way from the start leads to, if
-    /// the start stands there but for a short move: an attempt's long steps may have led away from it.
-    fn stay_near(&self, workspace: &mut Workspace, reply: &mut Reply, deadline: Option<Instant>) {
-        let end = self.longest_move(&workspace.start, &workspace.x).1;
-        if end <= LONG_STEP {
-            return;
-        }
-        let mut far = std::mem::take(&mut workspace.trial);
-        far.copy_from_slice(&workspace.x);
-        workspace.trial = std::mem::take(&mut workspace.kept);
-        let Workspace { x, start, .. } = &mut *workspace;
-        x.copy_from_slice(start);
-        let how = Settling {
-            steps: NEAR_STEPS,
-            anchor: 0.0,
-            floor: 0.0,
-            clear: true,
-            deadline,
-        };
-        let (_, iterations) = workspace.settle_near(&how);
-        reply.iterations += iterations;
-        if self.longest_move(&workspace.start, &workspace.x).1 <= LONG_STEP {
-            reply.errors = workspace.judge_x();
-        } else {
-            workspace.x.copy_from_slice(&far);
-        }
-        workspace.kept = std::mem::replace(&mut workspace.trial, far);
     }
 
     /// How a question ended that was taken to its end.

@@ -256,10 +256,9 @@ impl ArmBuilder<'_> {
     }
 
     /// While following ([`Arm::track`], [`Arm::follower`], [`Arm::servo`]), how strongly the freedom
-    /// that the goal leaves keeps joints away from their limits, beside the posture that the arm began in
-    /// (or that is [asked for](Self::with_posture)): a joint that comes onto its limit is drawn back as if it
-    /// were eight times so many radians from that posture, less before, not at all in the middle of its
-    /// range. At least 0; 0 leaves limits to the posture. Default 0.5.
+    /// that the goal leaves keeps joints away from their limits: radians of a joint that stands on
+    /// its limit a radian of path, less before it, nothing in the middle of the range. At least 0; 0
+    /// leaves it. Default 0.5.
     #[must_use]
     pub fn with_limit_avoidance(mut self, rate: f64) -> Self {
         self.limit_avoidance = rate;

@@ -7,7 +7,6 @@
 //! "Automatic supervisory control of the configuration and behavior of multibody mechanisms").
 
 use super::QueryError;
-use super::pace::Pace;
 use super::query::Arm;
 use super::report::Reply;
 use crate::ik::Solution;
@@ -16,10 +15,12 @@ use crate::spatial::Placement;
 /// The share of the last motion that a step begins with. Less than all of it, so that motion in the
 /// null space dies away.
 const MOMENTUM: f64 = 0.8;
+/// The share of a joint's half range from which on it is drawn back.
+const MIDDLE: f64 = 0.6;
 /// A target that goes further than this in a step is followed by small steps: radians.
 const FAR: f64 = 0.05;
 /// Longest path step that pulls, radians.
-const LONGEST_PULL: f64 = 0.1;
+pub(super) const LONGEST_PULL: f64 = 0.1;
 /// A step in which a joint moves further than this is looked at: radians; a slide counts by the
 /// metres that weigh as much as a radian.
 pub(super) const LONG_STEP: f64 = 0.2;
@@ -48,14 +49,6 @@ pub struct Follower<'a> {
     q: Vec<f64>,
     before: Vec<f64>,
     seed: Vec<f64>,
-    /// The posture that the freedom left is spent on, the pull to it, and whether the arm rests there.
-    ease: Vec<f64>,
-    pull: Vec<f64>,
-    at_ease: bool,
-    /// Whether the last step missed its target, and whether one did since the arm rested at ease.
-    missed: bool,
-    strayed: bool,
-    pace: Pace,
     target: Option<Placement<f64>>,
     /// How far the target went in the last step, radians.
     path: f64,
@@ -65,9 +58,8 @@ pub struct Follower<'a> {
 impl Arm {
     /// A follower that stands at `start`. A target that the branch does not reach is answered by the
     /// nearest place on it, and the arm comes back from there as it came; it never leaves the branch,
-    /// unless it is [asked](super::ArmBuilder::with_global_search_on_miss) to, and then says so. A redundant
-    /// arm that was out of reach goes on, where its target rests, to what that leaves of the posture that it
-    /// began in; else an arm whose target rests is still. For velocity limits see [`servo`](Self::servo).
+    /// unless it is [asked](super::ArmBuilder::with_global_search_on_miss) to, and then says so. For
+    /// velocity limits see [`servo`](Self::servo).
     ///
     /// # Errors
     /// A start of the wrong length or not finite.
@@ -79,16 +71,6 @@ impl Arm {
             q: start.to_vec(),
             before: start.to_vec(),
             seed: start.to_vec(),
-            ease: self
-                .options
-                .posture
-                .clone()
-                .unwrap_or_else(|| start.to_vec()),
-            pull: vec![0.0; start.len()],
-            at_ease: false,
-            missed: false,
-            strayed: false,
-            pace: Pace::new(start.len()),
             target: None,
             path: 0.0,
             steps: 0,
@@ -139,59 +121,17 @@ impl Follower<'_> {
         let target = base_from_tool.into();
         let arm = self.arm;
         arm.check_query(self.steps, &target, &self.q)?;
-        let rests = self.target == Some(target);
-        if !rests {
-            self.pace.share = 1.0;
+        let mut continuous = self.try_branch(&target, None, solution);
+        if !continuous {
+            continuous = self.goes_far(&target)? && arm.go_far(&target, &self.q, solution)?;
         }
-        // Out of reach its branches meet: the way back is taken with care.
-        let careful = self.missed && !self.goes_far(&target)?;
-        let mut continuous = match careful {
-            true => self.settle(&target, solution)?,
-            false => rests && self.come_to_ease(&target, solution)?,
-        };
-        let stands = !careful || solution.q == self.q;
-        if !continuous && stands {
-            continuous = self.try_branch(&target, None, solution)
-                || self.goes_far(&target)? && arm.go_far(&target, &self.q, solution)?;
-            if !continuous {
-                self.settle(&target, solution)?;
+        if !continuous {
+            arm.keep_to_branch(&target, &self.q, solution)?;
+            if !solution.reached && arm.options.leaps {
+                arm.leap(&target, &self.q, solution)?;
             }
         }
-        if !solution.reached && arm.options.leaps {
-            arm.leap(&target, &self.q, solution)?;
-            continuous = false;
-        }
         Ok(self.take(&target, solution, continuous))
-    }
-
-    /// Goes on to a target on the own branch, with care; whether that reaches it.
-    fn settle(
-        &mut self,
-        target: &Placement<f64>,
-        solution: &mut Solution,
-    ) -> Result<bool, QueryError> {
-        let share = self.pace.share;
-        let rests = self.target.as_ref() == Some(target);
-        let moves =
-            self.arm
-                .keep_to_branch(target, &self.q, (&self.ease, rests), share, solution)?;
-        self.at_ease = !moves;
-        Ok(solution.reached)
-    }
-
-    /// Where the target rests an arm that was led off its way by a miss goes on to its posture of ease;
-    /// whether it did, and reaches.
-    fn come_to_ease(
-        &mut self,
-        target: &Placement<f64>,
-        solution: &mut Solution,
-    ) -> Result<bool, QueryError> {
-        if !self.strayed || !self.arm.has_freedom() {
-            return Ok(false);
-        }
-        let reached = self.settle(target, solution)?;
-        self.strayed = !(reached && self.at_ease);
-        Ok(reached)
     }
 
     /// Stands where a step ends; the jump that it was.
@@ -208,13 +148,7 @@ impl Follower<'_> {
             distance,
             continuous,
         });
-        let motion = solution.q.iter().zip(&self.q).map(|(to, from)| to - from);
-        let rests = self.target.as_ref() == Some(target);
-        let again = rests && !solution.reached;
-        self.pace.after(again, solution.cost, motion);
         self.stand_at(target, &solution.q);
-        self.missed = !solution.reached;
-        self.strayed |= self.missed;
         jump
     }
 
@@ -277,11 +211,6 @@ impl Follower<'_> {
         self.steps += 1;
     }
 
-    /// Takes another posture to spend the freedom on than where it began.
-    pub(super) fn set_ease(&mut self, ease: &[f64]) {
-        self.ease.copy_from_slice(ease);
-    }
-
     /// Says how many steps of the path are behind.
     pub(super) fn set_steps(&mut self, steps: usize) {
         self.steps = steps;
@@ -299,13 +228,8 @@ impl Follower<'_> {
         } else {
             0.0
         };
-        let length = path.min(LONGEST_PULL);
-        let rate = towards.map_or(0.0, |(_, rate)| rate) * length;
-        if length > 0.0 && self.arm.has_freedom() {
-            self.arm.pull(&self.q, &self.ease, &mut self.pull);
-        } else {
-            self.pull.fill(0.0);
-        }
+        let pull = self.arm.options.limit_avoidance * path.min(LONGEST_PULL);
+        let rate = towards.map_or(0.0, |(_, rate)| rate) * path.min(LONGEST_PULL);
         let map = &self.arm.serial.map;
         let bounds = map.lower().iter().zip(map.upper());
         let motion = self.q.iter().zip(&self.before);
@@ -321,9 +245,21 @@ impl Follower<'_> {
             if let Some(wanted) = towards.and_then(|(wanted, _)| wanted.get(i)) {
                 *value += (wanted - q).clamp(-rate / scale, rate / scale);
             } else {
-                *value += length * self.pull[i] / scale;
+                *value -= pull * outwards(*q, lower, upper) / scale;
             }
             *value = value.max(lower).min(upper);
         }
     }
+}
+
+/// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on
+/// its upper.
+pub(super) fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
+    let half = 0.5 * (upper - lower);
+    if !(half > 0.0 && half.is_finite()) {
+        return 0.0;
+    }
+    let u = (q - lower) / half - 1.0;
+    let beyond = (u.abs() - MIDDLE).max(0.0) / (1.0 - MIDDLE);
+    beyond * beyond * u.signum()
 }

@@ -17,10 +17,8 @@ const FRACTIONS: usize = 64;
 const SMALLEST: f64 = 1.0 / 128.0;
 /// The longest move of a step that settles, radians.
 const SETTLING_STEP: f64 = 0.5 * LONG_STEP;
-/// The share of the way to the posture of ease that a settling goes.
-const EASE: f64 = 0.1;
 /// Steps of one settling; the next target goes on from there.
-const SETTLING_STEPS: usize = 24;
+const SETTLING_STEPS: usize = 60;
 
 impl Arm {
     /// Whether steps of a path are the lane engine's alone.
@@ -28,35 +26,23 @@ impl Arm {
         self.options.max_move.is_none() && self.options.posture.is_none()
     }
 
-    /// Goes on to a target on the branch that `from` stands on, without a long move, and towards a posture
-    /// of ease: to a solution or to the nearest place, by a share of the longest step at most; `ease` says too
-    /// whether the target rests. Whether
-    /// there was a way to ease.
+    /// Goes on to a target on the branch that `from` stands on, without a long move: to a solution or
+    /// to the nearest place.
     pub(super) fn keep_to_branch(
         &self,
         target: &Placement<f64>,
         from: &[f64],
-        ease: (&[f64], bool),
-        share: f64,
         solution: &mut Solution,
-    ) -> Result<bool, QueryError> {
+    ) -> Result<(), QueryError> {
         let deadline = self.deadline();
         self.with_workspace(|workspace| {
             workspace.aim(target);
-            self.open_step(workspace, from, share * SETTLING_STEP);
+            self.open_step(workspace, from, SETTLING_STEP);
             workspace.x.copy_from_slice(&workspace.start);
-            let (ease, rests) = ease;
-            let mut moves = false;
-            if self.has_freedom() && self.options.posture.is_none() {
-                workspace.take_slope();
-                let most = |i: usize| 0.5 * share * SETTLING_STEP / self.scale[i];
-                moves = workspace.ease_off(self, ease, EASE, rests, most);
-            }
             let how = Settling {
                 steps: SETTLING_STEPS,
                 anchor: 0.0,
                 floor: 0.0,
-                clear: true,
                 deadline,
             };
             let (termination, iterations) = workspace.settle_near(&how);
@@ -74,7 +60,6 @@ impl Arm {
                 winner: errors.reached.then_some(0),
             };
             self.report_workspace(&reply, workspace, solution);
-            moves
         })
     }
 

@@ -4,11 +4,9 @@
 //! pose's cost and a small price on moving are together lowest. That price damps the arm near singular
 //! configurations (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations
 //! and damped least-squares methods"), and as every tick lowers the cost by at least what it moves, an
-//! arm whose target rests comes to rest, wherever the target is. The freedom of a redundant arm is spent
-//! on a posture of ease, so that where it rests depends on its target and not on the way there.
+//! arm whose target rests comes to rest, wherever the target is.
 
-use super::follower::LONG_STEP;
-use super::pace::Pace;
+use super::follower::{LONG_STEP, LONGEST_PULL, outwards};
 use super::query::Arm;
 use super::settle::Settling;
 use super::window::within;
@@ -22,13 +20,6 @@ use crate::spatial::Placement;
 const STEPS: usize = 8;
 /// The longest move of a joint without a velocity limit in a tick, radians.
 const UNLIMITED_STEP: f64 = 0.5 * LONG_STEP;
-/// Seconds in which a joint goes most of its way to ease, and the most of it that it goes in a tick.
-const TIME_TO_EASE: f64 = 0.05;
-const MOST_EASE: f64 = 0.05;
-/// The share of a joint's speed that it may take for that.
-const SHARE_OF_SPEED: f64 = 0.5;
-/// Ticks of the same target without a motion, after which there will be none.
-const CALM: u32 = 2;
 /// The damping where nothing else is asked for, radians.
 const DAMPING: f64 = 0.01;
 
@@ -97,19 +88,9 @@ pub struct Servo<'a> {
     /// m² a rad².
     damping: f64,
     target: Option<Placement<f64>>,
-    /// The posture that the freedom left is spent on.
-    ease: Vec<f64>,
     q: Vec<f64>,
     velocity: Vec<f64>,
     held: Vec<Option<HeldBy>>,
-    status: ServoStatus,
-    errors: Errors,
-    /// Whether the workspace has the Jacobian at q.
-    looked: bool,
-    missed: bool,
-    pace: Pace,
-    /// Ticks in which neither the target nor a joint moved.
-    calm: u32,
 }
 
 impl Arm {
@@ -117,11 +98,7 @@ impl Arm {
     /// seconds. No tick moves a joint further than its velocity limit times the time step: that of
     /// the robot's file, or [given](Servo::with_velocity_limits); a joint without one moves by at most
     /// 0.1 rad a tick (a slide by the metres that weigh as much). It stays on the branch that it stands on,
-    /// and settles at the nearest place to a target out of reach, a little inside of full stretch, so that
-    /// it knows its side. Where its target rests a redundant arm goes on, at half its speed at most, to what
-    /// its target leaves of the posture that it began in (or that was asked for); so it comes back to
-    /// where it was, if no limit held it. On the way its freedom lags by some 50 ms, far more beside
-    /// singular places.
+    /// settles at the nearest place to a target out of reach, and comes back as it went.
     ///
     /// # Errors
     /// A start of the wrong length or not finite; a time step that is no positive number.
@@ -135,7 +112,6 @@ impl Arm {
         let map = &self.serial.map;
         let ends = map.lower().iter().zip(map.upper());
         let clamped = start.iter().zip(ends);
-        let start: Vec<f64> = clamped.map(|(q, (l, u))| q.max(*l).min(*u)).collect();
         let mut servo = Servo {
             arm: self,
             workspace: Workspace::new(&self.serial, &self.options)?,
@@ -143,20 +119,9 @@ impl Arm {
             velocity_limits: self.velocity_limits.clone(),
             damping: 0.0,
             target: None,
-            ease: self
-                .options
-                .posture
-                .clone()
-                .unwrap_or_else(|| start.clone()),
-            q: start,
+            q: clamped.map(|(q, (l, u))| q.max(*l).min(*u)).collect(),
             velocity: vec![0.0; n],
             held: vec![None; n],
-            status: ServoStatus::default(),
-            errors: Errors::default(),
-            looked: false,
-            missed: false,
-            pace: Pace::new(n),
-            calm: 0,
         };
         servo.set_damping(DAMPING);
         Ok(servo)
@@ -234,20 +199,13 @@ impl Servo<'_> {
     ) -> Result<ServoStep<'_>, QueryError> {
         let target = base_from_tool.into();
         self.arm.check_query(0, &target, &self.q)?;
-        if self.calm >= CALM && self.target == Some(target) {
-            return Ok(self.told());
-        }
-        if self.target != Some(target) {
-            self.pace.share = 1.0;
-        }
-        self.open_tick();
-        self.fill_seed(self.target == Some(target));
         self.workspace.aim(&target);
+        self.open_tick();
+        self.fill_seed(&target);
         let how = Settling {
             steps: STEPS,
             anchor: self.damping,
             floor: 0.0,
-            clear: self.missed,
             deadline: None,
         };
         let (ended, _) = self.workspace.settle_near(&how);
@@ -256,30 +214,17 @@ impl Servo<'_> {
             *velocity = (x - q) / self.time_step;
         }
         self.q.copy_from_slice(&self.workspace.x);
-        let same = self.target.replace(target) == Some(target);
-        let again = same && !errors.reached;
-        let cost = self.arm.cost_of(errors);
-        self.pace.after(again, cost, self.velocity.iter().copied());
-        self.status = self.look(errors, ended);
-        self.errors = errors;
-        self.looked = true;
-        self.missed = !errors.reached;
-        let still = self.velocity.iter().all(|velocity| *velocity == 0.0);
-        self.calm = if same && still { self.calm + 1 } else { 0 };
-        Ok(self.told())
-    }
-
-    /// The last tick.
-    fn told(&self) -> ServoStep<'_> {
-        ServoStep {
+        self.target = Some(target);
+        let status = self.look(errors, ended);
+        Ok(ServoStep {
             q: &self.q,
             velocity: &self.velocity,
-            status: self.status,
-            position_error: self.errors.position,
-            orientation_error: self.errors.orientation,
+            status,
+            position_error: errors.position,
+            orientation_error: errors.orientation,
             held: &self.held,
             names: &self.arm.names.variables,
-        }
+        })
     }
 
     /// The box of a tick: joint limits and velocity limits.
@@ -293,36 +238,40 @@ impl Servo<'_> {
             ..
         } = &mut self.workspace;
         for (i, &q) in self.q.iter().enumerate() {
-            let most = match self.velocity_limits[i].is_finite() {
-                true => self.velocity_limits[i] * self.time_step,
-                false => UNLIMITED_STEP / arm.scale[i],
-            } * self.pace.share;
+            let most = if self.velocity_limits[i].is_finite() {
+                self.velocity_limits[i] * self.time_step
+            } else {
+                UNLIMITED_STEP / arm.scale[i]
+            };
             lower[i] = map.lower()[i].max(within(q, -most));
             upper[i] = map.upper()[i].min(within(q, most));
         }
         problem.set_bounds(lower, upper);
     }
 
-    /// Where the tick begins: the last place, and a share of the way to ease.
-    fn fill_seed(&mut self, rests: bool) {
-        self.workspace.x.copy_from_slice(&self.q);
-        if !(self.looked && self.arm.has_freedom()) {
-            return;
+    /// Where the tick begins: the last place, joints near their limits drawn back (or the posture drawn
+    /// near) by a share of the target's way. A target that rests draws nothing.
+    fn fill_seed(&mut self, target: &Placement<f64>) {
+        let arm = self.arm;
+        let way = self
+            .target
+            .map_or(0.0, |last| arm.pose_distance(target, &last));
+        let rate = arm.options.limit_avoidance * way.min(LONGEST_PULL);
+        let map = &arm.serial.map;
+        let Workspace {
+            x, lower, upper, ..
+        } = &mut self.workspace;
+        for (i, (x, &q)) in x.iter_mut().zip(&self.q).enumerate() {
+            let pull = match &arm.options.posture {
+                Some(posture) => (q - posture[i]).clamp(-rate / arm.scale[i], rate / arm.scale[i]),
+                None => rate * outwards(q, map.lower()[i], map.upper()[i]) / arm.scale[i],
+            };
+            *x = (q - pull).max(lower[i]).min(upper[i]);
         }
-        let share = (self.time_step / TIME_TO_EASE).min(MOST_EASE);
-        let (velocity, step, scale) = (&self.velocity_limits, self.time_step, &self.arm.scale);
-        let of_speed = SHARE_OF_SPEED * self.pace.share;
-        let most = |i: usize| match velocity[i].is_finite() {
-            true => of_speed * velocity[i] * step,
-            false => of_speed * UNLIMITED_STEP / scale[i],
-        };
-        self.workspace
-            .ease_off(self.arm, &self.ease, share, rests, most);
     }
 
     /// What holds the joints, and how the tick stands.
     fn look(&mut self, errors: Errors, ended: Termination) -> ServoStatus {
-        let slowed = self.pace.share < 1.0;
         let negligible = self.workspace.take_slope();
         let Workspace {
             x,
@@ -341,9 +290,9 @@ impl Servo<'_> {
             } else {
                 None
             };
-            *held = side.and_then(|(side, limit)| match x[i] == limit {
-                true => Some(HeldBy::Limit(side)),
-                false => (!slowed).then_some(HeldBy::Speed(side)),
+            *held = side.map(|(side, limit)| match x[i] == limit {
+                true => HeldBy::Limit(side),
+                false => HeldBy::Speed(side),
             });
             by_speed |= matches!(held, Some(HeldBy::Speed(_)));
         }

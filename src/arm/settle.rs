@@ -26,14 +26,6 @@ const LEVEL: f64 = 1e-6;
 const LAST_DIGITS: f64 = 1e-3;
 /// How far down the slope of a level place is looked, radians.
 const PROBE: f64 = 1e-4;
-/// Directions of which less than this share leaves the tool where it is are none to look down.
-const LEAST_SHARE: f64 = 0.05;
-/// The share of the cost by which it falls there, at least.
-const NOTICED: f64 = 1e-10;
-/// The share of the cost that staying clear of singular places may take in a step.
-const ROOM: f64 = 1e-3;
-/// A step that is none beside a singular place, radians.
-const SMALL_STEP: f64 = 1e-8;
 /// Newton's steps for one box.
 const NEWTON: usize = 24;
 
@@ -46,8 +38,6 @@ pub(super) struct Settling {
     pub(super) anchor: f64,
     /// The smallest damping of a step, m² a rad².
     pub(super) floor: f64,
-    /// Whether it stays clear of singular places while the target is missed.
-    pub(super) clear: bool,
     pub(super) deadline: Option<Instant>,
 }
 
@@ -82,17 +72,8 @@ impl Workspace {
             }
             let longest = self.longest_column();
             let before = self.anchored_cost(x, error, how.anchor);
-            let cleared = match how.clear {
-                true => self.clear_of_singular(x, &residual, error, longest),
-                false => None,
-            };
-            let most = match cleared {
-                Some(_) => before * (1.0 + ROOM),
-                None => before,
-            };
-            let (residual, curvature) = cleared.unwrap_or((residual, 0.0));
             if self.is_level(x, &residual, LEVEL * longest * error, how.anchor) {
-                if self.falls_beyond(x, before, how.anchor) {
+                if self.falls_beyond(x, &residual, before, how.anchor) {
                     x.copy_from_slice(&self.trial);
                     continue;
                 }
@@ -102,19 +83,14 @@ impl Workspace {
                 return (Termination::TimeLimit, step);
             }
             let mut lowered = false;
-            let mut longest_step = 0.0;
             for _ in 0..RAISES {
-                let damping = how.floor + raised * curvature.max(error * longest);
+                let damping = how.floor + raised * error * longest;
                 self.box_step(x, &residual, damping, how.anchor);
                 let trial = std::mem::take(&mut self.trial);
                 let error = Vector6::from(self.residual(&trial)).norm();
                 let after = self.anchored_cost(&trial, error, how.anchor);
-                lowered = after < most && trial != *x;
+                lowered = after < before;
                 if lowered {
-                    let moves = x.iter().zip(&trial).zip(&self.scale);
-                    longest_step = moves.fold(0.0, |most, ((from, to), scale)| {
-                        f64::max(most, (to - from).abs() * scale)
-                    });
                     x.copy_from_slice(&trial);
                 }
                 self.trial = trial;
@@ -127,9 +103,6 @@ impl Workspace {
                 return (Termination::SmallStep, step);
             }
             raised = (0.25 * raised).max(1.0);
-            if curvature > 0.0 && longest_step <= SMALL_STEP {
-                return (Termination::SmallStep, step + 1);
-            }
         }
         (Termination::IterationLimit, how.steps)
     }
@@ -143,7 +116,7 @@ impl Workspace {
 
     /// Norm of the longest column of the Jacobian that is here, a slide's taken for the metres that
     /// weigh as much as a radian.
-    pub(super) fn longest_column(&self) -> f64 {
+    fn longest_column(&self) -> f64 {
         let columns = self.jacobian.column_iter().zip(&self.scale);
         columns.fold(0.0, |most, (column, scale)| most.max(column.norm() / scale))
     }
@@ -163,37 +136,37 @@ impl Workspace {
             })
     }
 
-    /// Whether the level place is a ridge: a stretched arm whose target is within reach. A place a little
-    /// down the slope is written into `trial`.
-    fn falls_beyond(&mut self, x: &[f64], before: f64, anchor: f64) -> bool {
+    /// Whether the level place is a ridge: a stretched arm whose target has come back within reach. A
+    /// place a little down the slope is written into `trial`: the elbow's side is kept.
+    fn falls_beyond(
+        &mut self,
+        x: &[f64],
+        residual: &Vector6<f64>,
+        before: f64,
+        anchor: f64,
+    ) -> bool {
         let mut trial = std::mem::take(&mut self.trial);
-        let mut wanted = std::mem::take(&mut self.wanted);
-        let mut falls = false;
-        for i in 0..x.len() {
-            wanted.fill(0.0);
-            wanted[i] = 1.0;
-            self.project_to_null(x, &wanted);
-            let longest = self.projected.iter().zip(&self.scale);
-            let longest = longest.fold(0.0_f64, |most, (by, scale)| most.max((by * scale).abs()));
-            if longest < LEAST_SHARE {
-                continue;
+        let mut longest = 0.0_f64;
+        for (i, column) in self.jacobian.column_iter().enumerate() {
+            let scale = self.scale[i];
+            trial[i] = -column.dot(residual) / (scale * scale);
+            let held =
+                x[i] <= self.lower[i] && trial[i] < 0.0 || x[i] >= self.upper[i] && trial[i] > 0.0;
+            if held {
+                trial[i] = 0.0;
             }
-            for side in [1.0, -1.0] {
-                for (j, trial) in trial.iter_mut().enumerate() {
-                    let moved = x[j] + side * self.projected[j] * (PROBE / longest);
-                    *trial = moved.max(self.lower[j]).min(self.upper[j]);
-                }
-                let error = Vector6::from(self.residual(&trial)).norm();
-                falls = self.anchored_cost(&trial, error, anchor) < before * (1.0 - NOTICED);
-                if falls {
-                    break;
-                }
-            }
-            if falls {
-                break;
+            longest = longest.max((trial[i] * scale).abs());
+        }
+        if longest > 0.0 {
+            for (i, trial) in trial.iter_mut().enumerate() {
+                let moved = x[i] + *trial * (PROBE / longest);
+                *trial = moved.max(self.lower[i]).min(self.upper[i]);
             }
         }
-        self.wanted = wanted;
+        let falls = longest > 0.0 && {
+            let error = Vector6::from(self.residual(&trial)).norm();
+            self.anchored_cost(&trial, error, anchor) < before
+        };
         self.trial = trial;
         falls
     }

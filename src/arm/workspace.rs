@@ -49,9 +49,6 @@ pub(super) struct Workspace {
     pub(super) spare: Solution,
     /// The lane engine with bounds of the question's own, where moves are bounded.
     pub(super) windowed: Option<PoseSolver>,
-    /// The limits of the joints.
-    pub(super) lowest: Vec<f64>,
-    pub(super) highest: Vec<f64>,
     /// Bounds of the question.
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
@@ -118,8 +115,6 @@ impl Workspace {
             solver: Solver::default(),
             spare: Solution::default(),
             windowed: None,
-            lowest: serial.map.lower().to_vec(),
-            highest: serial.map.upper().to_vec(),
             lower: serial.map.lower().to_vec(),
             upper: serial.map.upper().to_vec(),
             start: vec![0.0; n],

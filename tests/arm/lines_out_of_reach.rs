@@ -112,36 +112,3 @@ fn a_miss_stays_near_the_start() {
         assert_eq!(seen.leaps, 0, "{name}: {seen:?}");
     }
 }
-
-/// Out, at rest there, back, at rest again: the arm stands where it stood. A redundant arm too, whose
-/// freedom is drawn to the posture that it began in.
-#[test]
-fn a_follower_comes_back_to_where_it_was() {
-    const REST: usize = 400;
-    let (mut free, mut elsewhere) = (0, 0);
-    for name in robots() {
-        let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
-        let robot = robot(name);
-        let arm = Arm::builder(&robot, base, tip).unwrap();
-        let arm = arm.with_atlas(false).build().unwrap();
-        for Line { start, out } in lines(&arm, &mut Random(7), cases(4, 2)) {
-            let end = [*out.last().unwrap(); REST];
-            let back = out.iter().rev().chain([&out[0]; REST]);
-            let targets: Vec<_> = out.iter().chain(&end).chain(back).copied().collect();
-            let solutions = by_follower(&arm, &targets, &start);
-            let on_limit = |s: &Solution| {
-                let ends = arm.limits().zip(&s.q);
-                ends.into_iter()
-                    .any(|(l, q)| *q <= l.lower || *q >= l.upper)
-            };
-            if solutions[out.len()].reached || solutions.iter().any(on_limit) {
-                continue;
-            }
-            free += 1;
-            let off = longest(&solutions[solutions.len() - 1].q, &start);
-            elsewhere += usize::from(off > 1e-3);
-        }
-    }
-    // Before a branch ends an attempt's long steps may cross to the other side of an elbow.
-    assert!(free > 0 && elsewhere * 10 <= free, "{elsewhere} of {free}");
-}
