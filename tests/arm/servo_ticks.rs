@@ -70,6 +70,20 @@ fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Ve
 }
 
 #[test]
+fn joints_are_drawn_away_from_both_their_limits() {
+    // The forearm's and the upper arm's turn near their ends.
+    for (joint, value) in [(2, -2.6), (2, 2.6)] {
+        let mut start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
+        start[joint] = value;
+        for servoing in [false, true] {
+            let left = ends(0.0, None, &start, servoing)[joint].abs();
+            let drawn = ends(0.5, None, &start, servoing)[joint].abs();
+            assert!(drawn < left - 1e-3, "{value} {servoing}: {drawn} {left}");
+        }
+    }
+}
+
+#[test]
 fn a_servo_is_drawn_to_its_posture() {
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
     let mut posture = start;
@@ -103,7 +117,8 @@ fn a_tick_tells_speeds_and_rest_as_they_are() {
     assert!(rested > 50, "{rested}");
 }
 
-/// Stretched out along the line to a target that comes straight back, joints hardly feel it.
+/// Stretched out along the line to a target that comes straight back, joints hardly feel it: the elbow bends
+/// on to the side that it is bent to by a hair.
 #[test]
 fn a_stretched_arm_follows_a_target_that_comes_back() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
@@ -116,6 +131,11 @@ fn a_stretched_arm_follows_a_target_that_comes_back() {
             assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
         }
         assert!(solution.reached, "{}", solution.explain());
+        assert!(
+            follower.q()[2] * bend > 0.0,
+            "{:?} from {bend}",
+            follower.q()
+        );
     }
 }
 
