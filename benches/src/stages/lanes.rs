@@ -10,7 +10,7 @@ use super::{Run, Stage};
 use crate::{ArmPoses, Sequence, chain, random_poses};
 
 /// Poses that a run goes through.
-const POSES: usize = 100;
+const POSES: usize = 2000;
 
 pub(super) fn stages() -> Vec<Stage> {
     let stage = |name, build| Stage {
