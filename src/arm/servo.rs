@@ -4,7 +4,7 @@
 //! pose's cost and a small price on moving are together lowest. That price damps the arm near singular
 //! configurations (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations
 //! and damped least-squares methods"), and as every tick lowers the cost by at least what it moves, an
-//! arm whose target rests comes to rest, wherever the target is.
+//! arm whose target rests comes to rest; out of reach that may take long.
 
 use super::follower::{LONG_STEP, LONGEST_PULL, outwards};
 use super::query::Arm;
@@ -97,8 +97,9 @@ impl Arm {
     /// A servo that stands at `start` (projected into the limits) and takes a target every `time_step`
     /// seconds. No tick moves a joint further than its velocity limit times the time step: that of
     /// the robot's file, or [given](Servo::with_velocity_limits); a joint without one moves by at most
-    /// 0.1 rad a tick (a slide by the metres that weigh as much). It stays on the branch that it stands on,
-    /// settles at the nearest place to a target out of reach, and comes back as it went.
+    /// 0.1 rad a tick (a slide by the metres that weigh as much). It stays on the branch that it stands on and
+    /// settles near the nearest place to a target out of reach. The way back may be another than the way out
+    /// where the freedom left or a stretched elbow allows one.
     ///
     /// # Errors
     /// A start of the wrong length or not finite; a time step that is no positive number.
@@ -181,6 +182,12 @@ impl Servo<'_> {
     fn set_damping(&mut self, radians: f64) {
         let metres = radians * self.arm.options.metres_per_radian;
         self.damping = metres * metres;
+    }
+
+    /// How fast the free joints may move, base to tip, radians or metres a second; infinite for none.
+    #[must_use]
+    pub fn velocity_limits(&self) -> &[f64] {
+        &self.velocity_limits
     }
 
     /// Where the arm stands, radians or metres.

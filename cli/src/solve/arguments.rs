@@ -43,6 +43,8 @@ Examples:
         many poses, each on its own (see --targets)
   kinopt solve robot.urdf --tip tool --targets path.json --track
         a path: every step starts from the one before
+  kinopt solve robot.urdf --tip tool --targets path.json --servo 1000 --json
+        a thousand targets a second, no joint faster than its velocity limit
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1
         bring a tip to a point; tips pinned in the rig stay where they are
   kinopt solve fox.glb --hold b_Hip_01 --target b_LeftHand_011=10,15,30

@@ -70,6 +70,22 @@ pub(crate) struct ArmArguments {
     #[arg(long, conflicts_with_all = METHOD)]
     pub(super) global_search_on_miss: bool,
 
+    /// Follow --targets as a servo does: one a tick, so many ticks a second. Robots only. Default: off.
+    ///
+    /// It begins at the first start; no tick moves a joint further than its velocity limit allows (the
+    /// file's, or --velocity-limits), nor beyond its limits. Told: how ticks ended, top speeds, the error
+    /// at last (JSON: every tick's q, velocity, errors and what held which joint). --fail-on-miss counts
+    /// the last target.
+    #[arg(long, value_name = "HZ", value_parser = number_list::positive,
+          conflicts_with_all = ["solver", "jacobian", "max_iterations", "rays", "targets", "track", "batch",
+                                "threads", "search", "max_move"])]
+    pub(super) servo: Option<f64>,
+
+    /// How fast each joint may move while --servo follows, in radians (--degrees) or metres a second:
+    /// numbers as for --max-move. Default: as the robot's file says.
+    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, requires = "servo")]
+    pub(super) velocity_limits: Option<Moves>,
+
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
     /// quarter of the arm's length.
     #[arg(long, value_name = "METRES", value_parser = number_list::positive,
@@ -100,6 +116,7 @@ impl ArmArguments {
                 self.global_search_on_miss && !figure,
             ),
             ("--metres-per-radian", self.metres_per_radian.is_some()),
+            ("--servo", self.servo.is_some()),
         ];
         let mut given = options.into_iter().filter(|(_, given)| *given);
         given.next().map(|(option, _)| option)

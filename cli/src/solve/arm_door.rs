@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, Goal, Search, Servo};
 use kinopt::model::JointId;
 use kinopt::robot::Robot;
 use kinopt::spatial::Placement;
@@ -118,7 +118,7 @@ impl<'a> ArmDoor<'a> {
     }
 
     /// Where the tip is to stand, the room about it even.
-    fn target(&self, question: &Question) -> Placement<f64> {
+    pub(super) fn target(&self, question: &Question) -> Placement<f64> {
         let target = question.base_from_tip;
         self.shift.map_or(target, |shift| target * shift)
     }
@@ -152,7 +152,7 @@ impl<'a> ArmDoor<'a> {
         })
     }
 
-    fn configuration(&self, question: &Question, q_arm: &[f64]) -> Outcome<Vec<f64>> {
+    pub(super) fn configuration(&self, question: &Question, q_arm: &[f64]) -> Outcome<Vec<f64>> {
         let mut q = question.start.clone();
         self.arm.configuration(q_arm, &mut q)?;
         Ok(q)
@@ -161,6 +161,25 @@ impl<'a> ArmDoor<'a> {
     fn read_start(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<()> {
         desk.q_arm.resize(self.arm.joint_count(), 0.0);
         Ok(self.arm.joint_values(&question.start, &mut desk.q_arm)?)
+    }
+
+    /// A servo that stands at a question's start, with so many ticks a second.
+    pub(super) fn servo(
+        &self,
+        arguments: &Arguments,
+        first: &Question,
+        rate: f64,
+    ) -> Outcome<Servo<'_>> {
+        let mut desk = ArmDesk::default();
+        self.read_start(&mut desk, first)?;
+        let servo = self.arm.servo(&desk.q_arm, 1.0 / rate)?;
+        let Some(limits) = &arguments.arm.velocity_limits else {
+            return Ok(servo);
+        };
+        let option = "--velocity-limits";
+        let ids = self.arm.joint_ids();
+        let limits = one_a_joint(self.loaded, ids, option, limits, arguments.degrees)?;
+        Ok(servo.with_velocity_limits(&limits)?)
     }
 
     fn distinct(&self, desk: &mut ArmDesk, question: &Question) -> Outcome<Answer> {

@@ -16,6 +16,7 @@ mod robots;
 mod room_and_weights;
 mod scenes;
 mod seeded_robot;
+mod servo;
 mod skin_report;
 #[cfg(feature = "bench")]
 mod solvers_compared;

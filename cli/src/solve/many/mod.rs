@@ -1,5 +1,6 @@
-//! `--targets`: many independent targets of one frame, or a path.
+//! `--targets`: many independent targets of one frame, a path, or the targets of a servo.
 
+mod servo;
 mod summary;
 
 use std::path::Path;
@@ -41,6 +42,9 @@ pub(super) fn run(
         Some(robot) => {
             let door = ArmDoor::new(loaded, robot, arguments, base, tip, turns)?;
             let questions = questions(loaded, Some(&door), arguments, &file, path)?;
+            if let Some(rate) = arguments.arm.servo {
+                return servoed(loaded, &door, arguments, &questions, rate, json);
+            }
             solve(&door, arguments, &questions)?
         }
         None => {
@@ -57,6 +61,28 @@ pub(super) fn run(
     let answers = &outcomes.answers;
     let missed = answers.iter().filter(|answer| !answer.solution.reached);
     arguments.told_misses(missed.count(), answers.len())
+}
+
+/// Follows the targets at a rate, in ticks a second, and prints what came out.
+fn servoed(
+    loaded: &LoadedModel,
+    door: &ArmDoor<'_>,
+    arguments: &Arguments,
+    questions: &[Question],
+    rate: f64,
+    json: bool,
+) -> Outcome<()> {
+    let Some(first) = questions.first() else {
+        return Err(Failure::new("there are no targets to follow"));
+    };
+    let servo = door.servo(arguments, first, rate)?;
+    let servoed = servo::follow(loaded, door, servo, questions, rate)?;
+    if json {
+        output::json(&servoed)?;
+    } else {
+        output::result(&servoed.text())?;
+    }
+    arguments.told_misses(usize::from(servoed.missed()), 1)
 }
 
 /// The frame that the targets are for.

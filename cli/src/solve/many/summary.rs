@@ -161,7 +161,7 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 }
 
 /// Of sorted numbers; the mean of the two in the middle of an even count.
-fn median(sorted: &[f64]) -> Option<f64> {
+pub(super) fn median(sorted: &[f64]) -> Option<f64> {
     let upper = sorted.get(sorted.len() / 2)?;
     if sorted.len() % 2 == 1 {
         return Some(*upper);
@@ -171,12 +171,12 @@ fn median(sorted: &[f64]) -> Option<f64> {
 }
 
 /// The smallest of sorted numbers that at least `percent` of them do not exceed.
-fn percentile(sorted: &[f64], percent: usize) -> Option<f64> {
+pub(super) fn percentile(sorted: &[f64], percent: usize) -> Option<f64> {
     let rank = (sorted.len() * percent).div_ceil(100);
     sorted.get(rank.max(1) - 1).copied()
 }
 
-fn short_time(micros: f64) -> String {
+pub(super) fn short_time(micros: f64) -> String {
     if micros < 1e3 {
         format!("{micros:.2} µs")
     } else {

@@ -1,0 +1,136 @@
+//! Promise: `--servo` moves no joint faster than its velocity limit nor beyond its limits, comes to the
+//! last target where it is given time, and tells what held it.
+
+use crate::forked_rig::{Folder, json, kinopt, numbers, stderr, stdout};
+use crate::seeded_robot::Seeded;
+use serde_json::{Value, json};
+
+/// A file whose targets go 5 cm down at 0.2 m/s and a thousand a second, then rest.
+fn targets(folder: &Folder, seeded: &Seeded, start: &[f64]) -> (String, Vec<f64>) {
+    let mut pose = seeded.pose(start);
+    let mut poses = Vec::new();
+    for tick in 0..400 {
+        if tick < 250 {
+            pose[2] -= 2e-4;
+        }
+        poses.push(pose.clone());
+    }
+    let starts = vec![start; poses.len()];
+    let content = json!({"targets": poses, "starts": starts, "tip_link": seeded.tip, "base_link": seeded.base});
+    let file = folder.file("line.json");
+    std::fs::write(&file, content.to_string()).unwrap();
+    (file, pose)
+}
+
+/// Bent at the elbow, away from limits; the fingers closed.
+const START: [f64; 7] = [0.1, -0.6, 0.2, -2.2, 0.1, 1.8, 0.7];
+
+fn start(seeded: &Seeded) -> Vec<f64> {
+    let mut q = seeded.configuration(1);
+    q[..7].copy_from_slice(&START);
+    q
+}
+
+/// The speeds between ticks by the answers alone, by joint of the arm.
+fn speeds(ticks: &[Value], start: &[f64]) -> Vec<Vec<f64>> {
+    let mut before = start.to_vec();
+    let of = |tick: &Value| {
+        let q = numbers(&tick["q"]);
+        let speeds = q.iter().zip(&before).map(|(a, b)| 1e3 * (a - b).abs());
+        let speeds = speeds.take(7).collect();
+        before = q;
+        speeds
+    };
+    ticks.iter().map(of).collect()
+}
+
+#[test]
+fn a_line_is_followed_within_the_file_s_velocity_limits() {
+    let folder = Folder::new("servo");
+    let seeded = Seeded::panda();
+    let start = start(&seeded);
+    let (file, last) = targets(&folder, &seeded, &start);
+    let asked = ["solve", &seeded.file, "--targets", &file, "--servo", "1000"];
+    let document = json(&[&asked[..], &["--json"]].concat());
+    let ticks = document["ticks"].as_array().unwrap();
+    assert_eq!(ticks.len(), 400);
+    let model = seeded.robot.model();
+    let limits: Vec<f64> = model.moving_joints()[..7]
+        .iter()
+        .map(|&id| seeded.robot.velocity_limit(id).unwrap())
+        .collect();
+    assert_eq!(numbers(&document["velocity_limits"]), limits);
+    for speeds in speeds(ticks, &start) {
+        for (speed, limit) in speeds.iter().zip(&limits) {
+            assert!(*speed <= limit * (1.0 + 1e-9), "{speed} of {limit}");
+        }
+    }
+    seeded.check(&numbers(&ticks[399]["q"]), &last);
+    assert_eq!(ticks[399]["status"], "on target");
+    let output = kinopt(&asked);
+    let text = stdout(&output);
+    assert!(text.starts_with("ticks     400 at 1000 a second"), "{text}");
+    assert!(text.contains("at last   on target"), "{text}");
+}
+
+#[test]
+fn slower_limits_hold_and_are_told() {
+    let folder = Folder::new("slow-servo");
+    let seeded = Seeded::panda();
+    let start = start(&seeded);
+    let (file, last) = targets(&folder, &seeded, &start);
+    let slow = ["--servo", "1000", "--velocity-limits", "0.05", "--json"];
+    let asked = [&["solve", &seeded.file, "--targets", &file], &slow[..]].concat();
+    let document = json(&asked);
+    let ticks = document["ticks"].as_array().unwrap();
+    let all = speeds(ticks, &start).concat();
+    assert!(all.iter().all(|speed| *speed <= 0.05 * (1.0 + 1e-9)));
+    assert!(all.iter().any(|speed| *speed > 0.05 * (1.0 - 1e-9)));
+    let held = ticks[200]["held"].as_object().unwrap();
+    assert!(
+        held.values()
+            .any(|by| by.as_str().unwrap().starts_with("velocity limit"))
+    );
+    // A fifth of a second later it is still on its way, and a script can know.
+    let [metres, _] = seeded.errors(&numbers(&ticks[399]["q"]), &last);
+    assert!(metres > 1e-3, "{metres}");
+    let missed = kinopt(&[&asked[..], &["--fail-on-miss"]].concat());
+    assert_eq!(missed.status.code(), Some(3), "{}", stderr(&missed));
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let folder = Folder::new("no-servo");
+    let seeded = Seeded::panda();
+    let (file, _) = targets(&folder, &seeded, &start(&seeded));
+    let refused = |more: &[&str], words: &str| {
+        let asked = [&["solve", &seeded.file, "--targets", &file], more].concat();
+        let output = kinopt(&asked);
+        assert!(!output.status.success());
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    };
+    refused(&["--servo", "0"], "--servo");
+    refused(&["--servo", "1000", "--track"], "--track");
+    refused(&["--velocity-limits", "1"], "--servo");
+    let few = ["--servo", "1000", "--velocity-limits", "1,2"];
+    refused(&few, "--velocity-limits: 2 numbers given");
+    let rig = format!(
+        "{}/../models/humanoid/humanoid.json",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let output = kinopt(&[
+        "solve",
+        &rig,
+        "--targets",
+        &file,
+        "--tip",
+        "left_hand",
+        "--servo",
+        "1000",
+    ]);
+    assert!(
+        stderr(&output).contains("--servo is for robots"),
+        "{}",
+        stderr(&output)
+    );
+}
