@@ -1,5 +1,7 @@
 //! Which preferences keep goals from being met, where they are traded off against each other.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
 use crate::problem::{Problem, Share};
@@ -29,17 +31,18 @@ impl Pulls<'_> {
             negligible,
         } = *self;
         let rows = residual.len();
-        let column = |j: usize| &jacobian.as_slice()[j * rows..(j + 1) * rows];
+        // The slope by the j-th variable of half a task's squared residual.
+        let slope_by = |j: usize, task: &Range<usize>| {
+            let column = &jacobian.as_slice()[j * rows..(j + 1) * rows];
+            let own = column[task.clone()].iter().zip(&residual[task.clone()]);
+            own.map(|(j, r)| j * r).sum::<f64>()
+        };
         let goals = problem.tasks_of(Share::All);
         let goals = goals.filter(|(task, _)| task.role == Role::Goal);
         slope.fill(0.0);
         for (_, rows) in goals {
             for (j, slope) in slope.iter_mut().enumerate() {
-                let column = column(j)[rows.clone()].iter();
-                *slope += column
-                    .zip(&residual[rows.clone()])
-                    .map(|(j, r)| j * r)
-                    .sum::<f64>();
+                *slope += slope_by(j, &rows);
             }
         }
         for (j, slope) in slope.iter_mut().enumerate() {
@@ -59,15 +62,8 @@ impl Pulls<'_> {
             let Some(task) = problem.compiled_tasks().get(index) else {
                 return 0.0;
             };
-            let rows = task.rows.clone();
-            let along = slope.iter().enumerate().map(|(j, slope)| {
-                let column = column(j)[rows.clone()].iter();
-                slope
-                    * column
-                        .zip(&residual[rows.clone()])
-                        .map(|(j, r)| j * r)
-                        .sum::<f64>()
-            });
+            let slopes = slope.iter().enumerate();
+            let along = slopes.map(|(j, slope)| slope * slope_by(j, &task.rows));
             -along.sum::<f64>()
         };
         let preferences = problem.compiled_tasks().iter().enumerate();
