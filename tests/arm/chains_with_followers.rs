@@ -6,8 +6,9 @@
 
 use kinopt::arm::{Arm, Search};
 use kinopt::robot::Robot;
-use support::arms::{Random, cases, robot, within_limits};
+use support::arms::{Random, robot, within_limits};
 use support::follower_chains::follower_chain;
+use support::sample::cases;
 use support::urdf_matrices::{Tree, apart, placement};
 
 /// Solves random poses; how many of them were missed.
@@ -31,17 +32,21 @@ fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: u
     answers.filter(|missed| *missed).count()
 }
 
+/// The arm of a random chain, its file and its tip; none where followers leave their leader no value.
+fn follower_arm(number: u64) -> Option<(Arm, String, String)> {
+    let (text, tip) = follower_chain(number);
+    let robot = Robot::parse(&text, "followers.urdf").ok()?;
+    let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
+    Some((arm.build().unwrap(), text, tip))
+}
+
 #[test]
 fn random_chains_reach_what_they_can() {
     let count = cases(60, 12);
     for number in 0..24 {
-        let (text, tip) = follower_chain(number);
-        // Some followers leave their leader no value; some chains have none.
-        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+        let Some((arm, text, tip)) = follower_arm(number) else {
             continue;
         };
-        let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
-        let arm = arm.build().unwrap();
         let missed = missed(&arm, &Tree::parse(&text), ("l0", &tip), number, count);
         assert_eq!(missed, 0, "of {count} poses of chain {number}");
     }
@@ -96,12 +101,9 @@ fn searches_that_compare_look_from_seeds_too() {
 fn the_winner_is_the_last_attempt() {
     let mut later = 0;
     for number in 0..24 {
-        let (text, tip) = follower_chain(number);
-        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+        let Some((arm, ..)) = follower_arm(number) else {
             continue;
         };
-        let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
-        let arm = arm.build().unwrap();
         let mut random = Random(number);
         for _ in 0..4 {
             let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();

@@ -4,7 +4,8 @@
 
 use kinopt::arm::Arm;
 use kinopt::robot::Robot;
-use support::arms::{Random, cases};
+use support::arms::Random;
+use support::sample::cases;
 use support::urdf_matrices::{Tree, apart, placement};
 
 /// File, base and tip.

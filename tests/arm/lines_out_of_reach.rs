@@ -6,8 +6,9 @@
 use kinopt::Solution;
 use kinopt::arm::Arm;
 use kinopt::spatial::Placement;
-use support::arms::{Random, cases, few, robot, within_limits};
+use support::arms::{Random, robot, within_limits};
 use support::lines::{Line, ROBOTS, lines, robots};
+use support::sample::{cases, few};
 
 /// What one way of following made of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

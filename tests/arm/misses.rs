@@ -191,7 +191,7 @@ fn a_batch_answers_as_a_single_question_does() {
         let arm = Arm::builder(&robot, base, tip).unwrap();
         let arm = arm.with_atlas(false).build().unwrap();
         let n = arm.joint_count();
-        let count = support::arms::cases(300, if name.contains("nao") { 6 } else { 40 });
+        let count = support::sample::cases(300, if name.contains("nao") { 6 } else { 40 });
         let mut random = Random(84);
         let goals: Vec<_> = (0..count)
             .map(|_| arm.base_from_tool(&random.configuration(&arm)).unwrap())

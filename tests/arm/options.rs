@@ -7,7 +7,8 @@ use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use nalgebra::{DMatrix, DVector};
-use support::arms::{Random, cases, distance, within_limits};
+use support::arms::{Random, distance, within_limits};
+use support::sample::cases;
 use support::urdf_matrices::{Matrix, Tree, apart, inverse, placement, product};
 
 const FILE: &str = "models/franka_panda.urdf";

@@ -6,7 +6,8 @@ use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Goal, Outcome, Search};
 use kinopt::spatial::Placement;
 use rayon::prelude::*;
-use support::arms::{Random, cases, panda, robot};
+use support::arms::{Random, panda, robot};
+use support::sample::cases;
 
 type Questions = (Vec<Placement<f64>>, Vec<f64>);
 

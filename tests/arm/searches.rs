@@ -4,7 +4,8 @@
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
 use kinopt::spatial::Placement;
-use support::arms::{Random, cases, distance, robot, within_limits};
+use support::arms::{Random, distance, robot, within_limits};
+use support::sample::cases;
 use support::urdf_matrices::{apart, from_placement};
 
 /// Two answers for one pose to 1e-6 are the same when they are as far from the start but for this,

@@ -5,8 +5,9 @@
 
 use kinopt::arm::{Arm, HeldBy, Servo, ServoStatus};
 use kinopt::spatial::Placement;
-use support::arms::{Random, cases, distance, robot, within_limits};
+use support::arms::{Random, distance, robot, within_limits};
 use support::lines::{Line, ROBOTS, lines, robots};
+use support::sample::cases;
 
 const TICK: f64 = 1e-3;
 /// Most ticks that an arm takes to come to rest, and those that are watched then.

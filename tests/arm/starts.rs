@@ -9,7 +9,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 use kinopt::Solution;
 use kinopt::arm::{Arm, QueryError, Search};
 use kinopt::spatial::Placement;
-use support::arms::{Random, cases, robot, within_limits};
+use support::arms::{Random, robot, within_limits};
+use support::sample::cases;
 use support::urdf_matrices::{apart, from_placement};
 
 const SEARCHES: [Search; 4] = [

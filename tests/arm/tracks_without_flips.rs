@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 use kinopt::arm::{Arm, Track};
 use kinopt::spatial::Placement;
 use kinopt::{Solution, solver::Termination};
-use support::arms::{Random, apart, base_from_tip, cases, few, robot, within_limits};
+use support::arms::{Random, apart, base_from_tip, robot, within_limits};
+use support::sample::{cases, few};
 
 const STEPS: usize = 300;
 

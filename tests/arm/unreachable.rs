@@ -10,7 +10,8 @@ use kinopt::ik::{BoundKind, Side};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use support::arms::{Random, apart, base_from_tip, cases, robot, within_limits};
+use support::arms::{Random, apart, base_from_tip, robot, within_limits};
+use support::sample::cases;
 
 /// Metres that weigh as much as a radian.
 const WEIGHT: f64 = 0.25;

@@ -48,7 +48,7 @@ fn furthest(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn out_of_reach_into_limits_and_back_without_a_leap() {
     // KINOPT_CASES=… for more rigs.
-    for seed in 0..support::arms::cases(4, 1) as u64 {
+    for seed in 0..support::sample::cases(4, 1) as u64 {
         let rig = RandomRig::new(seed);
         let start = at_ease(&rig.skeleton);
         let (mut drag, hand, from) = drag(&rig, &start);

@@ -117,11 +117,7 @@ fn rigs_whose_targets_need_limits() {
         let rig = RandomRig::new(seed);
         let model = rig.skeleton.model();
         let mut random = Random::new(seed);
-        let mut builder = Problem::builder(model);
-        for &tip in &rig.tips {
-            builder.add(Point::new(rig.skeleton.tip(tip), random.vector(1.5)));
-        }
-        let mut problem = builder.build().unwrap();
+        let mut problem = rig.drawn_to(|| random.vector(1.5));
         for solver in solvers() {
             let (stopping, restarts) = short();
             let solver = solver.with_stopping(stopping).with_restarts(restarts);

@@ -26,7 +26,7 @@ fn a_panda_on_its_target_with_preferences_at_their_default_weights() {
     let frame = model.frame(tool).unwrap();
     let kinds = ["posture", "limit centring", "smoothness"];
     let (mut left, mut steps) = (Vec::new(), [0; 3]);
-    let cases = support::arms::cases(60, 12);
+    let cases = support::sample::cases(60, 12);
     for (k, kind) in kinds.iter().enumerate() {
         for seed in 0..cases as u64 {
             let mut random = Random::new(seed);

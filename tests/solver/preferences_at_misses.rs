@@ -16,7 +16,7 @@ use crate::pulls::{Add, drag, problem, pull_of, within_limits};
 
 #[test]
 fn a_goal_out_of_reach_is_missed_by_no_more() {
-    for seed in 0..support::arms::cases(4, 1) as u64 {
+    for seed in 0..support::sample::cases(4, 1) as u64 {
         let drag = drag(seed);
         let model = drag.rig.skeleton.model();
         let goal: Add<'_> = &|builder| drag.add_goals(builder, 4.0);

@@ -205,11 +205,7 @@ fn as_many_attempts_are_made_as_asked_for() {
     // Out of reach: nothing but the option ends the search.
     let rig = support::bones::RandomRig::new(6);
     let model = rig.skeleton.model();
-    let mut builder = Problem::builder(model);
-    for &tip in &rig.tips {
-        builder.add(Point::new(rig.skeleton.tip(tip), [9.0, -8.0, 7.0]));
-    }
-    let problem = builder.build().unwrap();
+    let problem = rig.drawn_to(|| [9.0, -8.0, 7.0]);
     for attempts in [1, 2, 7, 32, 150] {
         let restarts = Restarts::default().with_attempts(attempts);
         let solver = Solver::default().with_restarts(restarts);
@@ -367,11 +363,7 @@ fn attempts_that_miss_by_nearly_the_same_agree() {
 #[test]
 fn steps_of_all_attempts_may_be_bounded() {
     let rig = support::bones::RandomRig::new(6);
-    let mut builder = Problem::builder(rig.skeleton.model());
-    for &tip in &rig.tips {
-        builder.add(Point::new(rig.skeleton.tip(tip), [9.0, -8.0, 7.0]));
-    }
-    let problem = builder.build().unwrap();
+    let problem = rig.drawn_to(|| [9.0, -8.0, 7.0]);
     let start = rig.skeleton.model().neutral();
     for (steps, attempts) in [(1, 1..=2), (30, 2..=12), (usize::MAX, 32..=33)] {
         let restarts = Restarts::default().with_steps(steps);

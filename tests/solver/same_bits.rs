@@ -40,12 +40,8 @@ fn questions() -> Vec<Question> {
     }
     let rig = RandomRig::new(4);
     let mut random = Random::new(4);
-    let mut builder = Problem::builder(rig.skeleton.model());
-    for &tip in &rig.tips {
-        builder.add(Point::new(rig.skeleton.tip(tip), random.vector(0.8)));
-    }
     all.push(Question {
-        problem: builder.build().unwrap(),
+        problem: rig.drawn_to(|| random.vector(0.8)),
         start: rig.skeleton.model().neutral(),
     });
     all

@@ -190,11 +190,7 @@ fn preferences_do_not_search_until_the_limit() {
 #[test]
 fn the_lowest_place_seen_is_returned() {
     let rig = support::bones::RandomRig::new(6);
-    let mut builder = Problem::builder(rig.skeleton.model());
-    for &tip in &rig.tips {
-        builder.add(Point::new(rig.skeleton.tip(tip), [0.9, -0.8, 0.7]));
-    }
-    let far = builder.build().unwrap();
+    let far = rig.drawn_to(|| [0.9, -0.8, 0.7]);
     let start = rig.skeleton.model().neutral();
     let mut climbed = 0;
     for most in 1..40 {
@@ -242,11 +238,7 @@ fn a_small_step_is_told_as_one() {
 #[test]
 fn patience_asked_for_is_kept() {
     let rig = support::bones::RandomRig::new(6);
-    let mut builder = Problem::builder(rig.skeleton.model());
-    for &tip in &rig.tips {
-        builder.add(Point::new(rig.skeleton.tip(tip), [9.0, -8.0, 7.0]));
-    }
-    let problem = builder.build().unwrap();
+    let problem = rig.drawn_to(|| [9.0, -8.0, 7.0]);
     let start = rig.skeleton.model().neutral();
     let steps = |patience: Option<usize>| {
         let stopping = Stopping::default().with_patience(patience);

@@ -223,11 +223,7 @@ fn tips_pulled_far_away_end_at_a_minimum_and_not_at_the_limit_of_steps() {
         let rig = support::bones::RandomRig::new(seed);
         let model = rig.skeleton.model();
         let mut random = Random::new(seed);
-        let mut builder = Problem::builder(model);
-        for &tip in &rig.tips {
-            builder.add(Point::new(rig.skeleton.tip(tip), random.vector(4.0)));
-        }
-        let problem = builder.build().unwrap();
+        let problem = rig.drawn_to(|| random.vector(4.0));
         let solver = Solver::default().with_restarts(Restarts::none());
         let start = support::trees::configuration_of(model, &mut random);
         let solution = solver.solve_once(&problem, &start).unwrap();

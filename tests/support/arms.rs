@@ -1,6 +1,5 @@
 //! Arms for tests, and forward kinematics by nalgebra, joint by joint from the model's numbers.
 
-pub use crate::sample::{cases, few};
 use kinopt::arm::Arm;
 use kinopt::model::{JointKind, Model};
 use kinopt::robot::Robot;

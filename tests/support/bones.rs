@@ -2,9 +2,11 @@
 
 use super::random::Random;
 use super::{Rigid, placement, rigid};
-use kinopt::Skeleton;
 use kinopt::model::Limits;
 use kinopt::skeleton::{Bone, BoneId};
+use kinopt::spatial::Vector3;
+use kinopt::task::Point;
+use kinopt::{Problem, Skeleton};
 use nalgebra as na;
 
 /// A skeleton and the numbers it was made of.
@@ -23,6 +25,15 @@ impl RandomRig {
     /// that need not be symmetric, and stiff twists; all angles of 0 are allowed.
     pub fn new(seed: u64) -> Self {
         Self::scaled(seed, 1.0)
+    }
+
+    /// Every tip of it drawn to a target of its own.
+    pub fn drawn_to<T: Into<Vector3<f64>>>(&self, mut target: impl FnMut() -> T) -> Problem {
+        let mut builder = Problem::builder(self.skeleton.model());
+        for &tip in &self.tips {
+            builder.add(Point::new(self.skeleton.tip(tip), target()));
+        }
+        builder.build().unwrap()
     }
 
     /// The same rig in another unit of length.

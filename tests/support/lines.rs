@@ -4,7 +4,8 @@ use kinopt::Solution;
 use kinopt::arm::Arm;
 use kinopt::spatial::{Placement, Vector3};
 
-use crate::arms::{Random, few};
+use crate::arms::Random;
+use crate::sample::few;
 
 /// Every shipped robot: file, base, tip.
 pub const ROBOTS: [(&str, &str, &str); 7] = [
