@@ -1,8 +1,10 @@
 //! Numbers of programs that share no code with kinopt.
 
+mod digest;
 mod interpolation;
 mod kinematics;
 mod minima;
 mod problems;
 mod same_bits;
+mod same_courses;
 mod skinning;

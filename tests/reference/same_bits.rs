@@ -1,12 +1,9 @@
 //! Promise: the same question has the same answer to the bit on every x86-64 processor, of whatever
 //! maker, with every system's mathematical library, in debug and in release (docs/same-bits.md).
 //!
-//! `same_bits.tsv` holds a digest of many answers, for processors with AVX2 and FMA and for the portable
-//! paths. A change of an algorithm changes it: `KINOPT_BLESS=1 cargo test --test reference same_bits`,
-//! once as it is and once with KINOPT_PORTABLE=1, writes it anew.
+//! `same_courses.rs`, `same_arms.rs` and `same_shapes.rs` go on with what is counted and reported on the way.
 #![allow(clippy::unwrap_used)]
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::{Affine3A, Quat, Vec3, Vec4};
@@ -27,29 +24,7 @@ use kinopt::{Problem, Scalar};
 use support::methods::solvers;
 use support::random::Random;
 
-/// FNV-1a over the bits of numbers.
-struct Digest(u64);
-
-impl Digest {
-    fn new() -> Self {
-        Self(0xCBF2_9CE4_8422_2325)
-    }
-
-    fn word(&mut self, word: u64) {
-        for byte in word.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3);
-        }
-    }
-
-    fn doubles(&mut self, values: impl IntoIterator<Item = f64>) {
-        values.into_iter().for_each(|v| self.word(v.to_bits()));
-    }
-
-    fn singles(&mut self, values: impl IntoIterator<Item = f32>) {
-        let values = values.into_iter().map(f32::to_bits);
-        values.for_each(|v| self.word(v.into()));
-    }
-}
+use crate::digest::{Digest, check};
 
 /// Unit quaternions by additions, products and roots only.
 fn rotation(random: &mut Random) -> Quat {
@@ -65,7 +40,7 @@ fn elementary() -> u64 {
         digest.doubles([sin, cos, Scalar::atan2(x, y), Scalar::exp(y)]);
         digest.doubles([Scalar::ln(x * x + 1e-3), Scalar::sqrt(x * x)]);
     }
-    digest.0
+    digest.value()
 }
 
 fn rotations() -> u64 {
@@ -85,7 +60,7 @@ fn rotations() -> u64 {
             digest.doubles(order.to_quaternion(angles).to_array());
         }
     }
-    digest.0
+    digest.value()
 }
 
 /// Seven joints at right angles, as arms have them.
@@ -141,7 +116,7 @@ fn lanes() -> [u64; 2] {
         .solve_batch(&targets, &starts, Search::Start, &mut all, &mut outcomes)
         .unwrap();
     batch.doubles(all);
-    [alone.0, batch.0]
+    [alone.value(), batch.value()]
 }
 
 fn bodies(rig: &Rig) -> [u64; 2] {
@@ -173,7 +148,7 @@ fn bodies(rig: &Rig) -> [u64; 2] {
     let mut geometric = Digest::new();
     geometric.doubles(Ccd::default().solve(&problem, &rest).unwrap().q);
     geometric.doubles(Fabrik::default().solve(&problem, &rest).unwrap().q);
-    [solved.0, geometric.0]
+    [solved.value(), geometric.value()]
 }
 
 fn clip(rig: &Rig) -> u64 {
@@ -189,7 +164,7 @@ fn clip(rig: &Rig) -> u64 {
             .unwrap();
         digest.singles(pose.rotations().iter().flat_map(|q| q.to_array()));
     }
-    digest.0
+    digest.value()
 }
 
 /// With the packed kernels, and with those for any number of influences.
@@ -217,7 +192,7 @@ fn skins(rig: &Rig) -> [u64; 2] {
             blend.normals(&rest, &mut normals).unwrap();
             digest.singles(positions.iter().chain(&normals).flat_map(|v| v.to_array()));
         }
-        digest.0
+        digest.value()
     };
     [
         posed([
@@ -231,31 +206,13 @@ fn skins(rig: &Rig) -> [u64; 2] {
     ]
 }
 
-/// Whether the paths with AVX2 and FMA run here; the library decides alike.
-fn is_fused() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return std::env::var_os("KINOPT_PORTABLE").is_none_or(|v| v.is_empty() || v == "0")
-        && std::is_x86_feature_detected!("avx2")
-        && std::is_x86_feature_detected!("fma");
-    #[cfg(not(target_arch = "x86_64"))]
-    false
-}
-
-/// What goes through glam, whose code for other architectures sums in another order.
-const SINGLE_PRECISION: [&str; 4] = [
-    "rotations and Euler angles",
-    "a clip of Euler keys",
-    "packed skin",
-    "skin of any influences",
-];
-
 #[test]
 fn digests_of_answers_are_those_of_every_other_machine() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let rig = Rig::read(root.join("models/humanoid/humanoid.json")).unwrap();
     let ([alone, batch], [solved, geometric], [packed, skin]) =
         (lanes(), bodies(&rig), skins(&rig));
-    let found = [
+    let found: [(&str, u64); 9] = [
         ("sines, arc tangents, exponentials", elementary()),
         ("rotations and Euler angles", rotations()),
         ("lane engine, one question at a time", alone),
@@ -266,29 +223,5 @@ fn digests_of_answers_are_those_of_every_other_machine() {
         ("packed skin", packed),
         ("skin of any influences", skin),
     ];
-    let file = root.join("tests/reference/same_bits.tsv");
-    let text = std::fs::read_to_string(&file).unwrap();
-    let mut known: BTreeMap<&str, [&str; 2]> = BTreeMap::new();
-    for line in text.lines().filter(|line| !line.starts_with('#')) {
-        let [name, fused, portable] = line.split('\t').collect::<Vec<_>>().try_into().unwrap();
-        known.insert(name, [fused, portable]);
-    }
-    let column = usize::from(!is_fused());
-    let found = found.map(|(name, digest)| (name, format!("{digest:016x}")));
-    if std::env::var_os("KINOPT_BLESS").is_some() {
-        let mut text = String::from("# what\tAVX2 and FMA\tportable\n");
-        for (name, digest) in &found {
-            let mut both = known.get(name).copied().unwrap_or(["?"; 2]);
-            both[column] = digest;
-            text += &format!("{name}\t{}\t{}\n", both[0], both[1]);
-        }
-        return std::fs::write(file, text).unwrap();
-    }
-    let known_to_be = |name: &str| known.get(name).map_or("nothing", |both| both[column]);
-    let differ = found
-        .iter()
-        .filter(|(name, digest)| digest != known_to_be(name))
-        .filter(|(name, _)| cfg!(target_arch = "x86_64") || !SINGLE_PRECISION.contains(name));
-    let differ: Vec<&str> = differ.map(|(name, _)| *name).collect();
-    assert_eq!(differ, [""; 0], "{found:?}");
+    check(&found);
 }
