@@ -5,6 +5,7 @@ mod interpolation;
 mod kinematics;
 mod minima;
 mod problems;
+mod same_arms;
 mod same_bits;
 mod same_courses;
 mod skinning;
