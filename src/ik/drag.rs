@@ -290,6 +290,7 @@ impl Drag {
         let (mut iterations, mut counts) = self.go_on(frames, &late);
         self.max_move = max_move;
         if !self.solution().reached && !late() {
+            let far_cost = self.workspace.searched_cost();
             let (far, far_x, far_q) = (self.solution().clone(), self.x.clone(), self.q.clone());
             self.x.copy_from_slice(&start);
             let map = self.problem.parameters();
@@ -298,8 +299,8 @@ impl Drag {
             let again = self.go_on(frames, &late);
             iterations += again.0;
             counts += again.1;
-            let solution = self.solution();
-            if !(solution.reached || solution.cost < BETTER * far.cost) {
+            let nearer = self.workspace.searched_cost() < BETTER * far_cost;
+            if !(self.solution().reached || nearer) {
                 self.workspace.solution = far;
                 (self.x, self.q) = (far_x, far_q);
             }
@@ -405,7 +406,8 @@ impl Drag {
     /// Stays with the trial if it is better; either way the frame has made both.
     fn take_trial(&mut self) -> bool {
         let (kept, trial) = (&mut self.workspace, &mut self.trial);
-        let better = trial.solution.reached || trial.solution.cost < BETTER * kept.solution.cost;
+        let better =
+            trial.solution.reached || trial.searched_cost() < BETTER * kept.searched_cost();
         if better {
             std::mem::swap(kept, trial);
         }

@@ -45,6 +45,12 @@ impl Workspace {
         &self.solution
     }
 
+    /// ½ Σ ‖W r‖² where the last solve ended, of what it searched for: of the goals alone where preferences
+    /// act within them.
+    pub(super) fn searched_cost(&self) -> f64 {
+        half_squared(&self.best_residual)
+    }
+
     /// Takes the problem's shape and hands out its scratch memory, new only for a new problem.
     pub(super) fn fit(&mut self, problem: &Problem) -> Scratch {
         let Self {

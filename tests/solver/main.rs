@@ -2,10 +2,12 @@
 
 mod contradicting_targets;
 mod drags;
+mod first_steps;
 mod invariance;
 mod limits_hold;
 mod method_battery;
 mod not_finite;
+mod nudges;
 mod overextended_arm;
 mod preferences;
 mod preferences_at_misses;
@@ -23,3 +25,4 @@ mod symmetric_questions;
 mod told_misses;
 mod traded_preferences;
 mod unreachable_targets;
+mod which_attempt_counts;

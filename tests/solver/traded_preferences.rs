@@ -71,6 +71,30 @@ fn of_several_that_pull_the_strongest_is_named_first() {
     }
 }
 
+/// A joint that the goals push onto its limit is held by that, not by what would pull it back.
+#[test]
+fn what_pulls_a_joint_off_its_limit_is_not_to_blame() {
+    let model = planar_arm(&[1.0, 0.8], Some((-0.5, 0.5)));
+    let tip = model.frame("tip").unwrap();
+    let joints = model.moving_joints();
+    for side in [-1.0, 1.0] {
+        let mut builder = Problem::builder(&model);
+        // Beyond the first joint's limit, and to be come nearer to by the second.
+        builder.add(Point::new(tip, [0.2, 1.6 * side, 0.0]));
+        let back = Posture::of_joints([(joints[0], 0.0)]);
+        builder.add(Task::new(back).times(0.2).named("back"));
+        let straight = Posture::of_joints([(joints[1], 0.0)]);
+        builder.add(Task::new(straight).times(2.0).named("straight"));
+        builder.preferences(Preferences::Traded);
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.0, 0.1]).unwrap();
+        assert_eq!(solution.q[0], 0.5 * side);
+        assert!(solution.q[1].abs() < 0.49, "{:?}", solution.q);
+        let named: Vec<&str> = solution.pulling_preferences().collect();
+        assert_eq!(named, ["straight"]);
+    }
+}
+
 #[test]
 fn without_goals_that_can_be_missed_the_sum_is_minimised() {
     let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));

@@ -1,0 +1,248 @@
+//! Promise: a method's step is the one that its formula says, as dense algebra from scratch has it: over the
+//! variables that are free, cut at the bounds.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::ops::ControlFlow;
+
+use kinopt::solver::{
+    Damping, FirstStep, GaussNewton, Iteration, LeastSquares, LevenbergMarquardt, Memory, Method,
+    ProjectedGradient, Stopping, minimise,
+};
+use nalgebra::{DMatrix, DVector};
+use support::random::Random;
+
+/// r = A x − b within bounds, and where a search starts.
+struct Linear {
+    a: DMatrix<f64>,
+    b: DVector<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    start: DVector<f64>,
+}
+
+impl LeastSquares for Linear {
+    fn variables(&self) -> usize {
+        self.a.ncols()
+    }
+
+    fn rows(&self) -> usize {
+        self.a.nrows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+
+    fn upper(&self) -> &[f64] {
+        &self.upper
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        let r = &self.a * DVector::from_column_slice(x) - &self.b;
+        residual.copy_from_slice(r.as_slice());
+    }
+
+    fn jacobian(&mut self, _: &[f64], jacobian: &mut DMatrix<f64>) {
+        jacobian.copy_from(&self.a);
+    }
+}
+
+impl Linear {
+    /// Variables inside, on either bound, and one that has no room; rows that may depend on each other.
+    fn random(random: &mut Random, rows: usize, columns: usize) -> Self {
+        let mut a = DMatrix::from_fn(rows, columns, |_, _| random.within(-1.0, 1.0));
+        if rows > 3 {
+            let twice = a.row(0) * 2.0;
+            a.set_row(3, &twice);
+        }
+        let b = DVector::from_fn(rows, |_, _| random.within(-1.0, 1.0));
+        let start = DVector::from_fn(columns, |_, _| random.within(-0.5, 0.5));
+        let bound = |side: f64| {
+            move |(j, x): (usize, &f64)| match (j % 4, side > 0.0) {
+                (1, true) | (2, false) => *x,
+                _ if j == 3 => *x,
+                _ => x + side * 0.6,
+            }
+        };
+        let [lower, upper] = [-1.0, 1.0].map(|side| start.iter().enumerate().map(bound(side)));
+        let (lower, upper) = (lower.collect(), upper.collect());
+        Self {
+            a,
+            b,
+            lower,
+            upper,
+            start,
+        }
+    }
+
+    /// One whose gradient by the variable without room is exactly zero, so that only its bounds hold it.
+    fn level(mut self) -> Self {
+        let (rows, last) = (self.a.nrows(), self.a.ncols() - 1);
+        self.a.row_mut(rows - 1).fill(0.0);
+        self.a.column_mut(last).fill(0.0);
+        let residual = &self.a * &self.start - &self.b;
+        self.a[(0, last)] = 1.0;
+        self.a[(rows - 1, last)] = 1.0;
+        self.b[0] += self.start[last];
+        self.b[rows - 1] = self.start[last] + residual[0];
+        (self.lower[last], self.upper[last]) = (self.start[last], self.start[last]);
+        self
+    }
+
+    fn at(&self, x: &DVector<f64>) -> (f64, DVector<f64>) {
+        let r = &self.a * x - &self.b;
+        (0.5 * r.norm_squared(), self.a.transpose() * r)
+    }
+
+    fn cut(&self, x: &DVector<f64>) -> DVector<f64> {
+        DVector::from_fn(x.len(), |j, _| x[j].max(self.lower[j]).min(self.upper[j]))
+    }
+
+    /// A without the columns that bounds hold at the start.
+    fn free_columns(&self) -> DMatrix<f64> {
+        let (_, gradient) = self.at(&self.start);
+        let mut free = self.a.clone();
+        for j in 0..free.ncols() {
+            let (x, g) = (self.start[j], gradient[j]);
+            let held = self.lower[j] >= self.upper[j]
+                || (x <= self.lower[j] && g > 0.0)
+                || (x >= self.upper[j] && g < 0.0);
+            if held {
+                free.column_mut(j).fill(0.0);
+            }
+        }
+        free
+    }
+
+    /// Where a method stands at first, and after one step and two, with its damping there.
+    fn steps(&mut self, method: &dyn Method) -> Vec<(DVector<f64>, f64)> {
+        let mut seen = Vec::new();
+        let mut watch = |step: &Iteration<'_>| {
+            seen.push((DVector::from_column_slice(step.x), step.damping));
+            ControlFlow::Continue(())
+        };
+        let stopping = Stopping::default().with_max_iterations(2);
+        let start = self.start.clone();
+        let mut memory = Memory::default();
+        minimise(
+            self,
+            method,
+            start.as_slice(),
+            &stopping,
+            &mut watch,
+            &mut memory,
+        );
+        seen
+    }
+
+    /// Along the projected path, halved until the cost falls by enough.
+    fn halved(&self, from: &DVector<f64>, way: &DVector<f64>, mut share: f64) -> DVector<f64> {
+        let (cost, gradient) = self.at(from);
+        loop {
+            let to = self.cut(&(from + way * share));
+            let promised = gradient.dot(&(&to - from));
+            if promised < 0.0 && self.at(&to).0 <= cost + 1e-4 * promised {
+                return to;
+            }
+            share *= 0.5;
+        }
+    }
+}
+
+fn problems() -> Vec<Linear> {
+    let mut random = Random::new(7);
+    let shapes = [(3, 6), (6, 6), (9, 5), (5, 9), (2, 4), (8, 8)];
+    let mut all: Vec<Linear> = Vec::new();
+    for (rows, columns) in shapes {
+        all.push(Linear::random(&mut random, rows, columns));
+        all.push(Linear::random(&mut random, rows, columns).level());
+    }
+    all
+}
+
+fn near(a: &DVector<f64>, b: &DVector<f64>, what: &str) {
+    let apart = (a - b).amax();
+    assert!(apart < 1e-9 * (1.0 + b.amax()), "{what}: {apart:e}\n{a}{b}");
+}
+
+#[test]
+fn levenberg_marquardt_solves_the_damped_normal_equations() {
+    for (k, mut problem) in problems().into_iter().enumerate() {
+        let (cost, gradient) = problem.at(&problem.start);
+        let free = problem.free_columns();
+        let largest = problem
+            .a
+            .column_iter()
+            .map(|c| c.norm_squared())
+            .fold(0.0, f64::max);
+        for (rule, damping) in [
+            (Damping::GainRatio, 1e-3 * largest),
+            (Damping::ErrorProportional, 0.1 * cost),
+        ] {
+            let steps = problem.steps(&LevenbergMarquardt::new(rule));
+            assert!(
+                (steps[0].1 - damping).abs() <= 1e-12 * damping,
+                "{k} {rule:?}"
+            );
+            let mut normal = free.transpose() * &free;
+            for j in 0..normal.ncols() {
+                normal[(j, j)] += damping;
+            }
+            let slope = DVector::from_fn(gradient.len(), |j, _| {
+                free.column(j)
+                    .dot(&(&problem.a * &problem.start - &problem.b))
+            });
+            let full = &problem.start - normal.lu().solve(&slope).unwrap();
+            let to = problem.cut(&full);
+            if problem.at(&to).0 < cost {
+                near(&steps[1].0, &to, &format!("{k} {rule:?}"));
+            } else {
+                assert_eq!(steps[1].0, problem.start, "{k} {rule:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn gauss_newton_takes_the_shortest_of_the_best_steps() {
+    for (k, mut problem) in problems().into_iter().enumerate() {
+        let free = problem.free_columns();
+        let residual = &problem.a * &problem.start - &problem.b;
+        let way = -free.svd(true, true).solve(&residual, 1e-7).unwrap();
+        let expected = problem.halved(&problem.start, &way, (10.0 / way.amax()).min(1.0));
+        let steps = problem.steps(&GaussNewton::default());
+        near(&steps[1].0, &expected, &format!("{k}"));
+    }
+}
+
+#[test]
+fn projected_gradients_go_down_the_slope() {
+    for (k, mut problem) in problems().into_iter().enumerate() {
+        let (_, gradient) = problem.at(&problem.start);
+        let steps = problem.steps(&ProjectedGradient::new(FirstStep::Fixed(10_000.0)));
+        let expected = problem.halved(&problem.start, &-&gradient, 10_000.0);
+        near(&steps[1].0, &expected, &format!("{k} fixed"));
+
+        let steps = problem.steps(&ProjectedGradient::new(FirstStep::BarzilaiBorwein));
+        let largest = problem
+            .a
+            .column_iter()
+            .map(|c| c.norm_squared())
+            .fold(0.0, f64::max);
+        let expected = problem.halved(&problem.start, &-&gradient, 1.0 / largest);
+        near(&steps[1].0, &expected, &format!("{k} spectral, first"));
+        let (cost, next) = problem.at(&expected);
+        let (moved, turned) = (&expected - &problem.start, &next - &gradient);
+        let spectral = moved.norm_squared() / moved.dot(&turned);
+        let to = problem.cut(&(&expected - &next * spectral));
+        // It may climb, but not above where it began.
+        let bound = problem.at(&problem.start).0;
+        if problem.at(&to).0 <= bound.min(bound + 1e-4 * next.dot(&(&to - &expected))) {
+            near(
+                &steps[2].0,
+                &to,
+                &format!("{k} spectral, second, from {cost}"),
+            );
+        }
+    }
+}
