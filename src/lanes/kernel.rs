@@ -122,7 +122,7 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
         m[k + 3][k + 3] += lambda_turn;
     }
     let (e, s) = weighed.twist;
-    let y = ldlt::solve(group.normal, [-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]);
+    let [y] = ldlt::solve(group.normal, [[-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]]);
     let y_linear = Vector3::new(y[0], y[1], y[2]);
     let y_angular = Vector3::new(y[3], y[4], y[5]);
     for i in 0..n {

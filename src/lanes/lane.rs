@@ -8,7 +8,7 @@
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
 use crate::scalar::trigonometry::{reduced_sin_cos, turned};
-use crate::scalar::{Mask, Scalar, elementary};
+use crate::scalar::{Mask, Scalar, each, elementary};
 
 /// `L` numbers side by side; `FMA` picks fused multiply-add.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,26 +42,6 @@ pub trait LaneScalar: Scalar {
     fn mask_bits(mask: Self::Mask) -> u32;
 }
 
-impl<const L: usize, const FMA: bool> Lanes<L, FMA> {
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = f(self.0[i], other.0[i]);
-        }
-        Self(out)
-    }
-
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = f(self.0[i]);
-        }
-        Self(out)
-    }
-}
-
 impl<const L: usize, const FMA: bool> LaneScalar for Lanes<L, FMA> {
     const WIDTH: usize = L;
     type One = Lanes<1, FMA>;
@@ -88,9 +68,10 @@ impl<const L: usize, const FMA: bool> LaneScalar for Lanes<L, FMA> {
 
     #[inline(always)]
     fn mask_bits(mask: LaneMask<L>) -> u32 {
-        let mut bits = 0;
-        for i in 0..L {
-            bits |= u32::from(mask.0[i] >> 63 != 0) << i;
+        let (mut bits, mut i) = (0, 0);
+        while i < L {
+            bits |= ((mask.0[i] >> 63) as u32) << i;
+            i += 1;
         }
         bits
     }
@@ -106,81 +87,83 @@ impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
 
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
-            out[i] = if FMA {
-                self.0[i].mul_add(factor.0[i], addend.0[i])
-            } else {
-                self.0[i] * factor.0[i] + addend.0[i]
-            };
-        }
-        Self(out)
+        Self(if FMA {
+            each!(L, i, 0.0, self.0[i].mul_add(factor.0[i], addend.0[i]))
+        } else {
+            each!(L, i, 0.0, self.0[i] * factor.0[i] + addend.0[i])
+        })
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
+        Self(each!(L, i, 0.0, self.0[i].sqrt()))
     }
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (rounded, sin, cos) = reduced_sin_cos(self);
-        let (mut s, mut c) = ([0.0; L], [0.0; L]);
-        for i in 0..L {
+        let (mut s, mut c, mut i) = ([0.0; L], [0.0; L], 0);
+        while i < L {
             (s[i], c[i]) = turned(rounded.0[i], sin.0[i], cos.0[i]);
+            i += 1;
         }
         (Self(s), Self(c))
     }
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        self.zip(x, elementary::atan2)
+        Self(each!(L, i, 0.0, elementary::atan2(self.0[i], x.0[i])))
     }
 
     #[inline(always)]
     fn exp(self) -> Self {
-        self.map(elementary::exp)
+        Self(each!(L, i, 0.0, elementary::exp(self.0[i])))
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
-        self.map(elementary::ln)
+        Self(each!(L, i, 0.0, elementary::ln(self.0[i])))
     }
 
     #[inline(always)]
     fn less_than(self, other: Self) -> LaneMask<L> {
-        let mut out = [0; L];
-        for i in 0..L {
-            out[i] = if self.0[i] < other.0[i] { u64::MAX } else { 0 };
-        }
-        LaneMask(out)
+        LaneMask(each!(
+            L,
+            i,
+            0,
+            if self.0[i] < other.0[i] { u64::MAX } else { 0 }
+        ))
     }
 
     #[inline(always)]
     fn select(mask: LaneMask<L>, yes: Self, no: Self) -> Self {
-        let mut out = [0.0; L];
-        for i in 0..L {
+        Self(each!(L, i, 0.0, {
             let (m, y, n) = (mask.0[i], yes.0[i].to_bits(), no.0[i].to_bits());
-            out[i] = f64::from_bits((m & y) | (!m & n));
-        }
-        Self(out)
+            f64::from_bits((m & y) | (!m & n))
+        }))
     }
 
     #[inline(always)]
     fn abs(self) -> Self {
-        self.map(f64::abs)
+        Self(each!(L, i, 0.0, self.0[i].abs()))
     }
 
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         // The order of the comparison makes this one instruction (`minpd`); a NaN on the left gives
         // the right side.
-        self.zip(other, |a, b| if a < b { a } else { b })
+        Self(each!(L, i, 0.0, {
+            let (a, b) = (self.0[i], other.0[i]);
+            if a < b { a } else { b }
+        }))
     }
 
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
+        Self(each!(L, i, 0.0, {
+            let (a, b) = (self.0[i], other.0[i]);
+            if a > b { a } else { b }
+        }))
     }
 }
 
@@ -190,7 +173,7 @@ macro_rules! lanewise {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(other, |a, b| a $op b)
+                Self(each!(L, i, 0.0, self.0[i] $op other.0[i]))
             }
         }
         impl<const L: usize, const FMA: bool> $assign_trait for Lanes<L, FMA> {
@@ -211,7 +194,7 @@ impl<const L: usize, const FMA: bool> Div for Lanes<L, FMA> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
+        Self(each!(L, i, 0.0, self.0[i] / other.0[i]))
     }
 }
 
@@ -219,7 +202,7 @@ impl<const L: usize, const FMA: bool> Neg for Lanes<L, FMA> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        Self(each!(L, i, 0.0, -self.0[i]))
     }
 }
 
@@ -229,11 +212,7 @@ impl<const L: usize> BitAnd for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        let mut out = [0; L];
-        for i in 0..L {
-            out[i] = self.0[i] & other.0[i];
-        }
-        Self(out)
+        Self(each!(L, i, 0, self.0[i] & other.0[i]))
     }
 }
 
@@ -241,11 +220,7 @@ impl<const L: usize> BitOr for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        let mut out = [0; L];
-        for i in 0..L {
-            out[i] = self.0[i] | other.0[i];
-        }
-        Self(out)
+        Self(each!(L, i, 0, self.0[i] | other.0[i]))
     }
 }
 
@@ -253,10 +228,6 @@ impl<const L: usize> Not for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        let mut out = [0; L];
-        for i in 0..L {
-            out[i] = !self.0[i];
-        }
-        Self(out)
+        Self(each!(L, i, 0, !self.0[i]))
     }
 }

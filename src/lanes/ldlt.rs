@@ -2,11 +2,25 @@
 
 use crate::scalar::Scalar;
 
-/// Solves the symmetric positive definite system by LDLᵀ; only the lower triangle is read. Written
-/// out, as nested loops stay loops.
+/// Solves the symmetric positive definite system by LDLᵀ for K right-hand sides; only the lower
+/// triangle is read. Written out, as nested loops stay loops.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
+pub(crate) fn solve<V: Scalar, const K: usize>(
+    mut m: [[V; 6]; 6],
+    mut sides: [[V; 6]; K],
+) -> [[V; 6]; K] {
     let mut inverse = [V::zero(); 6];
+    // Counted by hand: an iterator is several calls in a debug build.
+    macro_rules! each_side {
+        ($b:ident, $body:expr) => {
+            let mut side = 0;
+            while side < K {
+                let $b = &mut sides[side];
+                $body;
+                side += 1;
+            }
+        };
+    }
     // Each row below the pivot, with its entries right of the pivot's column.
     macro_rules! eliminate {
         ($j:literal: $($i:literal [$($k:literal)*])*) => {
@@ -14,7 +28,7 @@ pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
             $(
                 let factor = -(m[$i][$j] * inverse[$j]);
                 $(m[$i][$k] = factor.mul_add(m[$k][$j], m[$i][$k]);)*
-                b[$i] = factor.mul_add(b[$j], b[$i]);
+                each_side!(b, b[$i] = factor.mul_add(b[$j], b[$i]));
             )*
         };
     }
@@ -26,8 +40,10 @@ pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
     eliminate!(5:);
     macro_rules! substitute {
         ($i:literal: $($k:literal)*) => {
-            $(b[$i] = (-m[$k][$i]).mul_add(b[$k], b[$i]);)*
-            b[$i] *= inverse[$i];
+            each_side!(b, {
+                $(b[$i] = (-m[$k][$i]).mul_add(b[$k], b[$i]);)*
+                b[$i] *= inverse[$i];
+            });
         };
     }
     substitute!(5:);
@@ -36,5 +52,5 @@ pub(crate) fn solve<V: Scalar>(mut m: [[V; 6]; 6], mut b: [V; 6]) -> [V; 6] {
     substitute!(2: 5 4 3);
     substitute!(1: 5 4 3 2);
     substitute!(0: 5 4 3 2 1);
-    b
+    sides
 }

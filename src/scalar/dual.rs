@@ -2,10 +2,9 @@
 //!
 //! Griewank and Walther, *Evaluating Derivatives*, 2nd edition, section 3.2 (vector forward mode).
 
-use std::array::from_fn;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::{Scalar, elementary};
+use super::{Scalar, each, elementary};
 
 /// A value and its derivatives along `N` directions at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +18,7 @@ impl<const N: usize> Dual<N> {
     /// of `N` or more gives a constant.
     #[must_use]
     pub fn variable(value: f64, direction: usize) -> Self {
-        let derivatives = from_fn(|own| f64::from(own == direction));
+        let derivatives = each!(N, own, 0.0, f64::from(own == direction));
         Self { value, derivatives }
     }
 
@@ -46,7 +45,7 @@ impl<const N: usize> Dual<N> {
     fn chain(self, value: f64, slope: f64) -> Self {
         Self {
             value,
-            derivatives: from_fn(|k| self.derivatives[k] * slope),
+            derivatives: each!(N, k, 0.0, self.derivatives[k] * slope),
         }
     }
 
@@ -55,7 +54,7 @@ impl<const N: usize> Dual<N> {
     fn chain2(self, other: Self, value: f64, slopes: [f64; 2]) -> Self {
         Self {
             value,
-            derivatives: from_fn(|k| {
+            derivatives: each!(N, k, 0.0, {
                 self.derivatives[k] * slopes[0] + other.derivatives[k] * slopes[1]
             }),
         }
@@ -68,7 +67,7 @@ impl<const N: usize> Add for Dual<N> {
     fn add(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
-            derivatives: from_fn(|k| self.derivatives[k] + other.derivatives[k]),
+            derivatives: each!(N, k, 0.0, self.derivatives[k] + other.derivatives[k]),
         }
     }
 }
@@ -79,7 +78,7 @@ impl<const N: usize> Sub for Dual<N> {
     fn sub(self, other: Self) -> Self {
         Self {
             value: self.value - other.value,
-            derivatives: from_fn(|k| self.derivatives[k] - other.derivatives[k]),
+            derivatives: each!(N, k, 0.0, self.derivatives[k] - other.derivatives[k]),
         }
     }
 }

@@ -8,6 +8,21 @@ mod dual;
 pub(crate) mod elementary;
 pub(crate) mod trigonometry;
 
+/// An array of length `$n` with `$value` at `$i`, like `std::array::from_fn`. Counted by hand and without
+/// a closure: those are calls in a debug build, of which such small arrays would be the most part.
+macro_rules! each {
+    ($n:ident, $i:ident, $zero:expr, $value:expr) => {{
+        let mut out = [$zero; $n];
+        let mut $i = 0;
+        while $i < $n {
+            out[$i] = $value;
+            $i += 1;
+        }
+        out
+    }};
+}
+pub(crate) use each;
+
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
@@ -120,6 +135,12 @@ impl Scalar for f64 {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         value
+    }
+
+    // As the trait has it, but without the calls that generic operators are in a debug build.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
     }
 
     #[inline(always)]

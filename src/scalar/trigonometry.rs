@@ -94,9 +94,10 @@ pub(super) fn sin_cos_all(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]
 /// Σ cₖ zᵏ by Horner's rule.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn horner<S: Scalar>(z: S, coefficients: &[f64; 6]) -> S {
-    let mut sum = S::constant(coefficients[5]);
-    for k in (0..5).rev() {
-        sum = sum.mul_add(z, S::constant(coefficients[k]));
-    }
-    sum
+    let c = |k: usize| S::constant(coefficients[k]);
+    c(5).mul_add(z, c(4))
+        .mul_add(z, c(3))
+        .mul_add(z, c(2))
+        .mul_add(z, c(1))
+        .mul_add(z, c(0))
 }

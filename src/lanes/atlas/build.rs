@@ -15,11 +15,11 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 type Axis = (Vector3<f64>, Vector3<f64>);
 
 /// A configuration and where it brings the last frame.
-struct Sample {
+struct Sample<'a> {
     key: Key,
-    q: Vec<f64>,
+    q: &'a [f64],
     place: Placement<f64>,
-    joints: Vec<Axis>,
+    joints: &'a [Axis],
 }
 
 impl Atlas {
@@ -49,33 +49,31 @@ impl Atlas {
         };
         let samples = cells * resolution.samples;
         let mut state = mix(seed ^ 0xA71A5);
+        // From where and how far a value may lie; the ends, by which goals are reduced, stay at zero.
+        let ranges: Vec<(f64, f64)> = (links.links.iter().enumerate())
+            .map(|(i, link)| {
+                if i == 0 || i == n - 1 && link.kind == JointKind::Revolute {
+                    return (0.0, 0.0);
+                }
+                let finite = |bound: f64, else_: f64| if bound.is_finite() { bound } else { else_ };
+                let lower = finite(link.lower, -TAU / 2.0);
+                (lower, finite(link.upper, TAU / 2.0) - lower)
+            })
+            .collect();
         let mut draw = |q: &mut [f64]| {
-            for (i, (q, link)) in q.iter_mut().zip(&links.links).enumerate() {
+            for (q, &(lower, span)) in q.iter_mut().zip(&ranges) {
                 state = mix(state);
                 let unit = (state >> 11) as f64 / (1u64 << 53) as f64;
-                let lower = if link.lower.is_finite() {
-                    link.lower
-                } else {
-                    -TAU / 2.0
-                };
-                let upper = if link.upper.is_finite() {
-                    link.upper
-                } else {
-                    TAU / 2.0
-                };
-                *q = if i == 0 || i == n - 1 && links.links[i].kind == JointKind::Revolute {
-                    0.0
-                } else {
-                    lower + unit * (upper - lower)
-                };
+                *q = lower + unit * span;
             }
         };
         // The range of the keys, from a first few samples.
         let mut q = vec![0.0; n];
+        let mut joints = vec![(Vector3::zero(), Vector3::zero()); n];
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for _ in 0..2000 {
             draw(&mut q);
-            let key = atlas.key(&forward(links, &q).0);
+            let key = atlas.key(&forward(links, &q, &mut joints));
             for k in 0..2 {
                 low[k] = low[k].min(key.place[k]);
                 high[k] = high[k].max(key.place[k]);
@@ -88,16 +86,16 @@ impl Atlas {
         }
         for _ in 0..samples {
             draw(&mut q);
-            let (place, joints) = forward(links, &q);
+            let place = forward(links, &q, &mut joints);
             let key = atlas.key(&place);
             let cell = atlas.cell(&key);
             let count = usize::from(atlas.counts[cell]);
             if count < PER_CELL {
                 let sample = Sample {
                     key,
-                    q: q.clone(),
+                    q: &q,
                     place,
-                    joints,
+                    joints: &joints,
                 };
                 atlas.store(cell, count, &sample, links);
                 atlas.counts[cell] += 1;
@@ -108,28 +106,21 @@ impl Atlas {
 
     /// Puts a sample into a cell, with the derivative of its joint values by the key.
     fn store(&mut self, cell: usize, slot: usize, sample: &Sample, links: &Links) {
-        let Sample {
-            key: key_in,
-            q,
-            place,
-            joints,
-        } = sample;
-
         let n = self.joints;
         let (centre, h) = self.direction_frame(cell);
-        let mut shifted = *key_in;
+        let (place, mut key) = (&sample.place, sample.key);
         if self.first_turns {
-            shifted.shift = elementary::atan2(place.translation.y, place.translation.x);
+            key.shift = elementary::atan2(place.translation.y, place.translation.x);
         }
-        let key = &shifted;
         // The sample, turned so that its shift and roll are zero.
-        let (roll_y, roll_x) = self.roll_parts(key, h);
+        let (roll_y, roll_x) = self.roll_parts(&key, h);
         let roll = if self.last_turns {
             elementary::atan2(roll_y, roll_x)
         } else {
             0.0
         };
-        let mut canonical = q.to_vec();
+        let mut canonical = [0.0; MAX_ATLAS_JOINTS];
+        canonical[..n].copy_from_slice(sample.q);
         canonical[0] -= key.shift;
         if self.last_turns {
             canonical[n - 1] -= roll;
@@ -139,20 +130,19 @@ impl Atlas {
         let turned = Matrix3::identity().rotated_about_z(elementary::sin_cos(turn));
         let lift = if self.first_turns { 0.0 } else { -key.shift };
         let origin = turned * place.translation + Vector3::new(0.0, 0.0, lift);
-        let columns: Vec<[f64; 6]> = joints
-            .iter()
-            .zip(&links.links)
-            .map(|(&(axis, point), link)| {
-                let axis = turned * axis;
-                let point = turned * point + Vector3::new(0.0, 0.0, lift);
-                if link.kind == JointKind::Revolute {
-                    let v = axis.cross(origin - point);
-                    [v.x, v.y, v.z, axis.x, axis.y, axis.z]
-                } else {
-                    [axis.x, axis.y, axis.z, 0.0, 0.0, 0.0]
-                }
-            })
-            .collect();
+        let mut columns = [[0.0; 6]; MAX_ATLAS_JOINTS];
+        let per_joint = columns.iter_mut().zip(sample.joints).zip(&links.links);
+        for ((column, &(axis, point)), link) in per_joint {
+            let axis = turned * axis;
+            let point = turned * point + Vector3::new(0.0, 0.0, lift);
+            *column = if link.kind == JointKind::Revolute {
+                let v = axis.cross(origin - point);
+                [v.x, v.y, v.z, axis.x, axis.y, axis.z]
+            } else {
+                [axis.x, axis.y, axis.z, 0.0, 0.0, 0.0]
+            };
+        }
+        let columns = &columns[..n];
         let a = key.axis;
         let side = h - a * h.dot(a);
         let length = side.norm().max(1e-6);
@@ -173,29 +163,35 @@ impl Atlas {
             turn_towards(h),
             turn_towards(centre.cross(h)),
         ];
+        // The lower triangle of J Jᵀ. Counted by hand, as in lanes: half of a debug build's time was here.
         let mut m = [[0.0; 6]; 6];
-        for column in &columns {
-            for r in 0..6 {
-                for c in 0..6 {
+        for column in columns {
+            let mut r = 0;
+            while r < 6 {
+                let mut c = 0;
+                while c <= r {
                     m[r][c] += column[r] * column[c];
+                    c += 1;
                 }
+                r += 1;
             }
         }
         for (k, row) in m.iter_mut().enumerate() {
             row[k] += if k < 3 { 1e-4 } else { 1e-3 };
         }
         let base = cell * (n + 5 + 4 * n);
-        for (i, value) in canonical.iter().enumerate() {
+        for (i, value) in canonical[..n].iter().enumerate() {
             self.rows[base + i][slot] = *value as f32;
         }
         let numbers = [key.place[0], key.place[1], a.x, a.y, a.z];
         for (i, value) in numbers.iter().enumerate() {
             self.rows[base + n + i][slot] = *value as f32;
         }
-        for (k, twist) in twists.iter().enumerate() {
-            let y = ldlt::solve(m, *twist);
-            for (i, column) in columns.iter().enumerate() {
-                let value: f64 = column.iter().zip(&y).map(|(a, b)| a * b).sum();
+        let slopes = ldlt::solve(m, twists);
+        for (i, column) in columns.iter().enumerate() {
+            for (k, y) in slopes.iter().enumerate() {
+                let [a, b, c, d, e, f] = column;
+                let value = a * y[0] + b * y[1] + c * y[2] + d * y[3] + e * y[4] + f * y[5];
                 self.rows[base + n + 5 + 4 * i + k][slot] = value as f32;
             }
         }
@@ -203,14 +199,14 @@ impl Atlas {
 }
 
 /// The placement of the frame after the last turn, its origin on the last axis, in the frame of the
-/// first joint; and every joint's axis and a point on it.
-fn forward(links: &Links, q: &[f64]) -> (Placement<f64>, Vec<Axis>) {
+/// first joint; every joint's axis and a point on it go into `joints`.
+fn forward(links: &Links, q: &[f64], joints: &mut [Axis]) -> Placement<f64> {
     let mut r = Matrix3::identity();
     let mut p = Vector3::zero();
-    let mut joints = Vec::with_capacity(q.len());
     let last = q.len() - 1;
-    for (i, (link, &q)) in links.links.iter().zip(q).enumerate() {
-        joints.push((r.z, p));
+    for (i, link) in links.links.iter().enumerate() {
+        let q = q[i];
+        joints[i] = (r.z, p);
         if link.kind == JointKind::Revolute {
             r = r.rotated_about_z(elementary::sin_cos(q + link.offset));
         } else {
@@ -222,5 +218,5 @@ fn forward(links: &Links, q: &[f64]) -> (Placement<f64>, Vec<Axis>) {
             r = r.rotated_about_x(link.twist);
         }
     }
-    (Placement::new(r, p), joints)
+    Placement::new(r, p)
 }
