@@ -17,7 +17,6 @@ struct Job<'a> {
     index: usize,
     query: Query<'a>,
     goal_from_first: Placement<f64>,
-    seeds: QuerySeeds<'a>,
     attempt: u32,
     /// Attempts ended.
     begun: u32,
@@ -65,6 +64,7 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     } = work;
     let mut next = 0;
     let mut jobs: [Option<Job<'_>>; L] = [const { None }; L];
+    let mut seeds: [QuerySeeds; L] = std::array::from_fn(|_| QuerySeeds::new());
     // A macro, as a closure might be compiled without the vector features.
     macro_rules! take {
         () => {{
@@ -83,7 +83,6 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
                     Some(Job {
                         index: next - 1,
                         goal_from_first: prepared.links.goal_from_first(target, settings.weighted),
-                        seeds: QuerySeeds::new(prepared, &query),
                         query,
                         attempt: attempts_from.map_or(0, |first| first + (next - 1) as u32),
                         begun: 0,
@@ -164,10 +163,19 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
             }
             if jobs[lane].is_none() {
                 jobs[lane] = take!();
+                seeds[lane].forget();
             }
             match &mut jobs[lane] {
                 Some(job) => {
-                    (stages.seed)(&mut job.seeds, job.attempt, &mut seed);
+                    let (goal, query) = (&job.goal_from_first, &job.query);
+                    (stages.seed)(
+                        &mut seeds[lane],
+                        prepared,
+                        query,
+                        goal,
+                        job.attempt,
+                        &mut seed,
+                    );
                     group.load(lane, &job.goal_from_first, &seed, settings);
                     active |= 1 << lane;
                 }

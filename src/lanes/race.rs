@@ -45,7 +45,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
     let goal_from_first = prepared
         .links
         .goal_from_first(query.target, settings.weighted);
-    let mut seeds = QuerySeeds::new(prepared, query);
+    let mut seeds = QuerySeeds::new();
     let (first, end) = query.attempts;
     let by_number = query.search == Search::Start;
     // Whether the start's own attempt is among these.
@@ -73,7 +73,14 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
                 && !late
                 && iterations < query.budget.max(1)
             {
-                (stages.seed)(&mut seeds, next, &mut seed);
+                (stages.seed)(
+                    &mut seeds,
+                    prepared,
+                    query,
+                    &goal_from_first,
+                    next,
+                    &mut seed,
+                );
                 // Before the first step all lanes take harmless numbers.
                 let last = if next == first { V::WIDTH } else { lane + 1 };
                 for lane in lane..last {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::atlas::Candidates;
 use super::chain::JointKind;
 use super::lane::LaneScalar;
-use super::links::Link;
+use super::links::{Link, Links};
 use super::options::Search;
 use super::prepared::Prepared;
 use super::query::Query;
@@ -18,91 +18,75 @@ const LARGE_ANGLE: f64 = 1.0e3;
 
 /// The seeds of one query, by attempt number: the start, those of the atlas, then random ones; the
 /// start comes after the atlas under [`Search::First`].
-pub(crate) struct QuerySeeds<'a> {
-    prepared: &'a Prepared,
-    start: &'a [f64],
-    target: &'a Placement<f64>,
+pub(crate) struct QuerySeeds {
     /// Looked up when first asked for.
-    candidates: Option<Candidates>,
-    start_first: bool,
+    candidates: Candidates,
+    looked_up: bool,
 }
 
-impl<'a> QuerySeeds<'a> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn new(prepared: &'a Prepared, query: &Query<'a>) -> Self {
+impl QuerySeeds {
+    pub(crate) fn new() -> Self {
         Self {
-            prepared,
-            start: query.start,
-            target: query.target,
-            candidates: None,
-            start_first: query.search == Search::Start,
+            candidates: Candidates::none(),
+            looked_up: false,
         }
     }
 
-    /// A start's value in the solver's terms.
+    /// Makes ready for another query.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start_value(&self, link: &Link, start: f64) -> f64 {
-        match link.kind {
-            JointKind::Revolute => reduced(start),
-            JointKind::Prismatic => start * self.prepared.links.lengths_per_metre,
-        }
+    pub(crate) fn forget(&mut self) {
+        self.looked_up = false;
     }
 
-    /// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
+    /// Writes the seed of an attempt at the query whose goal, as the kernel works on it, is
+    /// `goal_from_first`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fill_start(&self, q: &mut [f64]) {
-        let links = &self.prepared.links.links;
-        for ((q, link), &start) in q.iter_mut().zip(links).zip(self.start) {
-            *q = self.start_value(link, start);
-            *q = q.max(link.lower).min(link.upper);
-            if link.kind == JointKind::Revolute && q.abs() > LARGE_ANGLE {
-                let turned = *q - TAU * (*q / TAU).round();
-                *q = turned.max(link.lower).min(link.upper);
-            }
-        }
-    }
-
-    /// Writes the seed of an attempt.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn fill<V: LaneScalar>(&mut self, attempt: u32, q: &mut [f64]) {
-        let links = &self.prepared.links;
-        if self.start_first && attempt == 0 {
-            self.fill_start(q);
+    pub(crate) fn fill<V: LaneScalar>(
+        &mut self,
+        prepared: &Prepared,
+        query: &Query<'_>,
+        goal_from_first: &Placement<f64>,
+        attempt: u32,
+        q: &mut [f64],
+    ) {
+        let links = &prepared.links;
+        let start_first = query.search == Search::Start;
+        if start_first && attempt == 0 {
+            fill_start(links, query.start, q);
             return;
         }
         // No closure here: one that is not inlined would be compiled without the vector features.
-        if self.candidates.is_none() {
-            self.candidates = Some(match &self.prepared.atlas {
-                Some(atlas) => {
-                    let mut goal = links.goal_from_first(self.target, false);
-                    if self.prepared.settings.axes.orientation_weights == [0.0; 3] {
+        if !self.looked_up {
+            self.looked_up = true;
+            self.candidates.count = 0;
+            if let Some(atlas) = &prepared.atlas {
+                let mut goal = *goal_from_first;
+                if prepared.settings.weighted {
+                    goal = links.goal_from_first(query.target, false);
+                    if prepared.settings.axes.orientation_weights == [0.0; 3] {
                         // Any orientation will do: the start's is the nearest.
-                        self.fill_start(q);
+                        fill_start(links, query.start, q);
                         let tip = links.base_from_tip(q);
-                        let target = Placement::new(tip.rotation, self.target.translation);
+                        let target = Placement::new(tip.rotation, query.target.translation);
                         goal = links.goal_from_first(&target, false);
                     }
-                    atlas.look_up::<V>(links, &goal)
                 }
-                None => Candidates::none(),
-            });
+                atlas.look_up::<V>(links, &goal, &mut self.candidates);
+            }
         }
-        let Some(candidates) = &self.candidates else {
-            return;
-        };
-        let count = candidates.count as u32;
-        let atlas_from = u32::from(self.start_first);
+        let count = self.candidates.count as u32;
+        let atlas_from = u32::from(start_first);
         if attempt >= atlas_from && attempt < atlas_from + count {
-            candidates.fill((attempt - atlas_from) as usize, q);
+            (self.candidates).fill((attempt - atlas_from) as usize, q);
             for (q, link) in q.iter_mut().zip(&links.links) {
                 *q = q.max(link.lower).min(link.upper);
             }
-        } else if attempt == count && !self.start_first {
-            self.fill_start(q);
+        } else if attempt == count && !start_first {
+            fill_start(links, query.start, q);
         } else {
-            let mut state = mix(self.prepared.options.seed ^ mix(u64::from(attempt)));
-            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(self.start) {
-                let start = self.start_value(link, start);
+            let mut state = mix(prepared.options.seed ^ mix(u64::from(attempt)));
+            for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(query.start) {
+                let start = start_value(links, link, start);
                 state = mix(state);
                 let unit = (state >> 11) as f64 / (1u64 << 53) as f64;
                 let half = match link.kind {
@@ -123,6 +107,28 @@ impl<'a> QuerySeeds<'a> {
                     .max(link.lower)
                     .min(link.upper);
             }
+        }
+    }
+}
+
+/// A start's value in the solver's terms.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn start_value(links: &Links, link: &Link, start: f64) -> f64 {
+    match link.kind {
+        JointKind::Revolute => reduced(start),
+        JointKind::Prismatic => start * links.lengths_per_metre,
+    }
+}
+
+/// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn fill_start(links: &Links, start: &[f64], q: &mut [f64]) {
+    for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(start) {
+        *q = start_value(links, link, start);
+        *q = q.max(link.lower).min(link.upper);
+        if link.kind == JointKind::Revolute && q.abs() > LARGE_ANGLE {
+            let turned = *q - TAU * (*q / TAU).round();
+            *q = turned.max(link.lower).min(link.upper);
         }
     }
 }

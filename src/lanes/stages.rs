@@ -7,13 +7,14 @@ use super::group::Group;
 use super::kernel::Ended;
 use super::links::Links;
 use super::prepared::Prepared;
+use super::query::Query;
 use super::seeds::QuerySeeds;
 use super::settings::Settings;
 use crate::spatial::Placement;
 
 type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> Ended;
 type Judge = fn(&Prepared, &Placement<f64>, &[f64]) -> (bool, Errors);
-type Seed = for<'a> fn(&mut QuerySeeds<'a>, u32, &mut [f64]);
+type Seed = fn(&mut QuerySeeds, &Prepared, &Query<'_>, &Placement<f64>, u32, &mut [f64]);
 
 /// The stages of a search in lanes V over groups of up to N joints.
 pub(crate) struct Stages<V, const N: usize> {
@@ -36,6 +37,7 @@ macro_rules! stages {
             use crate::lanes::lane::LaneScalar;
             use crate::lanes::links::Links;
             use crate::lanes::prepared::Prepared;
+            use crate::lanes::query::Query;
             use crate::lanes::seeds::QuerySeeds;
             use crate::lanes::settings::Settings;
             use crate::spatial::Placement;
@@ -63,11 +65,14 @@ macro_rules! stages {
             #[inline(never)]
             $(#[$features])?
             pub(crate) fn seed<V: LaneScalar>(
-                seeds: &mut QuerySeeds<'_>,
+                seeds: &mut QuerySeeds,
+                prepared: &Prepared,
+                query: &Query<'_>,
+                goal_from_first: &Placement<f64>,
                 attempt: u32,
                 q: &mut [f64],
             ) {
-                seeds.fill::<V>(attempt, q);
+                seeds.fill::<V>(prepared, query, goal_from_first, attempt, q);
             }
         }
     };

@@ -13,30 +13,29 @@ use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
 impl TooledAtlas {
-    /// Seeds for a goal, best first.
+    /// Seeds for a goal, best first. `found` has none when called.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn look_up<V: LaneScalar>(
         &self,
         links: &Links,
         goal_from_first: &Placement<f64>,
-    ) -> Candidates {
+        found: &mut Candidates,
+    ) {
         let c = V::Four::constant;
         let atlas = &*self.atlas;
         let n = atlas.joints;
         let mut place = goal_from_first.inverse();
         let Some(last) = links.links.last() else {
-            return Candidates::none();
+            return;
         };
         place.translation -= place.rotation.x * last.along_x + place.rotation.y * last.along_y;
         let place = self.place(place);
         let key = atlas.key(&place);
         let cell = atlas.cell(&key);
         let count = usize::from(atlas.counts[cell]);
-        let mut found = Candidates::none();
         if count == 0 {
-            return found;
+            return;
         }
-        found.count = count;
         let (_, h) = atlas.direction_frame(cell);
         let (roll_y, roll_x) = atlas.roll_parts(&key, h);
         let (mut y, mut x) = (V::Four::zero(), V::Four::zero());
@@ -62,7 +61,7 @@ impl TooledAtlas {
 
         let stride = n + 5 + 4 * n;
         let Some(rows) = atlas.rows.get(cell * stride..(cell + 1) * stride) else {
-            return Candidates::none();
+            return;
         };
         let (q_rows, rest) = rows.split_at(n);
         let (key_rows, slopes) = rest.split_at(5);
@@ -121,6 +120,6 @@ impl TooledAtlas {
             }
         }
         found.order = keys.map(|key| key.1);
-        found
+        found.count = count;
     }
 }
