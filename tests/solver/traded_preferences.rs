@@ -82,7 +82,7 @@ fn what_pulls_a_joint_off_its_limit_is_not_to_blame() {
         // Beyond the first joint's limit, and to be come nearer to by the second.
         builder.add(Point::new(tip, [0.2, 1.6 * side, 0.0]));
         let back = Posture::of_joints([(joints[0], 0.0)]);
-        builder.add(Task::new(back).times(0.2).named("back"));
+        builder.add(Task::new(back).times(0.9).named("back"));
         let straight = Posture::of_joints([(joints[1], 0.0)]);
         builder.add(Task::new(straight).times(2.0).named("straight"));
         builder.preferences(Preferences::Traded);
