@@ -20,3 +20,4 @@ mod time_limit;
 mod tracks_without_flips;
 mod two_tips;
 mod unreachable;
+mod winners;

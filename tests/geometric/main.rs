@@ -3,4 +3,5 @@
 mod ccd;
 mod fabrik;
 mod geometric_limits;
+mod triangles;
 mod two_bone;

@@ -5,6 +5,7 @@ mod forward_kinematics;
 mod holds;
 mod kinematic_jacobian;
 mod model_reach;
+mod parameter_maps;
 mod placed_skeletons;
 mod placement_conversions;
 mod random_configurations;

@@ -1,0 +1,40 @@
+//! Promise: a parameter map leaves every coordinate where it says: free, held within its limits, following; and
+//! bounds of variables are those of all that hangs on them.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::model::{Limits, ParameterMap};
+use support::planar_arm;
+
+#[test]
+fn what_is_not_freed_is_held_within_its_limits() {
+    let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
+    let joints = model.moving_joints();
+    let map = ParameterMap::builder(&model).only(&[joints[2]], &[-3.0, 0.5, 9.0]);
+    let map = map.build().unwrap();
+    let mut q = [f64::NAN; 4];
+    map.expand(&[0.7], &mut q);
+    // The last was not given: zero.
+    assert_eq!(q, [-1.0, 0.5, 0.7, 0.0]);
+}
+
+#[test]
+fn bounds_are_those_of_all_that_follow() {
+    let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
+    let joints = model.moving_joints();
+    let build = |ratio: f64, offset: f64, narrow: Option<Limits>| {
+        let map = ParameterMap::builder(&model).couple(joints[3], joints[1], ratio, offset);
+        let map = match narrow {
+            Some(limits) => map.narrow(joints[3], limits),
+            None => map,
+        };
+        let map = map.build().unwrap();
+        assert_eq!(map.leaders(), [0, 1, 2]);
+        (map.lower()[1], map.upper()[1])
+    };
+    // −1 ≤ 2 x + 0.5 ≤ 2 and −1 ≤ −2 x + 0.5 ≤ 2.
+    assert_eq!(build(2.0, 0.5, None), (-0.75, 0.75));
+    assert_eq!(build(-2.0, 0.5, None), (-0.75, 0.75));
+    assert_eq!(build(-2.0, 1.0, None), (-0.5, 1.0));
+    assert_eq!(build(2.0, 0.5, Some(Limits::new(0.0, 1.0))), (-0.25, 0.25));
+    assert_eq!(build(-0.5, 0.0, Some(Limits::new(-0.25, 9.0))), (-1.0, 0.5));
+}
