@@ -163,18 +163,23 @@ impl Atlas {
             turn_towards(h),
             turn_towards(centre.cross(h)),
         ];
-        // The lower triangle of J Jᵀ. Counted by hand, as in lanes: half of a debug build's time was here.
+        // The lower triangle of J Jᵀ. Counted by hand, as in lanes: a debug build spent most of its time here.
         let mut m = [[0.0; 6]; 6];
-        for column in columns {
-            let mut r = 0;
-            while r < 6 {
-                let mut c = 0;
-                while c <= r {
-                    m[r][c] += column[r] * column[c];
-                    c += 1;
+        let mut r = 0;
+        while r < 6 {
+            let row = &mut m[r];
+            let mut c = 0;
+            while c <= r {
+                let (mut sum, mut i) = (0.0, 0);
+                while i < n {
+                    let column = &columns[i];
+                    sum += column[r] * column[c];
+                    i += 1;
                 }
-                r += 1;
+                row[c] = sum;
+                c += 1;
             }
+            r += 1;
         }
         for (k, row) in m.iter_mut().enumerate() {
             row[k] += if k < 3 { 1e-4 } else { 1e-3 };
@@ -201,22 +206,40 @@ impl Atlas {
 /// The placement of the frame after the last turn, its origin on the last axis, in the frame of the
 /// first joint; every joint's axis and a point on it go into `joints`.
 fn forward(links: &Links, q: &[f64], joints: &mut [Axis]) -> Placement<f64> {
-    let mut r = Matrix3::identity();
-    let mut p = Vector3::zero();
+    let mut r = Matrix3::<f64>::identity();
+    let mut p = Vector3::<f64>::zero();
     let last = q.len() - 1;
-    for (i, link) in links.links.iter().enumerate() {
-        let q = q[i];
+    let mut i = 0;
+    while i <= last {
+        let (link, q) = (&links.links[i], q[i]);
         joints[i] = (r.z, p);
         if link.kind == JointKind::Revolute {
-            r = r.rotated_about_z(elementary::sin_cos(q + link.offset));
+            turn(&mut r.x, &mut r.y, elementary::sin_cos(q + link.offset));
         } else {
-            p += r.z * q;
-            r = r.rotated_about_z(link.offset_sin_cos);
+            add_scaled(&mut p, &r.z, q);
+            turn(&mut r.x, &mut r.y, link.offset_sin_cos);
         }
         if i < last {
-            p = p + r.x * link.along_x + r.y * link.along_y;
-            r = r.rotated_about_x(link.twist);
+            add_scaled(&mut p, &r.x, link.along_x);
+            add_scaled(&mut p, &r.y, link.along_y);
+            turn(&mut r.y, &mut r.z, link.twist);
         }
+        i += 1;
     }
     Placement::new(r, p)
+}
+
+/// Turns two columns of a rotation about the third, in place: operators on vectors and matrices are calls
+/// and copies in a debug build, and there are half a million turns in an atlas.
+fn turn(a: &mut Vector3<f64>, b: &mut Vector3<f64>, (sin, cos): (f64, f64)) {
+    (a.x, b.x) = (a.x * cos + b.x * sin, b.x * cos - a.x * sin);
+    (a.y, b.y) = (a.y * cos + b.y * sin, b.y * cos - a.y * sin);
+    (a.z, b.z) = (a.z * cos + b.z * sin, b.z * cos - a.z * sin);
+}
+
+/// p ← p + by · along, in place likewise.
+fn add_scaled(p: &mut Vector3<f64>, along: &Vector3<f64>, by: f64) {
+    p.x += along.x * by;
+    p.y += along.y * by;
+    p.z += along.z * by;
 }
