@@ -62,8 +62,8 @@ impl Residual for ToolPose {
         let turn = if self.full {
             quaternion.log()
         } else {
-            let flip = quaternion.w.less_than(S::zero());
-            Vector3::select(flip, -quaternion.v, quaternion.v) * S::constant(2.0)
+            // Of q and −q either will do: rows of the other sign have the same slope.
+            quaternion.v * S::constant(2.0)
         };
         let axes = &self.axes;
         let (position, orientation) = residual.split_at_mut(3);

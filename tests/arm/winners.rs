@@ -8,16 +8,27 @@ use support::arms::{Random, panda};
 #[test]
 fn later_attempts_than_the_winner_change_nothing() {
     let (robot, base, tip) = panda();
-    // So few steps that the start's own end and the best of all are what is settled from.
-    let builder = || Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
-    let (mut random, mut later) = (Random(31), 0);
-    for iterations in [40, 120, 2000] {
-        let builder = || builder().with_iterations(iterations);
-        let arm = builder().build().unwrap();
+    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let (mut random, mut later) = (Random(31), [0; 4]);
+    let ways = [
+        // So few steps that the start's own end and the best of all are what is settled from.
+        builder.clone().with_iterations(40),
+        builder.clone().with_iterations(120),
+        builder.clone().with_iterations(2000),
+        // The start's own way to its end, then others.
+        builder.with_max_move(&[0.8; 7]),
+    ];
+    for (way, later) in ways.iter().zip(&mut later) {
+        let arm = way.clone().build().unwrap();
         for _ in 0..40 {
-            let corner = random.configuration(&arm);
-            let target = arm.base_from_tool(&corner).unwrap();
             let start = random.configuration(&arm);
+            let there = random.configuration(&arm);
+            let near = start
+                .iter()
+                .zip(&there)
+                .map(|(a, b)| a + (b - a).clamp(-0.7, 0.7));
+            let near: Vec<f64> = near.collect();
+            let target = arm.base_from_tool(&near).unwrap();
             let (mut q, mut outcome) = ([0.0; 7], [Outcome::default()]);
             arm.solve_batch_into(&[target], &start, &mut q, &mut outcome)
                 .unwrap();
@@ -26,11 +37,8 @@ fn later_attempts_than_the_winner_change_nothing() {
                 continue;
             };
             assert!(winner < outcome[0].attempts);
-            if winner == 0 {
-                continue;
-            }
-            later += 1;
-            let fewer = builder().with_attempts(winner + 1).build().unwrap();
+            *later += usize::from(winner > 0);
+            let fewer = way.clone().with_attempts(winner + 1).build().unwrap();
             assert_eq!(
                 fewer.solve(target, &start).unwrap().q,
                 q,
@@ -39,7 +47,29 @@ fn later_attempts_than_the_winner_change_nothing() {
             );
         }
     }
-    assert!(later > 20, "{later}");
+    assert!(later.iter().all(|later| *later > 1), "{later:?}");
+}
+
+/// A batch makes no attempt more than is asked for, and answers as a question alone does.
+#[test]
+fn a_batch_keeps_to_the_attempts_asked_for() {
+    let (robot, base, tip) = panda();
+    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let arm = builder.with_attempts(2).build().unwrap();
+    let (mut random, mut missed) = (Random(33), 0);
+    for _ in 0..12 {
+        let target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let start = random.configuration(&arm);
+        let alone = arm.solve(target, &start).unwrap();
+        let together = arm.solve_batch(&[target], &start).unwrap();
+        assert!(together[0].attempts <= 2, "{}", together[0].attempts);
+        assert_eq!(
+            (together[0].reached, &together[0].q),
+            (alone.reached, &alone.q)
+        );
+        missed += usize::from(!alone.reached);
+    }
+    assert!(missed > 0);
 }
 
 /// A miss makes the attempts that its steps pay for, whatever settling costs on top: as many from a start whose

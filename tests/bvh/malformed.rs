@@ -396,8 +396,8 @@ fn bytes_that_are_no_text_are_refused() {
 fn angles_may_be_of_any_size_and_places_may_not() {
     let far = GOOD.replace("1.25 9 3 11", "1.25 9 3 1e32");
     assert!(read(&far).is_ok());
-    refused(
-        &GOOD.replace("1.25 9 3 11", "1.25 1e32 3 11"),
-        &["Yposition"],
-    );
+    for beyond in ["1e32", "-1e32"] {
+        let far = GOOD.replace("1.25 9 3 11", &format!("1.25 {beyond} 3 11"));
+        refused(&far, &["Yposition"]);
+    }
 }

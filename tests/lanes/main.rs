@@ -4,6 +4,7 @@ mod arithmetic;
 mod bounds;
 mod determinism;
 mod errors;
+mod misses;
 mod success;
 mod unit_of_length;
 mod unreachable;

@@ -215,6 +215,19 @@ fn gauss_newton_takes_the_shortest_of_the_best_steps() {
     }
 }
 
+/// What counts as a column without length is a share of the longest, whatever the residual's unit.
+#[test]
+fn the_unit_of_the_residual_does_not_matter() {
+    for (k, mut problem) in problems().into_iter().enumerate() {
+        let usual = problem.steps(&GaussNewton::default());
+        let unit = 0.5_f64.powi(60);
+        problem.a *= unit;
+        problem.b *= unit;
+        let small = problem.steps(&GaussNewton::default());
+        assert_eq!(small[1].0, usual[1].0, "{k}");
+    }
+}
+
 #[test]
 fn projected_gradients_go_down_the_slope() {
     for (k, mut problem) in problems().into_iter().enumerate() {

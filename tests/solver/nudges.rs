@@ -19,3 +19,21 @@ fn a_stretched_arm_bends_for_a_target_behind_its_hand() {
     let reached = (0..30).any(|_| drag.advance().reached);
     assert!(reached, "{}", drag.solution().explain());
 }
+
+/// A nudge comes with the first frame that settles on a miss, also where another miss was before.
+#[test]
+fn after_a_target_that_was_reached_the_next_miss_is_nudged_at_once() {
+    let model = planar_arm(&[1.0, 1.0], Some((-1.0, 2.0)));
+    for misses in 1..6 {
+        let mut builder = Problem::builder(&model);
+        let hand = builder.add(Point::new(model.frame("tip").unwrap(), [2.5, 0.0, 0.0]));
+        let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
+        let mut to = |x: f64| {
+            drag.residual_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
+            drag.advance().reached
+        };
+        assert!((0..misses).all(|_| !to(2.5)));
+        assert!(to(2.0), "stretched as it is");
+        assert!(to(1.998), "after {misses} misses");
+    }
+}

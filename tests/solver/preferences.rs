@@ -267,3 +267,28 @@ fn a_task_half_reached_is_not_reached() {
         assert!(!task.reached && !solution.reached);
     }
 }
+
+/// What goals weigh that are reached is nothing to the preferences.
+#[test]
+fn preferences_come_as_far_whatever_the_goals_weigh() {
+    let model = planar_arm(&[0.6, 0.5, 0.4, 0.3], Some((-2.5, 2.5)));
+    let tip = model.frame("tip").unwrap();
+    let pulled = |weight: f64| {
+        let mut builder = Problem::builder(&model);
+        builder.add(Task::new(Point::new(tip, [0.9, 0.7, 0.0])).weight(Quantity::Metres, weight));
+        builder.add(Task::new(Posture::new(&model, &[-0.4, 0.9, -0.2, 0.8])).preference());
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.3, 0.2, 0.3, 0.1]);
+        let solution = solution.unwrap();
+        assert!(solution.reached, "{weight:e}: {}", solution.explain());
+        crate::pulls::pull_of(&solution)
+    };
+    let usual = pulled(1.0);
+    for weight in [1e-10, 1e-5, 1e5, 1e10] {
+        let pull = pulled(weight);
+        assert!(
+            (pull - usual).abs() < 1e-4 * usual,
+            "{weight:e}: {pull} {usual}"
+        );
+    }
+}

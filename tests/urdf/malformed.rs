@@ -308,6 +308,37 @@ fn a_ring_without_any_root_is_found() {
     ));
 }
 
+/// What hangs on a ring is not to blame for it, wherever it stands in the file.
+#[test]
+fn of_a_ring_a_joint_that_is_part_of_it_is_named() {
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"fixed\"><parent link=\"{parent}\"/><child link=\"{child}\"/></joint>"
+        )
+    };
+    let joints = [
+        joint("tail end", "c", "d"),
+        joint("tail", "b", "c"),
+        joint("there", "a", "b"),
+        joint("back", "b2", "a"),
+        joint("on", "b", "b2"),
+    ];
+    let links = ["root", "a", "b", "b2", "c", "d"].map(|link| format!("<link name=\"{link}\"/>"));
+    for turn in 0..joints.len() {
+        let mut joints = joints.to_vec();
+        joints.rotate_left(turn);
+        let text = format!(
+            "<robot name=\"ring\">{}{}</robot>",
+            links.concat(),
+            joints.concat()
+        );
+        let message = parse(&text).unwrap_err().to_string();
+        let named = ["`there`", "`back`", "`on`"];
+        assert!(named.iter().any(|name| message.contains(name)), "{message}");
+        assert!(message.contains("ring"), "{message}");
+    }
+}
+
 #[test]
 fn a_file_that_is_not_there_or_not_text_is_named() {
     let error = Robot::read("models/no_such_robot.urdf").unwrap_err();

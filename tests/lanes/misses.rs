@@ -1,0 +1,64 @@
+//! Promise: a question that none of its attempts answers keeps the best of them, or the start's own.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::lanes::{LaneOptions, Outcome, PoseSolver, Search};
+use support::lane_chains::{Random, errors, panda, target};
+
+/// ½ p² + w² (1 − cos θ), by nalgebra's kinematics: what the engine lowers.
+const METRES_PER_RADIAN: f64 = 0.5;
+
+#[test]
+fn the_best_attempt_is_kept() {
+    let chain = panda();
+    let options = LaneOptions {
+        atlas: false,
+        attempts: 7,
+        // So few that hardly any attempt comes to its end.
+        iterations: 3,
+        metres_per_radian: METRES_PER_RADIAN,
+        ..LaneOptions::default()
+    };
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let (mut random, mut not_last) = (Random(41), 0);
+    for _ in 0..20 {
+        let goal = target(&chain, &random.configuration(&chain));
+        let start = random.configuration(&chain);
+        let cost = |q: &[f64]| {
+            let (distance, angle) = errors(&chain, q, &goal);
+            let turned = METRES_PER_RADIAN * METRES_PER_RADIAN * 2.0 * (1.0 - angle.cos());
+            distance * distance + turned
+        };
+        for search in [Search::Start, Search::First] {
+            let (mut all, mut each) = (vec![0.0; 49], [Outcome::default(); 7]);
+            solver
+                .run_attempts(&goal, &start, search, 0, &mut all, &mut each)
+                .unwrap();
+            let (mut q, mut outcome) = ([0.0; 7], [Outcome::default()]);
+            solver
+                .solve_batch(&[goal], &start, search, &mut q, &mut outcome)
+                .unwrap();
+            if outcome[0].reached {
+                continue;
+            }
+            let costs: Vec<f64> = all.chunks(7).map(cost).collect();
+            let lowest = costs.iter().copied().fold(f64::INFINITY, f64::min);
+            let expected = if search == Search::Start {
+                costs[0]
+            } else {
+                lowest
+            };
+            assert!(
+                (cost(&q) - expected).abs() < 1e-9,
+                "{search:?} {} {costs:?}",
+                cost(&q)
+            );
+            not_last += usize::from(search == Search::First && costs[6] > lowest);
+            let mut alone = [0.0; 7];
+            let raced = solver
+                .solve(&goal, &start, search, None, &mut alone)
+                .unwrap();
+            assert!(!raced.reached && (cost(&alone) - expected).abs() < 1e-9);
+        }
+    }
+    assert!(not_last > 8, "{not_last}");
+}
