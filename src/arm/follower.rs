@@ -7,6 +7,7 @@
 //! "Automatic supervisory control of the configuration and behavior of multibody mechanisms").
 
 use super::QueryError;
+use super::branch::Branch;
 use super::query::Arm;
 use super::report::Reply;
 use crate::ik::Solution;
@@ -15,12 +16,12 @@ use crate::spatial::Placement;
 /// The share of the last motion that a step begins with. Less than all of it, so that motion in the
 /// null space dies away.
 const MOMENTUM: f64 = 0.8;
-/// The share of a joint's half range from which on it is drawn back.
-const MIDDLE: f64 = 0.6;
 /// A target that goes further than this in a step is followed by small steps: radians.
 const FAR: f64 = 0.05;
-/// Longest path step that pulls, radians.
-pub(super) const LONGEST_PULL: f64 = 0.1;
+/// Longest path step that draws to another way, radians.
+const LONGEST_PULL: f64 = 0.1;
+/// The longest motion to ease in a step, radians.
+pub(super) const LONGEST_EASE: f64 = 0.02;
 /// A step in which a joint moves further than this is looked at: radians; a slide counts by the
 /// metres that weigh as much as a radian.
 pub(super) const LONG_STEP: f64 = 0.2;
@@ -49,6 +50,9 @@ pub struct Follower<'a> {
     q: Vec<f64>,
     before: Vec<f64>,
     seed: Vec<f64>,
+    /// What a step begins with, radians.
+    motion: Vec<f64>,
+    branch: Branch,
     target: Option<Placement<f64>>,
     /// How far the target went in the last step, radians.
     path: f64,
@@ -71,6 +75,8 @@ impl Arm {
             q: start.to_vec(),
             before: start.to_vec(),
             seed: start.to_vec(),
+            motion: vec![0.0; start.len()],
+            branch: Branch::begin(self, start),
             target: None,
             path: 0.0,
             steps: 0,
@@ -121,17 +127,32 @@ impl Follower<'_> {
         let target = base_from_tool.into();
         let arm = self.arm;
         arm.check_query(self.steps, &target, &self.q)?;
-        let mut continuous = self.try_branch(&target, None, solution);
-        if !continuous {
-            continuous = self.goes_far(&target)? && arm.go_far(&target, &self.q, solution)?;
+        self.branch.take_target(self.target == Some(target));
+        // Out of reach branches meet: the way back is taken with care.
+        let careful = self.branch.asks_for_care() && !self.goes_far(&target)?;
+        let mut continuous = careful && self.settle(&target, solution)?;
+        let settled = continuous || careful && self.branch.is_stretched();
+        if !settled {
+            continuous = self.try_branch(&target, None, solution)
+                || self.goes_far(&target)? && arm.go_far(&target, &self.q, solution)?
+                || self.settle(&target, solution)?;
         }
-        if !continuous {
-            arm.keep_to_branch(&target, &self.q, solution)?;
-            if !solution.reached && arm.options.leaps {
-                arm.leap(&target, &self.q, solution)?;
-            }
+        if !solution.reached && arm.options.leaps {
+            arm.leap(&target, &self.q, solution)?;
+            continuous = false;
         }
         Ok(self.take(&target, solution, continuous))
+    }
+
+    /// Goes on to a target on the own branch, with care; whether that reaches it.
+    fn settle(
+        &mut self,
+        target: &Placement<f64>,
+        solution: &mut Solution,
+    ) -> Result<bool, QueryError> {
+        self.arm
+            .keep_to_branch(target, &self.q, &mut self.branch, solution)?;
+        Ok(solution.reached)
     }
 
     /// Stands where a step ends; the jump that it was.
@@ -149,6 +170,11 @@ impl Follower<'_> {
             continuous,
         });
         self.stand_at(target, &solution.q);
+        if jump.is_some() {
+            self.branch.jump_to(&solution.q, solution.reached);
+        } else if solution.reached {
+            self.branch.arrive_at(self.arm, &solution.q);
+        }
         jump
     }
 
@@ -216,6 +242,11 @@ impl Follower<'_> {
         self.steps = steps;
     }
 
+    /// Takes another posture to spend the freedom on than where it began.
+    pub(super) fn set_ease(&mut self, start: &[f64]) {
+        self.branch.set_ease(self.arm, start);
+    }
+
     /// Where the next attempt begins.
     fn fill_seed(&mut self, target: &Placement<f64>, towards: Option<(&[f64], f64)>) {
         self.seed.copy_from_slice(&self.q);
@@ -228,38 +259,50 @@ impl Follower<'_> {
         } else {
             0.0
         };
-        let pull = self.arm.options.limit_avoidance * path.min(LONGEST_PULL);
-        let rate = towards.map_or(0.0, |(_, rate)| rate) * path.min(LONGEST_PULL);
-        let map = &self.arm.serial.map;
-        let bounds = map.lower().iter().zip(map.upper());
-        let motion = self.q.iter().zip(&self.before);
-        for (i, ((value, (q, before)), (&lower, &upper))) in
-            self.seed.iter_mut().zip(motion).zip(bounds).enumerate()
-        {
+        let scales = &self.arm.scale;
+        let motion = self.q.iter().zip(&self.before).zip(scales);
+        for (by, ((q, before), scale)) in self.motion.iter_mut().zip(motion) {
             let last = q - before;
             // A jump is no motion to go on with.
-            let scale = self.arm.scale[i];
-            if last.abs() * scale <= LONG_STEP {
-                *value += share * last;
+            *by = match last.abs() * scale <= LONG_STEP {
+                true => share * last * scale,
+                false => 0.0,
+            };
+        }
+        if let Some((wanted, rate)) = towards {
+            let rate = rate * path.min(LONGEST_PULL);
+            let ways = wanted.iter().zip(&self.q).zip(scales);
+            for (by, ((wanted, q), scale)) in self.motion.iter_mut().zip(ways) {
+                *by += ((wanted - q) * scale).clamp(-rate, rate);
             }
-            if let Some(wanted) = towards.and_then(|(wanted, _)| wanted.get(i)) {
-                *value += (wanted - q).clamp(-rate / scale, rate / scale);
-            } else {
-                *value -= pull * outwards(*q, lower, upper) / scale;
-            }
-            *value = value.max(lower).min(upper);
+        } else if self.branch.spends_freedom(self.arm) {
+            self.ease_motion(target);
+        }
+        let map = &self.arm.serial.map;
+        let bounds = map.lower().iter().zip(map.upper());
+        let ends = self.motion.iter().zip(scales).zip(bounds);
+        for (value, ((by, scale), (&lower, &upper))) in self.seed.iter_mut().zip(ends) {
+            *value = (*value + by / scale).max(lower).min(upper);
         }
     }
-}
 
-/// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on
-/// its upper.
-pub(super) fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
-    let half = 0.5 * (upper - lower);
-    if !(half > 0.0 && half.is_finite()) {
-        return 0.0;
+    /// What of the motion leaves the tool where it is goes to ease instead.
+    fn ease_motion(&mut self, target: &Placement<f64>) {
+        let (arm, q, motion) = (self.arm, &self.q, &mut self.motion);
+        let branch = &mut self.branch;
+        // Without memory for it the motion is left; the step itself will say so.
+        let _ = arm.with_workspace(|workspace| {
+            workspace.aim(target);
+            arm.open_window(workspace, q);
+            workspace.linearise(q);
+            workspace.project_to_null(q, motion, 0.0);
+            for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
+                *motion -= by;
+            }
+            branch.aim_at_ease(arm, workspace, q, LONGEST_EASE);
+            for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
+                *motion += by;
+            }
+        });
     }
-    let u = (q - lower) / half - 1.0;
-    let beyond = (u.abs() - MIDDLE).max(0.0) / (1.0 - MIDDLE);
-    beyond * beyond * u.signum()
 }

@@ -24,13 +24,17 @@
 
 mod answer;
 mod batch;
+mod bend;
+mod branch;
 mod builder;
 mod configuration;
 mod coordinates;
 mod core_route;
+mod ease;
 mod error;
 mod follower;
 mod goal;
+mod null_space;
 mod options;
 mod query;
 mod refine;

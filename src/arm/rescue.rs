@@ -1,7 +1,8 @@
 //! What a path does where a step's own attempt fails.
 
 use super::QueryError;
-use super::follower::LONG_STEP;
+use super::branch::Branch;
+use super::follower::{LONG_STEP, LONGEST_EASE};
 use super::query::Arm;
 use super::report::Reply;
 use super::settle::Settling;
@@ -26,12 +27,13 @@ impl Arm {
         self.options.max_move.is_none() && self.options.posture.is_none()
     }
 
-    /// Goes on to a target on the branch that `from` stands on, without a long move: to a solution or
+    /// Goes on to a target on the branch that the arm stands on, without a long move: to a solution or
     /// to the nearest place.
     pub(super) fn keep_to_branch(
         &self,
         target: &Placement<f64>,
         from: &[f64],
+        branch: &mut Branch,
         solution: &mut Solution,
     ) -> Result<(), QueryError> {
         let deadline = self.deadline();
@@ -39,6 +41,7 @@ impl Arm {
             workspace.aim(target);
             self.open_step(workspace, from, SETTLING_STEP);
             workspace.x.copy_from_slice(&workspace.start);
+            branch.lead(self, workspace, LONGEST_EASE, SETTLING_STEP);
             let how = Settling {
                 steps: SETTLING_STEPS,
                 anchor: 0.0,
@@ -51,6 +54,7 @@ impl Arm {
                 self.descend(workspace, posture, deadline);
                 errors = workspace.judge_x();
             }
+            branch.arrive(self, workspace, errors.reached);
             let late = termination == Termination::TimeLimit;
             let reply = Reply {
                 errors,

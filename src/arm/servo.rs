@@ -6,7 +6,8 @@
 //! and damped least-squares methods"), and as every tick lowers the cost by at least what it moves, an
 //! arm whose target rests comes to rest; out of reach that may take long.
 
-use super::follower::{LONG_STEP, LONGEST_PULL, outwards};
+use super::branch::Branch;
+use super::follower::{LONG_STEP, LONGEST_EASE};
 use super::query::Arm;
 use super::settle::Settling;
 use super::window::within;
@@ -22,6 +23,13 @@ const STEPS: usize = 8;
 const UNLIMITED_STEP: f64 = 0.5 * LONG_STEP;
 /// The damping where nothing else is asked for, radians.
 const DAMPING: f64 = 0.01;
+/// The damping that is left a tick where the target rests, as a share of the last one's: it calms motion, and
+/// would make the arm creep to the nearest place to a target hardly out of reach.
+const FADING: f64 = 0.7;
+/// The share of a joint's speed that freedom is spent with.
+const SPEED_OF_EASE: f64 = 0.5;
+/// The share of a joint's speed that a stretched arm leans with.
+const SPEED_OF_LEANING: f64 = 0.25;
 
 /// How a tick stands to its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -88,6 +96,9 @@ pub struct Servo<'a> {
     /// m² a rad².
     damping: f64,
     target: Option<Placement<f64>>,
+    branch: Branch,
+    /// How much of the damping is left.
+    fading: f64,
     q: Vec<f64>,
     velocity: Vec<f64>,
     held: Vec<Option<HeldBy>>,
@@ -113,6 +124,7 @@ impl Arm {
         let map = &self.serial.map;
         let ends = map.lower().iter().zip(map.upper());
         let clamped = start.iter().zip(ends);
+        let start: Vec<f64> = clamped.map(|(q, (l, u))| q.max(*l).min(*u)).collect();
         let mut servo = Servo {
             arm: self,
             workspace: Workspace::new(&self.serial, &self.options)?,
@@ -120,7 +132,9 @@ impl Arm {
             velocity_limits: self.velocity_limits.clone(),
             damping: 0.0,
             target: None,
-            q: clamped.map(|(q, (l, u))| q.max(*l).min(*u)).collect(),
+            branch: Branch::begin(self, &start),
+            fading: 1.0,
+            q: start,
             velocity: vec![0.0; n],
             held: vec![None; n],
         };
@@ -208,10 +222,12 @@ impl Servo<'_> {
         self.arm.check_query(0, &target, &self.q)?;
         self.workspace.aim(&target);
         self.open_tick();
-        self.fill_seed(&target);
+        let rests = self.target.replace(target) == Some(target);
+        self.branch.take_target(rests);
+        self.fill_seed();
         let how = Settling {
             steps: STEPS,
-            anchor: self.damping,
+            anchor: self.damping * self.fading,
             floor: 0.0,
             deadline: None,
         };
@@ -221,8 +237,13 @@ impl Servo<'_> {
             *velocity = (x - q) / self.time_step;
         }
         self.q.copy_from_slice(&self.workspace.x);
-        self.target = Some(target);
+        self.branch
+            .arrive(self.arm, &mut self.workspace, errors.reached);
         let status = self.look(errors, ended);
+        self.fading = match rests && status != ServoStatus::SpeedLimited {
+            true => self.fading * FADING,
+            false => 1.0,
+        };
         Ok(ServoStep {
             q: &self.q,
             velocity: &self.velocity,
@@ -256,25 +277,17 @@ impl Servo<'_> {
         problem.set_bounds(lower, upper);
     }
 
-    /// Where the tick begins: the last place, joints near their limits drawn back (or the posture drawn
-    /// near) by a share of the target's way. A target that rests draws nothing.
-    fn fill_seed(&mut self, target: &Placement<f64>) {
-        let arm = self.arm;
-        let way = self
-            .target
-            .map_or(0.0, |last| arm.pose_distance(target, &last));
-        let rate = arm.options.limit_avoidance * way.min(LONGEST_PULL);
-        let map = &arm.serial.map;
-        let Workspace {
-            x, lower, upper, ..
-        } = &mut self.workspace;
-        for (i, (x, &q)) in x.iter_mut().zip(&self.q).enumerate() {
-            let pull = match &arm.options.posture {
-                Some(posture) => (q - posture[i]).clamp(-rate / arm.scale[i], rate / arm.scale[i]),
-                None => rate * outwards(q, map.lower()[i], map.upper()[i]) / arm.scale[i],
-            };
-            *x = (q - pull).max(lower[i]).min(upper[i]);
-        }
+    /// Where the tick begins: where the branch leads from the last place, at a part of the slowest joint's speed.
+    fn fill_seed(&mut self) {
+        self.workspace.x.copy_from_slice(&self.q);
+        let speeds = self.velocity_limits.iter().zip(&self.arm.scale);
+        let slowest = (speeds.filter(|(speed, _)| **speed > 0.0))
+            .fold(f64::INFINITY, |least, (speed, scale)| {
+                least.min(speed * self.time_step * scale)
+            });
+        let ease = (SPEED_OF_EASE * slowest).min(LONGEST_EASE);
+        let side = SPEED_OF_LEANING * slowest;
+        self.branch.lead(self.arm, &mut self.workspace, ease, side);
     }
 
     /// What holds the joints, and how the tick stands.

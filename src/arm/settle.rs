@@ -116,7 +116,7 @@ impl Workspace {
 
     /// Norm of the longest column of the Jacobian that is here, a slide's taken for the metres that
     /// weigh as much as a radian.
-    fn longest_column(&self) -> f64 {
+    pub(super) fn longest_column(&self) -> f64 {
         let columns = self.jacobian.column_iter().zip(&self.scale);
         columns.fold(0.0, |most, (column, scale)| most.max(column.norm() / scale))
     }

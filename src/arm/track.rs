@@ -52,7 +52,9 @@ impl Arm {
         for (step, target) in base_from_tools.iter().enumerate() {
             let mut solution = Solution::default();
             let jump = if step == 0 {
-                follower.begin(*target, &mut solution)?
+                let jump = follower.begin(*target, &mut solution)?;
+                follower.set_ease(&solution.q);
+                jump
             } else {
                 follower.advance(*target, &mut solution)?
             };
@@ -141,6 +143,7 @@ impl Arm {
     ) -> Result<Follower<'_>, QueryError> {
         let first = step.saturating_sub(2);
         let mut follower = self.follower(&track.solutions[first].q)?;
+        follower.set_ease(&track.solutions[0].q);
         for (target, solution) in targets[first..=step].iter().zip(&track.solutions[first..]) {
             follower.stand_at(target, &solution.q);
         }

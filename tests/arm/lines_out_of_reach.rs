@@ -113,3 +113,73 @@ fn a_miss_stays_near_the_start() {
         assert_eq!(seen.leaps, 0, "{name}: {seen:?}");
     }
 }
+
+/// A way of following that answers each target by where the arm stands and whether that reaches.
+type Way = fn(&Arm, &[Placement<f64>], &[f64]) -> Vec<(Vec<f64>, bool)>;
+
+fn stands_of_a_follower(
+    arm: &Arm,
+    targets: &[Placement<f64>],
+    start: &[f64],
+) -> Vec<(Vec<f64>, bool)> {
+    let solutions = by_follower(arm, targets, start).into_iter();
+    solutions.map(|s| (s.q, s.reached)).collect()
+}
+
+fn stands_of_a_servo(
+    arm: &Arm,
+    targets: &[Placement<f64>],
+    start: &[f64],
+) -> Vec<(Vec<f64>, bool)> {
+    let mut servo = arm.servo(start, 1e-3).unwrap();
+    let tick = |target: &Placement<f64>| {
+        let step = servo.step(*target).unwrap();
+        (step.q.to_vec(), step.reached())
+    };
+    targets.iter().map(tick).collect()
+}
+
+/// How many lines met no limit, and how many of them ended elsewhere than they began: out, at rest there, back,
+/// at rest again.
+fn comes_back(way: Way, rest: usize) -> (usize, usize) {
+    let (mut free, mut elsewhere) = (0, 0);
+    for name in robots() {
+        let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
+        let robot = robot(name);
+        let arm = Arm::builder(&robot, base, tip).unwrap();
+        let arm = arm.with_atlas(false).build().unwrap();
+        for Line { start, out } in lines(&arm, &mut Random(7), cases(8, 2)) {
+            let end = vec![*out.last().unwrap(); rest];
+            let home = vec![out[0]; rest];
+            let back = out.iter().rev().chain(&home);
+            let targets: Vec<_> = out.iter().chain(&end).chain(back).copied().collect();
+            let stands = way(&arm, &targets, &start);
+            let on_limit = |(q, _): &(Vec<f64>, bool)| {
+                let ends = arm.limits().zip(q);
+                ends.into_iter()
+                    .any(|(l, q)| *q <= l.lower || *q >= l.upper)
+            };
+            if stands[out.len()].1 || stands.iter().any(on_limit) {
+                continue;
+            }
+            free += 1;
+            let off = longest(&stands[stands.len() - 1].0, &stands[0].0);
+            elsewhere += usize::from(off > 1e-3);
+        }
+    }
+    (free, elsewhere)
+}
+
+/// An elbow bends back to the side that it was on, and a redundant arm's freedom leads home. Where a branch
+/// ends without a nearest place on it the arm slides on to another, which is rare.
+#[test]
+fn a_follower_comes_back_to_where_it_was() {
+    let (free, elsewhere) = comes_back(stands_of_a_follower, 150);
+    assert!(free >= 3 && elsewhere * 20 <= free, "{elsewhere} of {free}");
+}
+
+#[test]
+fn a_servo_comes_back_to_where_it_was() {
+    let (free, elsewhere) = comes_back(stands_of_a_servo, if few() { 700 } else { 1500 });
+    assert!(free >= 3 && elsewhere * 10 <= free, "{elsewhere} of {free}");
+}

@@ -72,7 +72,7 @@ fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Ve
 #[test]
 fn joints_are_drawn_away_from_both_their_limits() {
     // The forearm's and the upper arm's turn near their ends.
-    for (joint, value) in [(2, -2.6), (2, 2.6)] {
+    for (joint, value) in [(2, -2.85), (2, 2.85)] {
         let mut start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
         start[joint] = value;
         for servoing in [false, true] {

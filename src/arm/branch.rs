@@ -1,0 +1,123 @@
+//! What an arm knows of the branch that it follows: where its freedom leads, and its side where it is stretched out.
+
+use super::bend::{Bend, LEANING};
+use super::ease::Easing;
+use super::query::Arm;
+use super::workspace::Workspace;
+
+/// What is left of the motion to ease each time that a target stays out of reach: where that motion lowers
+/// nothing but the distance from ease, it is over by then; else the nearest place is kept.
+const LEFT_AT_REST: f64 = 0.9;
+
+#[derive(Clone, Debug)]
+pub(super) struct Branch {
+    /// The posture that the freedom left is spent on.
+    ease: Vec<f64>,
+    bend: Bend,
+    /// Whether the last step missed its target, and whether one did since the arm was at ease.
+    missed: bool,
+    strayed: bool,
+    /// Whether the target is the last one's.
+    rests: bool,
+    /// How much of the motion to ease is left, 0 to 1.
+    left: f64,
+}
+
+impl Branch {
+    /// The branch of an arm that begins at `start`.
+    pub(super) fn begin(arm: &Arm, start: &[f64]) -> Self {
+        Self {
+            ease: arm.ease_from(start),
+            bend: Bend::unknown(start),
+            missed: false,
+            strayed: false,
+            rests: false,
+            left: 1.0,
+        }
+    }
+
+    /// Spends the freedom on what an arm would that began at `start`.
+    pub(super) fn set_ease(&mut self, arm: &Arm, start: &[f64]) {
+        self.ease = arm.ease_from(start);
+    }
+
+    /// Whether the arm is where branches meet, and goes with care.
+    pub(super) fn asks_for_care(&self) -> bool {
+        self.missed || self.bend.is_known()
+    }
+
+    /// Whether the arm is stretched out and knows its side.
+    pub(super) fn is_stretched(&self) -> bool {
+        self.bend.is_known()
+    }
+
+    /// Whether a step spends freedom: one to another target, and those that lead back after a miss.
+    pub(super) fn spends_freedom(&self, arm: &Arm) -> bool {
+        arm.has_freedom() && (!self.rests || self.strayed)
+    }
+
+    /// Notes whether the next step's target is the last one's.
+    pub(super) fn take_target(&mut self, rests: bool) {
+        self.rests = rests;
+        self.left = match rests && self.missed {
+            true => LEFT_AT_REST * self.left,
+            false => 1.0,
+        };
+    }
+
+    /// Where a step begins: from the workspace's x on to ease, and a little to the side that is known; no
+    /// joint goes further than so many radians for either.
+    pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut Workspace, ease: f64, side: f64) {
+        if arm.has_freedom() {
+            let x = std::mem::take(&mut workspace.x);
+            workspace.linearise(&x);
+            self.aim_at_ease(arm, workspace, &x, ease);
+            workspace.x = x;
+            workspace.go_by_projected();
+        }
+        if !self.rests {
+            self.bend.lean(workspace, side.min(LEANING));
+        }
+    }
+
+    /// Writes into the workspace's `projected` the motion to ease from x, radians a joint. The Jacobian at x is
+    /// there.
+    pub(super) fn aim_at_ease(
+        &mut self,
+        arm: &Arm,
+        workspace: &mut Workspace,
+        x: &[f64],
+        longest: f64,
+    ) {
+        let how = Easing {
+            ease: &self.ease,
+            stretched: Some(&self.bend).filter(|bend| self.missed && bend.is_known()),
+            share: self.left,
+            longest,
+        };
+        let moves = workspace.aim_at_ease(arm, x, &how);
+        self.strayed &= moves;
+    }
+
+    /// Takes the workspace's x as a step's end.
+    pub(super) fn arrive(&mut self, arm: &Arm, workspace: &mut Workspace, reached: bool) {
+        if reached {
+            self.bend.note(arm, &workspace.x);
+        }
+        self.bend.carry_on(arm, workspace, &self.ease, !reached);
+        self.missed = !reached;
+        self.strayed |= self.missed;
+    }
+
+    /// Takes q, which reaches its target, as a step's end.
+    pub(super) fn arrive_at(&mut self, arm: &Arm, q: &[f64]) {
+        self.bend.note(arm, q);
+        self.missed = false;
+    }
+
+    /// Goes on from q, to which the arm has jumped.
+    pub(super) fn jump_to(&mut self, q: &[f64], reached: bool) {
+        self.bend.begin(q);
+        self.missed = !reached;
+    }
+}

@@ -1,0 +1,124 @@
+//! What an arm's freedom is spent on while it follows.
+//!
+//! Of the configurations that its target leaves, a redundant arm goes to the one that lies nearest to a posture
+//! of ease: the one that it began in, off its limits, or another that is asked for. Near is what a convex
+//! function says: a spring, and a pull away from limits that grows with the nearness to them (less its
+//! slope at ease, so that ease itself is the lowest point: a Bregman distance). Its slope is projected into the
+//! null space (Liégeois 1977, "Automatic supervisory control of the configuration and behavior of
+//! multibody mechanisms"). So where an arm stands depends on its target and not on the way that it came.
+
+use super::bend::Bend;
+use super::query::Arm;
+use super::workspace::Workspace;
+
+/// The share of a joint's half range from which on its limit is felt.
+const MIDDLE: f64 = 0.6;
+/// The share of a joint's half range that a posture of ease stays within.
+const OFF_LIMITS: f64 = 0.95;
+/// The share of the way to ease that one step goes.
+const SHARE: f64 = 0.5;
+/// The pull of a limit where a joint is on it, radians, for a limit avoidance of 1.
+const ON_LIMIT: f64 = 8.0;
+/// The longest motion in one go, as a share of the distance from the nearest singular place: what leaves the
+/// tool where it is turns within that distance.
+const TURNS: f64 = 0.5;
+/// Directions that move the tool by less than this share of the longest column leave it where an arm is stretched out.
+const SHARP: f64 = 1e-3;
+/// A motion that is none, radians.
+const AT_EASE: f64 = 1e-9;
+
+impl Arm {
+    /// Whether there may be motions that leave the tool where it is.
+    pub(super) fn has_freedom(&self) -> bool {
+        self.joint_count() > self.options.goal.rows() || self.options.goal.has_room()
+    }
+
+    /// The posture that an arm's freedom is spent on that begins at `start`.
+    pub(super) fn ease_from(&self, start: &[f64]) -> Vec<f64> {
+        if let Some(posture) = &self.options.posture {
+            return posture.clone();
+        }
+        let map = &self.serial.map;
+        let bounds = map.lower().iter().zip(map.upper());
+        let off_limits = start.iter().zip(bounds).map(|(&q, (&lower, &upper))| {
+            let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+            match half.is_finite() && self.options.limit_avoidance > 0.0 {
+                true => q.clamp(middle - OFF_LIMITS * half, middle + OFF_LIMITS * half),
+                false => q,
+            }
+        });
+        off_limits.collect()
+    }
+
+    /// The pull on every joint, radians.
+    fn pull(&self, q: &[f64], ease: &[f64], pull: &mut [f64]) {
+        let map = &self.serial.map;
+        let limit = ON_LIMIT * self.options.limit_avoidance;
+        for (i, pull) in pull.iter_mut().enumerate() {
+            let (lower, upper) = (map.lower()[i], map.upper()[i]);
+            let nearer = outwards(q[i], lower, upper) - outwards(ease[i], lower, upper);
+            *pull = (ease[i] - q[i]) * self.scale[i] - limit * nearer;
+        }
+    }
+}
+
+/// How an arm goes to ease.
+pub(super) struct Easing<'e> {
+    pub(super) ease: &'e [f64],
+    /// The side that an arm keeps which is stretched out towards a target that it misses.
+    pub(super) stretched: Option<&'e Bend>,
+    /// How much of a step is taken, 0 to 1.
+    pub(super) share: f64,
+    /// The longest motion of a joint, radians.
+    pub(super) longest: f64,
+}
+
+impl Workspace {
+    /// Writes into `projected` the motion to ease from x that leaves the tool where it is, radians a joint.
+    /// The Jacobian at x is here. Whether there is any.
+    pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> bool {
+        let mut pull = std::mem::take(&mut self.wanted);
+        arm.pull(x, how.ease, &mut pull);
+        let reach = self.longest_column();
+        let room = if let Some(bend) = how.stretched {
+            bend.take_from(&mut pull);
+            self.project_to_null(x, &pull, SHARP * reach);
+            how.longest
+        } else {
+            let clearance = self.project_to_null(x, &pull, 0.0);
+            how.longest.min(TURNS * clearance / reach)
+        };
+        self.wanted = pull;
+        let most = self.projected.iter();
+        let most = most.fold(0.0_f64, |most, by| most.max(by.abs()));
+        let moves = most > AT_EASE;
+        let share = match moves {
+            true => how.share * SHARE.min(room / most),
+            false => 0.0,
+        };
+        for by in &mut self.projected {
+            *by *= share;
+        }
+        moves
+    }
+
+    /// Goes from x by the motion in `projected`, within the bounds.
+    pub(super) fn go_by_projected(&mut self) {
+        for (i, x) in self.x.iter_mut().enumerate() {
+            let moved = *x + self.projected[i] / self.scale[i];
+            *x = moved.max(self.lower[i]).min(self.upper[i]);
+        }
+    }
+}
+
+/// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on
+/// its upper.
+fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
+    let half = 0.5 * (upper - lower);
+    if !(half > 0.0 && half.is_finite()) {
+        return 0.0;
+    }
+    let u = (q - lower) / half - 1.0;
+    let beyond = (u.abs() - MIDDLE).max(0.0) / (1.0 - MIDDLE);
+    beyond * beyond * u.signum()
+}
