@@ -26,7 +26,7 @@ const DAMPING: f64 = 0.01;
 /// The damping that is left a tick where the target rests, as a share of the last one's: it calms motion, and
 /// would make the arm creep to the nearest place to a target hardly out of reach.
 const FADING: f64 = 0.7;
-/// The share of a joint's speed that freedom is spent with.
+/// The share of a joint's speed that freedom is spent with while the target moves.
 const SPEED_OF_EASE: f64 = 0.5;
 /// The share of a joint's speed that a stretched arm leans with.
 const SPEED_OF_LEANING: f64 = 0.25;
@@ -224,7 +224,7 @@ impl Servo<'_> {
         self.open_tick();
         let rests = self.target.replace(target) == Some(target);
         self.branch.take_target(rests);
-        self.fill_seed();
+        self.fill_seed(rests);
         let how = Settling {
             steps: STEPS,
             anchor: self.damping * self.fading,
@@ -278,14 +278,15 @@ impl Servo<'_> {
     }
 
     /// Where the tick begins: where the branch leads from the last place, at a part of the slowest joint's speed.
-    fn fill_seed(&mut self) {
+    fn fill_seed(&mut self, rests: bool) {
         self.workspace.x.copy_from_slice(&self.q);
         let speeds = self.velocity_limits.iter().zip(&self.arm.scale);
         let slowest = (speeds.filter(|(speed, _)| **speed > 0.0))
             .fold(f64::INFINITY, |least, (speed, scale)| {
                 least.min(speed * self.time_step * scale)
             });
-        let ease = (SPEED_OF_EASE * slowest).min(LONGEST_EASE);
+        let of_speed = if rests { 1.0 } else { SPEED_OF_EASE };
+        let ease = (of_speed * slowest).min(LONGEST_EASE);
         let side = SPEED_OF_LEANING * slowest;
         self.branch.lead(self.arm, &mut self.workspace, ease, side);
     }
