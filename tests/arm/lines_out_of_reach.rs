@@ -114,34 +114,9 @@ fn a_miss_stays_near_the_start() {
     }
 }
 
-/// A way of following that answers each target by where the arm stands and whether that reaches.
-type Way = fn(&Arm, &[Placement<f64>], &[f64]) -> Vec<(Vec<f64>, bool)>;
-
-fn stands_of_a_follower(
-    arm: &Arm,
-    targets: &[Placement<f64>],
-    start: &[f64],
-) -> Vec<(Vec<f64>, bool)> {
-    let solutions = by_follower(arm, targets, start).into_iter();
-    solutions.map(|s| (s.q, s.reached)).collect()
-}
-
-fn stands_of_a_servo(
-    arm: &Arm,
-    targets: &[Placement<f64>],
-    start: &[f64],
-) -> Vec<(Vec<f64>, bool)> {
-    let mut servo = arm.servo(start, 1e-3).unwrap();
-    let tick = |target: &Placement<f64>| {
-        let step = servo.step(*target).unwrap();
-        (step.q.to_vec(), step.reached())
-    };
-    targets.iter().map(tick).collect()
-}
-
 /// How many lines met no limit, and how many of them ended elsewhere than they began: out, at rest there, back,
 /// at rest again.
-fn comes_back(way: Way, rest: usize) -> (usize, usize) {
+fn comes_back(rest: usize) -> (usize, usize) {
     let (mut free, mut elsewhere) = (0, 0);
     for name in robots() {
         let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
@@ -153,17 +128,17 @@ fn comes_back(way: Way, rest: usize) -> (usize, usize) {
             let home = vec![out[0]; rest];
             let back = out.iter().rev().chain(&home);
             let targets: Vec<_> = out.iter().chain(&end).chain(back).copied().collect();
-            let stands = way(&arm, &targets, &start);
-            let on_limit = |(q, _): &(Vec<f64>, bool)| {
-                let ends = arm.limits().zip(q);
+            let stands = by_follower(&arm, &targets, &start);
+            let on_limit = |stand: &Solution| {
+                let ends = arm.limits().zip(&stand.q);
                 ends.into_iter()
                     .any(|(l, q)| *q <= l.lower || *q >= l.upper)
             };
-            if stands[out.len()].1 || stands.iter().any(on_limit) {
+            if stands[out.len()].reached || stands.iter().any(on_limit) {
                 continue;
             }
             free += 1;
-            let off = longest(&stands[stands.len() - 1].0, &stands[0].0);
+            let off = longest(&stands[stands.len() - 1].q, &stands[0].q);
             elsewhere += usize::from(off > 1e-3);
         }
     }
@@ -174,12 +149,6 @@ fn comes_back(way: Way, rest: usize) -> (usize, usize) {
 /// ends without a nearest place on it the arm slides on to another, which is rare.
 #[test]
 fn a_follower_comes_back_to_where_it_was() {
-    let (free, elsewhere) = comes_back(stands_of_a_follower, 150);
+    let (free, elsewhere) = comes_back(150);
     assert!(free >= 3 && elsewhere * 20 <= free, "{elsewhere} of {free}");
-}
-
-#[test]
-fn a_servo_comes_back_to_where_it_was() {
-    let (free, elsewhere) = comes_back(stands_of_a_servo, if few() { 700 } else { 1500 });
-    assert!(free >= 3 && elsewhere * 10 <= free, "{elsewhere} of {free}");
 }

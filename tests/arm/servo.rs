@@ -1,6 +1,6 @@
 //! A servo at 1 kHz keeps velocity limits and joint limits to the bit, wherever its targets are: along
-//! lines out of the workspace and back, jumping about, beyond all reach. It never flips, comes back as
-//! it went, and rests where its target rests. `KINOPT_CASES` asks for more lines of each robot.
+//! lines out of the workspace and back, jumping about, beyond all reach. It never flips, comes back to
+//! where it was, and rests where its target rests. `KINOPT_CASES` asks for more lines of each robot.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, HeldBy, Servo, ServoStatus};
@@ -79,8 +79,8 @@ fn lines_out_of_the_workspace_and_back() {
             for (target, there) in out.iter().zip(&way).rev() {
                 tick(&arm, &mut servo, target);
                 held |= held_by_limits(&arm, servo.q());
-                if !held {
-                    // The elbow may be late near the edge; nothing is on another branch.
+                // The elbow may be late near the edge, as a redundant arm's freedom; nothing is on another branch.
+                if !held && arm.joint_count() <= 6 {
                     assert!(distance(servo.q(), there) < 0.3, "{name}");
                 }
             }
@@ -89,7 +89,7 @@ fn lines_out_of_the_workspace_and_back() {
             assert!(widest < 1e-3, "{name}: {widest}");
             if !held {
                 let off = distance(servo.q(), &way[0]);
-                assert!(off < 0.02, "{name}: {off}");
+                assert!(off < 1e-3, "{name}: {off}");
             }
         }
     }
