@@ -3,9 +3,11 @@
 use std::time::Instant;
 
 use super::QueryError;
+use super::follower::LONG_STEP;
 use super::options::Search;
 use super::query::Arm;
 use super::report::Reply;
+use super::settle::Settling;
 use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes;
@@ -15,6 +17,8 @@ use crate::spatial::Placement;
 /// Iterations after which the start's own end and the engine's best are first handed to the core,
 /// whose damping by gain ratio comes through narrow valleys that the engine's does not.
 pub(super) const QUICK: u32 = 600;
+/// Short steps from the start to a place near it.
+const NEAR_STEPS: usize = 100;
 
 impl Arm {
     /// Whether the lane engine's answer to a question is the arm's, if it reaches.
@@ -201,8 +205,55 @@ impl Arm {
         }
         if !reply.errors.reached {
             reply.winner = None;
+            if self.options.search != Search::First && !self.options.leaps_on_miss() && !late() {
+                termination = self
+                    .stay_near(workspace, reply, deadline)
+                    .unwrap_or(termination);
+            }
         }
         reply.termination = self.ended(reply.errors, termination, late());
+    }
+
+    /// Replaces an end far from the start by the nearest place that short steps from the start lead to, if that
+    /// is near: an attempt's long steps may have led past it. How that ended.
+    fn stay_near(
+        &self,
+        workspace: &mut Workspace,
+        reply: &mut Reply,
+        deadline: Option<Instant>,
+    ) -> Option<Termination> {
+        let moved = |workspace: &Workspace| self.longest_move(&workspace.start, &workspace.x).1;
+        if moved(workspace) <= LONG_STEP {
+            return None;
+        }
+        // Taken out and put back, so that nothing is allocated.
+        let mut other = std::mem::take(&mut workspace.kept);
+        other.copy_from_slice(&workspace.x);
+        workspace.x.copy_from_slice(&workspace.start);
+        let how = Settling {
+            steps: NEAR_STEPS,
+            anchor: 0.0,
+            floor: 0.0,
+            deadline,
+        };
+        let (_, steps) = workspace.settle_near(&how);
+        reply.iterations += steps;
+        let near = moved(workspace) <= LONG_STEP;
+        let mut ended = None;
+        if near {
+            other.copy_from_slice(&workspace.x);
+            let (termination, iterations) = workspace.settle(deadline);
+            reply.iterations += iterations;
+            ended = Some(termination);
+        }
+        if moved(workspace) > LONG_STEP {
+            workspace.x.copy_from_slice(&other);
+        }
+        workspace.kept = other;
+        if near {
+            reply.errors = workspace.judge_x();
+        }
+        ended
     }
 
     /// How a question ended that was taken to its end.

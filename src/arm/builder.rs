@@ -255,13 +255,14 @@ impl ArmBuilder<'_> {
         self
     }
 
-    /// While following ([`Arm::track`], [`Arm::follower`], [`Arm::servo`]), how strongly the freedom
-    /// that the goal leaves keeps joints away from their limits: radians of a joint that stands on
-    /// its limit a radian of path, less before it, nothing in the middle of the range. At least 0; 0
-    /// leaves it. Default 0.5.
+    /// While following ([`Arm::track`], [`Arm::follower`], [`Arm::servo`]) the freedom that the goal leaves goes
+    /// to the posture that the arm began in, or to another that is [asked for](Self::with_posture), and keeps
+    /// joints off their limits. This is how strongly: a joint that comes onto its limit is drawn back as if it were so many
+    /// radians from that posture, less before, not at all in the inner 60 % of its range; one that begins in the
+    /// outer 5 % is drawn out of it. At least 0; 0 leaves limits to the posture. Default 4.
     #[must_use]
-    pub fn with_limit_avoidance(mut self, rate: f64) -> Self {
-        self.limit_avoidance = rate;
+    pub fn with_limit_avoidance(mut self, radians: f64) -> Self {
+        self.limit_avoidance = radians;
         self
     }
 

@@ -17,8 +17,6 @@ const MIDDLE: f64 = 0.6;
 const OFF_LIMITS: f64 = 0.95;
 /// The share of the way to ease that one step goes.
 const SHARE: f64 = 0.5;
-/// The pull of a limit where a joint is on it, radians, for a limit avoidance of 1.
-const ON_LIMIT: f64 = 8.0;
 /// The longest motion in one go, as a share of the distance from the nearest singular place: what leaves the
 /// tool where it is turns within that distance.
 const TURNS: f64 = 0.5;
@@ -53,7 +51,7 @@ impl Arm {
     /// The pull on every joint, radians.
     fn pull(&self, q: &[f64], ease: &[f64], pull: &mut [f64]) {
         let map = &self.serial.map;
-        let limit = ON_LIMIT * self.options.limit_avoidance;
+        let limit = self.options.limit_avoidance;
         for (i, pull) in pull.iter_mut().enumerate() {
             let (lower, upper) = (map.lower()[i], map.upper()[i]);
             let nearer = outwards(q[i], lower, upper) - outwards(ease[i], lower, upper);

@@ -2,9 +2,8 @@
 //!
 //! A step begins where the last one would go on to: most of the last motion is added once more
 //! (scaled by how far the target went), which takes the arm straight through singular
-//! configurations where branches meet, and a little is taken off joints near their limits. The
-//! solver corrects the pose and leaves the rest of that motion in the null space (Liégeois 1977,
-//! "Automatic supervisory control of the configuration and behavior of multibody mechanisms").
+//! configurations where branches meet. Of a redundant arm's motion, what leaves the tool where it is
+//! goes to [ease](super::ease) instead. The solver corrects the pose.
 
 use super::QueryError;
 use super::branch::Branch;
@@ -61,9 +60,11 @@ pub struct Follower<'a> {
 
 impl Arm {
     /// A follower that stands at `start`. A target that the branch does not reach is answered by the
-    /// nearest place on it, and the arm comes back from there as it came; it never leaves the branch,
-    /// unless it is [asked](super::ArmBuilder::with_global_search_on_miss) to, and then says so. For
-    /// velocity limits see [`servo`](Self::servo).
+    /// nearest place on it, and the arm comes back from there as it came: an elbow on the side that it was on,
+    /// and a redundant arm's freedom to the posture that it began in (or that was
+    /// [asked for](super::ArmBuilder::with_posture)), for which it goes on where its target rests. It never
+    /// leaves the branch, unless it is [asked](super::ArmBuilder::with_global_search_on_miss) to, and then says so.
+    /// For velocity limits see [`servo`](Self::servo).
     ///
     /// # Errors
     /// A start of the wrong length or not finite.

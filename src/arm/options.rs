@@ -50,7 +50,7 @@ impl Search {
 pub(super) const ATTEMPTS: u32 = 200;
 const ITERATIONS: u32 = 2600;
 /// How strongly joints are drawn away from their limits while following.
-pub(super) const LIMIT_AVOIDANCE: f64 = 0.5;
+pub(super) const LIMIT_AVOIDANCE: f64 = 4.0;
 /// A radian counts as much as this share of the arm's reach.
 const RADIAN_PER_REACH: f64 = 0.25;
 

@@ -3,8 +3,8 @@
 //! A tick moves the joints within the box that their limits and velocity limits leave, to where the
 //! pose's cost and a small price on moving are together lowest. That price damps the arm near singular
 //! configurations (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations
-//! and damped least-squares methods"), and as every tick lowers the cost by at least what it moves, an
-//! arm whose target rests comes to rest; out of reach that may take long.
+//! and damped least-squares methods"); where the target rests it fades, so that the arm comes to rest at the
+//! nearest place and not on a long way there. A tick begins where the arm's [branch](super::branch) leads.
 
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
@@ -109,8 +109,10 @@ impl Arm {
     /// seconds. No tick moves a joint further than its velocity limit times the time step: that of
     /// the robot's file, or [given](Servo::with_velocity_limits); a joint without one moves by at most
     /// 0.1 rad a tick (a slide by the metres that weigh as much). It stays on the branch that it stands on and
-    /// settles near the nearest place to a target out of reach. The way back may be another than the way out
-    /// where the freedom left or a stretched elbow allows one.
+    /// settles at the nearest place to a target out of reach, from where an elbow bends back to the side that it was on.
+    /// A redundant arm's freedom goes to the posture that it began in, or that was
+    /// [asked for](super::ArmBuilder::with_posture), at half its speed while the target moves; where it rests the
+    /// arm goes on to there. So it comes back to where it was, if no limit held it.
     ///
     /// # Errors
     /// A start of the wrong length or not finite; a time step that is no positive number.

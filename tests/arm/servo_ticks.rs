@@ -77,7 +77,7 @@ fn joints_are_drawn_away_from_both_their_limits() {
         start[joint] = value;
         for servoing in [false, true] {
             let left = ends(0.0, None, &start, servoing)[joint].abs();
-            let drawn = ends(0.5, None, &start, servoing)[joint].abs();
+            let drawn = ends(4.0, None, &start, servoing)[joint].abs();
             assert!(drawn < left - 1e-3, "{value} {servoing}: {drawn} {left}");
         }
     }
@@ -91,7 +91,7 @@ fn a_servo_is_drawn_to_its_posture() {
     posture[0] -= 0.6;
     let off = |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
     let plain = ends(0.0, None, &start, true);
-    let drawn = ends(0.5, Some(&posture), &start, true);
+    let drawn = ends(4.0, Some(&posture), &start, true);
     assert!(off(&drawn) < off(&plain) - 1e-3, "{drawn:?} {plain:?}");
 }
 
