@@ -38,7 +38,7 @@ impl Motion {
     }
 
     /// The placement after moving by `value`, whose sine and cosine come along.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<S: Scalar>(
         &self,
         placement: Placement<S>,
@@ -114,7 +114,7 @@ impl Offset {
     }
 
     /// `world_from_parent · self`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn after<S: Scalar>(&self, world_from_parent: &Placement<S>) -> Placement<S> {
         match self {
             Self::Identity => *world_from_parent,

@@ -2,7 +2,7 @@
 
 use super::batch::{self, Work};
 use super::chain::MAX_JOINTS;
-use super::lane::Lanes;
+use super::lane::{LaneScalar, Lanes};
 use super::options::Outcome;
 use super::prepared::Prepared;
 use super::query::{Answer, Query};
@@ -49,8 +49,9 @@ macro_rules! run {
     (@ $set:ident, $lanes:ty, $room:expr, $joints:literal) => {
         Stages::<$lanes, { $room }> {
             step: stages::$set::step::<$lanes, { $room }, $joints, false>,
-            judge: stages::$set::judge::<$lanes, { $room }>,
-            seed: stages::$set::seed::<$lanes>,
+            // These work on one lane or four: all widths share them.
+            judge: stages::$set::judge::<<$lanes as LaneScalar>::Four, { $room }>,
+            seed: stages::$set::seed::<<$lanes as LaneScalar>::Four>,
         }
     };
 }

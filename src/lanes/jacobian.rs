@@ -7,10 +7,10 @@ use super::lane::LaneScalar;
 use super::links::Links;
 use crate::spatial::{Placement, Vector3};
 
-/// Runs the body for each joint, written out where their number is known.
+/// Runs the body for each joint, written out where their number is known and code is optimised.
 macro_rules! each_joint {
     ($n:expr, $i:ident, $body:block) => {
-        if JOINTS != 0 {
+        if JOINTS != 0 && !cfg!(debug_assertions) {
             each_joint!(@ $i, $body, 0 1 2 3 4 5 6)
         } else {
             for $i in 0..$n $body

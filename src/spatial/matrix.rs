@@ -46,7 +46,7 @@ impl<S: Scalar> Matrix3<S> {
 
     /// Rotation about the unit vector `axis` by the angle whose sine and cosine are given
     /// (Rodrigues' formula).
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn rotation(axis: Vector3<S>, (sin, cos): (S, S)) -> Self {
         let Vector3 { x, y, z } = axis;
         let one_minus_cos = S::one() - cos;
@@ -100,7 +100,7 @@ impl<S: Scalar> Matrix3<S> {
     }
 
     /// `selfᵀ · v`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn transpose_mul(self, v: Vector3<S>) -> Vector3<S> {
         Vector3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
@@ -108,7 +108,7 @@ impl<S: Scalar> Matrix3<S> {
 
 impl<S: Scalar> Mul<Vector3<S>> for Matrix3<S> {
     type Output = Vector3<S>;
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, v: Vector3<S>) -> Vector3<S> {
         self.z.mul_add(v.z, self.y.mul_add(v.y, self.x * v.x))
     }
@@ -116,7 +116,7 @@ impl<S: Scalar> Mul<Vector3<S>> for Matrix3<S> {
 
 impl<S: Scalar> Mul for Matrix3<S> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, other: Self) -> Self {
         Self::from_columns(self * other.x, self * other.y, self * other.z)
     }

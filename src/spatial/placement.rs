@@ -47,14 +47,14 @@ impl<S: Scalar> Placement<S> {
     }
 
     /// The placement that undoes this one.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn inverse(self) -> Self {
         let rotation = self.rotation.transpose();
         Self::new(rotation, -(rotation * self.translation))
     }
 
     /// Maps a point.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn apply(&self, point: Vector3<S>) -> Vector3<S> {
         self.rotation.z.mul_add(
             point.z,
@@ -113,7 +113,7 @@ impl Placement<f64> {
 
 impl<S: Scalar> Mul for Placement<S> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, other: Self) -> Self {
         Self::new(
             self.rotation * other.rotation,
