@@ -16,6 +16,7 @@ mod servo_ticks;
 mod shared_workloads;
 mod shipped_robots;
 mod starts;
+mod starts_and_ways;
 mod time_limit;
 mod tracks_without_flips;
 mod two_tips;

@@ -5,7 +5,9 @@
 use kinopt::Problem;
 use kinopt::geometric::{Ccd, Fabrik, Geometric, Span, triangle};
 use kinopt::ik::Restarts;
-use kinopt::spatial::Vector3;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Model};
+use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use support::planar_arm;
 use support::random::Random;
@@ -62,4 +64,34 @@ fn attempts_that_agree_are_counted_from_the_first() {
         let fabrik = fabrik.with_restarts(restarts).solve(&problem, &[0.3, 0.2]);
         assert_eq!([ccd, fabrik].map(|s| s.unwrap().attempts), [agreeing; 2]);
     }
+}
+
+/// A point with a target of its own goes there, whatever the points beyond it ask for.
+#[test]
+fn a_point_held_inside_a_chain_stays() {
+    let mut builder = Model::builder("four links");
+    let (z, limits) = (Vector3::new(0.0, 0.0, 1.0), Limits::new(-2.5, 2.5));
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let mut joint = builder.revolute("0", None, Placement::identity(), z, limits);
+    let mut frames = Vec::new();
+    for name in ["1", "2", "3"] {
+        joint = builder.revolute(name, Some(joint), link, z, limits);
+        frames.push(builder.frame(format!("at {name}"), Some(joint), Placement::identity()));
+    }
+    let tip = builder.frame("tip", Some(joint), link);
+    let model = builder.build().unwrap();
+    let goal = [0.4, 0.7, -0.5, 0.9];
+    let places = ForwardKinematics::new(&model)
+        .place(&goal)
+        .unwrap()
+        .to_vec();
+    let mut builder = Problem::builder(&model);
+    for frame in [frames[1], tip] {
+        builder.add(Point::new(frame, places[frame.index()].translation));
+    }
+    let problem = builder.build().unwrap();
+    let fabrik = Fabrik::default().with_restarts(Restarts::none());
+    let solution = fabrik.solve(&problem, &[0.3, 0.3, -0.3, 0.3]).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    assert!(solution.iterations < 40, "{}", solution.iterations);
 }

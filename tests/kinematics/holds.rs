@@ -178,3 +178,17 @@ fn the_trunk_s_angles_stay_as_they_are() {
     map.expand(&vec![0.0; map.variables()], &mut expanded);
     assert_eq!(expanded[3..9], q[3..9]);
 }
+
+/// A limb is long by the figure's own measure, whatever the unit.
+#[test]
+fn the_unit_of_length_does_not_matter() {
+    for seed in 0..6 {
+        let holds = [1e-3, 1.0, 1e3].map(|unit| {
+            let rig = support::bones::RandomRig::scaled(seed, unit);
+            let held = rig.skeleton.holds(&rig.tips[..1]);
+            assert!(!held.ends.is_empty());
+            format!("{held:?}")
+        });
+        assert!(holds.iter().all(|held| *held == holds[1]), "{holds:?}");
+    }
+}

@@ -177,6 +177,7 @@ fn preferences_do_not_search_until_the_limit() {
         }
         let solution = solver.solve_once(&problem, &START).unwrap();
         assert!(solution.reached);
+        assert_eq!(solution.agreeing, 0, "a success is not compared");
         let settled = [Termination::Stationary, Termination::SmallStep];
         assert!(
             settled.contains(&solution.termination),

@@ -137,3 +137,26 @@ fn out_of_reach_is_beyond_the_tolerance() {
         );
     }
 }
+
+/// What is within its tolerance is no miss.
+#[test]
+fn of_a_pose_only_what_is_missed_is_told() {
+    let model = planar_arm(&[1.0, 0.5], Some((-1.0, 1.0)));
+    let tip = model.frame("tip").unwrap();
+    let turned = nalgebra::Rotation3::from_euler_angles(0.5, 0.0, 0.0).into_inner();
+    let target = Placement::new(turned.into(), [0.4, 0.3, 2.0].into());
+    for (within, told) in [
+        (Quantity::Radians, [true, false]),
+        (Quantity::Metres, [false, true]),
+    ] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Task::new(Pose::new(tip, target)).tolerance(within, 9.0));
+        let problem = builder.build().unwrap();
+        let words = Solver::default().solve_once(&problem, &[0.1, 0.2]);
+        let words = words.unwrap().explain();
+        let misses = words.lines().find(|line| line.contains("misses by"));
+        let misses = misses.unwrap().trim_end_matches('.');
+        let has = |unit: &str| misses.split(' ').any(|word| word == unit);
+        assert_eq!([has("m"), has("rad")], told, "{misses}");
+    }
+}

@@ -124,3 +124,26 @@ fn factors_multiply() {
     let problem = builder.build().unwrap();
     assert_eq!(residual(&problem, &[0.0]), [1.5, 0.0, 0.0]);
 }
+
+/// Of a weight or a tolerance that is given twice the last counts.
+#[test]
+fn what_is_said_last_counts() {
+    let model = planar_arm(&[1.0], None);
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    let point = Task::new(Point::new(tip, [0.0, 0.0, 0.0]));
+    let point = point
+        .weight(Quantity::Metres, 5.0)
+        .tolerance(Quantity::Metres, 9.0);
+    builder.add(
+        point
+            .weight(Quantity::Metres, 3.0)
+            .tolerance(Quantity::Metres, 0.5),
+    );
+    let problem = builder.build().unwrap();
+    let mut scratch = problem.scratch();
+    let mut residual = [0.0; 3];
+    Evaluation::new(&problem, &mut scratch).residual(&[0.0], &mut residual);
+    assert_eq!(residual, [3.0, 0.0, 0.0]);
+    assert!(!problem.is_reached(&residual) && problem.is_reached(&[1.4, 0.0, 0.0]));
+}

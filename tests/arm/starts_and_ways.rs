@@ -1,0 +1,50 @@
+//! Promise: a chain taken the other way round is the same chain; a start outside the limits counts from where it is
+//! projected to.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::Arm;
+use support::arms::{Random, panda, robot};
+
+#[test]
+fn the_other_way_round_the_tool_stands_where_the_base_did() {
+    for (name, base, tip) in [
+        ("adept_cobra_s600", "base", "flange"),
+        ("aldebaran_nao", "left_sole", "right_sole"),
+        ("rethink_baxter", "left_tool", "right_tool"),
+    ] {
+        let robot = robot(name);
+        let build = |base, tip| {
+            let builder = Arm::builder(&robot, base, tip).unwrap();
+            builder.with_atlas(false).build().unwrap()
+        };
+        let [there, back] = [build(base, tip), build(tip, base)];
+        let mut random = Random(51);
+        for _ in 0..5 {
+            let q = random.configuration(&there);
+            let named = |joint: &str| there.joints().position(|own| own == joint).unwrap();
+            let same: Vec<f64> = back.joints().map(|joint| q[named(joint)]).collect();
+            let forth = there.base_from_tool(&q).unwrap();
+            let around = forth * back.base_from_tool(&same).unwrap();
+            assert!(around.translation.norm() < 1e-12, "{name}");
+            assert!(
+                (around.rotation.x.x + around.rotation.y.y - 2.0).abs() < 1e-12,
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn moves_count_from_where_a_start_is_projected_to() {
+    let (robot, base, tip) = panda();
+    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let arm = builder.with_max_move(&[0.3; 7]).build().unwrap();
+    let limits: Vec<_> = arm.limits().collect();
+    let start: Vec<f64> = limits.iter().map(|l| l.upper + 0.2).collect();
+    let goal: Vec<f64> = limits.iter().map(|l| l.upper - 0.25).collect();
+    let target = arm.base_from_tool(&goal).unwrap();
+    let solution = arm.solve(target, &start).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    let moved = solution.q.iter().zip(&limits).map(|(q, l)| l.upper - q);
+    assert!(moved.into_iter().all(|moved| (0.0..=0.3).contains(&moved)));
+}
