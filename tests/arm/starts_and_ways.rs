@@ -48,3 +48,34 @@ fn moves_count_from_where_a_start_is_projected_to() {
     let moved = solution.q.iter().zip(&limits).map(|(q, l)| l.upper - q);
     assert!(moved.into_iter().all(|moved| (0.0..=0.3).contains(&moved)));
 }
+
+/// Numbers of joints that the arm neither moves nor holds stay, locked or not.
+#[test]
+fn a_configuration_is_written_where_the_arm_is() {
+    let nao = robot("aldebaran_nao");
+    let model = nao.model();
+    let own = Arm::new(&nao, "torso", "left_hand").unwrap();
+    let mut elsewhere = model
+        .moving_joints()
+        .iter()
+        .filter(|id| !own.joint_ids().contains(id));
+    let other = *elsewhere.next().unwrap();
+    let held = own.joint_ids()[1];
+    let name = |id: kinopt::model::JointId| model.joints()[id.index()].name.as_str();
+    let value = |id: kinopt::model::JointId| {
+        let coordinate = model.coordinate(id).unwrap();
+        let limits = model.limits().nth(coordinate).unwrap();
+        (coordinate, 0.5 * (limits.lower + limits.upper))
+    };
+    let builder = Arm::builder(&nao, "torso", "left_hand").unwrap();
+    let builder = builder.with_locked(name(other), value(other).1).unwrap();
+    let builder = builder.with_locked(name(held), value(held).1).unwrap();
+    let arm = builder.with_atlas(false).build().unwrap();
+    let mut q = vec![77.0; model.degrees_of_freedom()];
+    arm.configuration(&vec![0.01; arm.joint_count()], &mut q)
+        .unwrap();
+    assert_eq!(q[value(other).0], 77.0);
+    assert_eq!(q[value(held).0], value(held).1);
+    let written = q.iter().filter(|value| **value != 77.0).count();
+    assert!(written > arm.joint_count() && written < q.len());
+}

@@ -135,14 +135,19 @@ impl Linear {
         seen
     }
 
-    /// Along the projected path, halved until the cost falls by enough.
-    fn halved(&self, from: &DVector<f64>, way: &DVector<f64>, mut share: f64) -> DVector<f64> {
+    /// Along the projected path, halved until the cost falls by enough; and the share that it came to.
+    fn halved(
+        &self,
+        from: &DVector<f64>,
+        way: &DVector<f64>,
+        mut share: f64,
+    ) -> (DVector<f64>, f64) {
         let (cost, gradient) = self.at(from);
         loop {
             let to = self.cut(&(from + way * share));
             let promised = gradient.dot(&(&to - from));
             if promised < 0.0 && self.at(&to).0 <= cost + 1e-4 * promised {
-                return to;
+                return (to, share);
             }
             share *= 0.5;
         }
@@ -209,9 +214,10 @@ fn gauss_newton_takes_the_shortest_of_the_best_steps() {
         let free = problem.free_columns();
         let residual = &problem.a * &problem.start - &problem.b;
         let way = -free.svd(true, true).solve(&residual, 1e-7).unwrap();
-        let expected = problem.halved(&problem.start, &way, (10.0 / way.amax()).min(1.0));
+        let (expected, share) = problem.halved(&problem.start, &way, (10.0 / way.amax()).min(1.0));
         let steps = problem.steps(&GaussNewton::default());
         near(&steps[1].0, &expected, &format!("{k}"));
+        assert_eq!(steps[1].1, share);
     }
 }
 
@@ -233,8 +239,9 @@ fn projected_gradients_go_down_the_slope() {
     for (k, mut problem) in problems().into_iter().enumerate() {
         let (_, gradient) = problem.at(&problem.start);
         let steps = problem.steps(&ProjectedGradient::new(FirstStep::Fixed(10_000.0)));
-        let expected = problem.halved(&problem.start, &-&gradient, 10_000.0);
+        let (expected, share) = problem.halved(&problem.start, &-&gradient, 10_000.0);
         near(&steps[1].0, &expected, &format!("{k} fixed"));
+        assert_eq!(steps[1].1, share);
 
         let steps = problem.steps(&ProjectedGradient::new(FirstStep::BarzilaiBorwein));
         let largest = problem
@@ -242,7 +249,7 @@ fn projected_gradients_go_down_the_slope() {
             .column_iter()
             .map(|c| c.norm_squared())
             .fold(0.0, f64::max);
-        let expected = problem.halved(&problem.start, &-&gradient, 1.0 / largest);
+        let (expected, _) = problem.halved(&problem.start, &-&gradient, 1.0 / largest);
         near(&steps[1].0, &expected, &format!("{k} spectral, first"));
         let (cost, next) = problem.at(&expected);
         let (moved, turned) = (&expected - &problem.start, &next - &gradient);

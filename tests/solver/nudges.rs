@@ -37,3 +37,17 @@ fn after_a_target_that_was_reached_the_next_miss_is_nudged_at_once() {
         assert!(to(1.998), "after {misses} misses");
     }
 }
+
+/// A miss is at rest only when nudges have shown that there is nowhere to go.
+#[test]
+fn a_miss_rests_after_its_nudges() {
+    let model = planar_arm(&[1.0, 1.0], Some((-1.0, 2.0)));
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [2.5, 0.0, 0.0]));
+    let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
+    let awake = (0..20).take_while(|_| {
+        drag.advance();
+        !drag.rests()
+    });
+    assert_eq!(awake.count(), 4);
+}
