@@ -1,7 +1,7 @@
 //! Promise: the attempt that is named as the winner is the one that the answer came from.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, Outcome};
+use kinopt::arm::{Arm, Outcome, Search};
 use support::arms::{Random, panda};
 
 /// With no attempt after the winner the answer is the same.
@@ -9,14 +9,15 @@ use support::arms::{Random, panda};
 fn later_attempts_than_the_winner_change_nothing() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
-    let (mut random, mut later) = (Random(31), [0; 4]);
+    let (mut random, mut later) = (Random(31), [0; 5]);
     let ways = [
         // So few steps that the start's own end and the best of all are what is settled from.
         builder.clone().with_iterations(40),
         builder.clone().with_iterations(120),
         builder.clone().with_iterations(2000),
         // The start's own way to its end, then others.
-        builder.with_max_move(&[0.8; 7]),
+        builder.clone().with_max_move(&[0.8; 7]),
+        builder.with_search(Search::First).with_iterations(60),
     ];
     for (k, (way, later)) in ways.iter().zip(&mut later).enumerate() {
         let arm = way.clone().build().unwrap();
