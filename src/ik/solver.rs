@@ -6,7 +6,7 @@ use super::attempts::Attempts;
 use super::refine::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::problem::{Problem, Share};
-use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping, project};
+use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping};
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
 /// [`Workspace`].
@@ -120,7 +120,6 @@ impl Solver {
         check_start(problem, start)?;
         let mut scratch = workspace.fit(problem);
         problem.parameters().reduce(start, &mut workspace.start);
-        project(&mut workspace.start, problem.lower(), problem.upper());
 
         let attempts = Attempts {
             problem,
