@@ -67,8 +67,9 @@ struct Seen {
     missed: usize,
     jumps: usize,
     too_fast: usize,
-    /// Lines without a limit on the way, and the farthest that one came back from where it went.
+    /// Lines without a limit on the way, those that end more than 1e-3 rad from where they began, and the farthest.
     free: usize,
+    elsewhere: usize,
     apart: f64,
     /// Peak to peak at rest, radians or metres a second.
     chatter: f64,
@@ -81,13 +82,14 @@ impl Seen {
         self.micros.sort_by(f64::total_cmp);
         let at = |share: f64| self.micros[(share * (self.micros.len() - 1) as f64) as usize];
         println!(
-            "  {who}: {} ticks, {} missed, {} jumps, {} too fast; {} lines free of limits end {:.1e} from \
-             their start; {} not at rest, chatter {:.1e} /s; {:.1} us median, {:.1} p99",
+            "  {who}: {} ticks, {} missed, {} jumps, {} too fast; of {} lines free of limits {} end elsewhere, \
+             {:.1e} from their start at most; {} not at rest, chatter {:.1e} /s; {:.1} us median, {:.1} p99",
             self.ticks,
             self.missed,
             self.jumps,
             self.too_fast,
             self.free,
+            self.elsewhere,
             self.apart,
             self.unsettled,
             self.chatter,
@@ -120,7 +122,9 @@ impl Seen {
         }
         if free && !ways[WAY + REST - 1].1 {
             self.free += 1;
-            self.apart = self.apart.max(longest(&ways[0].0, &ways[ways.len() - 1].0));
+            let apart = longest(&ways[0].0, &ways[ways.len() - 1].0);
+            self.elsewhere += usize::from(apart > 1e-3);
+            self.apart = self.apart.max(apart);
         }
         for end in [WAY + REST, ways.len()] {
             let watched = &ways[end - WATCHED..end];

@@ -9,6 +9,10 @@ use super::workspace::Workspace;
 /// nothing but the distance from ease, it is over by then; else the nearest place is kept.
 const LEFT_AT_REST: f64 = 0.9;
 
+/// What becomes of the pace where the motion to ease turns round, and where it does not.
+const SLOWER: f64 = 0.5;
+const FASTER: f64 = 1.1;
+
 #[derive(Clone, Debug)]
 pub(super) struct Branch {
     /// The posture that the freedom left is spent on.
@@ -19,8 +23,11 @@ pub(super) struct Branch {
     strayed: bool,
     /// Whether the target is the last one's.
     rests: bool,
-    /// How much of the motion to ease is left, 0 to 1.
+    /// How much of the motion to ease is left where a target stays out of reach, 0 to 1.
     left: f64,
+    /// How much of it is taken, and the last one: less where it goes back and forth.
+    pace: f64,
+    last: Vec<f64>,
 }
 
 impl Branch {
@@ -33,6 +40,8 @@ impl Branch {
             strayed: false,
             rests: false,
             left: 1.0,
+            pace: 1.0,
+            last: vec![0.0; start.len()],
         }
     }
 
@@ -92,11 +101,18 @@ impl Branch {
         let how = Easing {
             ease: &self.ease,
             stretched: Some(&self.bend).filter(|bend| self.missed && bend.is_known()),
-            share: self.left,
+            share: self.left * self.pace,
             longest,
         };
         let moves = workspace.aim_at_ease(arm, x, &how);
         self.strayed &= moves;
+        let both = self.last.iter().zip(&workspace.projected);
+        let along: f64 = both.map(|(last, by)| last * by).sum();
+        self.pace = match along < 0.0 {
+            true => SLOWER * self.pace,
+            false => (FASTER * self.pace).min(1.0),
+        };
+        self.last.copy_from_slice(&workspace.projected);
     }
 
     /// Takes the workspace's x as a step's end.

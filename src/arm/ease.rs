@@ -58,6 +58,19 @@ impl Arm {
             *pull = (ease[i] - q[i]) * self.scale[i] - limit * nearer;
         }
     }
+
+    /// How fast the pull at q grows along a motion, radians a radian: at least 1, the spring's.
+    fn stiffness(&self, q: &[f64], motion: &[f64]) -> f64 {
+        let map = &self.serial.map;
+        let limit = self.options.limit_avoidance;
+        let (mut grows, mut length) = (0.0, 0.0);
+        for (i, by) in motion.iter().enumerate() {
+            let stiff = limit * steepness(q[i], map.lower()[i], map.upper()[i]) / self.scale[i];
+            grows += (1.0 + stiff) * by * by;
+            length += by * by;
+        }
+        grows / length
+    }
 }
 
 /// How an arm goes to ease.
@@ -91,7 +104,7 @@ impl Workspace {
         let most = most.fold(0.0_f64, |most, by| most.max(by.abs()));
         let moves = most > AT_EASE;
         let share = match moves {
-            true => how.share * SHARE.min(room / most),
+            true => how.share * (SHARE / arm.stiffness(x, &self.projected)).min(room / most),
             false => 0.0,
         };
         for by in &mut self.projected {
@@ -107,6 +120,16 @@ impl Workspace {
             *x = moved.max(self.lower[i]).min(self.upper[i]);
         }
     }
+}
+
+/// How fast [`outwards`] grows, 1 a radian or metre.
+fn steepness(q: f64, lower: f64, upper: f64) -> f64 {
+    let half = 0.5 * (upper - lower);
+    if !(half > 0.0 && half.is_finite()) {
+        return 0.0;
+    }
+    let u = (q - lower) / half - 1.0;
+    2.0 * (u.abs() - MIDDLE).max(0.0) / ((1.0 - MIDDLE) * (1.0 - MIDDLE) * half)
 }
 
 /// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on

@@ -202,6 +202,37 @@ fn a_follower_keeps_to_the_bound_on_moves() {
     }
 }
 
+/// A redundant arm whose joints are near their limits, where these pull ever more steeply, comes to rest.
+#[test]
+fn an_arm_near_its_limits_comes_to_rest() {
+    let panda = robot("franka_panda");
+    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let arm = arm.with_atlas(false).with_max_move(&[0.002; 7]);
+    let arm = arm.build().unwrap();
+    let start = [2.45, 0.21, 2.88, -1.69, 2.34, 1.98, -1.59];
+    let mut target = arm.base_from_tool(&start).unwrap();
+    target.translation.x -= 0.02;
+    let mut follower = arm.follower(&start).unwrap();
+    let mut servo = arm.servo(&start, TICK).unwrap();
+    let mut solution = Solution::default();
+    let mut last = [0.0_f64; 2];
+    for tick in 0..900 {
+        let before = follower.q().to_vec();
+        follower.advance(target, &mut solution).unwrap();
+        let step = servo.step(target).unwrap();
+        if tick >= 880 {
+            let moved = before.iter().zip(follower.q()).map(|(a, b)| (a - b).abs());
+            last[0] = moved.fold(last[0], f64::max);
+            let speeds = step.velocity.iter().map(|v| v.abs() * TICK);
+            last[1] = speeds.fold(last[1], f64::max);
+        }
+    }
+    assert!(
+        solution.reached && last.iter().all(|most| *most < 1e-6),
+        "{last:?}"
+    );
+}
+
 /// What is left of the gradient at a miss leaves out what limits hold.
 #[test]
 fn a_miss_against_limits_has_no_gradient_left() {
