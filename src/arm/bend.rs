@@ -199,10 +199,13 @@ impl Bend {
     }
 }
 
+/// Makes a way of length 1; one without a length stays.
 fn normalise(way: &mut [f64]) {
     let length = length(way);
-    for by in way {
-        *by /= length;
+    if length > 0.0 {
+        for by in way {
+            *by /= length;
+        }
     }
 }
 
