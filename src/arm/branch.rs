@@ -9,6 +9,8 @@ use super::workspace::Workspace;
 /// nothing but the distance from ease, it is over by then; else the nearest place is kept.
 const LEFT_AT_REST: f64 = 0.9;
 
+/// What is left of it when it is over.
+const OVER: f64 = 1e-3;
 /// What becomes of the pace where the motion to ease turns round, and where it does not.
 const SLOWER: f64 = 0.5;
 const FASTER: f64 = 1.1;
@@ -63,6 +65,11 @@ impl Branch {
     /// Whether a step spends freedom: one to another target, and those that lead back after a miss.
     pub(super) fn spends_freedom(&self, arm: &Arm) -> bool {
         arm.has_freedom() && (!self.rests || self.strayed)
+    }
+
+    /// Whether a target has stayed out of reach for so long that the motion to ease is over.
+    pub(super) fn rests_long(&self) -> bool {
+        self.missed && self.left < OVER
     }
 
     /// Notes whether the next step's target is the last one's.

@@ -233,7 +233,10 @@ impl Servo<'_> {
             floor: 0.0,
             deadline: None,
         };
-        let (ended, _) = self.workspace.settle_near(&how);
+        let (ended, _) = match self.branch.rests_long() {
+            true => self.workspace.settle(None),
+            false => self.workspace.settle_near(&how),
+        };
         let errors = self.workspace.judge_x();
         for ((velocity, q), x) in self.velocity.iter_mut().zip(&self.q).zip(&self.workspace.x) {
             *velocity = (x - q) / self.time_step;
