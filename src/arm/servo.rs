@@ -233,10 +233,11 @@ impl Servo<'_> {
             floor: 0.0,
             deadline: None,
         };
-        let (ended, _) = match self.branch.rests_long() {
-            true => self.workspace.settle(None),
-            false => self.workspace.settle_near(&how),
-        };
+        let (mut ended, _) = self.workspace.settle_near(&how);
+        // In flat valleys short steps creep.
+        if ended == Termination::IterationLimit && self.branch.rests_long() {
+            (ended, _) = self.workspace.settle(None);
+        }
         let errors = self.workspace.judge_x();
         for ((velocity, q), x) in self.velocity.iter_mut().zip(&self.q).zip(&self.workspace.x) {
             *velocity = (x - q) / self.time_step;
