@@ -35,7 +35,7 @@ impl Workspace {
             for (i, &by) in projected.iter().enumerate() {
                 if !self.leaves(x, i, by) {
                     let column = self.column(i);
-                    normal += column * column.transpose();
+                    add_square(&mut normal, &column, 1.0);
                     moved += column * motion[i];
                 }
             }
@@ -66,6 +66,22 @@ impl Workspace {
     pub(super) fn column(&self, i: usize) -> Vector6<f64> {
         let column: Vector6<f64> = self.jacobian.fixed_view::<6, 1>(0, i).into();
         column / self.scale[i]
+    }
+}
+
+/// Adds weight × c cᵀ to the lower triangle, which is all that a factorisation reads. Counted by hand: products of
+/// small matrices are hundreds of calls in a debug build.
+pub(super) fn add_square(normal: &mut Matrix6<f64>, column: &Vector6<f64>, weight: f64) {
+    let (entries, column) = (normal.as_mut_slice(), column.as_slice());
+    let mut k = 0;
+    while k < 6 {
+        let by = weight * column[k];
+        let mut row = k;
+        while row < 6 {
+            entries[6 * k + row] += by * column[row];
+            row += 1;
+        }
+        k += 1;
     }
 }
 

@@ -14,6 +14,7 @@ use std::time::Instant;
 
 use nalgebra::{Matrix6, Vector6};
 
+use super::null_space::add_square;
 use super::workspace::Workspace;
 use crate::solver::Termination;
 
@@ -188,7 +189,7 @@ impl Workspace {
                 self.trial[i] = held;
                 miss -= column * (held - from);
                 if held == free {
-                    normal += column * column.transpose() * inverse;
+                    add_square(&mut normal, &column, inverse);
                 }
             }
             if miss.norm() <= 1e-12 * (y.norm() + residual.norm()) {
