@@ -8,4 +8,5 @@ mod problems;
 mod same_arms;
 mod same_bits;
 mod same_courses;
+mod same_following;
 mod skinning;
