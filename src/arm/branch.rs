@@ -1,6 +1,6 @@
 //! What an arm knows of the branch that it follows: where its freedom leads, and its side where it is stretched out.
 
-use super::bend::{Bend, LEANING};
+use super::bend::Bend;
 use super::ease::Easing;
 use super::query::Arm;
 use super::workspace::Workspace;
@@ -92,7 +92,7 @@ impl Branch {
             workspace.go_by_projected();
         }
         if !self.rests {
-            self.bend.lean(workspace, side.min(LEANING));
+            self.bend.lean(workspace, side);
         }
     }
 

@@ -29,7 +29,7 @@ const FADING: f64 = 0.7;
 /// The share of a joint's speed that freedom is spent with while the target moves.
 const SPEED_OF_EASE: f64 = 0.5;
 /// The share of a joint's speed that a stretched arm leans with.
-const SPEED_OF_LEANING: f64 = 0.25;
+const SPEED_OF_LEANING: f64 = 0.5;
 
 /// How a tick stands to its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
