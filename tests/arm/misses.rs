@@ -212,3 +212,21 @@ fn a_batch_answers_as_a_single_question_does() {
         }
     }
 }
+
+/// Each attempt that is made counts, and its steps, whether it came nearer or not.
+#[test]
+fn attempts_in_vain_count() {
+    let robot = robot("aldebaran_nao");
+    let target = Placement::translation(Vector3::new(0.05, -0.1, 0.9));
+    let mut last = 0;
+    for attempts in 1..9 {
+        let arm = Arm::builder(&robot, "left_sole", "right_sole").unwrap();
+        let arm = arm.with_attempts(attempts).build().unwrap();
+        let start = vec![0.05; arm.joint_count()];
+        let solution = arm.solve(target, &start).unwrap();
+        assert!(!solution.reached);
+        assert_eq!(solution.attempts, attempts as usize);
+        assert!(solution.iterations > last, "{attempts}: {solution:?}");
+        last = solution.iterations;
+    }
+}

@@ -219,3 +219,19 @@ fn what_is_no_servo_is_named() {
         assert_eq!(servo.step(target).unwrap().q[2], 0.1);
     }
 }
+
+#[test]
+fn a_servo_starts_within_its_limits() {
+    let robot = robot("franka_panda");
+    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = arm.with_atlas(false).build().unwrap();
+    let start = [9.0, -9.0, 0.1, 3.0, 0.2, -1.7, 0.4];
+    let mut servo = arm.servo(&start, 1e-3).unwrap();
+    for ((q, start), limits) in servo.q().iter().zip(start).zip(arm.limits()) {
+        assert_eq!(*q, start.clamp(limits.lower, limits.upper));
+    }
+    let target = arm.base_from_tool(servo.q()).unwrap();
+    let step = servo.step(target).unwrap();
+    assert!(step.reached(), "{step:?}");
+    assert!(step.velocity.iter().all(|v| v.abs() < 1.0), "{step:?}");
+}

@@ -191,7 +191,7 @@ fn courses(
         let builder = Arm::builder(&robot, "base", "flange").unwrap();
         let arm = options(builder.with_atlas(false), start.len());
         let arm = arm.build().unwrap();
-        let course = Course::new(&arm, start, way, steps, steps / 3);
+        let course = Course::new(&arm, start, way, steps, 3);
         go(&mut digest, &arm, &course);
     }
     digest.value()
@@ -209,17 +209,17 @@ fn of_misses_by_the_core() {
 
 #[test]
 fn of_followers() {
-    let plain = courses(9, |builder, _| builder, Digest::follower);
+    let plain = courses(7, |builder, _| builder, Digest::follower);
     let led = courses(
         5,
         |builder, n| builder.with_posture(&vec![0.4; n]),
         Digest::follower,
     );
     let leaping = courses(
-        4,
+        2,
         |builder, _| {
             let builder = builder.with_global_search_on_miss(true);
-            builder.with_attempts(20).with_iterations(60)
+            builder.with_attempts(10).with_iterations(40)
         },
         Digest::follower,
     );
@@ -255,6 +255,6 @@ fn of_servos() {
 fn of_tracks() {
     check(&[(
         "tracks, step by step",
-        courses(5, |builder, _| builder, Digest::track),
+        courses(4, |builder, _| builder, Digest::track),
     )]);
 }
