@@ -217,3 +217,45 @@ fn standing_still_and_one_at_a_time() {
         assert_eq!(solution.q, wanted.q);
     }
 }
+
+/// Where a redundant arm had to find another way round, its freedom still goes to where it began: of what the
+/// target leaves, it ends nearest to that.
+#[test]
+fn after_a_way_round_it_eases_to_where_it_began() {
+    let robot = robot("kuka_iiwa14");
+    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = arm.with_atlas(false).with_limit_avoidance(0.0);
+    let arm = arm.build().unwrap();
+    let own = path(&arm, &mut Random(1), 2, -0.2);
+    let tool = |q: &Vec<f64>| arm.base_from_tool(q).unwrap();
+    let mut targets: Vec<_> = own.iter().step_by(8).map(tool).collect();
+    // At the end it hardly moves, so that it has the time.
+    let last = targets[targets.len() - 1];
+    for k in 0..60 {
+        let mut target = last;
+        target.translation.z += 1e-5 * f64::from(k % 2);
+        targets.push(target);
+    }
+    let track = arm.track(&targets, &own[0]).unwrap();
+    assert!(track.solutions.iter().all(|solution| solution.reached));
+    let q = &track.solutions[targets.len() - 1].q;
+    // The motion that leaves the tool, from differences of its pose.
+    let column = |i: usize| {
+        let [a, b] = [1e-5, -1e-5].map(|by| {
+            let mut q = q.clone();
+            q[i] += by;
+            tool(&q)
+        });
+        let way = a.translation - b.translation;
+        let turn = a.rotation.transpose() * b.rotation;
+        let [x, y, z] = [turn.y.z, turn.z.x, turn.x.y];
+        nalgebra::Vector6::new(way.x, way.y, way.z, x, y, z) / 2e-5
+    };
+    let columns: [_; 7] = std::array::from_fn(column);
+    let jacobian = nalgebra::SMatrix::<f64, 6, 7>::from_columns(&columns);
+    let eigen = (jacobian.transpose() * jacobian).symmetric_eigen();
+    let null = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+    let ways = null.iter().zip(&own[0]).zip(q);
+    let along: f64 = ways.map(|((null, start), q)| null * (start - q)).sum();
+    assert!(along.abs() < 1e-3, "{along}");
+}
