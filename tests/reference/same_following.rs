@@ -210,6 +210,11 @@ fn of_misses_by_the_core() {
 #[test]
 fn of_followers() {
     let plain = courses(7, |builder, _| builder, Digest::follower);
+    check(&[("followers, step by step", plain)]);
+}
+
+#[test]
+fn of_followers_that_are_led_or_leap() {
     let led = courses(
         5,
         |builder, n| builder.with_posture(&vec![0.4; n]),
@@ -224,7 +229,6 @@ fn of_followers() {
         Digest::follower,
     );
     check(&[
-        ("followers, step by step", plain),
         ("followers towards a posture", led),
         ("followers that may leap", leaping),
     ]);
