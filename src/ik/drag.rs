@@ -249,7 +249,8 @@ impl Drag {
             limits.any(|limit| limit.kind == BoundKind::Move)
         };
         let solution = &mut self.workspace.solution;
-        let stuck = settled(solution) && !held(solution, &self.limits);
+        let moves = held(solution, &self.limits);
+        let stuck = settled(solution) && !moves;
         self.misses = if stuck { self.misses + 1 } else { 0 };
         if stuck && self.misses % NUDGE_EVERY == 1 {
             self.nudge();

@@ -45,6 +45,35 @@ fn furthest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
+/// What is told to be a joint's limit is the model's, however a frame ended: the most that a joint may move in a
+/// frame is told apart.
+#[test]
+fn a_frame_tells_limits_as_the_model_has_them() {
+    let rig = RandomRig::new(3);
+    let start = at_ease(&rig.skeleton);
+    let (drag, hand, from) = drag(&rig, &start);
+    // Frames of a single step end by their count.
+    let once = kinopt::solver::Stopping::default().with_max_iterations(1);
+    let mut drag = drag.with_solver(kinopt::Solver::default(), once);
+    let far = from + Vector3::new(0.7, 0.5, -0.6) * rig.skeleton.size();
+    let model = rig.skeleton.model();
+    let (mut limits_told, mut moves_told) = (0, 0);
+    for _ in 0..40 {
+        drag.residual_mut(hand).unwrap().set_target(far);
+        let solution = drag.advance();
+        for held in solution.active_limits() {
+            if held.kind == kinopt::ik::BoundKind::Move {
+                moves_told += 1;
+                continue;
+            }
+            limits_told += 1;
+            let known = |l: Limits| held.value == l.lower || held.value == l.upper;
+            assert!(model.limits().any(known), "{held:?}");
+        }
+    }
+    assert!(limits_told + moves_told > 0);
+}
+
 #[test]
 fn out_of_reach_into_limits_and_back_without_a_leap() {
     // KINOPT_CASES=… for more rigs.

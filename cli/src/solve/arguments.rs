@@ -340,6 +340,10 @@ impl Arguments {
     /// # Errors
     /// An option that only the arm understands where it does not answer.
     pub(super) fn arm_of<'l>(&self, loaded: &'l LoadedModel) -> Outcome<Option<&'l Robot>> {
+        // clap does not ask for an option that another forbids.
+        if self.arm.velocity_limits.is_some() && self.arm.servo.is_none() {
+            return Err(Failure::usage("--velocity-limits is for --servo"));
+        }
         let general =
             self.solver.is_some() || self.jacobian.is_some() || self.max_iterations.is_some();
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());

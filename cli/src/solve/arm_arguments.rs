@@ -78,7 +78,8 @@ pub(crate) struct ArmArguments {
     /// the last target.
     #[arg(long, value_name = "HZ", value_parser = number_list::positive,
           conflicts_with_all = ["solver", "jacobian", "max_iterations", "rays", "targets", "track", "batch",
-                                "threads", "search", "max_move"])]
+                                "threads", "search", "max_move", "time_limit", "attempts", "restarts",
+                                "global_search_on_miss"])]
     pub(super) servo: Option<f64>,
 
     /// How fast each joint may move while --servo follows, in radians (--degrees) or metres a second:

@@ -174,6 +174,16 @@ impl<'a> ArmDoor<'a> {
         self.read_start(&mut desk, first)?;
         let servo = self.arm.servo(&desk.q_arm, 1.0 / rate)?;
         let Some(limits) = &arguments.arm.velocity_limits else {
+            let limits = self.arm.joints().zip(self.arm.velocity_limits());
+            let without = limits.filter(|(_, limit)| limit.is_infinite());
+            let without: Vec<_> = without.map(|(joint, _)| format!("`{joint}`")).collect();
+            if !without.is_empty() {
+                eprintln!(
+                    "note: {} without a velocity limit in the file: a tick moves them by at most 0.1 rad; \
+                     --velocity-limits gives one",
+                    without.join(", ")
+                );
+            }
             return Ok(servo);
         };
         let option = "--velocity-limits";

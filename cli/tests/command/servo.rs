@@ -113,6 +113,9 @@ fn what_makes_no_sense_is_refused() {
     refused(&["--servo", "0"], "--servo");
     refused(&["--servo", "1000", "--track"], "--track");
     refused(&["--velocity-limits", "1"], "--servo");
+    let one = ["solve", &seeded.file, "--target", "flange=0.4,0.1,0.5"];
+    let alone = kinopt(&[&one[..], &["--velocity-limits", "1"]].concat());
+    assert_eq!(alone.status.code(), Some(2), "{}", stderr(&alone));
     let few = ["--servo", "1000", "--velocity-limits", "1,2"];
     refused(&few, "--velocity-limits: 2 numbers given");
     let rig = format!(
