@@ -125,6 +125,13 @@ impl Goal {
         self.half_widths[..3].iter().any(|h| *h < f64::INFINITY)
     }
 
+    /// Whether the whole position is asked for, with no room.
+    pub(super) fn is_exact_in_position(&self) -> bool {
+        self.half_widths[..3]
+            .iter()
+            .all(|half_width| *half_width == 0.0)
+    }
+
     /// Whether the orientation counts at all.
     pub(super) fn has_orientation(&self) -> bool {
         self.half_widths[3..].iter().any(|h| *h < PI)

@@ -96,6 +96,11 @@ impl Arm {
         names: Arc<Names>,
     ) -> Result<Self, ArmError> {
         let workspace = Workspace::new(&serial, &options)?;
+        let names = Names {
+            anchors: workspace.problem.names().anchors.clone(),
+            ..(*names).clone()
+        };
+        let names = Arc::new(names);
         Ok(Self {
             velocity_limits,
             scale: serial.scales(options.metres_per_radian),

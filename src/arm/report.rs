@@ -99,6 +99,10 @@ impl Arm {
             solution.projected_gradient = Some(workspace.projected_gradient(x));
             let map = &self.serial.map;
             solution.mark_moves(map.lower(), map.upper());
+            if self.options.goal.is_exact_in_position() {
+                let (place, tolerance) = (workspace.target(), self.options.position_tolerance);
+                solution.find_place_beyond(&workspace.problem, place.translation, tolerance);
+            }
         }
     }
 }

@@ -25,6 +25,16 @@ impl Solution {
         let mut goals = tasks.filter(|(_, task)| task.role == Role::Goal);
         self.beyond = goals.find_map(|(index, task)| beyond(problem, index, task));
     }
+
+    /// As the core tells of its goals, of the first task's place, which must be met within a tolerance (metres).
+    pub(crate) fn find_place_beyond(
+        &mut self,
+        problem: &Problem,
+        place: Vector3<f64>,
+        tolerance: f64,
+    ) {
+        self.beyond = beyond_chain(problem, 0, place, Vector3::zero(), tolerance);
+    }
 }
 
 fn beyond(problem: &Problem, index: usize, task: &CompiledTask) -> Option<Beyond> {
@@ -35,14 +45,26 @@ fn beyond(problem: &Problem, index: usize, task: &CompiledTask) -> Option<Beyond
         let pose = residual.downcast_ref::<Pose>()?;
         (pose.target().translation, Vector3::zero())
     };
-    let anchor = problem.anchor(index)?;
     let mut asked = task.blocks().filter(|block| block.can_miss());
     let place = asked.find(|block| block.quantity == Quantity::Metres)?;
+    beyond_chain(problem, index, target, offset, place.tolerance)
+}
+
+/// Whether a place is farther from where the chain of a task begins than that is long, with a point's offset from
+/// its tip.
+fn beyond_chain(
+    problem: &Problem,
+    index: usize,
+    target: Vector3<f64>,
+    offset: Vector3<f64>,
+    tolerance: f64,
+) -> Option<Beyond> {
+    let anchor = problem.anchor(index)?;
     let (distance, reach) = (
         (target - anchor.centre).norm(),
         anchor.reach + offset.norm(),
     );
-    let certain = distance - reach > place.tolerance + ROUNDING * (distance + reach);
+    let certain = distance - reach > tolerance + ROUNDING * (distance + reach);
     (certain && distance.is_finite()).then_some(Beyond {
         task: index,
         distance,

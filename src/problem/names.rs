@@ -4,7 +4,7 @@ use super::anchor::Anchor;
 use crate::model::LengthUnit;
 
 /// Names of a problem's parts, by index.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Names {
     pub(crate) model: String,
     pub(crate) length_unit: LengthUnit,

@@ -200,3 +200,39 @@ fn the_end_of_a_move_is_no_limit() {
         .all(|(q, start)| (q - start).abs() <= 0.05);
     assert!(far, "{:?}", solution.q);
 }
+
+/// Out of reach is told where it is certain, by every door, with the lengths that show it; of a place that the arm
+/// can come to it is never told.
+#[test]
+fn what_is_certainly_out_of_reach_is_told() {
+    let panda = robot("franka_panda");
+    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let arm = arm.with_atlas(false).build().unwrap();
+    let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
+    let mut random = Random(5);
+    for _ in 0..cases(100, 10) {
+        let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let near = arm.solve(target, &start).unwrap();
+        assert!(near.reached && !near.is_out_of_reach());
+        // An orientation that it cannot take there, mostly, at a place that it can come to.
+        target.rotation = target.rotation.transpose();
+        assert!(!arm.solve(target, &start).unwrap().is_out_of_reach());
+        // The links of the file are 1.19 m long in all.
+        target.translation = target.translation * (2.5 / target.translation.norm());
+        let mut solutions = vec![arm.solve(target, &start).unwrap()];
+        solutions.extend(arm.solve_batch(&[target], &start).unwrap());
+        let mut followed = Solution::default();
+        let mut follower = arm.follower(&start).unwrap();
+        follower.advance(target, &mut followed).unwrap();
+        solutions.push(followed);
+        for solution in solutions {
+            assert!(
+                !solution.reached && solution.is_out_of_reach(),
+                "{}",
+                solution.explain()
+            );
+            let told = solution.explain().to_string();
+            assert!(told.contains("Out of reach: "), "{told}");
+        }
+    }
+}
