@@ -16,6 +16,7 @@ use super::interval::{self, Interval};
 use crate::failure::{Failure, Outcome};
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
+use crate::output;
 
 /// An arm and the model that its answers are told in.
 pub(super) struct ArmDoor<'a> {
@@ -178,11 +179,11 @@ impl<'a> ArmDoor<'a> {
             let without = limits.filter(|(_, limit)| limit.is_infinite());
             let without: Vec<_> = without.map(|(joint, _)| format!("`{joint}`")).collect();
             if !without.is_empty() {
-                eprintln!(
-                    "note: {} without a velocity limit in the file: a tick moves them by at most 0.1 rad; \
+                output::message(&format!(
+                    "{} without a velocity limit in the file: a tick moves them by at most 0.1 rad; \
                      --velocity-limits gives one",
                     without.join(", ")
-                );
+                ));
             }
             return Ok(servo);
         };
