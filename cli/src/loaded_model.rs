@@ -12,9 +12,9 @@ use kinopt::skeleton::BoneId;
 
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
+use crate::held_joints::HeldJoints;
 use crate::output;
 use crate::robot_options::RobotOptions;
-use crate::solve::HeldJoints;
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
 const SUPPORTED: &str =

@@ -15,6 +15,7 @@ mod failure;
 mod fk;
 mod frame_name;
 mod frame_report;
+mod held_joints;
 mod info;
 mod interpolation_choice;
 mod joint_columns;

@@ -233,7 +233,6 @@ impl Arm {
         let how = Settling {
             steps: NEAR_STEPS,
             anchor: 0.0,
-            floor: 0.0,
             deadline,
         };
         let (_, steps) = workspace.settle_near(&how);

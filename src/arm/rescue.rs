@@ -45,7 +45,6 @@ impl Arm {
             let how = Settling {
                 steps: SETTLING_STEPS,
                 anchor: 0.0,
-                floor: 0.0,
                 deadline,
             };
             let (termination, iterations) = workspace.settle_near(&how);

@@ -230,7 +230,6 @@ impl Servo<'_> {
         let how = Settling {
             steps: STEPS,
             anchor: self.damping * self.fading,
-            floor: 0.0,
             deadline: None,
         };
         let (mut ended, _) = self.workspace.settle_near(&how);

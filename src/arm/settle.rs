@@ -37,8 +37,6 @@ pub(super) struct Settling {
     pub(super) steps: usize,
     /// What moving costs: ½ of this times the squared way from where it began, m² a rad².
     pub(super) anchor: f64,
-    /// The smallest damping of a step, m² a rad².
-    pub(super) floor: f64,
     pub(super) deadline: Option<Instant>,
 }
 
@@ -85,7 +83,7 @@ impl Workspace {
             }
             let mut lowered = false;
             for _ in 0..RAISES {
-                let damping = how.floor + raised * error * longest;
+                let damping = raised * error * longest;
                 self.box_step(x, &residual, damping, how.anchor);
                 let trial = std::mem::take(&mut self.trial);
                 let error = Vector6::from(self.residual(&trial)).norm();

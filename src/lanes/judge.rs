@@ -9,7 +9,7 @@ use super::prepared::Prepared;
 use super::settings::Settings;
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
-use crate::spatial::{Matrix3, Placement, Vector3, resolved, rounding};
+use crate::spatial::{Matrix3, Placement, Vector3, resolved};
 
 /// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
 /// errors in metres and radians.
@@ -31,27 +31,13 @@ pub(crate) fn judge<V: LaneScalar, const N: usize>(
     let clear = errors.position <= 0.5 * options.position_tolerance
         && errors.orientation <= 0.5 * options.orientation_tolerance;
     if prepared.coarse || !clear {
-        let (metres, radians) = resolution(links, q.iter().map(|q| q.abs()));
+        let (metres, radians) = links.resolution(q.iter().map(|q| q.abs()));
         errors.position = resolved(errors.position, metres, options.position_tolerance);
         errors.orientation = resolved(errors.orientation, radians, options.orientation_tolerance);
     }
     let reached = errors.position <= options.position_tolerance
         && errors.orientation <= options.orientation_tolerance;
     (reached, errors)
-}
-
-/// What rounding may hide where the joints stand so far from zero, metres and radians.
-#[inline]
-pub(crate) fn resolution(links: &Links, values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (mut turned, mut slid) = (0.0, 0.0);
-    for (value, link) in values.zip(&links.links) {
-        match link.kind {
-            JointKind::Revolute => turned += value,
-            JointKind::Prismatic => slid += value,
-        }
-    }
-    let size = links.extent + slid * links.metres_per_length;
-    rounding(links.links.len(), turned, size)
 }
 
 /// Distance and angle of the tip at `q` from the goal, in the solver's lengths.

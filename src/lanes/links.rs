@@ -7,7 +7,7 @@
 
 use super::chain::{Chain, JointKind};
 use crate::scalar::elementary;
-use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::spatial::{Matrix3, Placement, Vector3, rounding};
 
 /// One joint and the constant way to the next:
 /// `R_z(value + offset)`, `(along_x, along_y, 0)`, `R_x(α)` (for a sliding joint `R_z(offset)` and
@@ -57,6 +57,20 @@ pub(crate) struct Links {
 }
 
 impl Links {
+    /// What rounding may hide where the joints stand so far from zero, metres and radians.
+    #[inline]
+    pub(crate) fn resolution(&self, values: impl Iterator<Item = f64>) -> (f64, f64) {
+        let (mut turned, mut slid) = (0.0, 0.0);
+        for (value, link) in values.zip(&self.links) {
+            match link.kind {
+                JointKind::Revolute => turned += value,
+                JointKind::Prismatic => slid += value,
+            }
+        }
+        let size = self.extent + slid * self.metres_per_length;
+        rounding(self.links.len(), turned, size)
+    }
+
     pub(crate) fn new(chain: &Chain) -> Self {
         let joints = chain.joints();
         let mut links: Vec<Link> = Vec::with_capacity(joints.len());

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::atlas::{Atlas, TooledAtlas};
 use super::chain::{Chain, JointKind};
-use super::judge;
 use super::links::Links;
 use super::options::{LaneError, LaneOptions};
 use super::settings::Settings;
@@ -47,7 +46,7 @@ impl Prepared {
             .iter()
             .any(|link| link.kind == JointKind::Revolute && link.upper - link.lower >= TAU);
         let farthest = links.links.iter().map(|l| l.lower.abs().max(l.upper.abs()));
-        let (metres, radians) = judge::resolution(&links, farthest);
+        let (metres, radians) = links.resolution(farthest);
         let coarse = !(metres < 0.5 * options.position_tolerance
             && radians < 0.5 * options.orientation_tolerance);
         Ok(Self {

@@ -7,6 +7,7 @@ use kinopt::spatial::Placement;
 
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::{self, BareName};
+use crate::held_joints::HeldJoints;
 use crate::loaded_model::LoadedModel;
 use crate::number_list;
 use crate::target;
@@ -54,16 +55,6 @@ impl Lock {
             }),
         }
     }
-}
-
-/// The joints that a command holds.
-#[derive(Clone, Debug)]
-pub(crate) struct HeldJoints {
-    /// Joints by name, each at a value in radians or metres.
-    pub(crate) locked: Vec<(String, f64)>,
-    /// The joints that alone may move, and a configuration that holds the others.
-    pub(crate) only: Option<(Vec<String>, Vec<f64>)>,
-    pub(crate) map: ParameterMap,
 }
 
 impl ChainArguments {

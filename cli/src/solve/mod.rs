@@ -27,7 +27,6 @@ use kinopt::robot::Robot;
 use answer::{Answer, AskedTask, Question};
 pub(crate) use arguments::Arguments;
 use arm_door::{ArmDoor, microseconds};
-pub(crate) use chain_arguments::HeldJoints;
 use door::Door;
 use figure::Finder;
 use report::Report;

@@ -8,9 +8,11 @@ mod held;
 mod limb;
 mod placed;
 mod reach;
+mod reach_error;
 mod stance;
 
 pub use aim::{Aim, AimError, AimGoal};
 pub use bridge::PoseBridge;
 pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
-pub use reach::{NoEffector, ReachError, ReachLayer};
+pub use reach::{NoEffector, ReachLayer};
+pub use reach_error::ReachError;

@@ -7,9 +7,10 @@ use glam::Quat;
 
 use super::bridge::PoseBridge;
 use super::held::Held;
+use super::reach_error::ReachError;
 use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
-use crate::ik::{Solution, SolveError, Solver, Workspace};
+use crate::ik::{Solution, Solver, Workspace};
 use crate::kinematics::TreeMemory;
 use crate::model::UnknownName;
 use crate::problem::{Problem, ProblemError, TaskId};
@@ -56,27 +57,6 @@ pub struct NoEffector {
     pub bone: String,
     /// The bones that are.
     pub effectors: Vec<String>,
-}
-
-/// Why a layer leaves a pose as it is.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReachError {
-    /// The pose is of another armature than the skeleton's.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-    /// A bone's scale would shear what hangs on it as that turns.
-    #[error(
-        "bone `{bone}` scales what hangs on it by different numbers along its axes, mirrors it or \
-         takes its size away, so it cannot be reached with"
-    )]
-    Sheared {
-        /// The bone.
-        bone: String,
-    },
-    /// The search did not start.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
 }
 
 impl ReachLayer {

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::reach::ReachError;
+use super::reach_error::ReachError;
 use crate::animation::Pose;
 use crate::animation::pose::scales_evenly;
 use crate::skeleton::{BoneId, Skeleton};
