@@ -58,7 +58,7 @@ impl<'a> CoreDoor<'a> {
         let base = Base::named(loaded, base)?;
         let held = Held::of(loaded, arguments, &[tip])?;
         let all = [vec![(tip_name.to_owned(), tip)], held.tips.clone()].concat();
-        let weights = Weights::of(loaded, arguments, &all)?;
+        let weights = Weights::of(loaded, &arguments.weights, &all)?;
         Ok(Self {
             loaded,
             finder: Finder::new(loaded, arguments),

@@ -43,7 +43,7 @@ pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments, start: &[f64]) 
     builder.parameters(held.parameters(loaded, start)?);
     let posture = held.posture(loaded, start);
     let all = [taken, held.tips.clone()].concat();
-    let weights = Weights::of(loaded, arguments, &all)?;
+    let weights = Weights::of(loaded, &arguments.weights, &all)?;
 
     let mut asked = Vec::new();
     let mut taken: Vec<FrameId> = Vec::new();

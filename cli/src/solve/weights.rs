@@ -2,7 +2,6 @@
 
 use kinopt::model::{FrameId, UnknownName};
 
-use super::arguments::Arguments;
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
@@ -35,11 +34,11 @@ impl Weights {
     /// The weights typed, each of a frame among `asked`, which the user knows by these names.
     pub(super) fn of(
         loaded: &LoadedModel,
-        arguments: &Arguments,
+        given: &[FrameWeight],
         asked: &[(String, FrameId)],
     ) -> Outcome<Self> {
         let mut weights: Vec<(FrameId, f64)> = Vec::new();
-        for FrameWeight { frame, weight } in &arguments.weights {
+        for FrameWeight { frame, weight } in given {
             let id = loaded.target_frame(frame, BareName::Tip)?;
             if !asked.iter().any(|(_, other)| *other == id) {
                 let names = asked.iter().map(|(name, _)| name.as_str());
