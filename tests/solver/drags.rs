@@ -5,13 +5,14 @@
 
 use kinopt::Scalar;
 use kinopt::ik::{Drag, Restarts};
-use kinopt::model::{FrameId, JointId, Limits, Model};
+use kinopt::model::{Limits, Model};
 use kinopt::problem::{Problem, TaskId};
 use kinopt::skeleton::Skeleton;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use kinopt::task::{Point, Quantity, Task};
 use support::bones::RandomRig;
 use support::planar_arm;
+use support::tasks::{Curve, OfJoint};
 
 /// The most that a joint moves in a frame, and what rounding may add.
 const MOST_MOVE: f64 = 0.15 + 1e-12;
@@ -271,25 +272,13 @@ fn slides_move_by_their_own_measure() {
 }
 
 /// Two valleys along a slide: one at −3 that misses by 0.6, one at 3 that does not.
-struct Valleys(JointId);
+struct Valleys;
 
-impl Residual for Valleys {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.0]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 1)]
-    }
-
-    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+impl Curve for Valleys {
+    fn at<S: Scalar>(&self, s: S) -> S {
         let c = S::constant;
-        let (s, beside) = (joints[0], joints[0] + c(3.0));
-        residual[0] = (s - c(3.0)) * (beside * beside + c(0.1));
+        let beside = s + c(3.0);
+        (s - c(3.0)) * (beside * beside + c(0.1))
     }
 }
 
@@ -305,7 +294,7 @@ fn a_leap_along_a_slide_is_told_in_metres() {
     let model = builder.build().unwrap();
     let drag = |search: bool, most: f64| {
         let mut builder = Problem::builder(&model);
-        builder.add(Task::new(Valleys(slide)).tolerance(Quantity::Ratio, 1e-6));
+        builder.add(Task::new(OfJoint(slide, Valleys)).tolerance(Quantity::Ratio, 1e-6));
         let drag = Drag::new(builder.build().unwrap(), &[-2.99, 0.3]).unwrap();
         let drag = drag.with_max_move(most);
         match search {

@@ -2,14 +2,13 @@
 //! leaves free.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::model::{FrameId, JointId};
 use kinopt::problem::Problem;
-use kinopt::spatial::Placement;
-use kinopt::task::{Point, Posture, Quantity, Residual, Rows, Task};
+use kinopt::task::{Point, Posture, Quantity, Task};
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::panda;
 use support::planar_arm;
 use support::random::Random;
+use support::tasks::{Curve, OfJoint};
 use support::trees::configuration_of;
 
 use crate::pulls::{Add, drag, problem, pull_of, within_limits};
@@ -83,25 +82,13 @@ fn what_a_miss_leaves_free_is_used() {
 }
 
 /// A goal that misses by 1 where its joint is below 0.3 and by 1.2 beyond 0.5, flat on both sides.
-struct Terrace(JointId);
+struct Terrace;
 
-impl Residual for Terrace {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.0]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 1)]
-    }
-
-    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+impl Curve for Terrace {
+    fn at<S: Scalar>(&self, q: S) -> S {
         let c = S::constant;
-        let way = ((joints[0] - c(0.3)) * c(5.0)).max(c(0.0)).min(c(1.0));
-        residual[0] = c(1.0) + c(0.2) * way * way * (c(3.0) - c(2.0) * way);
+        let way = ((q - c(0.3)) * c(5.0)).max(c(0.0)).min(c(1.0));
+        c(1.0) + c(0.2) * way * way * (c(3.0) - c(2.0) * way)
     }
 }
 
@@ -111,7 +98,7 @@ fn a_miss_does_not_grow_for_a_preference_s_sake() {
     let model = planar_arm(&[1.0], Some((-2.0, 2.0)));
     let joint = model.joint("joint 0").unwrap();
     let mut builder = Problem::builder(&model);
-    builder.add(Task::new(Terrace(joint)).tolerance(Quantity::Ratio, 1e-6));
+    builder.add(Task::new(OfJoint(joint, Terrace)).tolerance(Quantity::Ratio, 1e-6));
     builder.add(Posture::new(&model, &[1.5]));
     let problem = builder.build().unwrap();
     let solution = Solver::default().solve_once(&problem, &[0.0]).unwrap();

@@ -284,3 +284,29 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
 pub fn point(v: na::Vector3<f64>) -> Vector3<f64> {
     vector(v)
 }
+
+/// A number that depends on a joint.
+pub trait Curve: Send + Sync + 'static {
+    fn at<S: Scalar>(&self, value: S) -> S;
+}
+
+/// A task of one number without a unit, a curve over one joint.
+pub struct OfJoint<C>(pub JointId, pub C);
+
+impl<C: Curve> Residual for OfJoint<C> {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        vec![self.0]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        residual[0] = self.1.at(joints[0]);
+    }
+}
