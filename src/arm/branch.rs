@@ -8,13 +8,13 @@ use super::workspace::Workspace;
 /// What is left of the motion to ease each time that a target stays out of reach: where that motion lowers
 /// nothing but the distance from ease, it is over by then; else the nearest place is kept.
 const LEFT_AT_REST: f64 = 0.9;
-
 /// What is left of it when it is over.
 const OVER: f64 = 1e-3;
 /// What becomes of the pace where the motion to ease turns round, and where it does not.
 const SLOWER: f64 = 0.5;
 const FASTER: f64 = 1.1;
 
+/// What a follower and a servo carry from one step to the next.
 #[derive(Clone, Debug)]
 pub(super) struct Branch {
     /// The posture that the freedom left is spent on.

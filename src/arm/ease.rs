@@ -124,22 +124,26 @@ impl Workspace {
 
 /// How fast [`outwards`] grows, 1 a radian or metre.
 fn steepness(q: f64, lower: f64, upper: f64) -> f64 {
-    let half = 0.5 * (upper - lower);
-    if !(half > 0.0 && half.is_finite()) {
+    let Some((u, half)) = place(q, lower, upper) else {
         return 0.0;
-    }
-    let u = (q - lower) / half - 1.0;
+    };
     2.0 * (u.abs() - MIDDLE).max(0.0) / ((1.0 - MIDDLE) * (1.0 - MIDDLE) * half)
 }
 
 /// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on
 /// its upper.
 fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
-    let half = 0.5 * (upper - lower);
-    if !(half > 0.0 && half.is_finite()) {
+    let Some((u, _)) = place(q, lower, upper) else {
         return 0.0;
-    }
-    let u = (q - lower) / half - 1.0;
+    };
     let beyond = (u.abs() - MIDDLE).max(0.0) / (1.0 - MIDDLE);
     beyond * beyond * u.signum()
+}
+
+/// Where a joint is in its range, from −1 on its lower limit to 1 on its upper, and half that range; none where
+/// there is no such range.
+fn place(q: f64, lower: f64, upper: f64) -> Option<(f64, f64)> {
+    let half = 0.5 * (upper - lower);
+    let u = (q - lower) / half - 1.0;
+    (half > 0.0 && half.is_finite()).then_some((u, half))
 }
