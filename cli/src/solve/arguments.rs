@@ -340,7 +340,7 @@ impl Arguments {
     /// # Errors
     /// An option that only the arm understands where it does not answer.
     pub(super) fn arm_of<'l>(&self, loaded: &'l LoadedModel) -> Outcome<Option<&'l Robot>> {
-        // clap does not ask for an option that another forbids.
+        // clap's `requires` would not ask for an option that another forbids.
         if self.arm.velocity_limits.is_some() && self.arm.servo.is_none() {
             return Err(Failure::usage("--velocity-limits is for --servo"));
         }

@@ -84,7 +84,7 @@ pub(crate) struct ArmArguments {
 
     /// How fast each joint may move while --servo follows, in radians (--degrees) or metres a second:
     /// numbers as for --max-move. Default: as the robot's file says.
-    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, requires = "servo")]
+    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse)]
     pub(super) velocity_limits: Option<Moves>,
 
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
