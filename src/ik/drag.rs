@@ -1,12 +1,10 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
-use std::time::Instant;
-
 use super::refine::Extent;
 use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace, check_start};
 use crate::problem::{Problem, TaskId};
 use crate::random::RandomStream;
-use crate::solver::{Counts, Stopping, Termination, project};
+use crate::solver::{Stopping, Termination, project};
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless told otherwise, in radians: 9 rad/s at 60 frames a
@@ -27,7 +25,7 @@ const CENTRED: f64 = 1e-6;
 /// A body whose joints move less in a frame rests, in radians.
 const REST: f64 = 1e-6;
 /// The cost at which a nudge, or a search from elsewhere, has led to something better.
-const BETTER: f64 = 1.0 - 1e-3;
+pub(super) const BETTER: f64 = 1.0 - 1e-3;
 
 /// A problem that is solved again and again while its targets move, as a hand under a mouse does.
 ///
@@ -70,23 +68,23 @@ const BETTER: f64 = 1.0 - 1e-3;
 /// ```
 #[derive(Debug)]
 pub struct Drag {
-    problem: Problem,
-    solver: Solver,
+    pub(super) problem: Problem,
+    pub(super) solver: Solver,
     nudged: Solver,
     search: Option<Solver>,
-    max_move: f64,
+    pub(super) max_move: f64,
     /// The problem's own bounds, while those of a frame stand in for them.
     limits: [Vec<f64>; 2],
     /// The bounds of a frame.
     around: [Vec<f64>; 2],
     /// What a joint may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
     unit: Vec<f64>,
-    x: Vec<f64>,
-    q: Vec<f64>,
-    workspace: Workspace,
+    pub(super) x: Vec<f64>,
+    pub(super) q: Vec<f64>,
+    pub(super) workspace: Workspace,
     trial: Workspace,
     /// Frames in a row that settled on a miss.
-    misses: usize,
+    pub(super) misses: usize,
     /// The furthest that a joint moved in the last frame, in radians.
     moved: f64,
     leap: Option<(usize, f64)>,
@@ -275,56 +273,6 @@ impl Drag {
             self.moved = moves.fold(0.0, f64::max);
         }
         solution
-    }
-
-    /// Where the body comes to from where it stands, on its own way, without a search elsewhere: for a single
-    /// pose, and for targets that are far apart. At first joints move as far as their limits let them, which
-    /// keeps a symmetric body symmetric; where that misses the way is gone again in steps of a frame, and
-    /// the nearer end counts. Either goes on for so many frames at most, until the body rests on its
-    /// targets or where it comes no nearer to them. The solution's steps and evaluations are those of all
-    /// frames, which count as one attempt; a time limit is for all of them. Allocates.
-    pub fn settle(&mut self, frames: usize) -> &Solution {
-        let start = self.x.clone();
-        let max_move = std::mem::replace(&mut self.max_move, f64::INFINITY);
-        let deadline = self.solver.stopping().deadline();
-        let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        let (mut iterations, mut counts) = self.go_on(frames, &late);
-        self.max_move = max_move;
-        if !self.solution().reached && !late() {
-            let far_cost = self.workspace.searched_cost();
-            let (far, far_x, far_q) = (self.solution().clone(), self.x.clone(), self.q.clone());
-            self.x.copy_from_slice(&start);
-            let map = self.problem.parameters();
-            map.expand_within_limits(&self.x, &mut self.q);
-            self.misses = 0;
-            let again = self.go_on(frames, &late);
-            iterations += again.0;
-            counts += again.1;
-            let nearer = self.workspace.searched_cost() < BETTER * far_cost;
-            if !(self.solution().reached || nearer) {
-                self.workspace.solution = far;
-                (self.x, self.q) = (far_x, far_q);
-            }
-        }
-        let solution = &mut self.workspace.solution;
-        (solution.iterations, solution.counts) = (iterations, counts);
-        (solution.attempts, solution.agreeing) = (1, solution.agreeing.min(1));
-        solution
-    }
-
-    /// Frames until the body rests or it is late; the steps and evaluations of all of them.
-    fn go_on(&mut self, frames: usize, late: &dyn Fn() -> bool) -> (usize, Counts) {
-        let (mut iterations, mut counts) = (0, Counts::default());
-        for _ in 0..frames {
-            self.advance();
-            let solution = &self.workspace.solution;
-            iterations += solution.iterations;
-            counts += solution.counts;
-            if self.rests() || late() {
-                break;
-            }
-        }
-        (iterations, counts)
     }
 
     /// Whether the last frame moved no joint, nor did nudges where it missed, or reached its targets with

@@ -9,6 +9,7 @@ mod pulling;
 mod reach;
 mod refine;
 mod restarts;
+mod settle;
 mod solution;
 mod solver;
 mod workspace;

@@ -15,7 +15,7 @@ use super::arguments::Arguments;
 use super::arm_door::microseconds;
 use super::base::{Base, TargetTask};
 use super::door::Door;
-use super::figure::{FRAMES, Finder, Found};
+use super::figure::{Finder, Found};
 use super::held::Held;
 use super::weights::Weights;
 use crate::failure::Outcome;
@@ -163,14 +163,7 @@ impl Door for CoreDoor<'_> {
             self.base
                 .aim(&mut body, desk.target, question.base_from_tip);
             let started = Instant::now();
-            body.advance();
-            for _ in 1..FRAMES {
-                if !body.catching_up() {
-                    break;
-                }
-                body.advance();
-            }
-            let solution = body.solution().clone();
+            let solution = self.finder.follow(&mut body).clone();
             let found = Found {
                 solution,
                 way: None,

@@ -12,7 +12,7 @@ use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 
 /// Frames until a figure rests at most; in a path, at 0.15 rad each, several turns.
-pub(super) const FRAMES: usize = 200;
+const FRAMES: usize = 200;
 /// Steps of a frame at most.
 const FRAME_STEPS: usize = 40;
 /// A search from elsewhere has found better where its cost is lower by a thousandth.
@@ -128,6 +128,22 @@ impl Finder {
         };
         let frame = Stopping::default().with_max_iterations(FRAME_STEPS);
         Ok(drag.with_solver(Solver::default(), frame.with_time_limit(limit)))
+    }
+
+    /// A step of a path: to where the target is reached as a single one would be, or as near as the body comes
+    /// on its way. With a method or limits of the caller's own a frame is all that they allow.
+    pub(super) fn follow<'b>(&self, body: &'b mut Drag) -> &'b Solution {
+        if self.settles {
+            return body.follow(FRAMES);
+        }
+        body.advance();
+        for _ in 1..FRAMES {
+            if !body.catching_up() {
+                break;
+            }
+            body.advance();
+        }
+        body.solution()
     }
 
     /// A body that follows a path by the solver's method.

@@ -99,3 +99,28 @@ fn many_targets_settle_one_by_one_and_the_clock_ends_it() {
     let cut = json(&["solve", &humanoid, hand, "--time-limit=0.0001", "--json"]);
     assert_eq!(cut["way"], "own");
 }
+
+#[test]
+fn a_step_of_a_path_goes_on_as_a_single_target_does() {
+    let humanoid = model("humanoid");
+    let folder = Folder::new("settled-path");
+    let file = folder.file("targets.json");
+    // Into a crouch: limits take turns in being met, and a frame is over before the end is near.
+    let at = |k: f64| [0.0014 * k, 0.7824 - 0.0309 * k, 0.9086 + 0.0275 * k];
+    let targets: Vec<_> = (0..5).map(|k| at(f64::from(k))).collect();
+    std::fs::write(&file, serde_json::json!({ "targets": targets }).to_string()).unwrap();
+    let solve = |way: &[&str]| {
+        let all = ["solve", &humanoid, "--tip=left_hand", "--targets", &file];
+        json(&[&all, way, &["--json"]].concat())["summary"]["solved"].clone()
+    };
+    assert_eq!((solve(&["--track"]), solve(&[])), (5.into(), 5.into()));
+}
+
+#[test]
+fn a_flat_end_is_left_for_a_shorter_way() {
+    // The README's first target took 8577 steps.
+    let hand = "--target=left_hand=0.35,0.45,1.5";
+    let settled = json(&["solve", &model("humanoid"), hand, "--json"]);
+    assert_eq!(settled["reached"], true);
+    assert!(settled["iterations"].as_u64().unwrap() < 2000, "{settled}");
+}
