@@ -52,7 +52,12 @@ fn the_document() {
     );
     assert_eq!(extension("KHR_texture_transform"), "");
     says(&changed(r#""mode":4"#, r#""mode":9"#), &["mode", "unknown"]);
-    says(&read(b"").unwrap_err().to_string(), &["EOF"]);
+    for rubbish in [&b""[..], b"rubbish", b"[1]"] {
+        says(
+            &read(rubbish).unwrap_err().to_string(),
+            &["not a glTF file", "no JSON object"],
+        );
+    }
     says(&read(b"{}").unwrap_err().to_string(), &["asset"]);
 }
 

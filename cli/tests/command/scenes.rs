@@ -322,3 +322,25 @@ fn an_empty_scene_has_no_size() {
     assert!(text.contains("size"), "{text}");
     assert_eq!(json(&["info", &file, "--json"])["size"], 0.0);
 }
+
+#[test]
+fn what_is_no_gltf_is_called_so() {
+    let folder = Folder::new("no-gltf");
+    for (name, content, words) in [
+        ("rubbish.glb", "rubbish", "no JSON object"),
+        ("empty.glb", "", "no JSON object"),
+        ("list.gltf", "[1, 2]", "no JSON object"),
+        ("other.gltf", "{\"bones\": []}", "missing field `asset`"),
+    ] {
+        let file = folder.file(name);
+        std::fs::write(&file, content).unwrap();
+        let output = kinopt(&["info", &file]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        let said = format!("{name}: not a glTF file: ");
+        assert!(
+            message.contains(&said) && message.contains(words),
+            "{message}"
+        );
+    }
+}

@@ -20,7 +20,7 @@ const HARMLESS: [&str; 7] = [
 /// The extension that reading applies.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
-/// What is looked at before the rest is parsed.
+/// What is looked at where the whole cannot be parsed.
 #[derive(Deserialize)]
 struct Heading {
     asset: Asset,
@@ -37,8 +37,34 @@ struct Asset {
 
 /// The document, once its version is known to be 2 and it requires nothing that is not supported.
 pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
-    let heading: Heading = parse(json, name)?;
-    let asset = heading.asset;
+    if let Ok(root) = Root::from_slice(json) {
+        let asset = Asset {
+            version: root.asset.version.clone(),
+            min_version: root.asset.min_version.clone(),
+        };
+        check(&asset, &root.extensions_required, name)?;
+        return Ok((root, Nodeless::new()));
+    }
+    // What another version may have in other shapes is told by the version.
+    let object = json.trim_ascii_start().starts_with(b"{");
+    let heading: Result<Heading, _> = match object {
+        true => parse(json, name),
+        false => Err(ReadError::malformed(
+            name,
+            Place::File,
+            "it begins with no JSON object, as a .gltf does, nor with `glTF` and a chunk that does, as a .glb",
+        )),
+    };
+    let heading = heading.map_err(|error| {
+        let problem = format!("not a glTF file: {}", error.problem);
+        ReadError::malformed(name, error.place, problem)
+    })?;
+    check(&heading.asset, &heading.required, name)?;
+    parse_with_omissions(json, name)
+}
+
+/// Refuses other versions, and what a file requires and nothing here can do.
+fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError> {
     let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
     let wrong_minor = asset.min_version.is_some() && needed != "2.0";
     if needed.split('.').next() != Some("2") || wrong_minor {
@@ -50,7 +76,7 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), Read
         ));
     }
     let harmless = |required: &str| HARMLESS.iter().any(|known| required.starts_with(known));
-    for (index, required) in heading.required.iter().enumerate() {
+    for (index, required) in required.iter().enumerate() {
         if !harmless(required) {
             let place = Place::Json(format!("extensionsRequired[{index}]"));
             let known: Vec<String> = HARMLESS.iter().map(|known| known_name(known)).collect();
@@ -61,7 +87,7 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), Read
             return Err(ReadError::malformed(name, place, problem));
         }
     }
-    parse_with_omissions(json, name)
+    Ok(())
 }
 
 /// As people write a family of extensions.
