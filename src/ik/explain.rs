@@ -2,11 +2,17 @@
 
 use std::fmt::Write;
 
-use super::{BoundKind, Side, Solution};
+use super::{ActiveLimit, BoundKind, Side, Solution};
 use crate::model::LengthUnit;
 use crate::scalar::elementary;
 use crate::solver::Termination;
 use crate::task::Role;
+
+/// So many ends of allowed moves are told one by one: where a body follows its target over several frames,
+/// most of its joints are at one.
+const MOST_MOVES: usize = 3;
+/// Of more, so many by name.
+const NAMED_MOVES: usize = 2;
 
 impl Solution {
     /// Says which task missed by how much, which limits hold it, and why the search ended.
@@ -46,6 +52,12 @@ impl Solution {
         self.write_misses(text)?;
         self.write_verdict(text)?;
         self.write_limits(text)
+    }
+
+    /// The joints that went as far as they were allowed to.
+    fn moves(&self) -> impl Iterator<Item = ActiveLimit<'_>> {
+        let limits = self.active_limits();
+        limits.filter(|limit| limit.kind == BoundKind::Move)
     }
 
     /// What cut a search short that came to a solution all the same.
@@ -131,6 +143,8 @@ impl Solution {
         }
         match (self.agreeing, self.attempts) {
             (0, _) => Ok(()),
+            // What is on its way is no miss yet.
+            (1, 1) if self.moves().next().is_some() => Ok(()),
             (1, 1) => writeln!(
                 text,
                 "  Only one attempt was made: another start may do better."
@@ -154,8 +168,22 @@ impl Solution {
             self.termination,
             Termination::Stalled | Termination::IterationLimit | Termination::TimeLimit
         );
+        let moves = self.moves().count();
         let mut limits = self.active_limits().peekable();
-        if limits.peek().is_none() {
+        if moves > MOST_MOVES {
+            let named = self.moves().take(NAMED_MOVES);
+            let named: Vec<String> = named.map(|limit| format!("`{}`", limit.joint)).collect();
+            write!(
+                text,
+                "  It is held back by the end of the allowed move of {} and {} more joints",
+                named.join(", "),
+                moves - named.len()
+            )?;
+            match limits.count() - moves {
+                0 => write!(text, ".")?,
+                hard => write!(text, ", and by {}.", counted(hard, "joint limit"))?,
+            }
+        } else if limits.peek().is_none() {
             let verdict = match cut_short {
                 true => "No joint limit is in the way so far",
                 false => "No joint limit holds it back",

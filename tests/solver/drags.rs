@@ -137,6 +137,35 @@ fn a_target_that_rests_out_of_reach_brings_the_body_to_rest() {
 }
 
 #[test]
+fn a_frame_on_its_way_is_told_in_few_words() {
+    let chain = planar_arm(&[0.5; 8], Some((-3.0, 3.0)));
+    let mut builder = Problem::builder(&chain);
+    builder.add(Point::new(chain.frame("tip").unwrap(), [-1.0, 2.0, 0.0]));
+    let mut drag = Drag::new(builder.build().unwrap(), &[0.1; 8]).unwrap();
+    let mut frames = 0;
+    while !drag.advance().reached {
+        let words = drag.solution().explain();
+        assert!(!words.contains("Only one attempt"), "{words}");
+        let moves = drag.solution().active_limits().count();
+        if moves > 3 {
+            assert!(
+                words.contains(&format!(" and {} more joints.", moves - 2)),
+                "{words}"
+            );
+        }
+        assert!(words.matches("allowed move").count() <= 3, "{words}");
+        assert!(drag.catching_up() && frames < 60, "{words}");
+        frames += 1;
+    }
+    assert!(frames > 0);
+    let words = drag.solution().explain();
+    assert!(
+        words.starts_with("Reached") && words.lines().count() == 1,
+        "{words}"
+    );
+}
+
+#[test]
 fn a_target_that_leaps_is_followed_and_the_lag_is_told() {
     let model = planar_arm(&[1.0, 0.8], Some((-3.0, 3.0)));
     let mut builder = Problem::builder(&model);
