@@ -78,6 +78,10 @@ impl fmt::Display for UnknownName {
         if count == 0 {
             write!(out, "there is none")?;
         } else if count <= LISTED {
+            // All are listed, so that the likeliest one is enough.
+            if let Some(meant) = self.suggestions().first() {
+                write!(out, "did you mean `{meant}`? ")?;
+            }
             write!(out, "valid names: {}", self.valid.join(", "))?;
             if !note.is_empty() {
                 write!(out, " ({note})")?;
