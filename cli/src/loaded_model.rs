@@ -248,10 +248,17 @@ impl LoadedModel {
 
     /// The map from solver variables to configurations: mimic joints follow, locked ones stay.
     pub(crate) fn parameters(&self) -> ParameterMap {
-        match (&self.held, &self.robot) {
-            (Some(held), _) => held.map.clone(),
-            (None, Some(robot)) => robot.map().clone(),
-            (None, None) => ParameterMap::free(&self.model),
+        match &self.held {
+            Some(held) => held.map.clone(),
+            None => self.own_parameters(),
+        }
+    }
+
+    /// The map of the model alone, without what a command holds.
+    pub(crate) fn own_parameters(&self) -> ParameterMap {
+        match &self.robot {
+            Some(robot) => robot.map().clone(),
+            None => ParameterMap::free(&self.model),
         }
     }
 
@@ -301,13 +308,24 @@ impl LoadedModel {
 
     /// Which coordinates of a configuration a solver may change.
     pub(crate) fn free_coordinates(&self) -> Vec<bool> {
-        let mut free = vec![false; self.model.degrees_of_freedom()];
-        for &leader in self.parameters().leaders() {
-            if let Some(flag) = free.get_mut(leader) {
+        self.leaders(&self.parameters())
+    }
+
+    /// Which coordinates of a configuration would be free were they not held.
+    pub(crate) fn held_coordinates(&self) -> Vec<bool> {
+        let own = self.leaders(&self.own_parameters()).into_iter();
+        let free = self.free_coordinates();
+        own.zip(free).map(|(own, free)| own && !free).collect()
+    }
+
+    fn leaders(&self, map: &ParameterMap) -> Vec<bool> {
+        let mut leads = vec![false; self.model.degrees_of_freedom()];
+        for &leader in map.leaders() {
+            if let Some(flag) = leads.get_mut(leader) {
                 *flag = true;
             }
         }
-        free
+        leads
     }
 
     /// Which coordinates of a configuration are angles; the others are lengths.

@@ -16,6 +16,7 @@ mod fk;
 mod frame_name;
 mod frame_report;
 mod held_joints;
+mod help_headings;
 mod info;
 mod interpolation_choice;
 mod joint_columns;
@@ -48,8 +49,13 @@ use failure::Failure;
 const AFTER_HELP: &str = "\
 Conventions: metres and radians (for rigs the rig's own unit of length), quaternions w,x,y,z.
 With --json one JSON document is printed on standard output and nothing else; messages go to
-standard error. Exit codes: 0 done (a target that is missed is an answer), 1 failed with a one-line reason,
-2 wrong usage, 3 a target was missed and solve was told to --fail-on-miss.
+standard error.
+
+Exit codes, of every subcommand:
+  0  done; a target that is missed is an answer
+  1  failed: a file, or a name or number that the model does not have; one line says which
+  2  wrong usage: options that there are not, that are badly written or do not go together
+  3  done, but a target was missed, where solve was told to --fail-on-miss
 
 Examples:
   kinopt info robot.urdf
@@ -75,11 +81,12 @@ struct Command {
     #[command(subcommand)]
     subcommand: Subcommands,
 
-    /// Print one JSON document, in radians and metres. Default: text for people.
+    /// Print one JSON document, in radians and metres.
     ///
-    /// For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z]. What is in degrees is
+    /// Default: text for people. For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z]. What is in degrees is
     /// called so.
-    #[arg(long, global = true)]
+    #[arg(long, global = true,
+          help_heading = help_headings::OUTPUT)]
     json: bool,
 }
 

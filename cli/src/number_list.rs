@@ -1,5 +1,8 @@
 //! Numbers as people type them: separated by commas, spaces or both.
 
+/// Numbers beyond this are refused: with its square all that is computed of one is finite.
+pub(crate) const LARGEST: f64 = 1e150;
+
 /// Reads finite numbers out of `text`.
 pub(crate) fn parse(text: &str) -> Result<Vec<f64>, String> {
     let separators = |c: char| c == ',' || c.is_whitespace();
@@ -31,10 +34,13 @@ pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f
         .map_err(|_| format!("{what} takes {N} numbers separated by commas, not {given}"))
 }
 
-/// One finite number.
+/// One finite number, at most [`LARGEST`].
 pub(crate) fn number(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
+        Ok(number) if number.abs() <= LARGEST => Ok(number),
+        Ok(number) if number.is_finite() => Err(format!(
+            "`{word}` is beyond {LARGEST:e}, the largest number taken"
+        )),
         Ok(_) => Err(format!("`{word}` is not a finite number")),
         Err(_) => Err(format!("`{word}` is not a number")),
     }

@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 
 use crate::failure::{Failure, Outcome};
 use crate::json_file;
+use crate::number_list::LARGEST;
 use crate::target::{normalised, placement};
 
 /// What a file of targets says.
@@ -112,7 +113,10 @@ fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
         let at = format!("{at}[{index}]");
         let numbers = list(row, &at)?.iter().enumerate();
         let numbers = numbers.map(|(column, number)| match number.as_f64() {
-            Some(number) if number.is_finite() => Ok(number),
+            Some(number) if number.abs() <= LARGEST => Ok(number),
+            Some(_) => Err(format!(
+                "{at}[{column}]: is beyond {LARGEST:e}, the largest number taken"
+            )),
             _ => Err(format!("{at}[{column}]: is {}, not a number", a(number))),
         });
         numbers.collect::<Result<Vec<_>, _>>()

@@ -152,6 +152,8 @@ pub(super) fn tree(robot: &Robot) -> String {
         ("axis", left),
         ("lower", right),
         ("upper", right),
+        ("speed", right),
+        ("effort", right),
         ("q", right),
         ("", left),
     ]);
@@ -159,6 +161,8 @@ pub(super) fn tree(robot: &Robot) -> String {
     let blank = String::new;
     table.row([
         root,
+        blank(),
+        blank(),
         blank(),
         blank(),
         blank(),
@@ -187,7 +191,7 @@ pub(super) fn tree(robot: &Robot) -> String {
     table.text()
 }
 
-fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 8] {
+fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] {
     let place = place(robot, id, joint);
     let link = format!("{}{}", "  ".repeat(depth), place.child_link.unwrap_or("-"));
     let coordinate = robot.model().coordinate(id);
@@ -198,6 +202,15 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 8] {
         JointKind::Revolute | JointKind::Continuous => {
             format!("{}°", three_digits(limit.to_degrees()))
         }
+    };
+    let slides = joint.kind == JointKind::Prismatic;
+    let speed = |speed: f64| match slides {
+        true => format!("{} m/s", three_digits(speed)),
+        false => format!("{}°/s", three_digits(speed.to_degrees())),
+    };
+    let effort = |effort: f64| match slides {
+        true => format!("{} N", three_digits(effort)),
+        false => format!("{} N·m", three_digits(effort)),
     };
     let note = match &place.mimic {
         Some(mimic) => follows(mimic),
@@ -211,6 +224,8 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 8] {
         place.axis.map(axis).unwrap_or_default(),
         limit(joint.limits.lower),
         limit(joint.limits.upper),
+        place.velocity.map(speed).unwrap_or_default(),
+        place.effort.map(effort).unwrap_or_default(),
         coordinate.map(|c| c.to_string()).unwrap_or_default(),
         note,
     ]

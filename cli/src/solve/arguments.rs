@@ -18,6 +18,7 @@ use super::out_file::OutFile;
 use super::weights::FrameWeight;
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::BareName;
+use crate::help_headings;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::{LoadedModel, Moment};
 use crate::method_choice::{self, JacobianRoute};
@@ -61,7 +62,10 @@ Examples:
         a tip onto the viewing ray through two points
 
 A target that is out of reach is no failure: the closest pose found is printed with what each
-target misses by and which limits hold it back (--json: \"reached\": false). The exit code is 0, or 3 with --fail-on-miss.";
+target misses by and which limits hold it back (--json: \"reached\": false).
+
+Exit codes: 0 done, 1 failed (a file, or a name or number that the model does not have; one line says
+which), 2 wrong usage, 3 a target was missed and --fail-on-miss was given.";
 
 /// Joint angles, within their limits, that bring frames to targets (inverse kinematics).
 ///
@@ -76,7 +80,8 @@ target misses by and which limits hold it back (--json: \"reached\": false). The
 /// beside it under "joints"), those that cannot matter at their start.
 #[derive(Args, Debug)]
 #[command(
-    after_help = EXAMPLES,
+    after_help = "kinopt solve --help lists all options, with defaults, examples and exit codes.",
+    after_long_help = EXAMPLES,
     group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file"])
 )]
 pub(crate) struct Arguments {
@@ -84,20 +89,22 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL")]
     pub(super) model: PathBuf,
 
-    /// Where a frame should be, in metres (rigs: their own unit). Default: none.
+    /// Where a frame should be, in metres (rigs: their own unit).
     ///
-    /// Three numbers are a point; with a quaternion w,x,y,z it is a whole pose. In a robot a frame
+    /// Default: none. Three numbers are a point; with a quaternion w,x,y,z it is a whole pose. In a robot a frame
     /// is a link. In a rig `bone/3` or a bone's name is that bone's tip; `bone/3/tip` and
     /// `bone/3/tail` say it outright. Repeat it for several. At least one --target, --ray or
     /// --targets is needed.
-    #[arg(long = "target", value_name = "FRAME=x,y,z[,qw,qx,qy,qz]", value_parser = Target::parse)]
+    #[arg(long = "target", value_name = "FRAME=x,y,z[,qw,qx,qy,qz]", value_parser = Target::parse,
+          help_heading = help_headings::TARGETS)]
     pub(super) targets: Vec<Target>,
 
-    /// A line that a frame should lie on, in metres (rigs: their own unit). Default: none.
+    /// A line that a frame should lie on, in metres (rigs: their own unit).
     ///
-    /// It goes through an eye and a point (the mouse, unprojected). Frames are named as for
+    /// Default: none. It goes through an eye and a point (the mouse, unprojected). Frames are named as for
     /// --target. Repeat it for several.
-    #[arg(long = "ray", value_name = "FRAME=ex,ey,ez:mx,my,mz", value_parser = RayTarget::parse)]
+    #[arg(long = "ray", value_name = "FRAME=ex,ey,ez:mx,my,mz", value_parser = RayTarget::parse,
+          help_heading = help_headings::TARGETS)]
     pub(super) rays: Vec<RayTarget>,
 
     /// Many independent targets of one frame, from a JSON file.
@@ -108,37 +115,46 @@ pub(crate) struct Arguments {
     /// info`, or the free joints from base to tip); "tip_link" and "base_link". Other keys are not
     /// looked at. Without starts each begins at --start. Targets that are missed are no failure.
     #[arg(long = "targets", value_name = "FILE", id = "file",
-          conflicts_with_all = ["targets", "rays", "out"])]
+          conflicts_with_all = ["targets", "rays", "out"],
+          help_heading = help_headings::TARGETS)]
     pub(super) file: Option<PathBuf>,
 
-    /// The frame that --targets are for. Default: the file's tip_link, or a robot's only tip.
+    /// The frame that --targets are for.
+    ///
+    /// Default: the file's tip_link, or a robot's only tip.
     // Not `requires`: clap waives that for what conflicts with an argument given.
-    #[arg(long, value_name = "FRAME", conflicts_with_all = ["targets", "rays"])]
+    #[arg(long, value_name = "FRAME", conflicts_with_all = ["targets", "rays"],
+          help_heading = help_headings::TARGETS)]
     pub(super) tip: Option<String>,
 
-    /// The frame that targets are given in. Default: the base_link of a file of targets, or the
-    /// world, which for a robot is its root link.
-    #[arg(long, value_name = "FRAME", conflicts_with = "rays")]
+    /// The frame that targets are given in.
+    ///
+    /// Default: the base_link of a file of targets, or the world, which for a robot is its root link.
+    #[arg(long, value_name = "FRAME", conflicts_with = "rays",
+          help_heading = help_headings::TARGETS)]
     pub(super) base: Option<String>,
 
-    /// Take --targets as a path: each starts from the answer before it. Default: off.
+    /// Take --targets as a path: each starts from the answer before it.
     ///
-    /// The first starts from the file's first start. Steps in which a joint moves further than
+    /// Default: off. The first starts from the file's first start. Steps in which a joint moves further than
     /// 0.2 rad are told (JSON: "jumps" in the summary, "continuous" where it is no flip to another
     /// branch; robots only).
-    #[arg(long, conflicts_with_all = ["targets", "rays"])]
+    #[arg(long, conflicts_with_all = ["targets", "rays"],
+          help_heading = help_headings::FOLLOWING)]
     pub(super) track: bool,
 
     /// Solve --targets together, which is faster; only the mean time is told. Default: one at a
     /// time, each timed alone.
-    #[arg(long, conflicts_with_all = ["track", "targets", "rays"])]
+    #[arg(long, conflicts_with_all = ["track", "targets", "rays"],
+          help_heading = help_headings::TARGETS, hide_short_help = true)]
     pub(super) batch: bool,
 
     /// Solve --targets on so many threads. Default: 1.
     ///
     /// The answers are the same to the bit on any number. Times are best taken on one.
     #[arg(long, value_name = "N", conflicts_with_all = ["track", "targets", "rays"],
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
+          value_parser = clap::value_parser!(u16).range(1..=1024),
+          help_heading = help_headings::TARGETS, hide_short_help = true)]
     pub(super) threads: Option<u16>,
 
     #[command(flatten)]
@@ -149,28 +165,36 @@ pub(crate) struct Arguments {
 
     /// How much a frame counts beside the others that something is asked of: its errors are multiplied
     /// by a number above 0. For several targets, rays or held tips. Default: 1 for each.
-    #[arg(long = "weight", value_name = "FRAME=W", value_parser = FrameWeight::parse)]
+    #[arg(long = "weight", value_name = "FRAME=W", value_parser = FrameWeight::parse,
+          help_heading = help_headings::TARGETS, hide_short_help = true)]
     pub(super) weights: Vec<FrameWeight>,
 
-    /// End with exit code 3 where a target is missed, for scripts. Default: off; a miss is an answer,
-    /// and the exit code 0.
-    #[arg(long)]
+    /// End with exit code 3 where a target is missed, for scripts.
+    ///
+    /// Default: off; a miss is an answer, and the exit code 0.
+    #[arg(long,
+          help_heading = help_headings::OUTPUT)]
     pub(super) fail_on_miss: bool,
 
     /// The position of targets alone counts, even where they have a quaternion. Default: off.
-    #[arg(long)]
+    #[arg(long,
+          help_heading = help_headings::TARGETS, hide_short_help = true)]
     pub(super) position_only: bool,
 
-    /// A bone that stays where it is, or `none`. Default: the tips that a rig's file pins; in a scene
-    /// the trunk, which does not turn, and the ends of the other limbs.
+    /// A bone that stays where it is, or `none`.
     ///
-    /// Its tip stays; a bone that carries what has a target does not turn, nor do those above it.
+    /// Default: the tips that a rig's file pins; in a scene the trunk, which does not turn, and the ends
+    /// of the other limbs. Its tip stays; a bone that carries what has a target does not turn, nor do those above it.
     /// Repeat it for several.
-    #[arg(long, value_name = "BONE")]
+    #[arg(long, value_name = "BONE",
+          help_heading = help_headings::MODEL)]
     pub(super) hold: Vec<String>,
 
-    /// Hold nothing: --hold none. Default: off.
-    #[arg(long, conflicts_with = "hold")]
+    /// Hold nothing: --hold none.
+    ///
+    /// Default: off.
+    #[arg(long, conflicts_with = "hold",
+          help_heading = help_headings::MODEL, hide_short_help = true)]
     pub(super) free: bool,
 
     /// Where the search starts: a word, or numbers in radians and metres.
@@ -179,69 +203,83 @@ pub(crate) struct Arguments {
     /// --rng-seed; numbers are a configuration in the order of `kinopt info`: radians (degrees with
     /// --degrees) and, for sliding joints, metres. They are moved into the limits.
     #[arg(long, value_name = "NUMBERS|rest|random", default_value = "rest",
-          allow_hyphen_values = true, value_parser = Start::parse)]
+          allow_hyphen_values = true, value_parser = Start::parse,
+          help_heading = help_headings::SEARCH)]
     pub(super) start: Start,
 
     /// Rest is how a scene or a capture is at this time of a clip, in seconds. Default: as its file has it.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true,
-          value_parser = number_list::number)]
+          value_parser = number_list::number,
+          help_heading = help_headings::MODEL, hide_short_help = true)]
     pub(super) time: Option<f64>,
 
     /// With --time: which of a scene's clips: its name, or the end of it. Default: the first.
-    #[arg(long, value_name = "NAME", requires = "time")]
+    #[arg(long, value_name = "NAME", requires = "time",
+          help_heading = help_headings::MODEL, hide_short_help = true)]
     pub(super) clip: Option<String>,
 
-    /// The angles of --start, --lock, --max-move, --posture and --interval, and those in text output,
-    /// are in degrees. Default: radians.
-    #[arg(long)]
+    /// Angles in options and in text output are in degrees.
+    ///
+    /// Those of --start, --lock, --max-move, --posture, --interval and --velocity-limits. Default: radians.
+    #[arg(long,
+          help_heading = help_headings::OUTPUT)]
     pub(super) degrees: bool,
 
     /// Go through the general solvers with this method. Default: levenberg-marquardt where they
     /// are needed.
-    #[arg(long, value_name = "NAME", value_parser = method_choice::names())]
+    #[arg(long, value_name = "NAME", value_parser = method_choice::names(),
+          help_heading = help_headings::SEARCH, hide_short_help = true)]
     pub(super) solver: Option<String>,
 
     /// How the general solvers find derivatives. Default: analytic.
-    #[arg(long, value_name = "ROUTE", value_enum)]
+    #[arg(long, value_name = "ROUTE", value_enum,
+          help_heading = help_headings::SEARCH, hide_short_help = true)]
     pub(super) jacobian: Option<JacobianRoute>,
 
     /// Seed of a random start and of the restarts: a whole number. Same seed, same result.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0,
+          help_heading = help_headings::SEARCH, hide_short_help = true)]
     pub(super) rng_seed: u64,
 
-    /// Stop after so many milliseconds with the best found. Default: no limit.
+    /// Stop after so many milliseconds with the best found.
     ///
-    /// For each target of its own. Results then depend on the machine. The clock runs while solving,
+    /// Default: no limit. For each target of its own. Results then depend on the machine. The clock runs while solving,
     /// not while reading files.
-    #[arg(long, value_name = "MS", value_parser = milliseconds)]
+    #[arg(long, value_name = "MS", value_parser = milliseconds,
+          help_heading = help_headings::LIMITS)]
     pub(super) time_limit: Option<Duration>,
 
-    /// What counts as reached: so many metres (rigs: their own unit) and radians. Default: 1e-9 of
-    /// a rig's size and 1e-9 rad; 1e-6 m and rad for robots.
-    #[arg(long, value_name = "T", value_parser = number_list::not_negative)]
+    /// What counts as reached, in metres and radians.
+    ///
+    /// For rigs in their own unit. Default: 1e-9 of a rig's size and 1e-9 rad; 1e-6 m and rad for robots.
+    #[arg(long, value_name = "T", value_parser = number_list::not_negative,
+          help_heading = help_headings::LIMITS)]
     pub(super) tolerance: Option<f64>,
 
     /// How many attempts at most for one target, the start's own included. Default: 200 for an
     /// arm, 32 for the general solvers.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..),
+          help_heading = help_headings::LIMITS, hide_short_help = true)]
     pub(super) attempts: Option<u32>,
 
     /// How many more attempts from other places while the targets are missed, 0 for none: --attempts
     /// less one.
-    #[arg(long, value_name = "N", conflicts_with = "attempts")]
+    #[arg(long, value_name = "N", conflicts_with = "attempts",
+          help_heading = help_headings::LIMITS, hide_short_help = true)]
     pub(super) restarts: Option<u32>,
 
     /// How many steps each attempt of the general solvers may take. Default: 200.
     ///
     /// The gradient methods take many small ones.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N",
+          help_heading = help_headings::LIMITS, hide_short_help = true)]
     pub(super) max_iterations: Option<u32>,
 
-    /// Write the mesh in the pose found, as .obj, .ply or .glb, or the pose of motion capture, as .bvh.
-    /// Default: not written.
+    /// Write the posed mesh: .obj, .ply or .glb; of captures the pose: .bvh.
     ///
-    /// A mesh needs a rig or a scene that has one.
-    #[arg(long, value_name = "FILE", value_parser = OutFile::parse)]
+    /// Default: not written. A mesh needs a rig or a scene that has one.
+    #[arg(long, value_name = "FILE", value_parser = OutFile::parse,
+          help_heading = help_headings::OUTPUT)]
     pub(super) out: Option<OutFile>,
 
     /// With --out: how a rig's skin weights are made up. Default: those of the file, else by heat.
@@ -250,13 +288,14 @@ pub(crate) struct Arguments {
         value_enum,
         requires = "out",
         conflicts_with = "file",
-        hide_default_value = true
-    )]
+        hide_default_value = true,
+          help_heading = help_headings::MESHES, hide_short_help = true)]
     pub(super) skin_weights: Option<WeightsChoice>,
 
     /// With --out: how the bones move the skin.
     #[arg(long, value_name = "METHOD", requires = "out", conflicts_with = "file", default_value_t,
-          value_parser = skinning_choice::parser())]
+          value_parser = skinning_choice::parser(),
+          help_heading = help_headings::MESHES, hide_short_help = true)]
     pub(super) skinning: SkinningMethod,
 
     #[command(flatten)]

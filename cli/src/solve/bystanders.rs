@@ -10,7 +10,7 @@ pub(super) fn bystanders(loaded: &LoadedModel, frames: &[FrameId]) -> Vec<usize>
     if loaded.robot.is_none() {
         return Vec::new();
     }
-    let (model, map) = (&loaded.model, loaded.parameters());
+    let (model, map) = (&loaded.model, loaded.own_parameters());
     let variable = |coordinate: usize| match map.sources().get(coordinate) {
         Some(Source::Variable { variable, .. }) => Some(*variable),
         _ => None,

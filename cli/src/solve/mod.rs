@@ -30,8 +30,9 @@ use arm_door::{ArmDoor, microseconds};
 use door::Door;
 use figure::Finder;
 use report::Report;
+use tasks::Asked;
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 use crate::output;
@@ -46,17 +47,24 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     arguments.put_tool(&mut loaded)?;
     let robot = arguments.arm_of(&loaded)?;
-    // Before the search, not after it.
-    let written = arguments.out.as_ref();
-    let written = written
-        .map(|out| out.of(&loaded, arguments.skin_weights))
-        .transpose()?;
+    // Before the search, not after it; but after all names, as making up skin weights takes a while.
+    let ready = || {
+        let out = arguments.out.as_ref();
+        out.map(|out| out.of(&loaded, arguments.skin_weights))
+            .transpose()
+    };
+    let (written, answered) = match robot {
+        Some(robot) => (ready()?, by_arm(&loaded, robot, arguments)?),
+        None => {
+            let start = arguments.start(&loaded, None)?;
+            let asked = tasks::asked(&loaded, arguments, &start)?;
+            let written = ready()?;
+            let answered = by_general_solver(&loaded, arguments, asked, &start)?;
+            (written, answered)
+        }
+    };
     let mut notes = loaded.notes();
     notes.extend(written.as_ref().and_then(|written| written.note()));
-    let answered = match robot {
-        Some(robot) => by_arm(&loaded, robot, arguments)?,
-        None => by_general_solver(&loaded, arguments)?,
-    };
     let written = written.as_ref();
     let written = written
         .map(|written| written.write(&answered.answer.q, arguments.skinning))
@@ -90,7 +98,7 @@ struct Answered {
 /// One target of a robot.
 fn by_arm(loaded: &LoadedModel, robot: &Robot, arguments: &Arguments) -> Outcome<Answered> {
     let Some(target) = arguments.targets.first() else {
-        return by_general_solver(loaded, arguments);
+        return Err(Failure::usage("a robot's arm is asked for one --target"));
     };
     let turns = target.quaternion.is_some() && !arguments.position_only;
     let base = arguments.base.as_deref();
@@ -111,15 +119,18 @@ fn by_arm(loaded: &LoadedModel, robot: &Robot, arguments: &Arguments) -> Outcome
 }
 
 /// Everything that is asked at once.
-fn by_general_solver(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Answered> {
-    let start = arguments.start(loaded, None)?;
-    let asked = tasks::asked(loaded, arguments, &start)?;
+fn by_general_solver(
+    loaded: &LoadedModel,
+    arguments: &Arguments,
+    asked: Asked,
+    start: &[f64],
+) -> Outcome<Answered> {
     let mut workspace = Workspace::new();
     let mut progress = Progress::new();
     let finder = Finder::new(loaded, arguments);
-    let mut body = finder.body(asked.problem, &start)?;
+    let mut body = finder.body(asked.problem, start)?;
     let started = Instant::now();
-    let found = finder.find(&mut body, &start, &mut workspace, &mut progress)?;
+    let found = finder.find(&mut body, start, &mut workspace, &mut progress)?;
     let micros = microseconds(started);
     progress.finish();
     Ok(Answered {

@@ -192,9 +192,12 @@ impl<'a> Report<'a> {
         text
     }
 
-    /// Which coordinates people are told.
+    /// Which coordinates people are told: those that may move, and those that the command holds.
     fn shown(&self) -> Vec<bool> {
         let mut shown = self.loaded.free_coordinates();
+        for (shown, held) in shown.iter_mut().zip(self.loaded.held_coordinates()) {
+            *shown |= held;
+        }
         for &bystander in self.bystanders {
             if let Some(shown) = shown.get_mut(bystander) {
                 *shown = false;
@@ -249,9 +252,9 @@ impl<'a> Report<'a> {
         let model = &self.loaded.model;
         let coordinates = model.moving_joints().iter().zip(&self.answer.q);
         let coordinates = coordinates.zip(self.loaded.is_angle()).zip(model.limits());
-        let free = self.shown();
-        for ((((id, &value), is_angle), limits), free) in coordinates.zip(free) {
-            let Some(joint) = model.joints().get(id.index()).filter(|_| free) else {
+        let told = self.shown().into_iter().zip(self.loaded.held_coordinates());
+        for ((((id, &value), is_angle), limits), (shown, held)) in coordinates.zip(told) {
+            let Some(joint) = model.joints().get(id.index()).filter(|_| shown) else {
                 continue;
             };
             let shown = if degrees && is_angle {
@@ -259,7 +262,9 @@ impl<'a> Report<'a> {
             } else {
                 value
             };
-            let note = if value <= limits.lower {
+            let note = if held {
+                "held"
+            } else if value <= limits.lower {
                 "at its lower limit"
             } else if value >= limits.upper {
                 "at its upper limit"

@@ -1,9 +1,10 @@
-//! Promise: 0 is done, 1 is failed with a one-line reason, 2 is wrong usage; and each error names
-//! the thing and, where there is a list, the valid names. Never anything on standard output.
+//! Promise: 0 is done, 1 is failed with a one-line reason, 2 is wrong usage, 3 is missed where that was asked
+//! for (`scripts_hear_of_misses`); and each error names the thing and, where there is a list, the valid
+//! names. Never anything on standard output.
 
 use std::process::{Command, Stdio};
 
-use crate::forked_rig::{Folder, kinopt, rig, stderr, stdout};
+use crate::forked_rig::{Folder, json, kinopt, rig, stderr, stdout};
 
 /// Runs the command, which must end with `code` and say all of `words`.
 fn refused(arguments: &[&str], code: i32, words: &[&str]) {
@@ -179,6 +180,110 @@ fn what_cannot_be_done_is_one() {
         1,
         &["absent/posed.ply"],
     );
+}
+
+#[test]
+fn a_name_that_may_be_meant_is_suggested_beside_a_short_list() {
+    let folder = Folder::new("suggested");
+    let rig = folder.rig();
+    let ur5e = format!(
+        "{}/../models/universal_ur5e.urdf",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let meant = "did you mean `joint3`? valid names: joint1, ";
+    for option in ["--lock=joint33", "--only=joint1,joint33"] {
+        let target = "--target=flange=0.4,0.1,0.5";
+        refused(&["solve", &ur5e, target, option], 1, &[meant]);
+    }
+    // What is like none gets the list alone.
+    refused(
+        &["solve", &rig, TARGET, "--hold=tail"],
+        1,
+        &["; valid names: bone/0"],
+    );
+}
+
+#[test]
+fn names_are_checked_before_weights_are_made_up() {
+    let folder = Folder::new("names-first");
+    let mut bare = rig();
+    bare.weights = None;
+    let bare = folder.write("bare.json", &bare);
+    let out = folder.file("posed.obj");
+    // One line, which is the name's, and not what making weights up says.
+    for wrong in [
+        "--target=hand=1,2,3",
+        "--hold=hand",
+        "--weight=hand=2",
+        "--base=hand",
+    ] {
+        refused(
+            &["solve", &bare, TARGET, wrong, "--out", &out],
+            1,
+            &["`hand`"],
+        );
+    }
+}
+
+#[test]
+fn numbers_whose_squares_overflow_are_refused() {
+    let folder = Folder::new("huge");
+    let rig = folder.rig();
+    let bound = "beyond 1e150";
+    for huge in ["--target=bone/2=1e200,0,0", "--ray=bone/2=0,-1e151,3:0,0,0"] {
+        refused(&["solve", &rig, huge], 2, &[bound, "e1"]);
+    }
+    refused(&["solve", &rig, TARGET, "--tool=1e200,0,0"], 2, &[bound]);
+    let file = folder.file("far.json");
+    std::fs::write(&file, "{\"targets\": [[0, 0, 0], [0, 1e200, 0]]}").unwrap();
+    let tip = "--tip=bone/2";
+    refused(
+        &["solve", &rig, tip, "--targets", &file],
+        1,
+        &["far.json", "targets[1][1]", bound],
+    );
+    // What is taken is told in finite numbers.
+    let panda = format!("{}/../models/franka_panda.urdf", env!("CARGO_MANIFEST_DIR"));
+    for (model, target) in [
+        (&rig, "--target=bone/2=1e150,-1e150,0"),
+        (&panda, "--target=tool=1e150,0,-1e150"),
+        (&panda, "--target=tool=1e150,0,-1e150,1,0,0,0"),
+    ] {
+        let solution = json(&["solve", model, target, "--json"]);
+        assert_eq!(solution["reached"], false, "{target}");
+        let error = solution["tasks"][0]["position_error"].as_f64();
+        assert!(
+            error.is_some_and(|error| error > 1e150),
+            "{target}: {error:?}"
+        );
+    }
+}
+
+#[test]
+fn help_is_in_groups_and_its_short_form_on_a_page() {
+    let long = kinopt(&["solve", "--help"]);
+    for heading in [
+        "Targets",
+        "Model",
+        "Search",
+        "Limits of the search",
+        "Preferences",
+        "Following",
+        "Output",
+        "Meshes",
+    ] {
+        let line = format!("\n{heading}:\n");
+        assert_eq!(stdout(&long).matches(&line).count(), 1, "{heading}");
+    }
+    let short = kinopt(&["solve", "-h"]);
+    let lines = stdout(&short).lines().count();
+    assert!(lines < 60, "{lines} lines");
+    for help in [stdout(&long), stdout(&kinopt(&["--help"]))] {
+        for code in ["0", "1", "2", "3"] {
+            let codes = help.split("Exit codes").nth(1).unwrap();
+            assert!(codes.contains(code), "{codes}");
+        }
+    }
 }
 
 #[test]

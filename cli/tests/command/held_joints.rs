@@ -1,7 +1,7 @@
 //! Promise: joints that are locked stay where they are put, joints that alone are free move alone, and
 //! a tool goes with its frame, whichever solver answers and however many targets there are.
 
-use crate::forked_rig::{Folder, distance, json, kinopt, numbers, stderr};
+use crate::forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
 use crate::seeded_robot::{Seeded, seven, typed};
 use kinopt::spatial::{Placement, Vector3};
 use serde_json::{Value, json};
@@ -185,6 +185,28 @@ fn many_targets_and_paths_keep_to_it() {
             let placed = panda.base_from("tool", &numbers(&solution["q"])) * tool;
             assert!(distance(&seven(&placed)[..3], &target[..3]) < 1.1e-6);
         }
+    }
+}
+
+#[test]
+fn held_joints_are_told_to_people_too() {
+    let panda = Seeded::panda();
+    let start = "--start=0,0,0.3,-1,0,1,0,0.01,0.01";
+    let target = "--target=tool=0.4,0.1,0.5";
+    for (option, held) in [
+        ("--lock=joint3", &["joint3"][..]),
+        (
+            "--only=joint1,joint2,joint4",
+            &["joint3", "joint5", "joint6", "joint7"],
+        ),
+    ] {
+        let output = kinopt(&["solve", &panda.file, target, start, option]);
+        let rows = stdout(&output).lines().map(str::split_whitespace);
+        let rows: Vec<Vec<&str>> = rows.map(Iterator::collect).collect();
+        let told = rows.iter().filter(|row| row.last() == Some(&"held"));
+        let told: Vec<&str> = told.filter_map(|row| row.first().copied()).collect();
+        assert_eq!(told, held, "{}", stdout(&output));
+        assert!(rows.contains(&vec!["joint3", "0.300000", "held"]));
     }
 }
 

@@ -38,6 +38,20 @@ fn info_shows_the_tree() {
         assert!(text.contains(words), "{text}");
     }
 
+    for told in [
+        "speed",
+        "effort",
+        "124.618°/s",
+        "87.000 N·m",
+        "0.050 m/s",
+        "70.000 N ",
+    ] {
+        assert!(
+            stdout(&output).contains(told),
+            "no {told} in {}",
+            stdout(&output)
+        );
+    }
     let info = json(&["info", &panda.file, "--json"]);
     assert_eq!(info["kind"], "robot");
     assert_eq!(
