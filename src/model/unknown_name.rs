@@ -55,6 +55,12 @@ impl UnknownName {
     /// digits whatever their case, one within the other, or a few slips of the finger apart.
     #[must_use]
     pub fn suggestions(&self) -> Vec<&str> {
+        let near = self.near().into_iter().take(SUGGESTED);
+        near.map(|(_, valid)| valid).collect()
+    }
+
+    /// The valid names that are like the one asked for, nearest first, and how far they are from it.
+    fn near(&self) -> Vec<(usize, &str)> {
         let asked = letters(&self.name);
         let mut near: Vec<(usize, &str)> = self
             .valid
@@ -63,10 +69,16 @@ impl UnknownName {
             .collect();
         // Stable: of equally near names the first stays first.
         near.sort_by_key(|(distance, _)| *distance);
-        near.into_iter()
-            .take(SUGGESTED)
-            .map(|(_, valid)| valid)
-            .collect()
+        near
+    }
+
+    /// The one that is nearer than all others.
+    fn nearest(&self) -> Option<&str> {
+        match self.near().as_slice() {
+            [(_, only)] => Some(only),
+            [(near, first), (next, _), ..] if near < next => Some(first),
+            _ => None,
+        }
     }
 }
 
@@ -78,8 +90,7 @@ impl fmt::Display for UnknownName {
         if count == 0 {
             write!(out, "there is none")?;
         } else if count <= LISTED {
-            // All are listed, so that the likeliest one is enough.
-            if let Some(meant) = self.suggestions().first() {
+            if let Some(meant) = self.nearest() {
                 write!(out, "did you mean `{meant}`? ")?;
             }
             write!(out, "valid names: {}", self.valid.join(", "))?;

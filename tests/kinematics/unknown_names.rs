@@ -29,6 +29,17 @@ fn asked(name: &str) -> UnknownName {
 #[test]
 fn few_names_are_listed_in_full() {
     let few = UnknownName::new("joint", "c", ["a", "b"]);
+    let meant = UnknownName::new("joint", "elbw", ["elbow", "shoulder"]);
+    assert_eq!(
+        meant.to_string(),
+        "no joint named `elbw`; did you mean `elbow`? valid names: elbow, shoulder"
+    );
+    // Of two that are as near, the list is enough.
+    let either = UnknownName::new("joint", "joint9", ["joint1", "joint2"]);
+    assert_eq!(
+        either.to_string(),
+        "no joint named `joint9`; valid names: joint1, joint2"
+    );
     assert_eq!(few.to_string(), "no joint named `c`; valid names: a, b");
     let noted = few.with_note("each with /tip");
     let text = "no joint named `c`; valid names: a, b (each with /tip)";
