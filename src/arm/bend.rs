@@ -188,16 +188,18 @@ impl Bend {
         let mut bend = std::mem::take(&mut workspace.wanted);
         let mut trial = std::mem::take(&mut workspace.trial);
         bend.fill(0.0);
+        // That of x, which is needed again, stands by.
+        std::mem::swap(&mut workspace.jacobian, &mut workspace.aside);
         for side in [PROBE, -PROBE] {
             for (i, trial) in trial.iter_mut().enumerate() {
                 *trial = x[i] + side * self.way[i] / workspace.scale[i];
             }
-            workspace.linearise(&trial);
+            workspace.differentiate_beside(&trial);
             for (i, bend) in bend.iter_mut().enumerate() {
                 *bend += workspace.column(i).dot(residual) / (2.0 * side);
             }
         }
-        workspace.linearise(x);
+        std::mem::swap(&mut workspace.jacobian, &mut workspace.aside);
         let along: f64 = self.way.iter().zip(&bend).map(|(a, b)| a * b).sum();
         let square = self.way.iter().map(|by| by * by).sum::<f64>();
         let bends = along / (square * scale);

@@ -2,6 +2,7 @@
 
 use super::bend::Bend;
 use super::ease::Easing;
+use super::null_space::Factor;
 use super::query::Arm;
 use super::workspace::Workspace;
 
@@ -86,8 +87,8 @@ impl Branch {
     pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut Workspace, ease: f64, side: f64) {
         if arm.has_freedom() {
             let x = std::mem::take(&mut workspace.x);
-            workspace.linearise(&x);
-            self.aim_at_ease(arm, workspace, &x, ease);
+            workspace.take_twists(arm, &x);
+            self.aim_at_ease(arm, workspace, &x, ease, None);
             workspace.x = x;
             workspace.go_by_projected();
         }
@@ -97,19 +98,21 @@ impl Branch {
     }
 
     /// Writes into the workspace's `projected` the motion to ease from x, radians a joint. The Jacobian at x is
-    /// there.
+    /// there, and perhaps factored.
     pub(super) fn aim_at_ease(
         &mut self,
         arm: &Arm,
         workspace: &mut Workspace,
         x: &[f64],
         longest: f64,
+        free: Option<&Factor>,
     ) {
         let how = Easing {
             ease: &self.ease,
             stretched: Some(&self.bend).filter(|bend| self.missed && bend.is_known()),
             share: self.left * self.pace,
             longest,
+            free,
         };
         let moves = workspace.aim_at_ease(arm, x, &how);
         self.strayed &= moves;

@@ -8,6 +8,7 @@
 //! multibody mechanisms"). So where an arm stands depends on its target and not on the way that it came.
 
 use super::bend::Bend;
+use super::null_space::Factor;
 use super::query::Arm;
 use super::workspace::Workspace;
 
@@ -82,11 +83,13 @@ pub(super) struct Easing<'e> {
     pub(super) share: f64,
     /// The longest motion of a joint, radians.
     pub(super) longest: f64,
+    /// What the workspace's [`factor_freely`](Workspace::factor_freely) gave at x, if that is known.
+    pub(super) free: Option<&'e Factor>,
 }
 
 impl Workspace {
     /// Writes into `projected` the motion to ease from x that leaves the tool where it is, radians a joint.
-    /// The Jacobian at x is here. Whether there is any.
+    /// The Jacobian at x is here (or [one](Workspace::take_twists) of its null space). Whether there is any.
     pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> bool {
         let mut pull = std::mem::take(&mut self.wanted);
         arm.pull(x, how.ease, &mut pull);
@@ -96,7 +99,10 @@ impl Workspace {
             self.project_to_null(x, &pull, SHARP * reach);
             how.longest
         } else {
-            let clearance = self.project_to_null(x, &pull, 0.0);
+            let clearance = match how.free {
+                Some(factor) => self.project_freely(factor, &pull),
+                None => self.project_to_null(x, &pull, 0.0),
+            };
             how.longest.min(TURNS * clearance / reach)
         };
         self.wanted = pull;
@@ -127,7 +133,7 @@ fn steepness(q: f64, lower: f64, upper: f64) -> f64 {
     let Some((u, half)) = place(q, lower, upper) else {
         return 0.0;
     };
-    2.0 * (u.abs() - MIDDLE).max(0.0) / ((1.0 - MIDDLE) * (1.0 - MIDDLE) * half)
+    2.0 * (u.abs() - MIDDLE) / ((1.0 - MIDDLE) * (1.0 - MIDDLE) * half)
 }
 
 /// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on
@@ -136,14 +142,15 @@ fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
     let Some((u, _)) = place(q, lower, upper) else {
         return 0.0;
     };
-    let beyond = (u.abs() - MIDDLE).max(0.0) / (1.0 - MIDDLE);
+    let beyond = (u.abs() - MIDDLE) / (1.0 - MIDDLE);
     beyond * beyond * u.signum()
 }
 
 /// Where a joint is in its range, from −1 on its lower limit to 1 on its upper, and half that range; none where
-/// there is no such range.
+/// there is no such range, and in its middle.
 fn place(q: f64, lower: f64, upper: f64) -> Option<(f64, f64)> {
     let half = 0.5 * (upper - lower);
-    let u = (q - lower) / half - 1.0;
-    (half > 0.0 && half.is_finite()).then_some((u, half))
+    let from_middle = q - lower - half;
+    let felt = half > 0.0 && half.is_finite() && from_middle.abs() > MIDDLE * half;
+    felt.then(|| (from_middle / half, half))
 }

@@ -294,13 +294,17 @@ impl Follower<'_> {
         // Without memory for it the motion is left; the step itself will say so.
         let _ = arm.with_workspace(|workspace| {
             workspace.aim(target);
-            arm.open_window(workspace, q);
-            workspace.linearise(q);
-            workspace.project_to_null(q, motion, 0.0);
+            arm.open_limits(workspace);
+            workspace.take_twists(arm, q);
+            let free = workspace.factor_freely(q);
+            match &free {
+                Some(factor) => workspace.project_freely(factor, motion),
+                None => workspace.project_to_null(q, motion, 0.0),
+            };
             for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
                 *motion -= by;
             }
-            branch.aim_at_ease(arm, workspace, q, LONGEST_EASE);
+            branch.aim_at_ease(arm, workspace, q, LONGEST_EASE, free.as_ref());
             for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
                 *motion += by;
             }

@@ -1,11 +1,21 @@
 //! What of a motion leaves the tool where it is.
 
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{DMatrix, Matrix6, Vector6};
 
+use super::query::Arm;
 use super::workspace::Workspace;
 
 /// What is added to J Jᵀ, as a share of its trace, so that it can be factored.
 const NO_RANK: f64 = 1e-14;
+
+/// J Jᵀ + δ², factored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Factor {
+    /// The inverse of its Cholesky factor: a triangle, by rows.
+    inverse: [[f64; 6]; 6],
+    /// A lower bound of the least singular value of J.
+    least: f64,
+}
 
 impl Workspace {
     /// Writes into `projected` what of `motion` leaves the tool where it is: (1 − Jᵀ (J Jᵀ + δ²)⁻¹ J) motion,
@@ -26,29 +36,67 @@ impl Workspace {
         clearance
     }
 
+    /// Factors J Jᵀ for several motions; none where a joint stands on a bound, as it may then be held.
+    pub(super) fn factor_freely(&self, x: &[f64]) -> Option<Factor> {
+        let bounds = self.lower.iter().zip(&self.upper);
+        let free = |(x, (lower, upper))| lower < x && x < upper;
+        let all_free = x.iter().zip(bounds).all(free);
+        all_free.then(|| self.factor(0.0, |_| true)).flatten()
+    }
+
+    /// As [`project_to_null`](Self::project_to_null) with nothing blunt, where
+    /// [`factor_freely`](Self::factor_freely) gave a factor.
+    pub(super) fn project_freely(&mut self, factor: &Factor, motion: &[f64]) -> f64 {
+        let mut moved = [0.0; 6];
+        for (column, (by, scale)) in columns(&self.jacobian).zip(motion.iter().zip(&self.per_scale))
+        {
+            add(&mut moved, column, by * scale);
+        }
+        let back = factor.solve(&moved);
+        let joints = motion.iter().zip(&self.per_scale).zip(&mut self.projected);
+        for (column, ((by, scale), projected)) in columns(&self.jacobian).zip(joints) {
+            *projected = by - scale * dot(column, &back);
+        }
+        factor.least
+    }
+
+    fn factor(&self, blunt: f64, moves: impl Fn(usize) -> bool) -> Option<Factor> {
+        let mut normal = [[0.0; 6]; 6];
+        let joints = columns(&self.jacobian).zip(&self.per_scale).enumerate();
+        for (_, (column, scale)) in joints.filter(|(i, _)| moves(*i)) {
+            let weight = scale * scale;
+            for k in 0..6 {
+                let by = weight * column[k];
+                for i in 0..=k {
+                    normal[k][i] += by * column[i];
+                }
+            }
+        }
+        Factor::new(normal, blunt)
+    }
+
     fn take_null_of(&self, x: &[f64], motion: &[f64], blunt: f64, projected: &mut [f64]) -> f64 {
         let mut clearance = 0.0;
         // Joints that would leave their bounds are held, and the rest is projected anew.
         for _ in 0..2 {
-            let mut normal = Matrix6::<f64>::zeros();
-            let mut moved = Vector6::<f64>::zeros();
-            for (i, &by) in projected.iter().enumerate() {
-                if !self.leaves(x, i, by) {
-                    let column = self.column(i);
-                    add_square(&mut normal, &column, 1.0);
-                    moved += column * motion[i];
-                }
-            }
-            let Some((back, least)) = solved(normal, blunt, &moved) else {
+            let moves = |i: usize| !self.leaves(x, i, projected[i]);
+            let Some(factor) = self.factor(blunt, moves) else {
                 projected.fill(0.0);
                 return 0.0;
             };
-            clearance = least;
+            let mut moved = [0.0; 6];
+            for (i, column) in columns(&self.jacobian).enumerate() {
+                if moves(i) {
+                    add(&mut moved, column, motion[i] * self.per_scale[i]);
+                }
+            }
+            let back = factor.solve(&moved);
+            clearance = factor.least;
             let mut all_stay = true;
-            for (i, by) in projected.iter_mut().enumerate() {
-                if !self.leaves(x, i, *by) {
-                    *by = motion[i] - self.column(i).dot(&back);
-                    all_stay &= !self.leaves(x, i, *by);
+            for (i, column) in columns(&self.jacobian).enumerate() {
+                if !self.leaves(x, i, projected[i]) {
+                    projected[i] = motion[i] - self.per_scale[i] * dot(column, &back);
+                    all_stay &= !self.leaves(x, i, projected[i]);
                 }
             }
             if all_stay {
@@ -65,7 +113,22 @@ impl Workspace {
     /// What a radian of a joint (or the metres that weigh as much) does to the residual, metres.
     pub(super) fn column(&self, i: usize) -> Vector6<f64> {
         let column: Vector6<f64> = self.jacobian.fixed_view::<6, 1>(0, i).into();
-        column / self.scale[i]
+        column * self.per_scale[i]
+    }
+
+    /// Takes a Jacobian at x that has the null space of the target's: the tool's own, where all of its pose
+    /// counts, which needs no residual and a third of the instructions.
+    pub(super) fn take_twists(&mut self, arm: &Arm, x: &[f64]) {
+        match (&arm.lanes, arm.options.goal.is_full_pose()) {
+            (Some(lanes), true) => {
+                let radian = arm.options.metres_per_radian;
+                self.forget_jacobian();
+                lanes.write_twists(x, radian, self.jacobian.as_mut_slice());
+            }
+            _ => {
+                self.linearise(x);
+            }
+        }
     }
 }
 
@@ -85,18 +148,88 @@ pub(super) fn add_square(normal: &mut Matrix6<f64>, column: &Vector6<f64>, weigh
     }
 }
 
-/// (N + δ²)⁻¹ b, and how small the root of an eigenvalue of N may be. Rows without a weight count for nothing.
-fn solved(mut normal: Matrix6<f64>, blunt: f64, b: &Vector6<f64>) -> Option<(Vector6<f64>, f64)> {
-    let trace = normal.trace();
-    for k in 0..6 {
-        let entry = &mut normal[(k, k)];
-        *entry = match *entry > 0.0 {
-            true => *entry + NO_RANK * trace + blunt * blunt,
-            false => trace,
-        };
+/// The columns of a Jacobian of six rows.
+fn columns(jacobian: &DMatrix<f64>) -> impl Iterator<Item = &[f64; 6]> {
+    let columns = jacobian.as_slice().chunks_exact(6);
+    columns.filter_map(<[f64]>::first_chunk)
+}
+
+fn add(sum: &mut [f64; 6], column: &[f64; 6], by: f64) {
+    for (sum, entry) in sum.iter_mut().zip(column) {
+        *sum += entry * by;
     }
-    let factor = normal.cholesky()?;
-    let mut inverse = Matrix6::<f64>::identity();
-    factor.l_dirty().solve_lower_triangular_mut(&mut inverse);
-    Some((factor.solve(b), inverse.norm().recip()))
+}
+
+fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Runs the body for every row, written out: the loops within know their lengths.
+macro_rules! each_row {
+    ($row:ident, $body:block) => {
+        each_row!(@ $row, $body, 0 1 2 3 4 5)
+    };
+    (@ $row:ident, $body:block, $($k:literal)*) => {
+        $({ const $row: usize = $k; $body })*
+    };
+}
+
+impl Factor {
+    /// Factors N + δ², of which the lower triangle is given. Rows without a weight count for nothing.
+    fn new(mut normal: [[f64; 6]; 6], blunt: f64) -> Option<Self> {
+        let trace: f64 = (0..6).map(|k| normal[k][k]).sum();
+        let more = NO_RANK * trace + blunt * blunt;
+        for (k, row) in normal.iter_mut().enumerate() {
+            row[k] = match row[k] > 0.0 {
+                true => row[k] + more,
+                false => trace,
+            };
+        }
+        // The factor takes the place of the matrix, with the reciprocals of its diagonal.
+        each_row!(K, {
+            let left = normal[K][K] - dot_of_first::<K>(&normal[K], &normal[K]);
+            if left.is_nan() || left <= 0.0 {
+                return None;
+            }
+            let diagonal = left.sqrt().recip();
+            normal[K][K] = diagonal;
+            let mut row = K + 1;
+            while row < 6 {
+                let done = dot_of_first::<K>(&normal[row], &normal[K]);
+                normal[row][K] = (normal[row][K] - done) * diagonal;
+                row += 1;
+            }
+        });
+        let mut inverse = [[0.0; 6]; 6];
+        let mut square = 0.0;
+        each_row!(ROW, {
+            let diagonal = normal[ROW][ROW];
+            let mut sums = [0.0; 6];
+            for (by, above) in normal[ROW].iter().zip(&inverse).take(ROW) {
+                add(&mut sums, above, *by);
+            }
+            for (entry, sum) in inverse[ROW].iter_mut().zip(sums).take(ROW) {
+                *entry = -diagonal * sum;
+            }
+            inverse[ROW][ROW] = diagonal;
+            square += dot(&inverse[ROW], &inverse[ROW]);
+        });
+        Some(Self {
+            inverse,
+            least: square.sqrt().recip(),
+        })
+    }
+
+    /// (N + δ²)⁻¹ b.
+    fn solve(&self, b: &[f64; 6]) -> [f64; 6] {
+        let mut solved = [0.0; 6];
+        for row in &self.inverse {
+            add(&mut solved, row, dot(row, b));
+        }
+        solved
+    }
+}
+
+fn dot_of_first<const K: usize>(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    (0..K).map(|i| a[i] * b[i]).sum()
 }

@@ -116,8 +116,9 @@ impl Workspace {
     /// Norm of the longest column of the Jacobian that is here, a slide's taken for the metres that
     /// weigh as much as a radian.
     pub(super) fn longest_column(&self) -> f64 {
-        let columns = self.jacobian.column_iter().zip(&self.scale);
-        columns.fold(0.0, |most, (column, scale)| most.max(column.norm() / scale))
+        let columns = 0..self.scale.len();
+        let squares = columns.map(|i| self.column(i).norm_squared());
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// Whether no joint that can move has a slope of more than `negligible`.

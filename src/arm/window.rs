@@ -21,6 +21,12 @@ impl Arm {
         }
     }
 
+    /// Sets the workspace's bounds alone, to the limits.
+    pub(super) fn open_limits(&self, workspace: &mut Workspace) {
+        workspace.lower.copy_from_slice(self.serial.map.lower());
+        workspace.upper.copy_from_slice(self.serial.map.upper());
+    }
+
     /// As [`open_window`](Self::open_window) for a step that moves no joint further than
     /// `radians`, a slide by the metres that weigh as much.
     pub(super) fn open_step(&self, workspace: &mut Workspace, start: &[f64], radians: f64) {

@@ -66,7 +66,15 @@ pub(super) struct Workspace {
     pub(super) anchor: Vec<f64>,
     /// What a joint's radian or metre counts as, radians.
     pub(super) scale: Vec<f64>,
+    /// Its reciprocal.
+    pub(super) per_scale: Vec<f64>,
+    /// The Jacobian of wherever it was taken last.
     pub(super) jacobian: DMatrix<f64>,
+    /// Where that was together with the residual, and the residual; NaN where the Jacobian is another.
+    linear_at: Vec<f64>,
+    linear_residual: [f64; 6],
+    /// Room for one Jacobian more.
+    pub(super) aside: DMatrix<f64>,
     /// The cost's gradient, at wherever it was taken last.
     pub(super) gradient: Vec<f64>,
     /// Configurations found, one after another, and what is known of each.
@@ -107,6 +115,7 @@ impl Workspace {
         );
         let problem = builder.build()?;
         let n = problem.variables();
+        let scale = serial.scales(options.metres_per_radian);
         Ok(Self {
             scratch: problem.scratch(),
             task,
@@ -125,8 +134,12 @@ impl Workspace {
             best: vec![0.0; n],
             kept: vec![0.0; n],
             anchor: vec![0.0; n],
-            scale: serial.scales(options.metres_per_radian),
+            per_scale: scale.iter().map(|scale| scale.recip()).collect(),
+            scale,
             jacobian: DMatrix::zeros(6, n),
+            linear_at: vec![f64::NAN; n],
+            linear_residual: [0.0; 6],
+            aside: DMatrix::zeros(6, n),
             gradient: vec![0.0; n],
             found: Vec::new(),
             outcomes: Vec::new(),
@@ -150,6 +163,12 @@ impl Workspace {
         if let Some(pose) = self.problem.residual_mut(self.task) {
             pose.target = *target;
         }
+        self.forget_jacobian();
+    }
+
+    /// Says that the Jacobian that is here will be another's.
+    pub(super) fn forget_jacobian(&mut self) {
+        self.linear_at.fill(f64::NAN);
     }
 
     /// The errors at x.
@@ -214,11 +233,19 @@ impl Workspace {
         residual
     }
 
-    /// Residual and Jacobian at x; the Jacobian stays here.
+    /// Residual and Jacobian at x; the Jacobian stays here, and is taken once.
     pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
-        let residual = self.residual(x);
+        if self.linear_at != x {
+            self.linear_residual = self.residual(x);
+            Evaluation::new(&self.problem, &mut self.scratch).jacobian(x, &mut self.jacobian);
+            self.linear_at.copy_from_slice(x);
+        }
+        self.linear_residual
+    }
+
+    /// Takes the Jacobian at x, while the one that is here stands [aside](Self::aside).
+    pub(super) fn differentiate_beside(&mut self, x: &[f64]) {
         Evaluation::new(&self.problem, &mut self.scratch).jacobian(x, &mut self.jacobian);
-        residual
     }
 
     /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt. Where

@@ -35,6 +35,7 @@ mod solver;
 mod stages;
 pub mod trigonometry;
 mod turns;
+mod twists;
 
 pub use chain::{Chain, ChainError, ChainJoint, JointKind, MAX_JOINTS};
 pub use goal::AxisGoal;

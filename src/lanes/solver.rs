@@ -123,6 +123,12 @@ impl PoseSolver {
         self.race(&query, true, &mut Answer::of(q))
     }
 
+    /// The geometric Jacobian at q (radians and metres), six entries a joint: see
+    /// [`Links::write_twists`](super::links::Links::write_twists).
+    pub(crate) fn write_twists(&self, q: &[f64], radian: f64, entries: &mut [f64]) {
+        self.prepared.links.write_twists(q, radian, entries);
+    }
+
     /// A solver for the same chain whose bounds may be moved, without an atlas.
     pub(crate) fn without_atlas(&self) -> Self {
         Self {

@@ -25,7 +25,7 @@ const FEW: u64 = 5;
 const MANY: u64 = 25;
 
 /// The stages that are counted; the others only repeat what these show.
-const COUNTED: [&str; 20] = [
+const COUNTED: [&str; 22] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
     "Jacobian, analytic, 22 bones",
@@ -33,6 +33,8 @@ const COUNTED: [&str; 20] = [
     "iteration, Levenberg-Marquardt",
     "lane engine, first solution of one query",
     "lane engine, first solutions of a batch",
+    "arm of seven joints, track",
+    "arm of seven joints, target out of reach",
     "two bones, bare",
     "two bones, turn-lift-bend arm, whole solve",
     "CCD sweep, 22 bones, 5 tips",

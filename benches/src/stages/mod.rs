@@ -2,6 +2,7 @@
 //! models. The criterion bench times them and the instruction counter counts them: both see the
 //! same work.
 
+mod arms;
 mod geometric;
 mod kinematics;
 mod lanes;
@@ -41,6 +42,7 @@ pub fn stages() -> Vec<Stage> {
         kinematics::stages(),
         solvers::stages(),
         lanes::stages(),
+        arms::stages(),
         geometric::stages(),
         posing::stages(),
     ]
