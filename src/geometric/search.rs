@@ -119,10 +119,8 @@ impl Search<'_> {
             project(&mut x, problem.lower(), problem.upper());
             let (found, termination) = self.attempt(&x, method, observer);
             attempt += 1;
-            let better = attempt == 1
-                || found.reached
-                || found.cost < best.cost * (1.0 - SAME_COST)
-                || (best.cost.is_nan() && !found.cost.is_nan());
+            let better =
+                attempt == 1 || found.reached || found.cost < best.cost * (1.0 - SAME_COST);
             if matches!(termination, Termination::SmallStep | Termination::Stalled) {
                 agreeing = match better {
                     true => 1,

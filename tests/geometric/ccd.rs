@@ -11,7 +11,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::solver::{Iteration, Stopping, Termination};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Quantity};
+use kinopt::task::{Point, Pose, Quantity, Task};
 use kinopt::{Problem, Solution};
 use support::random::Random;
 use support::{planar_arm, planar_tip};
@@ -286,4 +286,30 @@ fn a_start_whose_error_overflows_is_not_the_last_attempt() {
     let problem = builder.build().unwrap();
     let solution = Ccd::default().solve(&problem, &[long]).unwrap();
     assert!(solution.reached && solution.attempts > 1, "{solution:?}");
+}
+
+/// One joint between a place and a direction that contradict each other: turned about z, the sum
+/// Σ w² |chord|² is least at the angle of Σ w² r² (cos, sin), r the lever, 1 for the direction.
+#[test]
+fn places_and_directions_count_by_their_weights() {
+    let (lever, weight) = (0.7, 0.4);
+    let model = planar_arm(&[lever], None);
+    let (place, direction) = (0.5_f64, -0.3_f64);
+    let target = Placement::new(
+        kinopt::spatial::Matrix3::identity().rotated_about_z(direction.sin_cos()),
+        [lever * place.cos(), lever * place.sin(), 0.0].into(),
+    );
+    let mut builder = Problem::builder(&model);
+    let pose = Task::new(Pose::new(model.frame("tip").unwrap(), target));
+    let pose = pose.weight(Quantity::Metres, 1.0);
+    builder.add(pose.weight(Quantity::Radians, weight));
+    let problem = builder.build().unwrap();
+    let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
+    let sum = |of: fn(f64) -> f64| lever * lever * of(place) + weight * weight * of(direction);
+    let wanted = sum(f64::sin).atan2(sum(f64::cos));
+    assert!(
+        (solution.q[0] - wanted).abs() < 1e-12,
+        "{:?} {wanted}",
+        solution.q
+    );
 }
