@@ -225,3 +225,18 @@ fn steps_that_are_none_take_no_time() {
         assert_eq!(machine.states().next(), Some(run.state()));
     }
 }
+
+/// A transition that asks for a number of rounds and a time waits for both.
+#[test]
+fn of_two_waits_the_longer_counts() {
+    for (after, seconds, wanted) in [(2.0, 1.0, 4.0), (0.5, 3.0, 3.0)] {
+        let mut run = run_of(&format!(
+            r#"{{"initial": "a", "states": [{{"name": "a", "clip": "walk"}}, {{"name": "b", "clip": "run"}}],
+            "transitions": [{{"from": "a", "to": "b", "after": {after}, "after_seconds": {seconds}}}]}}"#
+        ));
+        run.update(wanted - 0.01, |_| {}).unwrap();
+        assert_eq!(run.state(), "a");
+        run.update(0.02, |_| {}).unwrap();
+        assert_eq!(run.state(), "b");
+    }
+}

@@ -247,3 +247,29 @@ fn fractions_and_interleaved_entries() {
     }
     assert_eq!(scene.meshes[1].mesh.positions(), third.map(Vec3::from));
 }
+
+/// The values of a sparse accessor are read as the accessor's own are: whole numbers that stand for shares.
+#[test]
+fn sparse_values_may_be_normalized() {
+    let mut numbers = Numbers::default();
+    let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let (places, values) = (numbers.view(&[1, 0]), numbers.view(&[51, 204, 0, 0]));
+    let base = numbers.view(&[[255, 0, 0, 0]; 3].concat());
+    let weights = numbers.accessor(format!(
+        r#"{{"bufferView":{base},"componentType":5121,"normalized":true,"type":"VEC4","count":3,"sparse":{{"count":1,"indices":{{"bufferView":{places},"componentType":5123}},"values":{{"bufferView":{values}}}}}}}"#
+    ));
+    let joints = numbers.bytes(&[[0, 1, 0, 0]; 3], "");
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"name":"skin","mesh":0,"skin":0}},{{"name":"a"}},{{"name":"b"}}],"skins":[{{"joints":[1,2]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}}}}]}}]"#
+    ));
+    assert_eq!(scene.notes, []);
+    let skin = scene.meshes[0].skin.as_ref().unwrap();
+    let weights: Vec<f64> = skin
+        .weights
+        .influences(1)
+        .iter()
+        .map(|i| i.weight)
+        .collect();
+    assert!((weights[0] - 0.2).abs() < 1e-9 && (weights[1] - 0.8).abs() < 1e-9);
+}

@@ -160,3 +160,36 @@ fn a_clip_lasts_as_long_as_it_did() {
     assert_eq!(early.clips[0].span(), [0.0, 2.0]);
     assert_eq!(at(&early, 0, 1.5).morph_weights(), [0.0, 0.5]);
 }
+
+/// Samples of turning angles are written on one side, for programs that take the way between quaternions as
+/// it is given.
+#[test]
+fn quaternions_of_angles_stay_on_one_side() {
+    let angles = [0.0, 4.0, -3.0, 9.0].map(|turn| Vec3A::new(turn, 0.3 * turn, 0.1));
+    let euler = EulerCurve {
+        order: EulerOrder::Xyz,
+        before: Quat::from_rotation_x(0.4),
+        angles: KeyedCurve::linear(vec![0.0, 0.02, 0.200_001, 0.5], angles.to_vec()).unwrap(),
+    };
+    let bone = moving(|_| {}).armature.bone_at(0).unwrap();
+    let mut scene = moving(|builder| {
+        builder.channel(bone, Channel::Euler(euler)).unwrap();
+    });
+    scene.meshes.clear();
+    let bytes = gltf::to_bytes(&scene, &WriteOptions::default()).unwrap();
+    // The second chunk is the buffer: a time and four numbers for each key.
+    let count = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let buffer = &bytes[12 + 8 + count(12) + 8..];
+    let numbers = buffer.chunks_exact(4);
+    let numbers: Vec<f32> = numbers
+        .map(|b| f32::from_le_bytes(b.try_into().unwrap()))
+        .collect();
+    let quaternions = numbers[numbers.len() / 5..].chunks_exact(4);
+    let quaternions: Vec<Vec4> = quaternions.map(Vec4::from_slice).collect();
+    assert!(quaternions.len() > 10);
+    // A sample that all but falls on a key is left to the key.
+    let times = &numbers[..numbers.len() / 5];
+    assert!(times.windows(2).all(|t| t[1] - t[0] > 1e-5), "{times:?}");
+    assert!(quaternions.iter().all(|q| (q.length() - 1.0).abs() < 1e-5));
+    assert!(quaternions.windows(2).all(|q| q[0].dot(q[1]) >= 0.0));
+}

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::Limits;
+use kinopt::problem::{Evaluation, Problem};
 use kinopt::skeleton::{Bone, BoneId, Skeleton};
+use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
@@ -191,4 +193,44 @@ fn the_unit_of_length_does_not_matter() {
         });
         assert!(holds.iter().all(|held| *held == holds[1]), "{holds:?}");
     }
+}
+
+/// A limb is as long as its longest way on, whatever short bone branches off before.
+#[test]
+fn a_short_bone_on_a_limb_takes_nothing_from_it() {
+    let mut bones: Vec<Plan> = CHARACTER[..4].to_vec();
+    bones.push(("left pocket", Some(3), [0.11, 0.89], FREE));
+    let rest = CHARACTER[4..].iter().map(|&(name, parent, at, limits)| {
+        let parent = parent.map(|parent| parent + usize::from(parent > 3));
+        (name, parent, at, limits)
+    });
+    bones.extend(rest);
+    for dragged in ["left hand", "right foot", "hips"] {
+        let [one, other] = [character(), skeleton(&bones)].map(|s| held(&s, &[dragged]));
+        assert_eq!(one, other, "{dragged}");
+    }
+}
+
+/// A back keeps five times as strongly to its posture as limbs do.
+#[test]
+fn a_back_is_stiffer_than_limbs() {
+    let character = character();
+    let holds = character.holds(&[character.bone("left hand").unwrap()]);
+    let n = character.model().degrees_of_freedom();
+    let mut builder = Problem::builder(character.model());
+    for posture in holds.postures(&character, &vec![0.25; n]) {
+        builder.add(posture);
+    }
+    let problem = builder.build().unwrap();
+    assert_eq!(
+        [0, 1].map(|task| problem.task_name(task).unwrap()),
+        ["posture", "posture of the back"]
+    );
+    let mut scratch = problem.scratch();
+    let mut residual = vec![0.0; problem.rows()];
+    let x = vec![1.25; problem.variables()];
+    Evaluation::new(&problem, &mut scratch).residual(&x, &mut residual);
+    let back: usize = holds.back.iter().map(|&b| character.joints(b).len()).sum();
+    let of = |weight: f64| residual.iter().filter(|r| **r == weight).count();
+    assert!(back > 0 && of(5.0) == back, "{residual:?}");
 }

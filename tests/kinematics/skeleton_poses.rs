@@ -43,6 +43,8 @@ fn at_rest_nothing_moves() {
     for seed in 0..SEEDS {
         let rig = RandomRig::new(seed);
         let pose = rig.skeleton.pose(&vec![0.0; rig.skeleton.angles()]);
+        // Angles that are not given are none.
+        assert_eq!(rig.skeleton.pose(&[]), pose);
         for transform in pose.skinning_transforms(&rig.skeleton) {
             assert!(apart(&transform, &rigid(na::Rotation3::identity(), na::zero())) < 1e-13);
         }

@@ -57,6 +57,16 @@ fn from_version_1_2_on_a_missing_bound_is_none() {
 }
 
 #[test]
+fn before_version_1_2_a_missing_bound_is_0() {
+    for version in ["1.0", "1.1"] {
+        let version = format!("<robot version='{version}' ");
+        let text = text("revolute", "<limit lower='-1'/>").replace("<robot ", &version);
+        let robot = Robot::parse(&text, "one.urdf").unwrap();
+        assert_eq!(limits(&robot), Limits::new(-1.0, 0.0));
+    }
+}
+
+#[test]
 fn a_follower_without_bounds_holds_its_leader() {
     let two = text("revolute", "<limit lower='-1' upper='1'/>").replace(
         "</robot>",
