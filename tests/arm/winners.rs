@@ -98,4 +98,13 @@ fn settling_is_not_charged_to_the_attempts() {
             solution.iterations
         );
     }
+    // Attempts that are paid for by steps alone: forty more are begun where settling took more than that.
+    let start = random.configuration(&builder.clone().build().unwrap());
+    let attempts = |iterations: u32| {
+        let arm = builder.clone().with_iterations(iterations).build().unwrap();
+        let mut target = arm.base_from_tool(&start).unwrap();
+        target.translation.x += 3.0;
+        arm.solve(target, &start).unwrap().attempts
+    };
+    assert!(attempts(640) > attempts(600));
 }

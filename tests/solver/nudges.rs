@@ -1,9 +1,13 @@
 //! Promise: a body in balance on a target that it could reach is nudged off, whatever its preferences lose by it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use kinopt::Solver;
 use kinopt::ik::Drag;
+use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;
-use kinopt::task::{Point, Posture, Task};
+use kinopt::solver::Stopping;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Distance, Point, Posture, Quantity, Task};
 use support::planar_arm;
 
 #[test]
@@ -50,4 +54,36 @@ fn a_miss_rests_after_its_nudges() {
         !drag.rests()
     });
     assert_eq!(awake.count(), 4);
+}
+
+/// How far a slide is nudged goes by the size of the model: in another unit of length the same frame comes
+/// out.
+#[test]
+fn a_nudge_is_of_the_model_s_size() {
+    let slid = |unit: f64| {
+        let mut builder = Model::builder("slide");
+        let axis = Vector3::new(1.0, 0.0, 0.0);
+        let limits = Limits::new(-unit, 3.0 * unit);
+        let slide = builder.prismatic("slide", None, Placement::identity(), axis, limits);
+        let rider = builder.frame("rider", Some(slide), Placement::identity());
+        let aside = Placement::translation([0.0, unit, 0.0].into());
+        let post = builder.frame("post", None, aside);
+        let model = builder.build().unwrap();
+        // A little further than the nearest: both ways are as good, and the rate is none.
+        let mut builder = Problem::builder(&model);
+        let distance = f64::hypot(1.0, 0.02) * unit;
+        builder.add(Distance::new(rider, post, distance));
+        builder.tolerance(Quantity::Metres, 1e-6 * unit);
+        let drag = Drag::new(builder.build().unwrap(), &[0.0]).unwrap();
+        let once = Stopping::default().with_max_iterations(1);
+        let mut drag = drag.with_solver(Solver::default(), once);
+        drag.advance();
+        drag.q()[0] / unit
+    };
+    let metres = slid(1.0);
+    assert!(metres > 1e-3, "{metres}");
+    for unit in [1024.0, 1.0 / 1024.0] {
+        let other = slid(unit);
+        assert!((other - metres).abs() < 1e-9, "{unit}: {other} {metres}");
+    }
 }

@@ -12,9 +12,9 @@ use kinopt::task::{
 };
 use kinopt::{Scalar, Solver};
 use support::arms::panda;
-use support::planar_arm;
 use support::random::Random;
 use support::trees::configuration_of;
+use support::{planar_arm, planar_tip};
 
 use crate::pulls::{Add, drag, left_over, placement_of, problem, within_limits};
 
@@ -290,5 +290,29 @@ fn preferences_come_as_far_whatever_the_goals_weigh() {
             (pull - usual).abs() < 1e-4 * usual,
             "{weight:e}: {pull} {usual}"
         );
+    }
+}
+
+/// A goal that is reached stays where it came to, to a thousandth of its tolerance, whatever it weighs and
+/// however far a step of the preferences goes.
+#[test]
+fn goals_stay_where_they_came_to_whatever_they_weigh() {
+    let lengths = [0.6, 0.5, 0.4, 0.3];
+    let model = planar_arm(&lengths, Some((-2.5, 2.5)));
+    let tip = model.frame("tip").unwrap();
+    let start = [0.9, -0.2, 0.4, -0.3];
+    let at = planar_tip(&lengths, &start);
+    for weight in [1e-6, 1.0, 1e6] {
+        let mut builder = Problem::builder(&model);
+        let goal = Task::new(Point::new(tip, at)).weight(Quantity::Metres, weight);
+        builder.add(goal.tolerance(Quantity::Metres, 0.1));
+        builder.add(Posture::new(&model, &[-0.8, 1.9, -0.2, 0.8]));
+        let problem = builder.build().unwrap();
+        let once = kinopt::solver::Stopping::default().with_max_iterations(1);
+        let solver = Solver::default().with_stopping(once);
+        let solution = solver.solve_once(&problem, &start).unwrap();
+        assert!(solution.reached && solution.q != start);
+        let apart = (planar_tip(&lengths, &solution.q) - at).norm();
+        assert!(apart <= 1.001e-4, "{weight:e}: {apart:e}");
     }
 }

@@ -2,7 +2,9 @@
 //! leaves free.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;
+use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture, Quantity, Task};
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::panda;
@@ -111,4 +113,34 @@ fn a_miss_does_not_grow_for_a_preference_s_sake() {
         .unwrap();
     assert!(missed < 1.0 + 1e-6, "{missed} at {:?}", solution.q);
     assert!(solution.q[0] > 0.1, "{:?}", solution.q);
+}
+
+/// A joint that stands on a limit but not for the goal's sake goes where the preference draws it.
+#[test]
+fn what_a_limit_holds_for_no_goal_is_free() {
+    let mut builder = Model::builder("aside");
+    let (z, limits) = (Vector3::new(0.0, 0.0, 1.0), Limits::new(-1.0, 1.0));
+    let joint = |builder: &mut kinopt::model::ModelBuilder, name: &str| {
+        builder.revolute(name, None, Placement::identity(), z, limits)
+    };
+    let arm = joint(&mut builder, "arm");
+    joint(&mut builder, "aside");
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let tip = builder.frame("tip", Some(arm), link);
+    let model = builder.build().unwrap();
+    for side in [-1.0, 1.0] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, [1.5, 0.5, 0.0]));
+        builder.add(Posture::new(&model, &[0.0, -0.4 * side]));
+        let problem = builder.build().unwrap();
+        let solution = Solver::default()
+            .solve_once(&problem, &[0.1, side])
+            .unwrap();
+        assert!(!solution.reached);
+        assert!(
+            (solution.q[1] + 0.4 * side).abs() < 1e-4,
+            "{:?}",
+            solution.q
+        );
+    }
 }

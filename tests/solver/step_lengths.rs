@@ -5,10 +5,11 @@
 use std::ops::ControlFlow;
 
 use kinopt::ik::Restarts;
-use kinopt::model::ParameterMap;
+use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::solver::{FirstStep, Iteration, LeastSquares, ProjectedGradient, Stopping};
-use kinopt::task::Point;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Quantity, Task};
 use kinopt::{Solver, Workspace};
 use nalgebra::DMatrix;
 use support::bones::RandomRig;
@@ -112,4 +113,25 @@ fn a_large_first_step_is_halved_until_the_cost_falls() {
         }
         assert!(costs[costs.len() - 1] < 0.5 * costs[0]);
     }
+}
+
+/// A step that only just lowers the cost is not enough: the parabola ½ k x² is a hundredth of a hundredth lower
+/// at the other side, and lowest half way.
+#[test]
+fn a_step_that_gains_next_to_nothing_is_shortened() {
+    let mut builder = Model::builder("slide");
+    let axis = Vector3::new(1.0, 0.0, 0.0);
+    let limits = Limits::new(-10.0, 10.0);
+    let slide = builder.prismatic("slide", None, Placement::identity(), axis, limits);
+    let rider = builder.frame("rider", Some(slide), Placement::identity());
+    let model = builder.build().unwrap();
+    let mut builder = Problem::builder(&model);
+    // Steps are tried from 10⁴ on, each half the last: the 13th is 1.9999 times the inverse of the curvature.
+    let weight = (1.9999 * f64::powi(2.0, 13) / 1e4).sqrt();
+    builder.add(Task::new(Point::new(rider, [0.0; 3])).weight(Quantity::Metres, weight));
+    let solver = Solver::new(ProjectedGradient::default());
+    let solver = solver.with_restarts(Restarts::none());
+    let solution = solver.solve_once(&builder.build().unwrap(), &[1.0]);
+    let solution = solution.unwrap();
+    assert!(solution.reached && solution.iterations <= 3, "{solution:?}");
 }

@@ -1,9 +1,9 @@
 //! Promise: an error that nobody weighs is told all the same, and a miss says how many attempts agree.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::model::{FrameId, JointId};
+use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::Problem;
-use kinopt::spatial::Placement;
+use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Pose, Quantity, Residual, Rows, Task};
 use kinopt::{Scalar, Solver};
 use support::arms::robot;
@@ -67,6 +67,9 @@ fn attempts_that_agree_are_counted_and_told() {
         hole.agreeing, hole.attempts
     );
     assert!(hole.explain().contains(&told), "{}", hole.explain());
+    let mut others = hole.clone();
+    (others.agreeing, others.attempts) = (3, 7);
+    assert!(others.explain().contains("3 of 7 attempts"));
     let alone = solve([0.2, 0.1, 0.0], 1);
     assert_eq!(alone.agreeing, 1);
     assert!(
@@ -158,5 +161,51 @@ fn of_a_pose_only_what_is_missed_is_told() {
         let misses = misses.unwrap().trim_end_matches('.');
         let has = |unit: &str| misses.split(' ').any(|word| word == unit);
         assert_eq!([has("m"), has("rad")], told, "{misses}");
+    }
+}
+
+/// A point that stands off its frame is as far from there as it reaches beyond it.
+#[test]
+fn what_stands_off_a_frame_reaches_further() {
+    let model = planar_arm(&[1.0], Some((-0.5, 0.5)));
+    let tip = model.frame("tip").unwrap();
+    for (distance, beyond) in [(1.4, false), (1.6, true)] {
+        let mut builder = Problem::builder(&model);
+        let (sin, cos) = 1.0_f64.sin_cos();
+        let target = [distance * cos, distance * sin, 0.0];
+        builder.add(Point::new(tip, target).at([0.5, 0.0, 0.0]));
+        let solution = Solver::default().solve_once(&builder.build().unwrap(), &[0.1]);
+        let solution = solution.unwrap();
+        assert!(!solution.reached);
+        assert_eq!(solution.is_out_of_reach(), beyond, "{}", solution.explain());
+    }
+}
+
+/// A slide reaches as far as its further end, wherever in the chain it is.
+#[test]
+fn a_slide_reaches_to_its_further_end() {
+    let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
+    let (turns, slides) = (Limits::new(-0.1, 0.1), Limits::new(-0.2, 1.0));
+    let none = Placement::identity();
+    for slide_first in [true, false] {
+        let mut builder = Model::builder("slide");
+        let last = if slide_first {
+            let slide = builder.prismatic("slide", None, none, x, slides);
+            builder.revolute("turn", Some(slide), none, z, turns)
+        } else {
+            let turn = builder.revolute("turn", None, none, z, turns);
+            builder.prismatic("slide", Some(turn), none, x, slides)
+        };
+        let link = Placement::translation(x * 0.3);
+        let tip = builder.frame("tip", Some(last), link);
+        let model = builder.build().unwrap();
+        for (distance, beyond) in [(1.25, false), (1.35, true)] {
+            let mut builder = Problem::builder(&model);
+            builder.add(Point::new(tip, [distance * 0.8, distance * 0.6, 0.0]));
+            let solution = Solver::default().solve_once(&builder.build().unwrap(), &[0.0; 2]);
+            let solution = solution.unwrap();
+            assert!(!solution.reached);
+            assert_eq!(solution.is_out_of_reach(), beyond, "{}", solution.explain());
+        }
     }
 }
