@@ -153,3 +153,45 @@ fn leaders_do_not_turn_round() {
         }
     }
 }
+
+/// Of the equal values of a joint that turns further than right round the nearest to the start within its
+/// limits comes back, also where the nearest of all lies beyond them.
+#[test]
+fn wide_joints_come_back_as_near_to_the_start_as_limits_allow() {
+    let joint = |name: &str, at: usize, end: f64, more: &str| {
+        format!(
+            "<link name=\"l{}\"/><joint name=\"{name}\" type=\"revolute\"><parent link=\"l{at}\"/>\
+             <child link=\"l{}\"/><origin xyz=\"0.4 0 0\"/><axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-{end}\" upper=\"{end}\" effort=\"1\" velocity=\"1\"/>{more}</joint>",
+            at + 1,
+            at + 1
+        )
+    };
+    let text = format!(
+        "<robot name=\"wide\"><link name=\"l0\"/>{}{}{}</robot>",
+        joint("a", 0, 5.0, ""),
+        joint("b", 1, 2.0, ""),
+        joint("c", 2, 2.0, "<mimic joint=\"b\" multiplier=\"0.5\"/>"),
+    );
+    let robot = Robot::parse(&text, "wide.urdf").unwrap();
+    let arm = Arm::builder(&robot, "l0", "l3").unwrap();
+    let search = Search::Distinct {
+        k: 8,
+        distance: 0.1,
+    };
+    let arm = arm.with_search(search).with_attempts(12).build().unwrap();
+    let (mut random, mut held) = (Random(15), 0);
+    for _ in 0..40 {
+        let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let start = [18.0 * random.unit() - 9.0, 2.0 * random.unit() - 1.0];
+        for solution in arm.solve_all(goal, &start).unwrap() {
+            let (q, start) = (solution.q[0], start[0]);
+            for turned in [q - std::f64::consts::TAU, q + std::f64::consts::TAU] {
+                let nearer = (turned - start).abs() < (q - start).abs() - 1e-9;
+                assert!(!nearer || turned.abs() > 5.0, "{q} from {start}");
+                held += usize::from(nearer);
+            }
+        }
+    }
+    assert!(held > 5, "{held} were held by a limit");
+}

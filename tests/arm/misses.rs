@@ -179,6 +179,26 @@ fn a_global_search_on_a_miss_is_asked_for() {
     assert!(better > 0);
 }
 
+/// Where the nearest is looked for a miss that is searched everywhere is settled from the best of all attempts.
+#[test]
+fn of_a_comparison_in_vain_the_best_is_settled() {
+    let (robot, base, tip) = panda();
+    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = builder.with_global_search_on_miss(true).with_attempts(24);
+    let every = builder.clone().with_search(Search::Nearest);
+    let arms = [builder, every].map(|arm| arm.build().unwrap());
+    let (mut random, mut costs) = (Random(85), [0.0; 2]);
+    for _ in 0..8 {
+        let start = random.configuration(&arms[0]);
+        let mut target = (arms[0].base_from_tool(&random.configuration(&arms[0]))).unwrap();
+        target.translation = target.translation * 1.6;
+        for (arm, sum) in arms.iter().zip(&mut costs) {
+            *sum += arm.solve(target, &start).unwrap().cost;
+        }
+    }
+    assert!(costs[1] <= 1.01 * costs[0], "{costs:?}");
+}
+
 /// What solves alone is what solves together, and every solution has an attempt that won.
 #[test]
 fn a_batch_answers_as_a_single_question_does() {
