@@ -79,6 +79,18 @@ impl Tree {
         wrenches: &mut Wrenches,
         gradient: &mut [f64],
     ) {
+        self.sweep_by(state, wrenches, |variable, share| {
+            gradient[variable] += share;
+        });
+    }
+
+    /// As [`sweep`](Self::sweep), with each variable's share handed to `add`.
+    pub(crate) fn sweep_by(
+        &self,
+        state: &TreeState<f64>,
+        wrenches: &mut Wrenches,
+        mut add: impl FnMut(usize, f64),
+    ) {
         for (index, node) in self.nodes.iter().enumerate().rev() {
             let origin_from_node = &state.origin_from_node[index];
             let carried = wrenches.on_node[index];
@@ -88,7 +100,7 @@ impl Tree {
             } else {
                 axis.dot(carried.force)
             };
-            gradient[node.variable] += share * node.ratio;
+            add(node.variable, share * node.ratio);
             if let Some(parent) = node.parent {
                 let above = &state.origin_from_node[parent];
                 let lever = origin_from_node.translation - above.translation;

@@ -200,6 +200,7 @@ impl<'m> ProblemBuilder<'m> {
             felt: Vec::new(),
         };
         problem.mark_felt();
+        problem.choose_sweeps();
         Ok(problem)
     }
 }
@@ -303,6 +304,7 @@ fn place(
         rows_of_share: 0..0,
         weights,
         frames: slots,
+        swept: false,
         coordinates,
     })
 }

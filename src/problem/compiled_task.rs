@@ -41,6 +41,8 @@ pub(crate) struct CompiledTask {
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,
     pub(crate) frames: Vec<FrameSlot>,
+    /// Whether its Jacobian comes cheaper by sweeps over the whole tree than frame by frame.
+    pub(crate) swept: bool,
     /// Coordinates of the configuration.
     pub(crate) coordinates: Vec<usize>,
 }

@@ -337,6 +337,16 @@ impl Problem {
     }
 
     /// The variables that a task feels.
+    /// Sweeps pass every joint and frame once, where each frame by itself passes all joints that move it.
+    fn choose_sweeps(&mut self) {
+        let Self { tree, tasks, .. } = self;
+        for task in tasks {
+            let slots = task.frames.iter();
+            let passed: usize = slots.map(|&slot| tree.variables_moving(slot).count()).sum();
+            task.swept = passed > SWEPT * (tree.joints() + task.frames.len());
+        }
+    }
+
     fn variables_moving<'a>(&'a self, task: &'a CompiledTask) -> impl Iterator<Item = usize> + 'a {
         let by_frames = task
             .frames
@@ -414,6 +424,8 @@ impl Problem {
     }
 }
 
+/// A task is swept where its frames pass so many times more joints than a sweep does.
+const SWEPT: usize = 2;
 /// How far from where it was a goal may end for the preferences' sake, as a share of its tolerance.
 const KEPT: f64 = 1e-3;
 

@@ -25,10 +25,10 @@ impl LocalJacobian {
     /// Takes a shape and sets every entry to zero, without allocating once it has been larger.
     pub(crate) fn reset(&mut self, rows: usize, frames: usize, joints: usize) {
         self.rows = rows;
-        for part in [&mut self.linear, &mut self.angular] {
-            part.clear();
-            part.resize(rows * frames, Vector3::zero());
-        }
+        self.linear.clear();
+        self.linear.resize(rows * frames, Vector3::zero());
+        // Zeroed where a frame turns something, which most do not.
+        self.angular.resize(rows * frames, Vector3::zero());
         self.turning.clear();
         self.turning.resize(frames, false);
         self.joint_count = joints;
@@ -89,11 +89,15 @@ impl LocalJacobian {
     /// ∂r/∂angular velocity of a frame, to write; empty for a frame that the residual does not
     /// read.
     pub fn angular_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
+        let range = self.range(frame);
+        let angular = self.angular.get_mut(range).unwrap_or_default();
         if let Some(turning) = self.turning.get_mut(frame) {
+            if !*turning {
+                angular.fill(Vector3::zero());
+            }
             *turning = true;
         }
-        let range = self.range(frame);
-        self.angular.get_mut(range).unwrap_or_default()
+        angular
     }
 
     /// ∂r/∂value of a joint, to write; empty for a joint that the residual does not read.
@@ -114,12 +118,15 @@ impl LocalJacobian {
     pub(crate) fn scale_rows(&mut self, weights: &[f64]) {
         // A residual may have no rows, but chunks must have a length.
         let rows = self.rows.max(1);
-        for part in [&mut self.linear, &mut self.angular] {
-            for row in part.chunks_exact_mut(rows) {
-                for (entry, &weight) in row.iter_mut().zip(weights) {
-                    *entry = *entry * weight;
-                }
+        let scale = |frame: &mut [Vector3<f64>]| {
+            for (entry, &weight) in frame.iter_mut().zip(weights) {
+                *entry = *entry * weight;
             }
+        };
+        self.linear.chunks_exact_mut(rows).for_each(scale);
+        let frames = self.angular.chunks_exact_mut(rows).zip(&self.turning);
+        for (frame, _) in frames.filter(|(_, turning)| **turning) {
+            scale(frame);
         }
         for row in self.joints.chunks_exact_mut(rows) {
             for (entry, &weight) in row.iter_mut().zip(weights) {

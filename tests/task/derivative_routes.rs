@@ -7,15 +7,18 @@
 //! levers are differences of coordinates, so that 64 such roundings are allowed on top.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::Problem;
+use kinopt::model::{FrameId, Limits};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use kinopt::{Model, Problem, Scalar};
 use nalgebra::{DMatrix, DVector};
 use support::maps::maps_of;
 use support::random::Random;
 use support::tasks::{TaskCase, tasks_of};
 use support::trees::RandomTree;
-use support::{Rigid, rigid};
+use support::{Rigid, placement, rigid};
 
 const FAR: f64 = 1e6;
 
@@ -164,4 +167,58 @@ fn gradients_by_every_route_are_the_same() {
             assert!((a - b).abs() <= within * largest, "{route:?}: {a} and {b}");
         }
     }
+}
+
+/// What the places and turns of many frames come to together, as of a centre of mass.
+struct Centre(Vec<FrameId>);
+
+impl Residual for Centre {
+    fn frames(&self) -> Vec<FrameId> {
+        self.0.clone()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 2)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
+        r.fill(S::zero());
+        for (k, frame) in frames.iter().enumerate() {
+            let mass = S::constant(1.0 + k as f64);
+            r[0] += frame.translation.x * mass;
+            r[1] += (frame.translation.y + frame.rotation.x.z) * mass;
+        }
+    }
+}
+
+#[test]
+fn frames_that_share_their_joints() {
+    let mut random = Random::new(5);
+    let mut builder = Model::builder("spine");
+    let (mut last, mut frames) = (None, Vec::new());
+    for k in 0..12 {
+        let at = placement(&random.rigid(0.5));
+        let axis = Vector3::UNITS[k % 3];
+        let joint = match k % 4 {
+            3 => builder.prismatic(format!("{k}"), last, at, axis, Limits::UNBOUNDED),
+            _ => builder.revolute(format!("{k}"), last, at, axis, Limits::UNBOUNDED),
+        };
+        frames.push(builder.frame(format!("{k}"), Some(joint), at));
+        last = Some(joint);
+    }
+    let model = builder.build().unwrap();
+    let mut tasks = Problem::builder(&model);
+    // Rows of others above and below.
+    tasks.add(Point::new(frames[3], [0.0; 3]));
+    tasks.add(Task::new(Centre(frames.clone())).times(0.5));
+    tasks.add(Point::new(frames[11], [0.0; 3]));
+    let mut problem = tasks.build().unwrap();
+    let x: Vec<f64> = (0..12).map(|k| 0.3 * f64::from(k % 5) - 0.5).collect();
+    let exact = jacobian(&mut problem, Derivatives::Dual, &x);
+    let error = relative(&jacobian(&mut problem, Derivatives::Analytic, &x), &exact);
+    assert!(error < 1e-12, "{error:e}");
+    let (slopes, residual) = gradient(&mut problem, Derivatives::Analytic, &x);
+    let product = exact.transpose() * residual;
+    let off = DVector::from_vec(slopes) - &product;
+    assert!(off.amax() < 1e-12 * product.amax(), "{off}");
 }
