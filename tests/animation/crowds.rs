@@ -126,3 +126,18 @@ fn clips_of_other_armatures_are_refused() {
     );
     assert_eq!(crowd.characters().len(), CHARACTERS);
 }
+
+/// A character without clips reaches from rest in every frame.
+#[test]
+fn without_clips_limbs_reach_from_rest() {
+    let mut random = Random::new(34);
+    let (mut crowd, _, limb) = crowd(&mut random);
+    let wanted = goal(&mut random);
+    crowd.add(Vec::new()).unwrap().goals_mut()[0] = wanted;
+    for _ in 0..3 {
+        crowd.advance(0.1).unwrap();
+    }
+    let mut pose = crowd.armature().rest().clone();
+    limb.reach(crowd.armature(), &mut pose, &wanted).unwrap();
+    assert_eq!(crowd.characters()[CHARACTERS].pose(), &pose);
+}

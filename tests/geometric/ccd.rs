@@ -313,3 +313,30 @@ fn places_and_directions_count_by_their_weights() {
         solution.q
     );
 }
+
+/// A joint that alone follows another one, the other way and half as far, is turned by what its leader turns.
+#[test]
+fn a_follower_of_a_joint_elsewhere_is_turned_by_its_leader() {
+    let mut builder = Model::builder("follower");
+    let z = Vector3::new(0.0, 0.0, 1.0);
+    let limits = Limits::new(-1.0, 1.0);
+    let none = Placement::identity();
+    let leader = builder.revolute("leader", None, none, z, limits);
+    let hand = builder.revolute("hand", None, none, z, limits);
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    builder.frame("tip", Some(hand), link);
+    let model = builder.build().unwrap();
+    let map = ParameterMap::builder(&model).couple(hand, leader, -0.5, 0.1);
+    let map = map.build().unwrap();
+    // Within its range, and at its end.
+    for (angle, expected) in [(0.4_f64, 0.4), (0.9, 0.6), (-0.2, -0.2)] {
+        let mut builder = Problem::builder(&model);
+        builder.parameters(map.clone());
+        let target = [angle.cos(), angle.sin(), 0.0];
+        builder.add(Point::new(model.frame("tip").unwrap(), target));
+        let problem = builder.build().unwrap();
+        let solution = one_sweep().solve(&problem, &[0.2, 0.0]).unwrap();
+        assert!((solution.q[1] - expected).abs() < 1e-12, "{:?}", solution.q);
+        assert!((solution.q[0] + 2.0 * (expected - 0.1)).abs() < 1e-12);
+    }
+}

@@ -134,6 +134,7 @@ fn an_arm_on_a_turning_base() {
     let tip = builder.frame("tip", Some(bend), Placement::translation(x * 0.4));
     let model = builder.build().unwrap();
     let mut kinematics = ForwardKinematics::of_frames(&model, &[tip]).unwrap();
+    let mut near = 0;
     for seed in 0..100 {
         let goal = model.random_configuration(seed);
         let target = kinematics.place(&goal).unwrap()[0].translation;
@@ -148,7 +149,17 @@ fn an_arm_on_a_turning_base() {
             assert!(sign * bent >= 0.0);
             assert!((bent.abs() - wrapped(goal[2]).abs()).abs() < 1e-6);
         }
+        // Of the two ways round, facing the target or leaning back to it, the one that turns less.
+        let elbow = match wrapped(goal[2]) > 0.0 {
+            true => Elbow::Positive,
+            false => Elbow::Negative,
+        };
+        let beside: Vec<f64> = goal.iter().map(|q| q + 0.02).collect();
+        let solution = TwoBone::new(elbow).solve(&problem, &beside).unwrap();
+        let mut moves = solution.q.iter().zip(&beside);
+        near += usize::from(moves.all(|(a, b)| wrapped(a - b).abs() < 0.3));
     }
+    assert!(near >= 90, "{near} of 100");
 }
 
 /// The shipped humanoid's arms and legs: with the pole at the elbow of a pose, that pose's target is

@@ -38,3 +38,12 @@ fn bounds_are_those_of_all_that_follow() {
     assert_eq!(build(2.0, 0.5, Some(Limits::new(0.0, 1.0))), (-0.25, 0.25));
     assert_eq!(build(-0.5, 0.0, Some(Limits::new(-0.25, 9.0))), (-1.0, 0.5));
 }
+
+#[test]
+fn what_is_reduced_is_within_its_bounds() {
+    let model = planar_arm(&[1.0; 3], Some((-1.0, 2.0)));
+    let map = ParameterMap::identity(&model);
+    let mut x = [0.0; 3];
+    map.reduce(&[9.0, -9.0, 0.5], &mut x);
+    assert_eq!(x, [2.0, -1.0, 0.5]);
+}

@@ -236,6 +236,30 @@ fn a_pull_on_two_joints_pulls_both() {
     );
 }
 
+/// Pulls that are linear in the joints come to their minimum in one step, on whichever joints their rows are.
+#[test]
+fn one_step_is_enough_for_linear_pulls() {
+    let mut builder = Model::builder("three joints at one place");
+    let z = kinopt::spatial::Vector3::new(0.0, 0.0, 1.0);
+    let here = Placement::identity();
+    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, here, z));
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let tip = builder.frame("tip", Some(c), link);
+    let model = builder.build().unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [1.0, 0.0, 0.0]));
+    builder.add(Task::new(Sum([a, b])).preference());
+    builder.add(Task::new(Posture::of_joints([(a, 0.4)])).times(2.0));
+    let once = kinopt::solver::Stopping::default().with_max_iterations(1);
+    let solver = Solver::default().with_stopping(once);
+    let solution = solver.solve_once(&builder.build().unwrap(), &[0.0; 3]);
+    let q = solution.unwrap().q;
+    assert!(
+        (q[0] - 0.4).abs() < 1e-4 && (q[1] - 0.1).abs() < 1e-4,
+        "{q:?}"
+    );
+}
+
 /// A task is reached where all its rows are.
 #[test]
 fn a_task_half_reached_is_not_reached() {
