@@ -195,3 +195,29 @@ fn wide_joints_come_back_as_near_to_the_start_as_limits_allow() {
     }
     assert!(held > 5, "{held} were held by a limit");
 }
+
+/// A follower's velocity limit holds its leader back: by the ratio that it follows at, whichever way.
+#[test]
+fn leaders_are_as_fast_as_their_followers_allow() {
+    let joint = |at: usize, speed: f64, more: &str| {
+        format!(
+            "<link name=\"l{}\"/><joint name=\"j{at}\" type=\"revolute\"><parent link=\"l{at}\"/>\
+             <child link=\"l{}\"/><origin xyz=\"0.4 0 0\"/><axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"{speed}\"/>{more}</joint>",
+            at + 1,
+            at + 1
+        )
+    };
+    for (ratio, wanted) in [(-0.5, 2.0), (0.25, 3.0), (4.0, 0.25)] {
+        let follows = format!("<mimic joint=\"j0\" multiplier=\"{ratio}\"/>");
+        let text = format!(
+            "<robot name=\"fast\"><link name=\"l0\"/>{}{}{}</robot>",
+            joint(0, 3.0, ""),
+            joint(1, 1.0, &follows),
+            joint(2, 5.0, "")
+        );
+        let robot = Robot::parse(&text, "fast.urdf").unwrap();
+        let arm = Arm::new(&robot, "l0", "l3").unwrap();
+        assert_eq!(arm.velocity_limits(), [wanted, 5.0]);
+    }
+}

@@ -447,3 +447,22 @@ fn an_option_out_of_its_range_is_named() {
         assert!(listed, "{error}");
     }
 }
+
+/// A posture beyond the limits is the one at them.
+#[test]
+fn a_posture_is_clamped_into_the_limits() {
+    let (robot, base, tip) = support::arms::panda();
+    let posed = |posture: &[f64]| {
+        let arm = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+        arm.with_posture(posture).build().unwrap()
+    };
+    let beyond = [9.0, -9.0, 0.3, -9.0, 9.0, 9.0, -0.4];
+    let arm = posed(&beyond);
+    let limits = arm.limits().zip(&beyond);
+    let within: Vec<f64> = limits.map(|(limits, q)| limits.clamp(*q)).collect();
+    let target = arm
+        .base_from_tool(&[0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4])
+        .unwrap();
+    let [one, other] = [arm, posed(&within)].map(|arm| arm.solve(target, &[0.0; 7]).unwrap());
+    assert!(one.reached && one.q == other.q);
+}
