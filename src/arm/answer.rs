@@ -11,8 +11,9 @@ use super::settle::Settling;
 use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes;
+use crate::problem::Anchor;
 use crate::solver::Termination;
-use crate::spatial::Placement;
+use crate::spatial::{Placement, Vector3};
 
 /// Iterations after which the start's own end and the engine's best are first handed to the core,
 /// whose damping by gain ratio comes through narrow valleys that the engine's does not.
@@ -25,6 +26,29 @@ impl Arm {
     pub(super) fn is_plain(&self) -> bool {
         let options = &self.options;
         options.max_move.is_none() && options.posture.is_none() && !options.search.compares()
+    }
+
+    /// Whether the end of the start's own way is all that is asked of a target: no attempt can reach it, and
+    /// none but that one counts then.
+    fn asks_for_own_way(&self, target: &Placement<f64>) -> bool {
+        let options = &self.options;
+        if options.attempts_asked || options.leaps_on_miss() || !options.goal.is_exact_in_position()
+        {
+            return false;
+        }
+        let anchor = self.names.anchors.first().and_then(Option::as_ref);
+        let tolerance = options.position_tolerance;
+        let beyond =
+            |anchor: &Anchor| anchor.falls_short_of(target.translation, Vector3::zero(), tolerance);
+        anchor.and_then(beyond).is_some()
+    }
+
+    /// How many attempts at a target are made at most.
+    pub(super) fn attempts_at(&self, target: &Placement<f64>) -> u32 {
+        match self.asks_for_own_way(target) {
+            true => 1,
+            false => self.options.attempts,
+        }
     }
 
     /// Answers a question that is checked.
@@ -85,7 +109,7 @@ impl Arm {
             target,
             start,
             search: self.options.search.lanes(),
-            attempts: (0, self.options.attempts),
+            attempts: (0, self.attempts_at(target)),
             budget: self.options.budget().min(QUICK),
             deadline,
         }
@@ -187,7 +211,7 @@ impl Arm {
             _ => Some(0),
         };
         let mut termination = self.settle(workspace, reply, deadline);
-        if !reply.errors.reached && !late() {
+        if !reply.errors.reached && !self.asks_for_own_way(target) && !late() {
             let own = reply.errors;
             // Taken out and put back, so that nothing is allocated.
             let mut kept = std::mem::take(&mut workspace.kept);

@@ -35,7 +35,7 @@ impl Arm {
         start: &[f64],
         deadline: Option<Instant>,
     ) -> Reply {
-        let attempts = self.options.attempts as usize;
+        let attempts = self.attempts_at(&workspace.target()) as usize;
         let mut reply = self.restarts_by_core(workspace, start, attempts.min(OWN), deadline);
         // Where moves are bounded, seeds from all over the limits are far outside.
         let everywhere = self.options.max_move.is_none();

@@ -55,7 +55,7 @@ impl Arm {
         deadline: Option<Instant>,
     ) -> Termination {
         let n = self.joint_count();
-        let wanted = self.options.attempts;
+        let wanted = self.attempts_at(target);
         let budget = self
             .options
             .iterations

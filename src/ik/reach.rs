@@ -5,9 +5,6 @@ use crate::problem::{CompiledTask, Problem};
 use crate::spatial::Vector3;
 use crate::task::{Point, Pose, Quantity, Role};
 
-/// Rounding of the lengths that are compared, as a share of them.
-const ROUNDING: f64 = 1e-9;
-
 /// A goal whose place is farther from where its chain begins than the chain is long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Beyond {
@@ -60,12 +57,8 @@ fn beyond_chain(
     tolerance: f64,
 ) -> Option<Beyond> {
     let anchor = problem.anchor(index)?;
-    let (distance, reach) = (
-        (target - anchor.centre).norm(),
-        anchor.reach + offset.norm(),
-    );
-    let certain = distance - reach > tolerance + ROUNDING * (distance + reach);
-    (certain && distance.is_finite()).then_some(Beyond {
+    let (distance, reach) = anchor.falls_short_of(target, offset, tolerance)?;
+    Some(Beyond {
         task: index,
         distance,
         reach,

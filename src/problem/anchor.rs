@@ -14,6 +14,25 @@ pub(crate) struct Anchor {
     pub(crate) reach: f64,
 }
 
+/// Rounding of the lengths that are compared, as a share of them.
+const ROUNDING: f64 = 1e-9;
+
+impl Anchor {
+    /// How far a place is from where the chain begins, and how far that reaches with a point's offset from its tip,
+    /// metres; none unless it certainly reaches no place within a tolerance of there.
+    pub(crate) fn falls_short_of(
+        &self,
+        place: Vector3<f64>,
+        offset: Vector3<f64>,
+        tolerance: f64,
+    ) -> Option<(f64, f64)> {
+        let distance = (place - self.centre).norm();
+        let reach = self.reach + offset.norm();
+        let certain = distance - reach > tolerance + ROUNDING * (distance + reach);
+        (certain && distance.is_finite()).then_some((distance, reach))
+    }
+}
+
 /// The anchor of a frame; `None` where nothing moves it or a slide has no end.
 pub(super) fn anchor(model: &Model, map: &ParameterMap, frame: FrameId) -> Option<Anchor> {
     let frame = model.frames().get(frame.index())?;

@@ -25,7 +25,7 @@ use std::sync::Arc;
 use crate::kinematics::{Tree, TreeMemory};
 use crate::model::{Limits, Model, ParameterMap, Source};
 use crate::task::{Quantity, Residual, Role};
-use anchor::Anchor;
+pub(crate) use anchor::Anchor;
 pub(crate) use compiled_task::CompiledTask;
 
 /// A task of one problem, with the type of its residual.

@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use kinopt::Solution;
-use kinopt::arm::Arm;
+use kinopt::arm::{Arm, Search};
 use kinopt::ik::{BoundKind, Side};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
@@ -233,6 +233,36 @@ fn what_is_certainly_out_of_reach_is_told() {
             );
             let told = solution.explain().to_string();
             assert!(told.contains("Out of reach: "), "{told}");
+        }
+    }
+}
+
+/// Where the chain is too short only the start's own way counts: the answer of all attempts, after one.
+#[test]
+fn no_attempts_are_made_in_vain_beyond_all_reach() {
+    for (file, tip) in [("franka_panda", "flange"), ("universal_ur5e", "flange")] {
+        let robot = robot(file);
+        let builder = || Arm::builder(&robot, "base", tip).unwrap();
+        for search in [Search::Start, Search::Nearest] {
+            let arm = builder().with_search(search).build().unwrap();
+            let many = builder().with_search(search).with_attempts(40);
+            let many = many.build().unwrap();
+            let mut random = Random(8);
+            for _ in 0..cases(20, 3) {
+                let q = random.configuration(&arm);
+                let start = random.configuration(&arm);
+                let mut target = arm.base_from_tool(&q).unwrap();
+                target.translation = target.translation * 6.0;
+                let solution = arm.solve(target, &start).unwrap();
+                if !solution.is_out_of_reach() {
+                    continue;
+                }
+                assert_eq!(solution.attempts, 1, "{file} {search:?}");
+                let all = many.solve(target, &start).unwrap();
+                assert_eq!((&solution.q, all.attempts), (&all.q, 40));
+                let batch = arm.solve_batch(&[target], &start).unwrap();
+                assert_eq!(solution.q, batch[0].q);
+            }
         }
     }
 }
