@@ -87,7 +87,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 misses.push(format!("{:.4}", (2.0 * iteration.cost).sqrt()));
                 ControlFlow::Continue(())
             };
-            let solution = solver.solve_observed(&problem, &start, &mut watch)?;
+            let solution = solver.solve_question((&problem).into(), &start, &mut watch)?;
             println!("{name}, {}: {}", solver.name(), misses.join(" "));
             println!(
                 "    reached: {}, iterations: {}",

@@ -15,7 +15,7 @@ fn derivatives(criterion: &mut Criterion) {
     for tip in tips {
         builder.add(Point::new(skeleton.tip(tip), [0.1, 0.2, 0.3]));
     }
-    let mut problem = builder.build().expect("a valid problem");
+    let problem = builder.build().expect("a valid problem");
     let (n, m) = (problem.variables(), problem.rows());
     let mut random = Sequence::new(0.5);
     let x: Vec<f64> = (0..n).map(|_| random.unit() - 0.5).collect();
@@ -26,7 +26,7 @@ fn derivatives(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group(name);
     let mut jacobian = nalgebra::DMatrix::zeros(m, n);
     for route in Derivatives::ALL {
-        problem.set_derivatives(route);
+        let problem = problem.clone().with_derivatives(route);
         let mut scratch = problem.scratch();
         group.bench_function(format!("Jacobian, {route:?}"), |bencher| {
             let mut flip = false;
@@ -37,7 +37,6 @@ fn derivatives(criterion: &mut Criterion) {
             });
         });
     }
-    problem.set_derivatives(Derivatives::Analytic);
     let mut scratch = problem.scratch();
     let (residual, mut gradient) = (vec![0.1; m], vec![0.0; n]);
     group.bench_function("gradient, reverse mode", |bencher| {

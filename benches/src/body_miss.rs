@@ -22,6 +22,7 @@ pub struct BodyMiss {
 }
 
 /// The mean place of some frames stays above a point.
+#[derive(Clone)]
 struct Balance {
     frames: Vec<FrameId>,
     above: [f64; 2],

@@ -2,9 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use kinopt::Problem;
 use kinopt::ik::Solution;
-use kinopt::problem::Derivatives;
+use kinopt::problem::{self, Derivatives};
 use kinopt::solver::Counts;
 use kinopt::spatial::Placement;
 
@@ -51,7 +50,7 @@ pub struct Question<'a> {
     /// The model, the frames and the tolerances.
     pub set: &'a ProblemSet,
     /// The problem with its targets in place and the derivative route chosen.
-    pub problem: &'a Problem,
+    pub problem: problem::Question<'a>,
     /// world_from_target of each frame of the set.
     pub targets: &'a [Placement<f64>],
     /// Where to start: a configuration within the limits.

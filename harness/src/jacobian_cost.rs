@@ -66,14 +66,14 @@ pub fn measure(
         };
         let mut builder = Problem::builder(skeleton.model());
         builder.add(Point::new(skeleton.tip(tip), [0.1, 0.2, 0.3]));
-        let Ok(mut problem) = builder.build() else {
+        let Ok(problem) = builder.build() else {
             continue;
         };
         for (route, cost) in Derivatives::ALL.into_iter().zip(&mut costs) {
             if progress().is_break() {
                 return Ok(costs);
             }
-            problem.set_derivatives(route);
+            let problem = problem.clone().with_derivatives(route);
             cost.points.push((bones, micros_of_one(&problem)));
         }
     }

@@ -1,8 +1,7 @@
 //! The verdict on an answer: by forward kinematics and the limits at q, never by the solver's word.
 
-use kinopt::Problem;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::problem::{Evaluation, Scratch};
+use kinopt::problem::{Evaluation, Question, Scratch};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, rotation_log};
 use serde::{Deserialize, Serialize};
@@ -64,7 +63,12 @@ impl<'s> Judge<'s> {
 
     /// The truth about `q`. A configuration of the wrong length or with a number that is not finite
     /// is off by infinity.
-    pub fn verdict(&mut self, problem: &Problem, targets: &[Placement<f64>], q: &[f64]) -> Verdict {
+    pub fn verdict<'a>(
+        &mut self,
+        question: impl Into<Question<'a>>,
+        targets: &[Placement<f64>],
+        q: &[f64],
+    ) -> Verdict {
         let usable = q.iter().all(|value| value.is_finite());
         let Some(placed) = self.kinematics.place(q).ok().filter(|_| usable) else {
             return Verdict {
@@ -94,7 +98,7 @@ impl<'s> Judge<'s> {
             solved: complete && within_limits && error <= self.set.tolerance(),
             within_limits,
             error,
-            cost: self.cost(problem, q),
+            cost: self.cost(question.into(), q),
             tasks,
         }
     }
@@ -121,12 +125,13 @@ impl<'s> Judge<'s> {
         contained && follows.all(|(a, b)| (a - b).abs() <= FOLLOWS)
     }
 
-    fn cost(&mut self, problem: &Problem, q: &[f64]) -> f64 {
+    fn cost(&mut self, question: Question<'_>, q: &[f64]) -> f64 {
+        let problem = question.problem();
         let mut x = vec![0.0; problem.variables()];
         problem.parameters().reduce(q, &mut x);
         self.residual.resize(problem.rows(), 0.0);
         let scratch = self.scratch.get_or_insert_with(|| problem.scratch());
-        Evaluation::new(problem, scratch).residual(&x, &mut self.residual);
+        Evaluation::new(question, scratch).residual(&x, &mut self.residual);
         0.5 * self.residual.iter().map(|r| r * r).sum::<f64>()
     }
 }

@@ -7,7 +7,7 @@ use super::error::{BridgeError, check_length};
 use super::pool::Pool;
 use super::solution::{Place, solution_at, start_of};
 use crate::ik::{Solution, SolveError};
-use crate::problem::{Evaluation, Problem};
+use crate::problem::{Evaluation, Question};
 use crate::solver::{LeastSquares, project};
 
 /// How far the corners of a first simplex stand from the start, as a share of the range.
@@ -23,16 +23,17 @@ const SIMPLEX_SIZE: f64 = 0.1;
 /// [`ExecutorMethod`](super::ExecutorMethod).
 #[derive(Clone, Debug)]
 pub struct BoundedProblem<'p> {
-    problem: &'p Problem,
+    question: Question<'p>,
     pool: Pool,
 }
 
 impl<'p> BoundedProblem<'p> {
-    /// Offers `problem` to argmin.
+    /// Offers a problem, or a [question](Question) to it, to argmin.
     #[must_use]
-    pub fn new(problem: &'p Problem) -> Self {
+    pub fn new(question: impl Into<Question<'p>>) -> Self {
+        let question = question.into();
         Self {
-            problem,
+            question,
             pool: Pool::default(),
         }
     }
@@ -43,7 +44,7 @@ impl<'p> BoundedProblem<'p> {
     /// # Errors
     /// A configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
-        Ok(DVector::from_vec(start_of(self.problem, q)?))
+        Ok(DVector::from_vec(start_of(self.question, q)?))
     }
 
     /// Where a search from `q` may look: the bounds, or π radians or the model's reach to either
@@ -56,7 +57,7 @@ impl<'p> BoundedProblem<'p> {
         let start = self.start(q)?;
         let (mut low, mut high) = (start.clone(), start);
         for k in 0..low.len() {
-            (low[k], high[k]) = self.problem.sampling_range(k, low[k]);
+            (low[k], high[k]) = self.question.sampling_range(k, low[k]);
         }
         Ok((low, high))
     }
@@ -95,14 +96,14 @@ impl<'p> BoundedProblem<'p> {
         let state = run.state();
         let best = state.get_best_param().or_else(|| state.get_param());
         let x = best.ok_or(BridgeError::NoParameters)?.coordinates();
-        if x.len() != self.problem.variables() {
+        if x.len() != self.question.variables() {
             return Err(BridgeError::Variables {
                 given: x.len(),
-                expected: self.problem.variables(),
+                expected: self.question.variables(),
             });
         }
         Ok(solution_at(
-            self.problem,
+            self.question,
             &self.pool,
             x.as_slice(),
             Some((state, &run.problem.counts)),
@@ -115,12 +116,12 @@ impl CostFunction for BoundedProblem<'_> {
     type Output = f64;
 
     fn cost(&self, x: &DVector<f64>) -> Result<f64, Error> {
-        let problem = self.problem;
-        check_length(x.len(), problem.variables())?;
-        Ok(self.pool.with(problem, |buffers| {
+        let question = self.question;
+        check_length(x.len(), question.variables())?;
+        Ok(self.pool.with(question, |buffers| {
             buffers.x.copy_from_slice(x.as_slice());
-            project(&mut buffers.x, problem.lower(), problem.upper());
-            Evaluation::new(problem, &mut buffers.scratch)
+            project(&mut buffers.x, question.lower(), question.upper());
+            Evaluation::new(question, &mut buffers.scratch)
                 .residual(&buffers.x, &mut buffers.residual);
             buffers.cost()
         }))
@@ -129,30 +130,30 @@ impl CostFunction for BoundedProblem<'_> {
 
 impl LeastSquares for BoundedProblem<'_> {
     fn variables(&self) -> usize {
-        self.problem.variables()
+        self.question.variables()
     }
 
     fn rows(&self) -> usize {
-        self.problem.rows()
+        self.question.rows()
     }
 
     fn lower(&self) -> &[f64] {
-        self.problem.lower()
+        self.question.lower()
     }
 
     fn upper(&self) -> &[f64] {
-        self.problem.upper()
+        self.question.upper()
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
-        self.pool.with(self.problem, |buffers| {
-            Evaluation::new(self.problem, &mut buffers.scratch).residual(x, residual);
+        self.pool.with(self.question, |buffers| {
+            Evaluation::new(self.question, &mut buffers.scratch).residual(x, residual);
         });
     }
 
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        self.pool.with(self.problem, |buffers| {
-            Evaluation::new(self.problem, &mut buffers.scratch).jacobian(x, jacobian);
+        self.pool.with(self.question, |buffers| {
+            Evaluation::new(self.question, &mut buffers.scratch).jacobian(x, jacobian);
         });
     }
 
@@ -163,17 +164,17 @@ impl LeastSquares for BoundedProblem<'_> {
         gradient: &mut [f64],
         jacobian: &mut DMatrix<f64>,
     ) {
-        self.pool.with(self.problem, |buffers| {
-            Evaluation::new(self.problem, &mut buffers.scratch)
+        self.pool.with(self.question, |buffers| {
+            Evaluation::new(self.question, &mut buffers.scratch)
                 .gradient(x, residual, gradient, jacobian);
         });
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        self.problem.is_reached(residual)
+        self.question.problem().is_reached(residual)
     }
 
     fn stops_when_reached(&self) -> bool {
-        !self.problem.has_preferences()
+        !self.question.problem().has_preferences()
     }
 }

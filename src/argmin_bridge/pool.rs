@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::DMatrix;
 
-use crate::problem::{Problem, Scratch};
+use crate::problem::{Question, Scratch};
 
 /// The memory of one evaluation.
 #[derive(Debug)]
@@ -22,7 +22,12 @@ pub(super) struct Buffers {
 pub(super) struct Pool(Arc<Mutex<Vec<Buffers>>>);
 
 impl Pool {
-    pub(super) fn with<T>(&self, problem: &Problem, work: impl FnOnce(&mut Buffers) -> T) -> T {
+    pub(super) fn with<T>(
+        &self,
+        question: Question<'_>,
+        work: impl FnOnce(&mut Buffers) -> T,
+    ) -> T {
+        let problem = question.problem();
         let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = free().pop();
         let mut buffers = taken.unwrap_or_else(|| Buffers {

@@ -8,7 +8,7 @@ use nalgebra::DVector;
 
 use super::pool::Pool;
 use crate::ik::{Solution, SolveError, check_start};
-use crate::problem::{Evaluation, Problem};
+use crate::problem::{Evaluation, Question};
 use crate::solver::{Counts, LeastSquares, Termination, project, projected_gradient_norm};
 
 /// A start counts as the optimum when the projected gradient is within this share of ‖∇cost‖'s own
@@ -34,45 +34,47 @@ impl Place for Particle<DVector<f64>, f64> {
 }
 
 /// The problem's variables of a configuration, within the bounds.
-pub(super) fn start_of(problem: &Problem, q: &[f64]) -> Result<Vec<f64>, SolveError> {
+pub(super) fn start_of(question: Question<'_>, q: &[f64]) -> Result<Vec<f64>, SolveError> {
+    let problem = question.problem();
     check_start(problem, q)?;
     let mut x = vec![0.0; problem.variables()];
     problem.parameters().reduce(q, &mut x);
-    project(&mut x, problem.lower(), problem.upper());
+    project(&mut x, question.lower(), question.upper());
     Ok(x)
 }
 
 /// Projects x, evaluates there, and reports; `run` is the state and the evaluations of a run,
 /// `None` for one that failed where it started.
 pub(super) fn solution_at<I: State>(
-    problem: &Problem,
+    question: Question<'_>,
     pool: &Pool,
     x: &[f64],
     run: Option<(&I, &HashMap<&'static str, u64>)>,
 ) -> Solution {
-    pool.with(problem, |buffers| {
+    let problem = question.problem();
+    pool.with(question, |buffers| {
         buffers.x.copy_from_slice(x);
-        project(&mut buffers.x, problem.lower(), problem.upper());
-        Evaluation::new(problem, &mut buffers.scratch).residual(&buffers.x, &mut buffers.residual);
-        buffers.differentiate_cost(problem);
+        project(&mut buffers.x, question.lower(), question.upper());
+        Evaluation::new(question, &mut buffers.scratch).residual(&buffers.x, &mut buffers.residual);
+        buffers.differentiate_cost(question);
         let projected_gradient = projected_gradient_norm(
             &buffers.x,
             &buffers.gradient,
             1.0,
-            problem.lower(),
-            problem.upper(),
+            question.lower(),
+            question.upper(),
         );
 
         let mut solution = Solution::default();
         solution.cost = buffers.cost();
         solution.projected_gradient = Some(projected_gradient);
         solution.attempts = 1;
-        Evaluation::new(problem, &mut buffers.scratch).jacobian(&buffers.x, &mut buffers.jacobian);
+        Evaluation::new(question, &mut buffers.scratch).jacobian(&buffers.x, &mut buffers.jacobian);
         let columns = buffers.jacobian.column_iter();
         let steepest = columns.map(|column| column.norm()).fold(0.0, f64::max);
         let negligible = STATIONARY * steepest * (2.0 * solution.cost).sqrt();
         solution.measure(
-            &mut Evaluation::new(problem, &mut buffers.scratch),
+            &mut Evaluation::new(question, &mut buffers.scratch),
             &buffers.x,
             &buffers.residual,
             &buffers.gradient,

@@ -10,7 +10,7 @@ use super::error::{BridgeError, check_length};
 use super::pool::{Buffers, Pool};
 use super::solution::{Place, is_finished_at, solution_at, start_of};
 use crate::ik::{Solution, SolveError};
-use crate::problem::{Evaluation, Problem};
+use crate::problem::{Evaluation, Question};
 use crate::solver::{LeastSquares, half_squared};
 
 /// Keeps the Gauss-Newton Hessian of a redundant arm invertible, as a share of its largest
@@ -34,18 +34,19 @@ const HESSIAN_FLOOR: f64 = 1e-10;
 /// Clones share their memory; evaluation from several threads at once is fine.
 #[derive(Clone, Debug)]
 pub struct UnboundedProblem<'p> {
-    problem: &'p Problem,
+    question: Question<'p>,
     transforms: Vec<BoundsTransform>,
     pool: Pool,
 }
 
 impl<'p> UnboundedProblem<'p> {
-    /// Offers `problem` to argmin.
+    /// Offers a problem, or a [question](Question) to it, to argmin.
     #[must_use]
-    pub fn new(problem: &'p Problem) -> Self {
-        let bounds = problem.lower().iter().zip(problem.upper());
+    pub fn new(question: impl Into<Question<'p>>) -> Self {
+        let question = question.into();
+        let bounds = question.lower().iter().zip(question.upper());
         Self {
-            problem,
+            question,
             transforms: bounds
                 .map(|(&lower, &upper)| BoundsTransform::new(lower, upper))
                 .collect(),
@@ -59,7 +60,7 @@ impl<'p> UnboundedProblem<'p> {
     /// # Errors
     /// A configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
-        let x = start_of(self.problem, q)?;
+        let x = start_of(self.question, q)?;
         let y = self.transforms.iter().zip(x).map(|(t, x)| t.start(x));
         Ok(DVector::from_iterator(self.transforms.len(), y))
     }
@@ -87,7 +88,7 @@ impl<'p> UnboundedProblem<'p> {
         let y = best.ok_or(BridgeError::NoParameters)?.coordinates();
         let x = self.checked_variables(y)?;
         Ok(solution_at(
-            self.problem,
+            self.question,
             &self.pool,
             &x,
             Some((state, &run.problem.counts)),
@@ -113,7 +114,7 @@ impl<'p> UnboundedProblem<'p> {
             Ok(run) => self.solution(&run),
             Err(error) => {
                 let x = self.checked_variables(start)?;
-                let solution = solution_at(self.problem, &self.pool, &x, None::<(&I, _)>);
+                let solution = solution_at(self.question, &self.pool, &x, None::<(&I, _)>);
                 if is_finished_at(&solution) {
                     Ok(solution)
                 } else {
@@ -142,22 +143,22 @@ impl<'p> UnboundedProblem<'p> {
     fn evaluate<T>(
         &self,
         y: &DVector<f64>,
-        work: impl FnOnce(&Problem, &mut Buffers) -> T,
+        work: impl FnOnce(Question<'_>, &mut Buffers) -> T,
     ) -> Result<T, Error> {
         check_length(y.len(), self.transforms.len())?;
-        Ok(self.pool.with(self.problem, |buffers| {
+        Ok(self.pool.with(self.question, |buffers| {
             for (x, image) in buffers.x.iter_mut().zip(self.images(y)) {
                 *x = image.value;
             }
-            Evaluation::new(self.problem, &mut buffers.scratch)
+            Evaluation::new(self.question, &mut buffers.scratch)
                 .residual(&buffers.x, &mut buffers.residual);
-            work(self.problem, buffers)
+            work(self.question, buffers)
         }))
     }
 
     /// ∂r/∂y of buffers that hold x.
     fn jacobian_of(&self, y: &DVector<f64>, buffers: &mut Buffers) -> DMatrix<f64> {
-        Evaluation::new(self.problem, &mut buffers.scratch)
+        Evaluation::new(self.question, &mut buffers.scratch)
             .jacobian(&buffers.x, &mut buffers.jacobian);
         let mut jacobian = buffers.jacobian.clone();
         for (mut column, image) in jacobian.column_iter_mut().zip(self.images(y)) {
@@ -169,8 +170,8 @@ impl<'p> UnboundedProblem<'p> {
 
 impl Buffers {
     /// Jᵀr by x of buffers that hold x and r.
-    pub(super) fn differentiate_cost(&mut self, problem: &Problem) {
-        Evaluation::new(problem, &mut self.scratch).gradient(
+    pub(super) fn differentiate_cost(&mut self, question: Question<'_>) {
+        Evaluation::new(question, &mut self.scratch).gradient(
             &self.x,
             &self.residual,
             &mut self.gradient,

@@ -173,7 +173,7 @@ impl Arm {
             .with_stopping(stopping)
             .with_restarts(restarts);
         self.serial.map.expand(&workspace.start, &mut workspace.q);
-        let answer = solver.solve(&workspace.problem, &workspace.q, &mut workspace.core);
+        let answer = solver.solve(workspace.question.ask(), &workspace.q, &mut workspace.core);
         // The start is finite and of the right length, which is all a solver can object to.
         let (iterations, attempts, termination) = match answer {
             Ok(solution) => {
@@ -218,7 +218,10 @@ impl Arm {
             } else if attempt > 0 {
                 let mut random = RandomStream::new(self.options.seed, u64::from(attempt));
                 for (i, value) in workspace.x.iter_mut().enumerate() {
-                    let (low, high) = workspace.problem.sampling_range(i, workspace.start[i]);
+                    let (low, high) = workspace
+                        .question
+                        .ask()
+                        .sampling_range(i, workspace.start[i]);
                     *value = low + (high - low) * random.unit();
                 }
             }
@@ -242,7 +245,7 @@ impl Arm {
         let (model, map) = (&self.serial.model, &self.serial.map);
         for (i, value) in workspace.x.iter_mut().enumerate() {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];
-            let (lower, upper) = (workspace.lower[i], workspace.upper[i]);
+            let (lower, upper) = (workspace.question.lower[i], workspace.question.upper[i]);
             let slides = joint.kind == JointKind::Prismatic;
             if slides || self.serial.followed[i] || upper - lower < TAU {
                 continue;

@@ -123,7 +123,9 @@ impl Workspace {
     pub(super) fn go_by_projected(&mut self) {
         for (i, x) in self.x.iter_mut().enumerate() {
             let moved = *x + self.projected[i] / self.scale[i];
-            *x = moved.max(self.lower[i]).min(self.upper[i]);
+            *x = moved
+                .max(self.question.lower[i])
+                .min(self.question.upper[i]);
         }
     }
 }

@@ -36,6 +36,7 @@ mod follower;
 mod goal;
 mod null_space;
 mod options;
+mod pose_question;
 mod query;
 mod refine;
 mod report;

@@ -38,7 +38,7 @@ impl Workspace {
 
     /// Factors J Jᵀ for several motions; none where a joint stands on a bound, as it may then be held.
     pub(super) fn factor_freely(&self, x: &[f64]) -> Option<Factor> {
-        let bounds = self.lower.iter().zip(&self.upper);
+        let bounds = self.question.lower.iter().zip(&self.question.upper);
         let free = |(x, (lower, upper))| lower < x && x < upper;
         let all_free = x.iter().zip(bounds).all(free);
         all_free.then(|| self.factor(0.0, |_| true)).flatten()
@@ -107,7 +107,7 @@ impl Workspace {
     }
 
     fn leaves(&self, x: &[f64], i: usize, by: f64) -> bool {
-        x[i] <= self.lower[i] && by < 0.0 || x[i] >= self.upper[i] && by > 0.0
+        x[i] <= self.question.lower[i] && by < 0.0 || x[i] >= self.question.upper[i] && by > 0.0
     }
 
     /// What a radian of a joint (or the metres that weigh as much) does to the residual, metres.

@@ -97,7 +97,7 @@ impl Arm {
     ) -> Result<Self, ArmError> {
         let workspace = Workspace::new(&serial, &options)?;
         let names = Names {
-            anchors: workspace.problem.names().anchors.clone(),
+            anchors: workspace.question.problem.names().anchors.clone(),
             ..(*names).clone()
         };
         let names = Arc::new(names);

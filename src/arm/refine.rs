@@ -55,7 +55,9 @@ impl Arm {
             for _ in 0..HALVINGS {
                 for (i, trial) in workspace.trial.iter_mut().enumerate() {
                     let moved = x[i] + share * workspace.gradient[i];
-                    *trial = moved.max(workspace.lower[i]).min(workspace.upper[i]);
+                    *trial = moved
+                        .max(workspace.question.lower[i])
+                        .min(workspace.question.upper[i]);
                 }
                 if self.correct(workspace) {
                     let now = self.distance(&workspace.trial, wanted);
@@ -122,7 +124,9 @@ impl Arm {
                 // In z = w q the column is J/w; back in q the multiplier's pull is J y / w².
                 let inverse = 1.0 / (weights[i] * weights[i]);
                 let free = wanted[i] + column.dot(&y) * inverse;
-                let held = free.max(workspace.lower[i]).min(workspace.upper[i]);
+                let held = free
+                    .max(workspace.question.lower[i])
+                    .min(workspace.question.upper[i]);
                 workspace.projected[i] = held;
                 miss += column * (held - x[i]);
                 if held == free {

@@ -94,14 +94,22 @@ impl Arm {
         self.report(reply, solution);
         if !solution.reached {
             let negligible = workspace.take_slope();
-            let (x, lower, upper) = (&workspace.x, &workspace.lower, &workspace.upper);
+            let (x, lower, upper) = (
+                &workspace.x,
+                &workspace.question.lower,
+                &workspace.question.upper,
+            );
             solution.name_limits(x, lower, upper, &workspace.gradient, negligible);
             solution.projected_gradient = Some(workspace.projected_gradient(x));
             let map = &self.serial.map;
             solution.mark_moves(map.lower(), map.upper());
             if self.options.goal.is_exact_in_position() {
                 let (place, tolerance) = (workspace.target(), self.options.position_tolerance);
-                solution.find_place_beyond(&workspace.problem, place.translation, tolerance);
+                solution.find_place_beyond(
+                    &workspace.question.problem,
+                    place.translation,
+                    tolerance,
+                );
             }
         }
     }

@@ -4,6 +4,7 @@
 use super::serial::Serial;
 use super::workspace::Workspace;
 use crate::model::Limits;
+use crate::problem::Question;
 use crate::spatial::Placement;
 
 /// Configurations that are sampled: some 2.5 MB for seven joints, and a few milliseconds once.
@@ -43,7 +44,7 @@ impl SeedTable {
             .enumerate()
             .map(|(i, (&lower, &upper))| {
                 let at = Limits::new(lower, upper).clamp(0.0);
-                workspace.problem.sampling_range(i, at)
+                Question::from(&workspace.question.problem).sampling_range(i, at)
             })
             .collect();
         let mut table = Self {

@@ -8,6 +8,7 @@
 
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
+use super::pose_question::PoseQuestion;
 use super::query::Arm;
 use super::settle::Settling;
 use super::window::within;
@@ -264,12 +265,7 @@ impl Servo<'_> {
     fn open_tick(&mut self) {
         let arm = self.arm;
         let map = &arm.serial.map;
-        let Workspace {
-            lower,
-            upper,
-            problem,
-            ..
-        } = &mut self.workspace;
+        let PoseQuestion { lower, upper, .. } = &mut self.workspace.question;
         for (i, &q) in self.q.iter().enumerate() {
             let most = if self.velocity_limits[i].is_finite() {
                 self.velocity_limits[i] * self.time_step
@@ -279,7 +275,6 @@ impl Servo<'_> {
             lower[i] = map.lower()[i].max(within(q, -most));
             upper[i] = map.upper()[i].min(within(q, most));
         }
-        problem.set_bounds(lower, upper);
     }
 
     /// Where the tick begins: where the branch leads from the last place, at a part of the slowest joint's speed.
@@ -301,8 +296,7 @@ impl Servo<'_> {
         let negligible = self.workspace.take_slope();
         let Workspace {
             x,
-            lower,
-            upper,
+            question: PoseQuestion { lower, upper, .. },
             gradient,
             ..
         } = &self.workspace;

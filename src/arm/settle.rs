@@ -123,7 +123,12 @@ impl Workspace {
 
     /// Whether no joint that can move has a slope of more than `negligible`.
     fn is_level(&self, x: &[f64], residual: &Vector6<f64>, negligible: f64, anchor: f64) -> bool {
-        let ends = self.lower.iter().zip(&self.upper).zip(&self.scale);
+        let ends = self
+            .question
+            .lower
+            .iter()
+            .zip(&self.question.upper)
+            .zip(&self.scale);
         let columns = self.jacobian.column_iter();
         let joints = columns.zip(x.iter().zip(&self.anchor)).zip(ends);
         joints
@@ -150,8 +155,8 @@ impl Workspace {
         for (i, column) in self.jacobian.column_iter().enumerate() {
             let scale = self.scale[i];
             trial[i] = -column.dot(residual) / (scale * scale);
-            let held =
-                x[i] <= self.lower[i] && trial[i] < 0.0 || x[i] >= self.upper[i] && trial[i] > 0.0;
+            let held = x[i] <= self.question.lower[i] && trial[i] < 0.0
+                || x[i] >= self.question.upper[i] && trial[i] > 0.0;
             if held {
                 trial[i] = 0.0;
             }
@@ -160,7 +165,9 @@ impl Workspace {
         if longest > 0.0 {
             for (i, trial) in trial.iter_mut().enumerate() {
                 let moved = x[i] + *trial * (PROBE / longest);
-                *trial = moved.max(self.lower[i]).min(self.upper[i]);
+                *trial = moved
+                    .max(self.question.lower[i])
+                    .min(self.question.upper[i]);
             }
         }
         let falls = longest > 0.0 && {
@@ -184,7 +191,7 @@ impl Workspace {
                 let inverse = 1.0 / weight(self.scale[i]);
                 let home = share * (self.anchor[i] - from);
                 let free = from + (home - column.dot(&y) * inverse);
-                let held = free.max(self.lower[i]).min(self.upper[i]);
+                let held = free.max(self.question.lower[i]).min(self.question.upper[i]);
                 self.trial[i] = held;
                 miss -= column * (held - from);
                 if held == free {

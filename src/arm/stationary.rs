@@ -34,7 +34,7 @@ impl Workspace {
 
     /// ‖proj(x − g) − x‖∞ by the gradient that is here.
     pub(super) fn projected_gradient(&self, x: &[f64]) -> f64 {
-        let bounds = self.lower.iter().zip(&self.upper);
+        let bounds = self.question.lower.iter().zip(&self.question.upper);
         let moves = x.iter().zip(&self.gradient).zip(bounds);
         let moves =
             moves.map(|((x, g), (lower, upper))| ((x - g).max(*lower).min(*upper) - x).abs());

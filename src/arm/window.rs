@@ -14,7 +14,7 @@ impl Arm {
                     workspace
                         .windowed
                         .get_or_insert_with(|| lanes.without_atlas())
-                        .set_bounds(&workspace.lower, &workspace.upper);
+                        .set_bounds(&workspace.question.lower, &workspace.question.upper);
                 }
             }
             None => self.narrow(workspace, |_| f64::INFINITY),
@@ -23,8 +23,14 @@ impl Arm {
 
     /// Sets the workspace's bounds alone, to the limits.
     pub(super) fn open_limits(&self, workspace: &mut Workspace) {
-        workspace.lower.copy_from_slice(self.serial.map.lower());
-        workspace.upper.copy_from_slice(self.serial.map.upper());
+        workspace
+            .question
+            .lower
+            .copy_from_slice(self.serial.map.lower());
+        workspace
+            .question
+            .upper
+            .copy_from_slice(self.serial.map.upper());
     }
 
     /// As [`open_window`](Self::open_window) for a step that moves no joint further than
@@ -48,12 +54,9 @@ impl Arm {
         let map = &self.serial.map;
         for i in 0..self.joint_count() {
             let (start, most) = (workspace.start[i], most(i));
-            workspace.lower[i] = map.lower()[i].max(within(start, -most));
-            workspace.upper[i] = map.upper()[i].min(within(start, most));
+            workspace.question.lower[i] = map.lower()[i].max(within(start, -most));
+            workspace.question.upper[i] = map.upper()[i].min(within(start, most));
         }
-        workspace
-            .problem
-            .set_bounds(&workspace.lower, &workspace.upper);
     }
 }
 

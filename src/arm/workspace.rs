@@ -5,18 +5,17 @@ use std::time::Instant;
 use nalgebra::DMatrix;
 
 use super::options::Options;
+use super::pose_question::PoseQuestion;
 use super::serial::Serial;
-use super::tool_pose::ToolPose;
 use crate::ik::{self, Solution, Solver};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::{Outcome, PoseSolver};
 use crate::model::{JointKind, Source};
-use crate::problem::{Evaluation, Problem, ProblemError, Scratch, TaskId};
+use crate::problem::{Evaluation, ProblemError, Scratch};
 use crate::solver::{
     LeastSquares, LevenbergMarquardt, Memory, Silent, Stopping, Termination, minimise_until,
 };
 use crate::spatial::{Placement, resolved, rounding};
-use crate::task::{Quantity, Task};
 
 /// The errors of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,8 +37,7 @@ pub(super) fn stopping() -> Stopping {
 /// What the slower ways need: the pose as a core problem, and room.
 #[derive(Debug)]
 pub(super) struct Workspace {
-    pub(super) problem: Problem,
-    task: TaskId<ToolPose>,
+    pub(super) question: PoseQuestion,
     scratch: Scratch,
     pub(super) memory: Memory,
     pub(super) core: ik::Workspace,
@@ -49,9 +47,6 @@ pub(super) struct Workspace {
     pub(super) spare: Solution,
     /// The lane engine with bounds of the question's own, where moves are bounded.
     pub(super) windowed: Option<PoseSolver>,
-    /// Bounds of the question.
-    pub(super) lower: Vec<f64>,
-    pub(super) upper: Vec<f64>,
     /// The start within the bounds, and the configuration to be returned.
     pub(super) start: Vec<f64>,
     pub(super) x: Vec<f64>,
@@ -98,34 +93,17 @@ pub(super) struct Workspace {
 
 impl Workspace {
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
-        let mut builder = Problem::builder(&serial.model);
-        builder.parameters(serial.map.clone());
-        let pose = ToolPose::new(serial.tool, options.goal.axes());
-        let orientation = if options.goal.has_orientation() {
-            options.orientation_tolerance
-        } else {
-            f64::INFINITY
-        };
-        let task = builder.add(
-            Task::new(pose)
-                .weight(Quantity::Metres, 1.0)
-                .weight(Quantity::Radians, options.metres_per_radian)
-                .tolerance(Quantity::Metres, options.position_tolerance)
-                .tolerance(Quantity::Radians, orientation),
-        );
-        let problem = builder.build()?;
+        let question = PoseQuestion::new(serial, options)?;
+        let problem = &question.problem;
         let n = problem.variables();
         let scale = serial.scales(options.metres_per_radian);
         Ok(Self {
             scratch: problem.scratch(),
-            task,
             memory: Memory::default(),
             core: ik::Workspace::new(),
             solver: Solver::default(),
             spare: Solution::default(),
             windowed: None,
-            lower: serial.map.lower().to_vec(),
-            upper: serial.map.upper().to_vec(),
             start: vec![0.0; n],
             x: vec![0.0; n],
             trial: vec![0.0; n],
@@ -154,15 +132,13 @@ impl Workspace {
             position_tolerance: options.position_tolerance,
             orientation_tolerance: options.orientation_tolerance,
             metres_per_radian: options.metres_per_radian,
-            problem,
+            question,
         })
     }
 
     /// Sets the target.
     pub(super) fn aim(&mut self, target: &Placement<f64>) {
-        if let Some(pose) = self.problem.residual_mut(self.task) {
-            pose.target = *target;
-        }
+        self.question.aim(target);
         self.forget_jacobian();
     }
 
@@ -195,8 +171,7 @@ impl Workspace {
         let position = norm(&residual[..3]);
         let turn = norm(&residual[3..]) / self.metres_per_radian;
         let (metres, radians) = self.resolution(x);
-        let pose = self.problem.residual(self.task);
-        let orientation = pose.map_or(turn, |pose| pose.angle(turn));
+        let orientation = self.question.angle(turn);
         let position = resolved(position, metres, self.position_tolerance);
         let orientation = resolved(orientation, radians, self.orientation_tolerance);
         Errors {
@@ -210,7 +185,7 @@ impl Workspace {
     /// What rounding may hide at x, metres and radians.
     fn resolution(&self, x: &[f64]) -> (f64, f64) {
         let (mut turned, mut slid) = (0.0, 0.0);
-        let sources = self.problem.parameters().sources();
+        let sources = self.question.problem.parameters().sources();
         for (source, turns) in sources.iter().zip(&self.turns) {
             // A follower keeps the rounding of both its parts, which may cancel.
             let size = match *source {
@@ -229,7 +204,7 @@ impl Workspace {
     /// The weighted residual at x.
     pub(super) fn residual(&mut self, x: &[f64]) -> [f64; 6] {
         let mut residual = [0.0; 6];
-        Evaluation::new(&self.problem, &mut self.scratch).residual(x, &mut residual);
+        Evaluation::new(self.question.ask(), &mut self.scratch).residual(x, &mut residual);
         residual
     }
 
@@ -237,7 +212,7 @@ impl Workspace {
     pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
         if self.linear_at != x {
             self.linear_residual = self.residual(x);
-            Evaluation::new(&self.problem, &mut self.scratch).jacobian(x, &mut self.jacobian);
+            Evaluation::new(self.question.ask(), &mut self.scratch).jacobian(x, &mut self.jacobian);
             self.linear_at.copy_from_slice(x);
         }
         self.linear_residual
@@ -245,7 +220,7 @@ impl Workspace {
 
     /// Takes the Jacobian at x, while the one that is here stands [aside](Self::aside).
     pub(super) fn differentiate_beside(&mut self, x: &[f64]) {
-        Evaluation::new(&self.problem, &mut self.scratch).jacobian(x, &mut self.jacobian);
+        Evaluation::new(self.question.ask(), &mut self.scratch).jacobian(x, &mut self.jacobian);
     }
 
     /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt. Where
@@ -261,7 +236,7 @@ impl Workspace {
         deadline: Option<Instant>,
     ) -> (Termination, usize) {
         let outcome = minimise_until(
-            &mut Evaluation::new(&self.problem, &mut self.scratch),
+            &mut Evaluation::new(self.question.ask(), &mut self.scratch),
             &LevenbergMarquardt::default(),
             &self.x,
             &stopping().with_patience(patience),
@@ -277,8 +252,7 @@ impl Workspace {
 
     /// The target.
     pub(super) fn target(&self) -> Placement<f64> {
-        let pose = self.problem.residual(self.task);
-        pose.map_or_else(Placement::identity, |pose| pose.target)
+        self.question.target()
     }
 
     /// An error that is far within the tolerances, metres.

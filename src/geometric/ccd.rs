@@ -5,7 +5,7 @@ use super::goal::goals;
 use super::search::{self, Limits};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::solver::{Observer, Stopping};
 
 /// Cyclic coordinate descent (Wang & Chen 1991): from the tips to the root each joint turns about
@@ -54,13 +54,13 @@ impl Geometric for Ccd {
         "ccd"
     }
 
-    fn solve_observed(
+    fn solve_question(
         &self,
-        problem: &Problem,
+        question: Question<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let mut descent = Descent::new(problem, goals(problem, "CCD")?);
-        search::solve(problem, start, self.limits, &mut descent, observer)
+        let mut descent = Descent::new(question, goals(question, "CCD")?);
+        search::solve(question, start, self.limits, &mut descent, observer)
     }
 }

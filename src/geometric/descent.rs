@@ -5,12 +5,12 @@ use super::search::Sweep;
 use super::turn::{Knob, Slide, Turn, turned};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::spatial::{Placement, Vector3};
 
 /// Where a search stands: the goals' frames, and which joints move them.
 pub(super) struct Descent<'a> {
-    problem: &'a Problem,
+    question: Question<'a>,
     state: TreeState<f64>,
     goals: Vec<Goal>,
     /// Where each goal's frame stands now.
@@ -22,8 +22,8 @@ pub(super) struct Descent<'a> {
 }
 
 impl<'a> Descent<'a> {
-    pub(super) fn new(problem: &'a Problem, goals: Vec<Goal>) -> Self {
-        let tree = problem.tree();
+    pub(super) fn new(question: Question<'a>, goals: Vec<Goal>) -> Self {
+        let tree = question.tree();
         let mut moves = vec![Vec::new(); tree.joints()];
         for (index, goal) in goals.iter().enumerate() {
             let first = tree.joint_carrying(goal.frame);
@@ -31,12 +31,12 @@ impl<'a> Descent<'a> {
                 moves[joint].push(index);
             }
         }
-        let mut drives = vec![Vec::new(); problem.variables()];
+        let mut drives = vec![Vec::new(); question.problem.variables()];
         for joint in (0..tree.joints()).filter(|&joint| !moves[joint].is_empty()) {
             drives[tree.variable_of(joint).0].push(joint);
         }
         Self {
-            problem,
+            question,
             state: TreeState::new(tree),
             placed: vec![Placement::identity(); goals.len()],
             goals,
@@ -46,7 +46,7 @@ impl<'a> Descent<'a> {
     }
 
     fn forward(&mut self, x: &[f64]) {
-        self.problem.tree().forward(x, &mut self.state);
+        self.question.tree().forward(x, &mut self.state);
         let frames = self.state.frames();
         for (placed, goal) in self.placed.iter_mut().zip(&self.goals) {
             *placed = frames[goal.frame];
@@ -54,10 +54,10 @@ impl<'a> Descent<'a> {
     }
 
     fn knob(&self, joint: usize) -> (usize, Knob) {
-        let (variable, ratio) = self.problem.tree().variable_of(joint);
+        let (variable, ratio) = self.question.tree().variable_of(joint);
         let bounds = Limits::new(
-            self.problem.lower()[variable],
-            self.problem.upper()[variable],
+            self.question.lower()[variable],
+            self.question.upper()[variable],
         );
         (variable, Knob { bounds, ratio })
     }
@@ -97,7 +97,7 @@ impl<'a> Descent<'a> {
     /// Does the best with one joint, and carries the goals' frames along. Joints towards the tips
     /// are not looked at again in this sweep, so nothing else need be placed anew.
     fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
-        let axis = self.problem.tree().axis(&self.state, joint);
+        let axis = self.question.tree().axis(&self.state, joint);
         let (variable, knob) = self.knob(joint);
         let room = knob.room(x[variable]);
         let by = match axis.turns {
@@ -137,7 +137,7 @@ impl<'a> Descent<'a> {
     /// Minus the slope of the cost along a variable, and its curvature by Gauss and Newton. The goals'
     /// velocities per unit of the variable add up over the joints that it moves.
     fn slope(&self, variable: usize) -> (f64, f64) {
-        let tree = self.problem.tree();
+        let tree = self.question.tree();
         let (mut slope, mut curvature) = (0.0, 0.0);
         for (index, goal) in self.goals.iter().enumerate() {
             let frame = &self.placed[index];
@@ -177,8 +177,8 @@ impl<'a> Descent<'a> {
         let before = self.chord_cost();
         let (slope, curvature) = self.slope(variable);
         let (lower, upper) = (
-            self.problem.lower()[variable],
-            self.problem.upper()[variable],
+            self.question.lower()[variable],
+            self.question.upper()[variable],
         );
         let from = x[variable];
         let mut step = if curvature > 0.0 {
@@ -210,7 +210,7 @@ impl Sweep for Descent<'_> {
         self.forward(x);
         // Joints are numbered parents first, so this is from the tips to the root.
         for joint in (0..self.moves.len()).rev() {
-            let (variable, _) = self.problem.tree().variable_of(joint);
+            let (variable, _) = self.question.tree().variable_of(joint);
             if !self.moves[joint].is_empty() && self.drives[variable].len() == 1 {
                 self.move_joint(joint, x);
             }

@@ -7,7 +7,7 @@ use super::linkage::{Linkage, Pin, Span, lay_straight};
 use super::search::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::solver::{Observer, Stopping};
 use crate::spatial::Vector3;
 
@@ -59,21 +59,21 @@ impl Geometric for Fabrik {
         "fabrik"
     }
 
-    fn solve_observed(
+    fn solve_question(
         &self,
-        problem: &Problem,
+        question: Question<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let goals = goals(problem, "FABRIK")?;
-        let joint_points = joint_points(problem, &goals, "FABRIK")?;
+        let goals = goals(question, "FABRIK")?;
+        let joint_points = joint_points(question, &goals, "FABRIK")?;
         let mut passes = Passes {
             linkage: joint_points.linkage(),
             pins: joint_points.pins().to_vec(),
             points: joint_points.rest().to_vec(),
-            fit: Fit::new(problem, joint_points),
+            fit: Fit::new(question, joint_points),
         };
-        search::solve(problem, start, self.limits, &mut passes, observer)
+        search::solve(question, start, self.limits, &mut passes, observer)
     }
 }
 

@@ -5,7 +5,7 @@ use super::joint_points::{Group, JointPoints};
 use super::turn::{Knob, Turn, turned, two_turns};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::scalar::elementary;
 use crate::spatial::Vector3;
 
@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// A problem's joints following points.
 pub(super) struct Fit<'a> {
-    problem: &'a Problem,
+    question: Question<'a>,
     joint_points: JointPoints,
     /// By point: the point that its bone turns about.
     centres: Vec<Option<usize>>,
@@ -29,20 +29,20 @@ pub(super) struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    pub(super) fn new(problem: &'a Problem, joint_points: JointPoints) -> Self {
-        let tree = problem.tree();
+    pub(super) fn new(question: Question<'a>, joint_points: JointPoints) -> Self {
+        let tree = question.tree();
         let linkage = joint_points.linkage();
         let points = 0..joint_points.points.len();
-        let mut taken = vec![false; problem.variables()];
+        let mut taken = vec![false; question.problem.variables()];
         let mut lead = |joint| {
             let (variable, _) = tree.variable_of(joint);
             !std::mem::replace(&mut taken[variable], true)
         };
         Self {
-            problem,
+            question,
             centres: points.map(|point| linkage.parent(point)).collect(),
             leads: (0..tree.joints()).map(&mut lead).collect(),
-            rounding: ROUNDING * problem.reach(),
+            rounding: ROUNDING * question.problem.reach(),
             state: TreeState::new(tree),
             joint_points,
         }
@@ -50,7 +50,7 @@ impl<'a> Fit<'a> {
 
     /// Where the points are for the variables `x`.
     pub(super) fn points_at(&mut self, x: &[f64], points: &mut [Vector3<f64>]) {
-        self.problem.tree().forward(x, &mut self.state);
+        self.question.tree().forward(x, &mut self.state);
         for (k, point) in points.iter_mut().enumerate() {
             *point = self.point(k);
         }
@@ -92,7 +92,7 @@ impl<'a> Fit<'a> {
 
     /// The axis of a joint after the last forward pass.
     pub(super) fn axis(&self, joint: usize) -> JointAxis {
-        self.problem.tree().axis(&self.state, joint)
+        self.question.tree().axis(&self.state, joint)
     }
 
     /// Turns one joint until `point` is at `distance` from the point `root`, which it does not move:
@@ -104,7 +104,7 @@ impl<'a> Fit<'a> {
         (distance, counter_clockwise): (f64, bool),
         x: &mut [f64],
     ) {
-        self.problem.tree().forward(x, &mut self.state);
+        self.question.tree().forward(x, &mut self.state);
         let JointAxis {
             direction, origin, ..
         } = self.axis(joint);
@@ -130,10 +130,10 @@ impl<'a> Fit<'a> {
 
     /// Brings the points of one group near `wanted` and returns by how much they miss.
     pub(super) fn serve(&mut self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) -> f64 {
-        self.problem.tree().forward(x, &mut self.state);
+        self.question.tree().forward(x, &mut self.state);
         let mut missed = self.missed(group, wanted);
         if missed > self.rounding && self.point_with_two(group, wanted, x) {
-            self.problem.tree().forward(x, &mut self.state);
+            self.question.tree().forward(x, &mut self.state);
             missed = self.missed(group, wanted);
         }
         for _ in 0..CYCLES {
@@ -141,7 +141,7 @@ impl<'a> Fit<'a> {
                 break;
             }
             self.turn_each(group, wanted, x);
-            self.problem.tree().forward(x, &mut self.state);
+            self.question.tree().forward(x, &mut self.state);
             let left = self.missed(group, wanted);
             let gained = left < 0.99 * missed;
             missed = left;
@@ -155,7 +155,10 @@ impl<'a> Fit<'a> {
     fn point(&self, index: usize) -> Vector3<f64> {
         let point = &self.joint_points.points[index];
         match point.joint {
-            Some(joint) => self.problem.tree().carried(&self.state, joint, point.local),
+            Some(joint) => self
+                .question
+                .tree()
+                .carried(&self.state, joint, point.local),
             None => point.local,
         }
     }
@@ -189,10 +192,10 @@ impl<'a> Fit<'a> {
     }
 
     fn knob(&self, joint: usize) -> (usize, Knob) {
-        let (variable, ratio) = self.problem.tree().variable_of(joint);
+        let (variable, ratio) = self.question.tree().variable_of(joint);
         let bounds = Limits::new(
-            self.problem.lower()[variable],
-            self.problem.upper()[variable],
+            self.question.lower()[variable],
+            self.question.upper()[variable],
         );
         (variable, Knob { bounds, ratio })
     }
@@ -206,7 +209,7 @@ impl<'a> Fit<'a> {
         let Some(centre) = self.centre(group, *point) else {
             return false;
         };
-        let tree = self.problem.tree();
+        let tree = self.question.tree();
         let [outer_axis, inner_axis] = [outer, inner].map(|&j| tree.axis(&self.state, j));
         let meets = |axis: &JointAxis| {
             axis.direction.cross(centre - axis.origin).norm() <= self.joint_points.same
@@ -246,7 +249,7 @@ impl<'a> Fit<'a> {
     /// One sweep of coordinate descent within a group, from its last joint to its first, so that no
     /// axis moves before its turn.
     fn turn_each(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) {
-        let tree = self.problem.tree();
+        let tree = self.question.tree();
         let points = group.serves.iter();
         let mut points: Vec<(Vector3<f64>, Vector3<f64>)> = points
             .map(|&k| (self.point(k), self.aim(group, k, wanted)))

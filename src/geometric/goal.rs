@@ -2,7 +2,7 @@
 
 use super::GeometricError;
 use crate::kinematics::FrameSlot;
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::spatial::{Matrix3, Placement, Vector3};
 use crate::task::{Orientation, Point, Pose, Quantity};
 
@@ -30,7 +30,11 @@ pub(super) struct Goal {
 const VALID: &str = "`point`, `pose` or `orientation`";
 
 /// Reads the problem's tasks, in order. Rows of weight zero ask nothing.
-pub(super) fn goals(problem: &Problem, solver: &'static str) -> Result<Vec<Goal>, GeometricError> {
+pub(super) fn goals(
+    question: Question<'_>,
+    solver: &'static str,
+) -> Result<Vec<Goal>, GeometricError> {
+    let problem = question.problem;
     let mut goals = Vec::with_capacity(problem.tasks());
     for (index, task) in problem.compiled_tasks().iter().enumerate() {
         let weight = |quantity: Quantity| {
@@ -39,7 +43,7 @@ pub(super) fn goals(problem: &Problem, solver: &'static str) -> Result<Vec<Goal>
         };
         let place = |target| aim(target, weight(Quantity::Metres));
         let axes = |target| aim(target, weight(Quantity::Radians));
-        let residual = task.residual.as_any();
+        let residual = question.residual(index).as_any();
         let (offset, place, axes) = if let Some(point) = residual.downcast_ref::<Point>() {
             (point.offset(), place(point.target()), None)
         } else if let Some(pose) = residual.downcast_ref::<Pose>() {

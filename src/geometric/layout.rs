@@ -5,7 +5,7 @@ use super::goal::Goal;
 use super::joint_points::{Carried, Group, JointPoints};
 use super::linkage::Pin;
 use crate::kinematics::TreeState;
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::spatial::{Placement, Vector3};
 
 /// Points nearer than this share of the model's reach are one.
@@ -16,25 +16,29 @@ const SAME: f64 = 1e-9;
 /// # Errors
 /// A sliding joint, or a goal without a place, each by name.
 pub(super) fn joint_points(
-    problem: &Problem,
+    question: Question<'_>,
     goals: &[Goal],
     solver: &'static str,
 ) -> Result<JointPoints, GeometricError> {
-    let tree = problem.tree();
+    let tree = question.tree();
     if let Some(joint) = (0..tree.joints()).find(|&joint| !tree.turns(joint)) {
         let (variable, _) = tree.variable_of(joint);
         return Err(GeometricError::SlidingJoint {
             solver,
-            joint: problem.names().variables[variable].clone(),
+            joint: question.problem.names().variables[variable].clone(),
         });
     }
-    let mut layout = Layout::new(problem);
+    let mut layout = Layout::new(question);
     let mut pins = Vec::new();
     for goal in goals {
         let Some(place) = goal.place else {
             return Err(GeometricError::UnsupportedTask {
                 solver,
-                task: problem.task_name(goal.task).unwrap_or_default().to_owned(),
+                task: question
+                    .problem
+                    .task_name(goal.task)
+                    .unwrap_or_default()
+                    .to_owned(),
                 valid: "`point` or `pose`",
             });
         };
@@ -56,7 +60,7 @@ pub(super) fn joint_points(
 
 /// The layout in the making.
 struct Layout<'a> {
-    problem: &'a Problem,
+    question: Question<'a>,
     state: TreeState<f64>,
     same: f64,
     /// By joint: the point it stands at.
@@ -67,16 +71,16 @@ struct Layout<'a> {
 }
 
 impl<'a> Layout<'a> {
-    fn new(problem: &'a Problem) -> Self {
-        let tree = problem.tree();
-        let bounds = problem.lower().iter().zip(problem.upper());
+    fn new(question: Question<'a>) -> Self {
+        let tree = question.tree();
+        let bounds = question.lower().iter().zip(question.upper());
         let near_zero: Vec<f64> = bounds.map(|(l, u)| 0.0_f64.max(*l).min(*u)).collect();
         let mut state = TreeState::new(tree);
         tree.forward(&near_zero, &mut state);
         let mut layout = Self {
-            problem,
+            question,
             state,
-            same: SAME * problem.reach(),
+            same: SAME * question.problem.reach(),
             at: Vec::with_capacity(tree.joints()),
             parents: Vec::new(),
             places: Vec::new(),
@@ -103,7 +107,7 @@ impl<'a> Layout<'a> {
             return known;
         }
         let local = match carrier {
-            Some(joint) => self.problem.tree().local_to(&self.state, joint, place),
+            Some(joint) => self.question.tree().local_to(&self.state, joint, place),
             None => place,
         };
         self.parents.push(parent);
@@ -117,13 +121,13 @@ impl<'a> Layout<'a> {
 
     /// The point of a goal's frame at `offset`; `None` for a frame that no joint moves.
     fn pin(&mut self, goal: &Goal, offset: Vector3<f64>) -> Option<usize> {
-        let carrier = self.problem.tree().joint_carrying(goal.frame)?;
+        let carrier = self.question.tree().joint_carrying(goal.frame)?;
         let place = self.state.frames()[goal.frame].apply(offset);
         Some(self.point(Some(carrier), place))
     }
 
     fn is_on_axis(&self, joint: usize, point: usize) -> bool {
-        let axis = self.problem.tree().axis(&self.state, joint);
+        let axis = self.question.tree().axis(&self.state, joint);
         let arm = self.places[point] - axis.origin;
         axis.direction.cross(arm).norm() <= self.same
     }
@@ -131,7 +135,7 @@ impl<'a> Layout<'a> {
     /// Finds out what each joint serves, from the tips to the root, and leaves out the points that
     /// no joint turns about.
     fn finish(mut self, pins: &[Pin]) -> JointPoints {
-        let tree = self.problem.tree();
+        let tree = self.question.tree();
         let joints = tree.joints();
         let is_pinned = |point: usize| pins.iter().any(|pin| pin.point == point);
         // By joint: the first points beyond it, whether it moves none of them, what it serves.

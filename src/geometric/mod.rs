@@ -63,7 +63,7 @@ pub use triangle::{Triangle, triangle};
 pub use two_bone::{Elbow, TwoBone};
 
 use crate::ik::Solution;
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::solver::{Observer, Silent};
 
 /// A geometric method with its settings: what a harness calls. Immutable and shareable.
@@ -71,25 +71,49 @@ pub trait Geometric: Send + Sync {
     /// A short name for tables.
     fn name(&self) -> &'static str;
 
-    /// Solves `problem` from the configuration `start` (degrees of freedom; projected into the
-    /// limits; locked and following joints take their values from the parameter map).
+    /// Searches from the configuration `start` (degrees of freedom; projected into the limits; locked and
+    /// following joints take their values from the parameter map), with an observer that sees every
+    /// sweep and may cancel. Sweeps count from 0 in each attempt; there is no gradient and no damping to
+    /// see.
     ///
     /// # Errors
     /// A start of the wrong length or not finite; tasks or joints that the method has no answer
     /// for, by name. A target that is not reached is no error.
-    fn solve(&self, problem: &Problem, start: &[f64]) -> Result<Solution, GeometricError> {
-        self.solve_observed(problem, start, &mut Silent)
-    }
-
-    /// As [`solve`](Self::solve), with an observer that sees every sweep and may cancel. Sweeps count
-    /// from 0 in each attempt; there is no gradient and no damping to see.
-    ///
-    /// # Errors
-    /// As [`solve`](Self::solve).
-    fn solve_observed(
+    fn solve_question(
         &self,
-        problem: &Problem,
+        question: Question<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError>;
+
+    /// Solves a problem, or a [question](Question) to it, as [`solve_question`](Self::solve_question) does.
+    ///
+    /// # Errors
+    /// As there.
+    fn solve<'a>(
+        &self,
+        question: impl Into<Question<'a>>,
+        start: &[f64],
+    ) -> Result<Solution, GeometricError>
+    where
+        Self: Sized,
+    {
+        self.solve_question(question.into(), start, &mut Silent)
+    }
+
+    /// As [`solve`](Self::solve), with an observer.
+    ///
+    /// # Errors
+    /// As [`solve_question`](Self::solve_question).
+    fn solve_observed<'a>(
+        &self,
+        question: impl Into<Question<'a>>,
+        start: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Solution, GeometricError>
+    where
+        Self: Sized,
+    {
+        self.solve_question(question.into(), start, observer)
+    }
 }

@@ -1,7 +1,7 @@
 //! What a search found, told as a [`Solution`].
 
 use crate::ik::Solution;
-use crate::problem::{Evaluation, Problem, Scratch};
+use crate::problem::{Evaluation, Question, Scratch};
 use crate::solver::{Memory, Stopping, Termination, negligible_slope, projected_gradient_norm};
 
 /// The best place that the attempts have found.
@@ -16,7 +16,7 @@ pub(super) struct Best {
 /// The truth about the best place: its errors, the slope of the cost there, the limits that block
 /// it. A search that stopped where nothing is left to gain ends as stationary.
 pub(super) fn report(
-    problem: &Problem,
+    question: Question<'_>,
     scratch: &mut Scratch,
     stopping: Stopping,
     best: &Best,
@@ -28,10 +28,10 @@ pub(super) fn report(
     let mut memory = Memory::default();
     let (mut gradient, mut negligible): (&[f64], f64) = (&[], 0.0);
     if !best.reached && best.cost.is_finite() {
-        let mut evaluation = Evaluation::new(problem, scratch);
-        memory.take_shape(problem.rows(), problem.variables());
+        let mut evaluation = Evaluation::new(question, scratch);
+        memory.take_shape(question.problem.rows(), question.problem.variables());
         let (slope, column_norm) = memory.slope_at(&mut evaluation, &best.x, &best.residual);
-        let (lower, upper) = (problem.lower(), problem.upper());
+        let (lower, upper) = (question.lower(), question.upper());
         let left = |curvature| projected_gradient_norm(&best.x, slope, curvature, lower, upper);
         solution.projected_gradient = Some(left(1.0));
         // The solvers' own test: the cosine between r and what a free variable can do about it.
@@ -45,7 +45,7 @@ pub(super) fn report(
         negligible = negligible_slope(column_norm, best.cost, &stopping);
         gradient = slope;
     }
-    let evaluation = &mut Evaluation::new(problem, scratch);
+    let evaluation = &mut Evaluation::new(question, scratch);
     solution.measure(evaluation, &best.x, &best.residual, gradient, negligible);
     solution
 }

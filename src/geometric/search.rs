@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::GeometricError;
 use super::report::{Best, report};
 use crate::ik::{Restarts, Solution, check_start};
-use crate::problem::{Evaluation, Problem, Scratch, Share};
+use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, Stopping, Termination, half_squared, project,
 };
@@ -53,7 +53,7 @@ impl Limits {
 
 /// All attempts at one problem.
 struct Search<'a> {
-    problem: &'a Problem,
+    question: Question<'a>,
     scratch: Scratch,
     limits: Limits,
     deadline: Option<Instant>,
@@ -63,18 +63,19 @@ struct Search<'a> {
 
 /// Searches from the configuration `start` (projected into the limits).
 pub(super) fn solve(
-    problem: &Problem,
+    question: Question<'_>,
     start: &[f64],
     limits: Limits,
     method: &mut dyn Sweep,
     observer: &mut dyn Observer,
 ) -> Result<Solution, GeometricError> {
+    let problem = question.problem;
     check_start(problem, start)?;
     let mut from = vec![0.0; problem.variables()];
     problem.parameters().reduce(start, &mut from);
-    project(&mut from, problem.lower(), problem.upper());
+    project(&mut from, question.lower(), question.upper());
     let mut search = Search {
-        problem,
+        question,
         scratch: problem.scratch(),
         limits,
         deadline: limits.stopping.deadline(),
@@ -83,7 +84,7 @@ pub(super) fn solve(
     };
     let (best, termination, attempts) = search.attempts(&from, method, observer);
     let mut solution = report(
-        problem,
+        question,
         &mut search.scratch,
         limits.stopping,
         &best,
@@ -104,7 +105,8 @@ impl Search<'_> {
         method: &mut dyn Sweep,
         observer: &mut dyn Observer,
     ) -> (Best, Termination, usize) {
-        let (problem, restarts) = (self.problem, self.limits.restarts);
+        let (question, restarts) = (self.question, self.limits.restarts);
+        let problem = question.problem;
         let mut residual = vec![0.0; problem.rows()];
         self.residual(from, &mut residual);
         let mut wander = vec![true; problem.variables()];
@@ -115,8 +117,8 @@ impl Search<'_> {
         let (mut agreeing, mut attempt) = (0, 0);
         let mut x = from.to_vec();
         loop {
-            restarts.start_of(attempt, from, &wander, problem, &mut x);
-            project(&mut x, problem.lower(), problem.upper());
+            restarts.start_of(attempt, from, &wander, question, &mut x);
+            project(&mut x, question.lower(), question.upper());
             let (found, termination) = self.attempt(&x, method, observer);
             attempt += 1;
             let better =
@@ -158,7 +160,7 @@ impl Search<'_> {
         let stopping = self.limits.stopping;
         let mut x = start.to_vec();
         let mut previous = x.clone();
-        let mut residual = vec![0.0; self.problem.rows()];
+        let mut residual = vec![0.0; self.question.problem.rows()];
         let mut best = Best {
             x: x.clone(),
             residual: residual.clone(),
@@ -177,7 +179,7 @@ impl Search<'_> {
                 }
                 return (best, Termination::NonFinite);
             }
-            let reached = self.problem.is_reached(&residual);
+            let reached = self.question.problem.is_reached(&residual);
             flat = match best.cost - cost > FLAT * cost {
                 true => 0,
                 false => flat + 1,
@@ -238,7 +240,7 @@ impl Search<'_> {
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
-        Evaluation::new(self.problem, &mut self.scratch).residual(x, residual);
+        Evaluation::new(self.question, &mut self.scratch).residual(x, residual);
         self.counts.residuals += 1;
     }
 }

@@ -8,7 +8,7 @@ use super::search::{self, Limits, Sweep};
 use super::triangle::triangle;
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::solver::{Observer, Stopping};
 use crate::spatial::Vector3;
 
@@ -58,24 +58,24 @@ impl Geometric for TwoBone {
         "two_bone"
     }
 
-    fn solve_observed(
+    fn solve_question(
         &self,
-        problem: &Problem,
+        question: Question<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let goals = goals(problem, NAME)?;
-        let points = joint_points(problem, &goals, NAME)?;
+        let goals = goals(question, NAME)?;
+        let points = joint_points(question, &goals, NAME)?;
         let linkage = points.linkage();
         let (Some(&[upper, lower]), &[pin]) = (linkage.as_chain(), points.pins()) else {
             return Err(GeometricError::NotTwoBones {
-                model: problem.names().model.clone(),
+                model: question.problem.names().model.clone(),
                 bones: points.rest().len().saturating_sub(1),
                 tips: points.pins().len(),
             });
         };
         let wanted = points.rest().to_vec();
-        let fit = Fit::new(problem, points);
+        let fit = Fit::new(question, points);
         let mut limb = Limb {
             elbow: self.elbow,
             lengths: [upper, lower],
@@ -93,7 +93,7 @@ impl Geometric for TwoBone {
             stopping: Stopping::default().with_max_iterations(SWEEPS),
             restarts: Restarts::none(),
         };
-        search::solve(problem, start, limits, &mut limb, observer)
+        search::solve(question, start, limits, &mut limb, observer)
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::Workspace;
 use super::restarts::{Restarts, Trial};
-use crate::problem::{Evaluation, Problem, Scratch, Share};
+use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::solver::{Counts, Method, Observer, Outcome, Stopping, Termination, minimise_until};
 
 /// Costs within this share of each other count as the same miss.
@@ -48,7 +48,7 @@ impl Found {
 
 /// All attempts at one problem; each is a search of its own.
 pub(super) struct Attempts<'a> {
-    pub(super) problem: &'a Problem,
+    pub(super) question: Question<'a>,
     pub(super) method: &'a dyn Method,
     pub(super) stopping: Stopping,
     pub(super) restarts: Restarts,
@@ -77,9 +77,10 @@ impl Attempts<'_> {
         } = workspace;
         let mut found = Found::nothing();
         let mut agreeing = 0;
-        let share = self.problem.search_share();
+        let problem = self.question.problem;
+        let share = problem.search_share();
         // Where preferences are traded the minimum is the goal, and a stall is on the way to it.
-        let patient = share == Share::All && self.problem.has_preferences();
+        let patient = share == Share::All && problem.has_preferences();
         let enough = self.restarts.enough(patient);
         let (mut over, mut first_is_best, mut first_may_win) = (false, true, false);
         costs.clear();
@@ -100,13 +101,13 @@ impl Attempts<'_> {
                 }
                 Trial::Quick(index) | Trial::Full(index) => {
                     if index == 1 {
-                        let mut evaluation = Evaluation::of(share, self.problem, scratch);
+                        let mut evaluation = Evaluation::of(share, self.question, scratch);
                         memory.evaluate_at(&mut evaluation, start);
                         let residual = memory.residual();
-                        self.problem.mark_free_to_wander(share, residual, wander);
+                        problem.mark_free_to_wander(share, residual, wander);
                     }
                     self.restarts
-                        .start_of(index, start, wander, self.problem, attempt);
+                        .start_of(index, start, wander, self.question, attempt);
                     found.attempts += 1;
                 }
                 Trial::FinishAtLast => {
@@ -121,7 +122,7 @@ impl Attempts<'_> {
                 _ => self.stopping,
             };
             let outcome = minimise_until(
-                &mut Evaluation::of(share, self.problem, scratch),
+                &mut Evaluation::of(share, self.question, scratch),
                 self.method,
                 attempt,
                 &stopping,
@@ -133,7 +134,7 @@ impl Attempts<'_> {
             found.counts += memory.counts();
 
             let cost = memory.cost();
-            let reached = self.problem.is_reached_by(share, memory.residual());
+            let reached = problem.is_reached_by(share, memory.residual());
             let stalled = outcome.termination == Termination::Stalled;
             if !trial.goes_on() && (stalled || settled(outcome.termination)) {
                 costs.push(cost);

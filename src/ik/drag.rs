@@ -2,7 +2,7 @@
 
 use super::refine::Extent;
 use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace, check_start};
-use crate::problem::{Problem, TaskId};
+use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::solver::{Stopping, Termination, project};
 use crate::task::Residual;
@@ -57,9 +57,7 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 /// let mut drag = Drag::new(tasks.build()?, &[0.1, 0.5])?;
 /// for frame in 0..100 {
 ///     let mouse = [1.5 + 0.02 * f64::from(frame), 0.5, 0.0];
-///     if let Some(point) = drag.residual_mut(hand) {
-///         point.set_target(mouse);
-///     }
+///     drag.target_mut(hand)?.set_target(mouse);
 ///     let reached = drag.advance().reached;
 ///     // It catches up with the first target, and from frame 22 on the mouse is beyond its reach.
 ///     assert!(reached || frame < 5 || frame > 21);
@@ -69,12 +67,11 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 #[derive(Debug)]
 pub struct Drag {
     pub(super) problem: Problem,
+    targets: Targets,
     pub(super) solver: Solver,
     nudged: Solver,
     search: Option<Solver>,
     pub(super) max_move: f64,
-    /// The problem's own bounds, while those of a frame stand in for them.
-    limits: [Vec<f64>; 2],
     /// The bounds of a frame.
     around: [Vec<f64>; 2],
     /// What a joint may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
@@ -119,7 +116,7 @@ impl Drag {
             nudged: Solver::default(),
             search: None,
             max_move: MOST_MOVE,
-            limits: [problem.lower().to_vec(), problem.upper().to_vec()],
+            targets: problem.targets(),
             around: [vec![0.0; n], vec![0.0; n]],
             unit: angles
                 .map(|&angle| if angle { 1.0 } else { slide })
@@ -138,7 +135,7 @@ impl Drag {
         let look = Stopping::default().with_max_iterations(0);
         let look = Solver::default().with_stopping(look);
         let look = look.with_restarts(Restarts::none());
-        solve(&look, &drag.problem, &drag.q, &mut drag.trial);
+        solve(&look, (&drag.problem).into(), &drag.q, &mut drag.trial);
         Ok(drag.with_solver(
             Solver::default(),
             Stopping::default().with_max_iterations(STEPS),
@@ -183,10 +180,18 @@ impl Drag {
         &self.problem
     }
 
-    /// A task's residual, to move its target; as [`Problem::residual_mut`].
+    /// What is dragged, with the targets as they are now.
     #[must_use]
-    pub fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
-        self.problem.residual_mut(task)
+    pub fn question(&self) -> Question<'_> {
+        Question::from(&self.problem).with_targets(&self.targets)
+    }
+
+    /// A task's residual, to move its target; as [`Targets::get_mut`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn target_mut<R: Residual>(&mut self, task: TaskId<R>) -> Result<&mut R, ProblemError> {
+        self.targets.get_mut(task)
     }
 
     /// Where the body stands (degrees of freedom).
@@ -224,9 +229,8 @@ impl Drag {
     /// One of the wrong length, or one that is not finite.
     pub fn stand_at(&mut self, q: &[f64]) -> Result<(), SolveError> {
         check_start(&self.problem, q)?;
-        let [lower, upper] = &self.limits;
         self.problem.parameters().reduce(q, &mut self.x);
-        project(&mut self.x, lower, upper);
+        project(&mut self.x, self.problem.lower(), self.problem.upper());
         let map = self.problem.parameters();
         map.expand_within_limits(&self.x, &mut self.q);
         self.misses = 0;
@@ -237,25 +241,24 @@ impl Drag {
     pub fn advance(&mut self) -> &Solution {
         self.leap = None;
         self.keep_near();
-        solve(&self.solver, &self.problem, &self.q, &mut self.workspace);
+        let question = near(&self.problem, &self.targets, &self.around);
+        solve(&self.solver, question, &self.q, &mut self.workspace);
         let settled = |solution: &Solution| {
             !solution.reached && solution.termination == Termination::Stationary
         };
-        let held = |solution: &mut Solution, [lower, upper]: &[Vec<f64>; 2]| {
-            solution.mark_moves(lower, upper);
+        let held = |solution: &mut Solution, problem: &Problem| {
+            solution.mark_moves(problem.lower(), problem.upper());
             let mut limits = solution.active_limits();
             limits.any(|limit| limit.kind == BoundKind::Move)
         };
         let solution = &mut self.workspace.solution;
-        let moves = held(solution, &self.limits);
+        let moves = held(solution, &self.problem);
         let stuck = settled(solution) && !moves;
         self.misses = if stuck { self.misses + 1 } else { 0 };
         if stuck && self.misses % NUDGE_EVERY == 1 {
             self.nudge();
-            held(&mut self.workspace.solution, &self.limits);
+            held(&mut self.workspace.solution, &self.problem);
         }
-        let [lower, upper] = &self.limits;
-        self.problem.set_bounds(lower, upper);
         if stuck {
             self.search();
         }
@@ -286,13 +289,13 @@ impl Drag {
 
     /// Narrows the bounds to what a joint may move in a frame.
     fn keep_near(&mut self) {
-        let ([lower, upper], [from, to]) = (&self.limits, &mut self.around);
+        let (lower, upper) = (self.problem.lower(), self.problem.upper());
+        let [from, to] = &mut self.around;
         for (j, &x) in self.x.iter().enumerate() {
             let far = self.max_move * self.unit[j];
             from[j] = (x - far).max(lower[j]);
             to[j] = (x + far).min(upper[j]);
         }
-        self.problem.set_bounds(from, to);
     }
 
     /// Sets off a little beside where the frame settled, and stays with what that leads to if it is
@@ -307,7 +310,7 @@ impl Drag {
         // First towards the middle of the joints' ranges, which is where both sides of a symmetric body bend
         // alike, then anywhere.
         let inward = self.misses % (2 * NUDGE_EVERY) == 1;
-        let [lower, upper] = &self.limits;
+        let (lower, upper) = (self.problem.lower(), self.problem.upper());
         for (j, value) in self.trial.start.iter_mut().enumerate() {
             let drawn = 2.0 * random.unit() - 1.0;
             let off = 0.5 * (lower[j] + upper[j]) - *value;
@@ -324,7 +327,8 @@ impl Drag {
         }
         project(&mut self.trial.start, &self.around[0], &self.around[1]);
         map.expand_within_limits(&self.trial.start, &mut self.q);
-        solve(&self.nudged, &self.problem, &self.q, &mut self.trial);
+        let question = near(&self.problem, &self.targets, &self.around);
+        solve(&self.nudged, question, &self.q, &mut self.trial);
         self.take_trial();
     }
 
@@ -333,9 +337,10 @@ impl Drag {
         let Some(search) = &self.search else {
             return;
         };
+        let question = Question::from(&self.problem).with_targets(&self.targets);
         solve(
             search,
-            &self.problem,
+            question,
             &self.workspace.solution.q,
             &mut self.trial,
         );
@@ -367,9 +372,16 @@ impl Drag {
     }
 }
 
+/// What a frame asks: the targets as they are now, within its bounds.
+fn near<'a>(problem: &'a Problem, targets: &'a Targets, bounds: &'a [Vec<f64>; 2]) -> Question<'a> {
+    let [lower, upper] = bounds;
+    let question = Question::from(problem).with_targets(targets);
+    question.within(lower, upper)
+}
+
 /// A solve from a start of the right length. Where a number in it is not finite, which a residual of
 /// the caller's may bring about, the last solution stays.
-fn solve(solver: &Solver, problem: &Problem, from: &[f64], workspace: &mut Workspace) {
-    let solved = solver.solve(problem, from, workspace);
+fn solve(solver: &Solver, question: Question<'_>, from: &[f64], workspace: &mut Workspace) {
+    let solved = solver.solve(question, from, workspace);
     debug_assert!(solved.is_ok(), "a start of its own that does not fit");
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use crate::problem::{Problem, Share};
+use crate::problem::{Question, Share};
 use crate::task::Role;
 
 /// A preference is named when so much of what balances the goals' slope is its own.
@@ -12,7 +12,7 @@ const WORTH_NAMING: f64 = 0.1;
 
 /// A miss of a weighted sum: the Jacobian and residual of all tasks there.
 pub(super) struct Pulls<'a> {
-    pub(super) problem: &'a Problem,
+    pub(super) question: Question<'a>,
     pub(super) jacobian: &'a DMatrix<f64>,
     pub(super) residual: &'a [f64],
     /// A slope of the whole cost up to this is none.
@@ -25,11 +25,12 @@ impl Pulls<'_> {
     pub(super) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
         tasks.clear();
         let Self {
-            problem,
+            question,
             jacobian,
             residual,
             negligible,
         } = *self;
+        let problem = question.problem;
         let rows = residual.len();
         // The slope by the j-th variable of half a task's squared residual.
         let slope_by = |j: usize, task: &Range<usize>| {
@@ -38,16 +39,16 @@ impl Pulls<'_> {
             own.map(|(j, r)| j * r).sum::<f64>()
         };
         let goals = problem.tasks_of(Share::All);
-        let goals = goals.filter(|(task, _)| task.role == Role::Goal);
+        let goals = goals.filter(|(_, task, _)| task.role == Role::Goal);
         slope.fill(0.0);
-        for (_, rows) in goals {
+        for (_, _, rows) in goals {
             for (j, slope) in slope.iter_mut().enumerate() {
                 *slope += slope_by(j, &rows);
             }
         }
         for (j, slope) in slope.iter_mut().enumerate() {
-            let held = (x[j] <= problem.lower()[j] && *slope > 0.0)
-                || (x[j] >= problem.upper()[j] && *slope < 0.0);
+            let held = (x[j] <= question.lower()[j] && *slope > 0.0)
+                || (x[j] >= question.upper()[j] && *slope < 0.0);
             if held {
                 *slope = 0.0;
             }

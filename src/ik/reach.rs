@@ -1,7 +1,7 @@
 //! Targets that are certainly out of reach.
 
 use super::Solution;
-use crate::problem::{CompiledTask, Problem};
+use crate::problem::{CompiledTask, Problem, Question};
 use crate::spatial::Vector3;
 use crate::task::{Point, Pose, Quantity, Role};
 
@@ -17,10 +17,10 @@ pub(super) struct Beyond {
 
 impl Solution {
     /// Looks for a missed goal that no configuration can meet.
-    pub(super) fn find_beyond(&mut self, problem: &Problem) {
-        let tasks = problem.compiled_tasks().iter().enumerate();
+    pub(super) fn find_beyond(&mut self, question: Question<'_>) {
+        let tasks = question.problem.compiled_tasks().iter().enumerate();
         let mut goals = tasks.filter(|(_, task)| task.role == Role::Goal);
-        self.beyond = goals.find_map(|(index, task)| beyond(problem, index, task));
+        self.beyond = goals.find_map(|(index, task)| beyond(question, index, task));
     }
 
     /// As the core tells of its goals, of the first task's place, which must be met within a tolerance (metres).
@@ -34,8 +34,10 @@ impl Solution {
     }
 }
 
-fn beyond(problem: &Problem, index: usize, task: &CompiledTask) -> Option<Beyond> {
-    let residual = task.residual.as_any();
+fn beyond(question: Question<'_>, index: usize, task: &CompiledTask) -> Option<Beyond> {
+    // Anchors are where the problem was built.
+    let problem = (!question.places_moved()).then_some(question.problem)?;
+    let residual = question.residual(index).as_any();
     let (target, offset) = if let Some(point) = residual.downcast_ref::<Point>() {
         (point.target(), point.offset())
     } else {

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use nalgebra::DMatrix;
 
-use crate::problem::{Evaluation, Problem, Scratch, Share};
+use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::solver::{
     Counts, HeldStep, Iteration, LeastSquares, LevenbergMarquardt, Memory, Observer, Room, Silent,
     Stopping, Termination, half_squared, minimise_until, negligible_slope, project,
@@ -166,7 +166,7 @@ impl Refinement {
     /// Goes from a place to where the pulls gain nothing more.
     pub(super) fn run(
         &mut self,
-        problem: &Problem,
+        question: Question<'_>,
         scratch: &mut Scratch,
         memory: &mut Memory,
         from: &Place<'_>,
@@ -176,8 +176,8 @@ impl Refinement {
         let mut done = Refined::default();
         self.x.copy_from_slice(from.x);
         self.goals_kept.copy_from_slice(from.residual);
-        self.hold_back(problem, scratch, memory, from, limits);
-        let mut cost = self.pull_at_x(problem, scratch);
+        self.hold_back(question, scratch, memory, from, limits);
+        let mut cost = self.pull_at_x(question, scratch);
         done.counts.residuals += 1;
         let (steps, halvings) = limits.extent.most(from.reached);
         let worthwhile = match from.reached {
@@ -210,7 +210,7 @@ impl Refinement {
             if done.iterations >= steps {
                 return done;
             }
-            let Some(falls) = self.aim(problem, scratch, from.reached, &mut done.counts) else {
+            let Some(falls) = self.aim(question, scratch, from.reached, &mut done.counts) else {
                 return done;
             };
             // What the step promises: its fall along the goals alone, without what rounding lets slip.
@@ -223,22 +223,22 @@ impl Refinement {
                 slope,
                 stiffness,
                 conjugate,
-            } = self.choose(problem, falls, last_falls);
+            } = self.choose(question, falls, last_falls);
             last_falls = Some(falls);
-            let longest = self.longest_share(problem);
+            let longest = self.longest_share(question);
             let mut share = longest.min(slope / (bend * stiffness));
             let mut gained = None;
             for _ in 0..halvings {
                 for ((trial, x), step) in self.trial.iter_mut().zip(&self.x).zip(&self.direction) {
                     *trial = x + share * step;
                 }
-                project(&mut self.trial, problem.lower(), problem.upper());
+                project(&mut self.trial, question.lower(), question.upper());
                 let back = match from.reached {
-                    true => self.correct(problem, scratch, &mut done.counts),
-                    false => self.settle(problem, scratch, memory, limits, &mut done.counts),
+                    true => self.correct(question, scratch, &mut done.counts),
+                    false => self.settle(question, scratch, memory, limits, &mut done.counts),
                 };
                 let now = match back {
-                    true => self.pull_at_trial(problem, scratch),
+                    true => self.pull_at_trial(question, scratch),
                     false => f64::INFINITY,
                 };
                 done.counts.residuals += usize::from(back);
@@ -271,7 +271,7 @@ impl Refinement {
     /// Fixes the variables that stand on a bound for the goals' sake.
     fn hold_back(
         &mut self,
-        problem: &Problem,
+        question: Question<'_>,
         scratch: &mut Scratch,
         memory: &mut Memory,
         from: &Place<'_>,
@@ -281,11 +281,11 @@ impl Refinement {
         if from.reached {
             return;
         }
-        let mut goals = Evaluation::of(Share::Goals, problem, scratch);
+        let mut goals = Evaluation::of(Share::Goals, question, scratch);
         let (slope, column_norm) = memory.slope_at(&mut goals, from.x, from.residual);
         let cost = half_squared(from.residual);
         let negligible = negligible_slope(column_norm, cost, &limits.stopping);
-        let bounds = problem.lower().iter().zip(problem.upper());
+        let bounds = question.lower().iter().zip(question.upper());
         for ((fixed, (x, slope)), (lower, upper)) in self
             .fixed
             .iter_mut()
@@ -296,45 +296,45 @@ impl Refinement {
         }
     }
 
-    fn pull_at_x(&mut self, problem: &Problem, scratch: &mut Scratch) -> f64 {
-        Evaluation::of(Share::Pulls, problem, scratch).residual(&self.x, &mut self.pulls);
+    fn pull_at_x(&mut self, question: Question<'_>, scratch: &mut Scratch) -> f64 {
+        Evaluation::of(Share::Pulls, question, scratch).residual(&self.x, &mut self.pulls);
         half_squared(&self.pulls)
     }
 
-    fn pull_at_trial(&mut self, problem: &Problem, scratch: &mut Scratch) -> f64 {
-        Evaluation::of(Share::Pulls, problem, scratch).residual(&self.trial, &mut self.pulls);
+    fn pull_at_trial(&mut self, question: Question<'_>, scratch: &mut Scratch) -> f64 {
+        Evaluation::of(Share::Pulls, question, scratch).residual(&self.trial, &mut self.pulls);
         half_squared(&self.pulls)
     }
 
     /// Puts the best step into `best`; how fast the pulls' cost falls along it, if it does.
     fn aim(
         &mut self,
-        problem: &Problem,
+        question: Question<'_>,
         scratch: &mut Scratch,
         reached: bool,
         counts: &mut Counts,
     ) -> Option<f64> {
-        self.pull_at_x(problem, scratch);
-        let mut pulls = Evaluation::of(Share::Pulls, problem, scratch);
+        self.pull_at_x(question, scratch);
+        let mut pulls = Evaluation::of(Share::Pulls, question, scratch);
         pulls.jacobian(&self.x, &mut self.pull_jacobian);
         counts.jacobians += 1;
         if !self.step.take_pulls(&self.pull_jacobian, &self.pulls) {
             return None;
         }
         let held = if reached {
-            let mut goals = Evaluation::of(Share::Goals, problem, scratch);
+            let mut goals = Evaluation::of(Share::Goals, question, scratch);
             goals.jacobian(&self.x, &mut self.goal_jacobian);
             counts.jacobians += 1;
-            release(problem, &mut self.goal_jacobian);
+            release(question, &mut self.goal_jacobian);
             &self.goal_jacobian
         } else {
-            self.take_curvature(problem, scratch, counts);
+            self.take_curvature(question, scratch, counts);
             &self.curvature
         };
         let room = Room {
             x: &self.x,
-            lower: problem.lower(),
-            upper: problem.upper(),
+            lower: question.lower(),
+            upper: question.upper(),
             fixed: &self.fixed,
         };
         self.step.pull(
@@ -351,7 +351,7 @@ impl Refinement {
     }
 
     /// Makes the best step conjugate to the last direction, unless that hardly falls.
-    fn choose(&mut self, problem: &Problem, falls: f64, last_falls: Option<f64>) -> Way {
+    fn choose(&mut self, question: Question<'_>, falls: f64, last_falls: Option<f64>) -> Way {
         let [effect, other] = &mut self.effects;
         let straight = Way {
             slope: falls,
@@ -361,7 +361,7 @@ impl Refinement {
         if let Some(last_falls) = last_falls {
             multiply(&self.pull_jacobian, &self.last_best, other);
             let kept = ((falls - inner(effect, other)) / last_falls).max(0.0);
-            let bounds = problem.lower().iter().zip(problem.upper());
+            let bounds = question.lower().iter().zip(question.upper());
             let places = self.x.iter().zip(bounds).zip(&self.fixed);
             let steps = self.direction.iter_mut().zip(&self.best).zip(places);
             for ((direction, best), ((x, (lower, upper)), fixed)) in steps {
@@ -384,9 +384,14 @@ impl Refinement {
     }
 
     /// The second derivative of the goals' cost at x, by differences of its gradient.
-    fn take_curvature(&mut self, problem: &Problem, scratch: &mut Scratch, counts: &mut Counts) {
+    fn take_curvature(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        counts: &mut Counts,
+    ) {
         let n = self.x.len();
-        let mut goals = Evaluation::of(Share::Goals, problem, scratch);
+        let mut goals = Evaluation::of(Share::Goals, question, scratch);
         let [here, there] = &mut self.goal_slopes;
         goals.residual(&self.x, &mut self.goals);
         goals.gradient(&self.x, &self.goals, here, &mut self.goal_jacobian);
@@ -408,16 +413,21 @@ impl Refinement {
     }
 
     /// How much of the step the longest move of one joint allows.
-    fn longest_share(&self, problem: &Problem) -> f64 {
+    fn longest_share(&self, question: Question<'_>) -> f64 {
         let moves = self.direction.iter().enumerate();
-        let longest = moves.map(|(j, step)| step.abs() / (LONGEST * problem.spread(j)));
+        let longest = moves.map(|(j, step)| step.abs() / (LONGEST * question.problem.spread(j)));
         1.0 / longest.fold(f64::MIN_POSITIVE, f64::max)
     }
 
     /// Brings the goals at the trial back to what they were; whether they came there.
-    fn correct(&mut self, problem: &Problem, scratch: &mut Scratch, counts: &mut Counts) -> bool {
+    fn correct(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        counts: &mut Counts,
+    ) -> bool {
         for round in 0..=CORRECTIONS {
-            let mut goals = Evaluation::of(Share::Goals, problem, scratch);
+            let mut goals = Evaluation::of(Share::Goals, question, scratch);
             goals.residual(&self.trial, &mut self.goals);
             counts.residuals += 1;
             let reached = goals.is_reached(&self.goals);
@@ -425,7 +435,7 @@ impl Refinement {
                 *goal -= kept;
             }
             // One correction at least: what is left of a step's square would drown what it gains.
-            if round > 0 && reached && problem.is_kept(&self.goals) {
+            if round > 0 && reached && question.problem.is_kept(&self.goals) {
                 return true;
             }
             if round == CORRECTIONS || !self.goals.iter().all(|v| v.is_finite()) {
@@ -433,11 +443,11 @@ impl Refinement {
             }
             goals.jacobian(&self.trial, &mut self.goal_jacobian);
             counts.jacobians += 1;
-            release(problem, &mut self.goal_jacobian);
+            release(question, &mut self.goal_jacobian);
             let room = Room {
                 x: &self.trial,
-                lower: problem.lower(),
-                upper: problem.upper(),
+                lower: question.lower(),
+                upper: question.upper(),
                 fixed: &self.fixed,
             };
             let (held, miss) = (&self.goal_jacobian, &self.goals);
@@ -446,7 +456,7 @@ impl Refinement {
             for (trial, step) in self.trial.iter_mut().zip(back) {
                 *trial += *step;
             }
-            project(&mut self.trial, problem.lower(), problem.upper());
+            project(&mut self.trial, question.lower(), question.upper());
         }
         false
     }
@@ -454,7 +464,7 @@ impl Refinement {
     /// Brings the goals at the trial back to their lowest cost; whether it is as low as it was.
     fn settle(
         &mut self,
-        problem: &Problem,
+        question: Question<'_>,
         scratch: &mut Scratch,
         memory: &mut Memory,
         limits: &Limits,
@@ -462,7 +472,7 @@ impl Refinement {
     ) -> bool {
         let stopping = limits.stopping.with_max_iterations(SETTLING);
         minimise_until(
-            &mut Evaluation::of(Share::Goals, problem, scratch),
+            &mut Evaluation::of(Share::Goals, question, scratch),
             &LevenbergMarquardt::default(),
             &self.trial,
             &stopping,
@@ -499,9 +509,9 @@ fn inner(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Rows for which any error will do hold nothing.
-fn release(problem: &Problem, jacobian: &mut DMatrix<f64>) {
+fn release(question: Question<'_>, jacobian: &mut DMatrix<f64>) {
     let rows = jacobian.nrows();
-    for free in problem.free_goal_rows() {
+    for free in question.problem.free_goal_rows() {
         for column in jacobian.as_mut_slice().chunks_exact_mut(rows.max(1)) {
             column[free.clone()].fill(0.0);
         }

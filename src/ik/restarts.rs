@@ -8,7 +8,7 @@
 //! Attempt i > 0 is drawn from (seed, i) alone, so attempts could
 //! run in any order; the lowest index that succeeds wins.
 
-use crate::problem::Problem;
+use crate::problem::Question;
 use crate::random::RandomStream;
 
 /// How far a nudged start moves towards a random one. Rest poses of rigs are singular: with a bend
@@ -178,7 +178,7 @@ impl Restarts {
         index: usize,
         start: &[f64],
         wander: &[bool],
-        problem: &Problem,
+        question: Question<'_>,
         x: &mut [f64],
     ) {
         x.copy_from_slice(start);
@@ -188,9 +188,9 @@ impl Restarts {
         let mut random = RandomStream::new(self.seed, index as u64);
         let share = if index % 2 == 1 { NUDGE } else { 1.0 };
         for (j, value) in x.iter_mut().enumerate() {
-            let (low, high) = problem.sampling_range(j, start[j]);
+            let (low, high) = question.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
-            if wander[j] || (index > LOCAL_ATTEMPTS && problem.is_felt(j)) {
+            if wander[j] || (index > LOCAL_ATTEMPTS && question.problem.is_felt(j)) {
                 *value = start[j] + share * (drawn - start[j]);
             }
         }

@@ -216,7 +216,8 @@ impl Solution {
         gradient: &[f64],
         negligible: f64,
     ) {
-        let problem = evaluation.problem();
+        let question = evaluation.question();
+        let problem = question.problem;
         self.q.resize(problem.degrees_of_freedom(), 0.0);
         problem.parameters().expand_within_limits(x, &mut self.q);
         self.rows.clear();
@@ -240,7 +241,7 @@ impl Solution {
 
         self.blocked.clear();
         if !self.reached {
-            self.name_limits(x, problem.lower(), problem.upper(), gradient, negligible);
+            self.name_limits(x, question.lower(), question.upper(), gradient, negligible);
         }
         let known = self.names.as_ref();
         if !known.is_some_and(|names| Arc::ptr_eq(names, problem.names())) {

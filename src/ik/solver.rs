@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::attempts::Attempts;
 use super::refine::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
-use crate::problem::{Problem, Share};
+use crate::problem::{Problem, Question, Share};
 use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping};
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
@@ -80,28 +80,32 @@ impl Solver {
         self.method.name()
     }
 
-    /// Solves `problem` from the configuration `start` (degrees of freedom; projected into the
+    /// Solves a problem, or a [question](Question) to it, from the configuration `start` (degrees of freedom; projected into the
     /// limits; locked and following joints take their values from the parameter map).
     ///
     /// # Errors
     /// A start of the wrong length, or one that is not finite. A target that is not reached is no
     /// error: see [`Solution::reached`] and [`Solution::explain`].
-    pub fn solve<'w>(
+    pub fn solve<'a, 'w>(
         &self,
-        problem: &Problem,
+        question: impl Into<Question<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
     ) -> Result<&'w Solution, SolveError> {
-        self.solve_observed(problem, start, workspace, &mut Silent)
+        self.solve_observed(question, start, workspace, &mut Silent)
     }
 
     /// As [`solve`](Self::solve), with memory of its own that is thrown away.
     ///
     /// # Errors
     /// As [`solve`](Self::solve).
-    pub fn solve_once(&self, problem: &Problem, start: &[f64]) -> Result<Solution, SolveError> {
+    pub fn solve_once<'a>(
+        &self,
+        question: impl Into<Question<'a>>,
+        start: &[f64],
+    ) -> Result<Solution, SolveError> {
         let mut workspace = Workspace::new();
-        self.solve(problem, start, &mut workspace)?;
+        self.solve(question, start, &mut workspace)?;
         Ok(workspace.solution)
     }
 
@@ -110,19 +114,21 @@ impl Solver {
     ///
     /// # Errors
     /// As [`solve`](Self::solve).
-    pub fn solve_observed<'w>(
+    pub fn solve_observed<'a, 'w>(
         &self,
-        problem: &Problem,
+        question: impl Into<Question<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
         observer: &mut dyn Observer,
     ) -> Result<&'w Solution, SolveError> {
+        let question = question.into();
+        let problem = question.problem;
         check_start(problem, start)?;
-        let mut scratch = workspace.fit(problem);
+        let mut scratch = workspace.fit(question);
         problem.parameters().reduce(start, &mut workspace.start);
 
         let attempts = Attempts {
-            problem,
+            question,
             method: &*self.method,
             stopping: self.stopping,
             restarts: self.restarts,
@@ -135,9 +141,9 @@ impl Solver {
                 extent: self.refining,
                 deadline,
             };
-            workspace.refine(problem, &mut scratch, &mut found, &limits, observer);
+            workspace.refine(question, &mut scratch, &mut found, &limits, observer);
         }
-        workspace.report(problem, &self.stopping, &mut scratch, &found);
+        workspace.report(question, &self.stopping, &mut scratch, &found);
         workspace.scratch = Some(scratch);
         Ok(&workspace.solution)
     }

@@ -4,7 +4,7 @@ use super::Solution;
 use super::attempts::{Found, settled};
 use super::pulling::Pulls;
 use super::refine::{Limits, Place, Refinement};
-use crate::problem::{Evaluation, Problem, Scratch, Share};
+use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::solver::{
     LeastSquares, Memory, Observer, Stopping, half_squared, negligible_slope,
     projected_gradient_norm,
@@ -52,7 +52,8 @@ impl Workspace {
     }
 
     /// Takes the problem's shape and hands out its scratch memory, new only for a new problem.
-    pub(super) fn fit(&mut self, problem: &Problem) -> Scratch {
+    pub(super) fn fit(&mut self, question: Question<'_>) -> Scratch {
+        let problem = question.problem;
         let Self {
             start,
             attempt,
@@ -76,7 +77,12 @@ impl Workspace {
         self.solution.blocked.clear();
         self.solution.blocked.reserve(problem.variables());
         match self.scratch.take() {
-            Some(scratch) if scratch.fits(problem) => scratch,
+            Some(mut scratch) if scratch.fits(problem) => {
+                if question.places_moved() {
+                    scratch.forget();
+                }
+                scratch
+            }
             _ => problem.scratch(),
         }
     }
@@ -84,13 +90,15 @@ impl Workspace {
     /// Lets the preferences act within what the goals leave free, from where these came to.
     pub(super) fn refine(
         &mut self,
-        problem: &Problem,
+        question: Question<'_>,
         scratch: &mut Scratch,
         found: &mut Found,
         limits: &Limits,
         observer: &mut dyn Observer,
     ) {
-        let reached = problem.is_reached_by(Share::Goals, &self.best_residual);
+        let reached = question
+            .problem
+            .is_reached_by(Share::Goals, &self.best_residual);
         let follows = limits.extent.follows(reached, found.iterations);
         if !follows || (!reached && !settled(found.outcome.termination)) {
             return;
@@ -103,25 +111,26 @@ impl Workspace {
         let memory = &mut self.memory;
         let refined = self
             .refinement
-            .run(problem, scratch, memory, &from, limits, observer);
+            .run(question, scratch, memory, &from, limits, observer);
         found.iterations += refined.iterations;
         found.counts += refined.counts;
         if let Some(cut) = refined.cut {
             found.outcome.termination = cut;
         }
         self.best_x.copy_from_slice(&self.refinement.x);
-        let mut goals = Evaluation::of(Share::Goals, problem, scratch);
+        let mut goals = Evaluation::of(Share::Goals, question, scratch);
         goals.residual(&self.best_x, &mut self.best_residual);
     }
 
     /// Fills the solution in from what a search found.
     pub(super) fn report(
         &mut self,
-        problem: &Problem,
+        question: Question<'_>,
         stopping: &Stopping,
         scratch: &mut Scratch,
         found: &Found,
     ) {
+        let problem = question.problem;
         let solution = &mut self.solution;
         let share = problem.search_share();
         let (x, residual) = (&self.best_x, &self.best_residual);
@@ -137,11 +146,11 @@ impl Workspace {
         solution.pulling.clear();
         let (mut gradient, mut column_norm): (&[f64], f64) = (&[], 0.0);
         if !reached {
-            let mut evaluation = Evaluation::of(share, problem, scratch);
+            let mut evaluation = Evaluation::of(share, question, scratch);
             (gradient, column_norm) = self.memory.slope_at(&mut evaluation, x, residual);
         }
         let negligible = negligible_slope(column_norm, cost, stopping);
-        let mut evaluation = Evaluation::new(problem, scratch);
+        let mut evaluation = Evaluation::new(question, scratch);
         if share == Share::All {
             solution.cost = found.cost;
             solution.measure(&mut evaluation, x, residual, gradient, negligible);
@@ -150,7 +159,7 @@ impl Workspace {
             let whole = &self.whole_residual;
             solution.cost = half_squared(whole);
             if !reached {
-                let (lower, upper) = (problem.lower(), problem.upper());
+                let (lower, upper) = (question.lower(), question.upper());
                 let left = projected_gradient_norm(x, gradient, 1.0, lower, upper);
                 solution.projected_gradient = Some(left);
             }
@@ -159,10 +168,10 @@ impl Workspace {
         if reached {
             return;
         }
-        solution.find_beyond(problem);
+        solution.find_beyond(question);
         if share == Share::All && problem.has_preferences() {
             let pulls = Pulls {
-                problem,
+                question,
                 jacobian: self.memory.jacobian(),
                 residual,
                 negligible,

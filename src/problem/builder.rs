@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
-use super::{Derivatives, Names, Preferences, Problem, ProblemError, TaskId};
+use super::{Derivatives, Names, Preferences, Problem, ProblemError, Targets, TaskId};
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
 use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
@@ -139,11 +139,13 @@ impl<'m> ProblemBuilder<'m> {
 
         let mut frames = Vec::new();
         let mut tasks = Vec::with_capacity(self.tasks.len());
+        let mut residuals = Vec::with_capacity(self.tasks.len());
         let mut first_frames = Vec::with_capacity(self.tasks.len());
         let (mut rows, mut rows_of_goals, mut rows_of_pulls) = (0, 0, 0);
         for (index, pending) in self.tasks.into_iter().enumerate() {
             let first_frame = pending.frames.first().copied();
-            let mut task = place(model, index, pending, &self.tolerances, &mut frames, rows)?;
+            let mut task = place(model, index, &pending, &self.tolerances, &mut frames, rows)?;
+            residuals.push(pending.residual);
             let share = match task.binds {
                 true => &mut rows_of_goals,
                 false => &mut rows_of_pulls,
@@ -190,9 +192,9 @@ impl<'m> ProblemBuilder<'m> {
             upper: map.upper().to_vec(),
             map,
             tasks,
+            targets: Targets { residuals },
             rows,
             rows_of_goals,
-            places_moved: false,
             preferences: self.preferences,
             spread,
             reach,
@@ -209,7 +211,7 @@ impl<'m> ProblemBuilder<'m> {
 fn place(
     model: &Model,
     index: usize,
-    pending: PendingTask,
+    pending: &PendingTask,
     tolerances: &[(Quantity, f64)],
     frames: &mut Vec<FrameId>,
     first_row: usize,
@@ -221,7 +223,7 @@ fn place(
     };
     let first_frame = pending.frames.first();
     let frame_name = first_frame.and_then(|f| model.frames().get(f.index()));
-    let name = pending.name.unwrap_or_else(|| match frame_name {
+    let name = pending.name.clone().unwrap_or_else(|| match frame_name {
         Some(frame) => format!("{} of `{}`", pending.kind, frame.name),
         None => format!("{} (task {index})", pending.kind),
     });
@@ -296,7 +298,6 @@ fn place(
     }
     Ok(CompiledTask {
         name,
-        residual: pending.residual,
         role: pending.role,
         binds: pending.role == Role::Goal && blocks.iter().any(Block::can_miss),
         blocks,

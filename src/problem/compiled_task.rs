@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::kinematics::FrameSlot;
-use crate::task::{ErasedResidual, Quantity, Role};
+use crate::task::{Quantity, Role};
 
 /// Rows of one quantity, their weight and tolerance.
 #[derive(Clone, Debug)]
@@ -27,9 +27,9 @@ impl Block {
     }
 }
 
+#[derive(Clone, Debug)]
 pub(crate) struct CompiledTask {
     pub(crate) name: String,
-    pub(crate) residual: Box<dyn ErasedResidual>,
     pub(crate) role: Role,
     pub(crate) blocks: Vec<Block>,
     /// All rows, of the whole problem.

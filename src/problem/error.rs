@@ -66,6 +66,24 @@ pub enum ProblemError {
         /// The quantity asked for.
         quantity: Quantity,
     },
+    /// A task id of another problem.
+    #[error("task number {task} is not one of these, or of another type: {}", tasks.join(", "))]
+    ForeignTask {
+        /// The id's place in its own problem.
+        task: usize,
+        /// What the tasks here are, in order.
+        tasks: Vec<String>,
+    },
+    /// Targets of a problem with other tasks.
+    #[error("{given} targets of another problem; that on `{model}` has {expected} tasks")]
+    ForeignTargets {
+        /// How many they are.
+        given: usize,
+        /// The model.
+        model: String,
+        /// How many tasks there are.
+        expected: usize,
+    },
     /// A parameter map of another model, told by its size.
     #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
     ForeignMap {

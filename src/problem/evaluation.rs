@@ -5,14 +5,14 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::compiled_task::CompiledTask;
-use super::{Derivatives, Names, Problem, Share};
-use crate::kinematics::{Partials, TreeState, Wrench, Wrenches};
+use super::{Derivatives, Names, Problem, Question, Share};
+use crate::kinematics::{Partials, Tree, TreeState, Wrench, Wrenches};
 use crate::model::Source;
 use crate::scalar::elementary;
 use crate::scalar::{Dual, Scalar};
 use crate::solver::LeastSquares;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{CHUNK, DualScratch, LocalJacobian};
+use crate::task::{CHUNK, DualScratch, ErasedResidual, LocalJacobian};
 
 /// A problem's scratch memory. It belongs to one caller at a time; a problem may have many.
 #[derive(Clone, Debug)]
@@ -83,61 +83,66 @@ impl Scratch {
 }
 
 impl Scratch {
+    /// Forgets the last forward pass: joints and frames stand elsewhere now.
+    pub(crate) fn forget(&mut self) {
+        self.at.fill(f64::NAN);
+    }
+
     /// Whether this memory was made for `problem`.
     pub(crate) fn fits(&self, problem: &Problem) -> bool {
         Arc::ptr_eq(&self.owner, &problem.names)
     }
 }
 
-/// A problem and the memory to evaluate it.
+/// A question to a problem and the memory to evaluate it.
 #[derive(Debug)]
 pub struct Evaluation<'a> {
-    problem: &'a Problem,
+    question: Question<'a>,
     share: Share,
     scratch: &'a mut Scratch,
 }
 
 impl<'a> Evaluation<'a> {
-    /// Evaluates `problem` with memory made by its [`Problem::scratch`]; memory of another problem is
+    /// Evaluates a problem with memory made by its [`Problem::scratch`]; memory of another problem is
     /// replaced. Arguments of the wrong shape give NaN everywhere.
     #[must_use]
-    pub fn new(problem: &'a Problem, scratch: &'a mut Scratch) -> Self {
-        Self::of(Share::All, problem, scratch)
+    pub fn new(question: impl Into<Question<'a>>, scratch: &'a mut Scratch) -> Self {
+        Self::of(Share::All, question.into(), scratch)
     }
 
     /// As [`new`](Self::new), of a share of the tasks.
-    pub(crate) fn of(share: Share, problem: &'a Problem, scratch: &'a mut Scratch) -> Self {
-        if !scratch.fits(problem) {
-            *scratch = problem.scratch();
+    pub(crate) fn of(share: Share, question: Question<'a>, scratch: &'a mut Scratch) -> Self {
+        if !scratch.fits(question.problem) {
+            *scratch = question.problem.scratch();
         }
         Self {
-            problem,
+            question,
             share,
             scratch,
         }
     }
 
-    /// The problem that is evaluated.
-    pub(crate) fn problem(&self) -> &'a Problem {
-        self.problem
+    /// What is evaluated.
+    pub(crate) fn question(&self) -> Question<'a> {
+        self.question
     }
 
     /// r(x) of the whole problem before weighting.
     pub(crate) fn unweighted(&mut self, x: &[f64]) -> &[f64] {
         self.forward(x);
         let mut residual = std::mem::take(&mut self.scratch.shifted_residual[0]);
-        for task in &self.problem.tasks {
+        for (index, task) in self.question.problem.tasks.iter().enumerate() {
             Self::gather(self.scratch, task);
             let rows = &mut residual[task.rows.clone()];
-            task.residual
-                .evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+            let own = self.question.residual(index);
+            own.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
         }
         self.scratch.shifted_residual[0] = residual;
         &self.scratch.shifted_residual[0]
     }
 
     fn fits(&self, x: &[f64], rows: usize) -> bool {
-        x.len() == self.problem.variables() && rows == self.rows()
+        x.len() == self.question.problem.variables() && rows == self.rows()
     }
 
     /// Runs the forward pass unless the last one was at the same x.
@@ -145,8 +150,8 @@ impl<'a> Evaluation<'a> {
         let scratch = &mut *self.scratch;
         if scratch.at != x {
             scratch.at.copy_from_slice(x);
-            self.problem.tree.forward(x, &mut scratch.state);
-            self.problem.map.expand(x, &mut scratch.q);
+            self.question.tree().forward(x, &mut scratch.state);
+            self.question.problem.map.expand(x, &mut scratch.q);
         }
     }
 
@@ -164,7 +169,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// The weighted local derivatives of one task at the last forward pass.
-    fn differentiate(scratch: &mut Scratch, task: &CompiledTask) {
+    fn differentiate(scratch: &mut Scratch, task: &CompiledTask, residual: &dyn ErasedResidual) {
         Self::gather(scratch, task);
         let Scratch {
             frames,
@@ -174,8 +179,7 @@ impl<'a> Evaluation<'a> {
             ..
         } = scratch;
         local.reset(task.rows.len(), frames.len(), joints.len());
-        task.residual
-            .differentiate(frames, joints, local, local_dual);
+        residual.differentiate(frames, joints, local, local_dual);
         local.scale_rows(&task.weights);
     }
 
@@ -183,12 +187,12 @@ impl<'a> Evaluation<'a> {
         self.forward(x);
         // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
         jacobian.as_mut_slice().fill(0.0);
-        let problem = self.problem;
+        let (problem, tree) = (self.question.problem, self.question.tree());
         let rows = self.rows();
-        for (task, task_rows) in problem.tasks_of(self.share) {
-            Self::differentiate(self.scratch, task);
+        for (index, task, task_rows) in problem.tasks_of(self.share) {
+            Self::differentiate(self.scratch, task, self.question.residual(index));
             if task.swept {
-                Self::add_by_sweeps(problem, self.scratch, task, task_rows.start, jacobian);
+                Self::add_by_sweeps(tree, self.scratch, task, task_rows.start, jacobian);
             }
             let Scratch { state, local, .. } = &*self.scratch;
             let frames = if task.swept { &[][..] } else { &task.frames };
@@ -199,9 +203,7 @@ impl<'a> Evaluation<'a> {
                     linear: local.linear(k),
                     angular: local.angular(k),
                 };
-                problem
-                    .tree
-                    .add_geometric_jacobian(state, &partials, jacobian);
+                tree.add_geometric_jacobian(state, &partials, jacobian);
             }
             let entries = jacobian.as_mut_slice();
             for (k, &coordinate) in task.coordinates.iter().enumerate() {
@@ -220,7 +222,7 @@ impl<'a> Evaluation<'a> {
     /// A row at a time, as the gradient of one scalar: for tasks whose frames share most of their joints, such
     /// as a centre of mass, O(rows · (joints + frames)) instead of O(rows · joints · frames).
     fn add_by_sweeps(
-        problem: &Problem,
+        tree: &Tree,
         scratch: &mut Scratch,
         task: &CompiledTask,
         first_row: usize,
@@ -242,9 +244,9 @@ impl<'a> Evaluation<'a> {
                     force: part(local.linear(k)).unwrap_or(Vector3::zero()),
                     moment: part(local.angular(k)).unwrap_or(Vector3::zero()),
                 };
-                problem.tree.push(state, frame, wrench, wrenches);
+                tree.push(state, frame, wrench, wrenches);
             }
-            problem.tree.sweep_by(state, wrenches, |variable, share| {
+            tree.sweep_by(state, wrenches, |variable, share| {
                 entries[variable * rows + first_row + row] += share;
             });
         }
@@ -253,10 +255,10 @@ impl<'a> Evaluation<'a> {
     fn reverse_gradient(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
         self.forward(x);
         gradient.fill(0.0);
-        let problem = self.problem;
+        let (problem, tree) = (self.question.problem, self.question.tree());
         self.scratch.wrenches.clear();
-        for (task, rows) in problem.tasks_of(self.share) {
-            Self::differentiate(self.scratch, task);
+        for (index, task, rows) in problem.tasks_of(self.share) {
+            Self::differentiate(self.scratch, task, self.question.residual(index));
             let Scratch {
                 state,
                 local,
@@ -273,7 +275,7 @@ impl<'a> Evaluation<'a> {
                     force: sum(local.linear(k)),
                     moment: sum(local.angular(k)),
                 };
-                problem.tree.push(state, frame, wrench, wrenches);
+                tree.push(state, frame, wrench, wrenches);
             }
             for (k, &coordinate) in task.coordinates.iter().enumerate() {
                 if let Source::Variable {
@@ -288,12 +290,12 @@ impl<'a> Evaluation<'a> {
         let Scratch {
             state, wrenches, ..
         } = &mut *self.scratch;
-        problem.tree.sweep(state, wrenches, gradient);
+        tree.sweep(state, wrenches, gradient);
     }
 
     fn dual_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        let problem = self.problem;
-        let share = self.share;
+        let (question, share) = (self.question, self.share);
+        let problem = question.problem;
         let pass = &mut *self.scratch.dual;
         for first in (0..x.len()).step_by(CHUNK) {
             let chunk = first..x.len().min(first + CHUNK);
@@ -304,9 +306,9 @@ impl<'a> Evaluation<'a> {
                     Dual::constant(at)
                 };
             }
-            problem.tree.forward(&pass.x, &mut pass.state);
+            question.tree().forward(&pass.x, &mut pass.state);
             problem.map.expand(&pass.x, &mut pass.q);
-            for (task, task_rows) in problem.tasks_of(share) {
+            for (index, task, task_rows) in problem.tasks_of(share) {
                 let all = pass.state.frames();
                 let DualScratch {
                     frames,
@@ -319,7 +321,8 @@ impl<'a> Evaluation<'a> {
                 joints.extend(task.coordinates.iter().map(|&c| pass.q[c]));
                 residual.clear();
                 residual.resize(task.rows.len(), Dual::zero());
-                task.residual.evaluate_dual(frames, joints, residual);
+                let own = question.residual(index);
+                own.evaluate_dual(frames, joints, residual);
                 let rows = residual.iter().zip(&task.weights).zip(task_rows);
                 for ((value, weight), row) in rows {
                     let derivatives = value.derivatives();
@@ -369,19 +372,19 @@ impl<'a> Evaluation<'a> {
 
 impl LeastSquares for Evaluation<'_> {
     fn variables(&self) -> usize {
-        self.problem.variables()
+        self.question.problem.variables()
     }
 
     fn rows(&self) -> usize {
-        self.problem.rows_of(self.share)
+        self.question.problem.rows_of(self.share)
     }
 
     fn lower(&self) -> &[f64] {
-        self.problem.lower()
+        self.question.lower()
     }
 
     fn upper(&self) -> &[f64] {
-        self.problem.upper()
+        self.question.upper()
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -389,11 +392,11 @@ impl LeastSquares for Evaluation<'_> {
             return residual.fill(f64::NAN);
         }
         self.forward(x);
-        for (task, rows) in self.problem.tasks_of(self.share) {
+        for (index, task, rows) in self.question.problem.tasks_of(self.share) {
             Self::gather(self.scratch, task);
             let rows = &mut residual[rows];
-            task.residual
-                .evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+            let own = self.question.residual(index);
+            own.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
             for (row, weight) in rows.iter_mut().zip(&task.weights) {
                 *row *= weight;
             }
@@ -404,7 +407,7 @@ impl LeastSquares for Evaluation<'_> {
         if !self.fits(x, jacobian.nrows()) || jacobian.ncols() != x.len() {
             return jacobian.fill(f64::NAN);
         }
-        match self.problem.derivatives {
+        match self.question.problem.derivatives {
             Derivatives::Analytic => self.analytic_jacobian(x, jacobian),
             Derivatives::Dual => self.dual_jacobian(x, jacobian),
             Derivatives::ForwardDifference => self.difference_jacobian(x, false, jacobian),
@@ -422,7 +425,7 @@ impl LeastSquares for Evaluation<'_> {
         if !self.fits(x, residual.len()) || gradient.len() != x.len() {
             return gradient.fill(f64::NAN);
         }
-        if self.problem.derivatives == Derivatives::Analytic {
+        if self.question.problem.derivatives == Derivatives::Analytic {
             self.reverse_gradient(x, residual, gradient);
         } else {
             if jacobian.shape() != (residual.len(), x.len()) {
@@ -437,10 +440,10 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        self.problem.is_reached_by(self.share, residual)
+        self.question.problem.is_reached_by(self.share, residual)
     }
 
     fn stops_when_reached(&self) -> bool {
-        self.share == Share::Goals || !self.problem.has_preferences()
+        self.share == Share::Goals || !self.question.problem.has_preferences()
     }
 }

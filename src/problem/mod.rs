@@ -8,6 +8,8 @@ mod error;
 mod evaluation;
 mod names;
 mod preferences;
+mod question;
+mod targets;
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -19,12 +21,14 @@ pub use evaluation::{Evaluation, Scratch};
 pub(crate) use names::Names;
 pub use preferences::Preferences;
 pub(crate) use preferences::Share;
+pub use question::Question;
+pub use targets::Targets;
 
 use std::sync::Arc;
 
-use crate::kinematics::{Tree, TreeMemory};
-use crate::model::{Limits, Model, ParameterMap, Source};
-use crate::task::{Quantity, Residual, Role};
+use crate::kinematics::Tree;
+use crate::model::{Model, ParameterMap, Source};
+use crate::task::{Quantity, Role};
 pub(crate) use anchor::Anchor;
 pub(crate) use compiled_task::CompiledTask;
 
@@ -60,18 +64,19 @@ impl<R> Copy for TaskId<R> {}
 
 /// A bounded nonlinear least-squares problem: minimise ½‖r(x)‖² subject to lower ≤ x ≤ upper.
 ///
-/// Built once: names, sizes and ranges are checked then. Targets may move afterwards through
-/// [`residual_mut`](Self::residual_mut), at no cost.
+/// Built once: names, sizes and ranges are checked then. It never changes, and is `Send` and `Sync`: many
+/// threads solve one problem, each with [`Targets`] of its own.
+#[derive(Clone)]
 pub struct Problem {
     names: Arc<Names>,
     map: ParameterMap,
     tree: Tree,
     tasks: Vec<CompiledTask>,
+    /// The residuals that it was built with, by task.
+    targets: Targets,
     rows: usize,
     /// Rows of the goals that can be missed.
     rows_of_goals: usize,
-    /// Whether joints stand elsewhere than where the anchors were taken.
-    places_moved: bool,
     preferences: Preferences,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -169,25 +174,32 @@ impl Problem {
         self.derivatives
     }
 
-    /// Chooses the derivative route.
-    pub fn set_derivatives(&mut self, route: Derivatives) {
+    /// The same problem by another derivative route.
+    #[must_use]
+    pub fn with_derivatives(mut self, route: Derivatives) -> Self {
         self.derivatives = route;
+        self
     }
 
-    /// A task's residual, to look at. `None` for an id of another problem that is out of range here
-    /// or names a residual of another type.
+    /// A copy of the residuals that the problem was built with, to move their targets.
     #[must_use]
-    pub fn residual<R: Residual>(&self, task: TaskId<R>) -> Option<&R> {
-        let residual = &*self.tasks.get(task.index)?.residual;
-        residual.as_any().downcast_ref()
+    pub fn targets(&self) -> Targets {
+        self.targets.clone()
     }
 
-    /// A task's residual, to move its target. `None` for an id of another problem that is out of
-    /// range here or names a residual of another type. Numbers set here are not checked: a target that is not finite ends the solve as non-finite.
-    #[must_use]
-    pub fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
-        let residual = &mut *self.tasks.get_mut(task.index)?.residual;
-        residual.as_any_mut().downcast_mut()
+    /// The question with targets of one's own instead of those that the problem was built with.
+    ///
+    /// # Errors
+    /// Targets of a problem with other tasks.
+    pub fn with_targets<'a>(&'a self, targets: &'a Targets) -> Result<Question<'a>, ProblemError> {
+        match targets.fit(self) {
+            true => Ok(Question::from(self).with_targets(targets)),
+            false => Err(ProblemError::ForeignTargets {
+                given: targets.residuals.len(),
+                model: self.names.model.clone(),
+                expected: self.tasks.len(),
+            }),
+        }
     }
 
     /// Whether any task is a preference, so that reaching the goals is not yet the minimum.
@@ -222,18 +234,18 @@ impl Problem {
         }
     }
 
-    /// The tasks of a share, and where their rows stand in it.
+    /// The tasks of a share with their numbers, and where their rows stand in it.
     pub(crate) fn tasks_of(
         &self,
         share: Share,
-    ) -> impl Iterator<Item = (&CompiledTask, Range<usize>)> {
-        let tasks = self.tasks.iter();
-        tasks.filter_map(move |task| Some((task, task.rows_in(share)?)))
+    ) -> impl Iterator<Item = (usize, &CompiledTask, Range<usize>)> {
+        let tasks = self.tasks.iter().enumerate();
+        tasks.filter_map(move |(index, task)| Some((index, task, task.rows_in(share)?)))
     }
 
     /// Rows of tasks that bind for which any error will do, as the goals count them.
     pub(crate) fn free_goal_rows(&self) -> impl Iterator<Item = Range<usize>> {
-        self.tasks_of(Share::Goals).flat_map(|(task, rows)| {
+        self.tasks_of(Share::Goals).flat_map(|(_, task, rows)| {
             let free = task.blocks().filter(|block| !task.keeps(block));
             free.map(move |block| block.rows_after(task.rows.start, rows.start))
         })
@@ -241,7 +253,7 @@ impl Problem {
 
     /// Whether the goals, whose weighted residual has changed by `change`, are where they were.
     pub(crate) fn is_kept(&self, change: &[f64]) -> bool {
-        self.tasks_of(Share::Goals).all(|(task, rows)| {
+        self.tasks_of(Share::Goals).all(|(_, task, rows)| {
             let mut kept = task.blocks().filter(|block| task.keeps(block));
             kept.all(|block| {
                 let rows = block.rows_after(task.rows.start, rows.start);
@@ -261,18 +273,6 @@ impl Problem {
         Scratch::new(self)
     }
 
-    /// Takes other bounds for the variables, within the limits.
-    pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
-        self.lower.copy_from_slice(lower);
-        self.upper.copy_from_slice(upper);
-    }
-
-    /// Takes the places of joints and frames anew from its model, whose joints now stand elsewhere.
-    pub(crate) fn take_places(&mut self, model: &Model, memory: &mut TreeMemory) {
-        self.tree.compile(model, &self.map, memory);
-        self.places_moved = true;
-    }
-
     /// The compiled kinematics that the tasks' slots refer to.
     pub(crate) fn tree(&self) -> &Tree {
         &self.tree
@@ -280,8 +280,7 @@ impl Problem {
 
     /// Where the chain of a task's first frame begins, if that is known.
     pub(crate) fn anchor(&self, task: usize) -> Option<&Anchor> {
-        let anchors = (!self.places_moved).then_some(&self.names.anchors)?;
-        anchors.get(task)?.as_ref()
+        self.names.anchors.get(task)?.as_ref()
     }
 
     /// The tasks in order.
@@ -291,13 +290,6 @@ impl Problem {
 
     pub(crate) fn names(&self) -> &Arc<Names> {
         &self.names
-    }
-
-    /// Where random values of a variable are drawn from: its bounds, or where one is missing or
-    /// endlessly far away π or the reach from `at`.
-    pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
-        let bounds = Limits::new(self.lower[variable], self.upper[variable]);
-        bounds.sampling_range(at, self.spread[variable])
     }
 
     /// Marks the variables that move a missed goal and no reached one, given the weighted residual of
@@ -329,7 +321,7 @@ impl Problem {
         let mut felt = vec![false; self.variables()];
         for variable in self
             .tasks_of(self.search_share())
-            .flat_map(|(task, _)| self.variables_moving(task))
+            .flat_map(|(_, task, _)| self.variables_moving(task))
         {
             felt[variable] = true;
         }

@@ -43,6 +43,8 @@ pub(super) fn make_room<T>(vector: &mut Vec<T>, count: usize) {
 
 /// What a problem asks of a residual.
 pub(crate) trait ErasedResidual: Send + Sync + Any {
+    fn kind(&self) -> &'static str;
+
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]);
 
     fn evaluate_dual(
@@ -66,9 +68,22 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
     fn as_any(&self) -> &dyn Any;
 
     fn as_any_mut(&mut self) -> &mut dyn Any;
+
+    fn boxed(&self) -> Box<dyn ErasedResidual>;
+}
+
+impl Clone for Box<dyn ErasedResidual> {
+    fn clone(&self) -> Self {
+        // Of what is inside, not of the box.
+        (**self).boxed()
+    }
 }
 
 impl<R: Residual> ErasedResidual for R {
+    fn kind(&self) -> &'static str {
+        Residual::kind(self)
+    }
+
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
         Residual::evaluate(self, frames, joints, residual);
     }
@@ -104,6 +119,10 @@ impl<R: Residual> ErasedResidual for R {
 
     fn as_any_mut(&mut self) -> &mut dyn Any {
         self
+    }
+
+    fn boxed(&self) -> Box<dyn ErasedResidual> {
+        Box::new(self.clone())
     }
 }
 

@@ -28,6 +28,7 @@ pub enum Role {
 /// use kinopt::Scalar;
 ///
 /// /// Keeps a frame on a cylinder around the world's z axis.
+/// #[derive(Clone)]
 /// struct OnCylinder { frame: FrameId, radius: f64 }
 ///
 /// impl Residual for OnCylinder {
@@ -47,7 +48,7 @@ pub enum Role {
 /// #     b.frame("f", None, Placement::identity())
 /// # }
 /// ```
-pub trait Residual: Send + Sync + 'static {
+pub trait Residual: Clone + Send + Sync + 'static {
     /// Whether the residual is a goal or a preference unless the task says otherwise.
     const ROLE: Role = Role::Goal;
 

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::counting_allocator::allocations;
-use kinopt::problem::{Derivatives, Problem, TaskId};
+use kinopt::problem::{Derivatives, Problem, Targets, TaskId};
 use kinopt::task::{LookAt, Point, Pose, Posture};
 use kinopt::{Solver, Workspace};
 use nalgebra as na;
@@ -15,6 +15,7 @@ use support::sample::part;
 struct Drag {
     rig: RandomRig,
     problem: Problem,
+    targets: Targets,
     task: TaskId<Point>,
     rest: Vec<f64>,
     at_rest: na::Vector3<f64>,
@@ -41,6 +42,7 @@ fn drag() -> Drag {
     let problem = builder.build().unwrap();
     Drag {
         rig,
+        targets: problem.targets(),
         problem,
         task,
         rest,
@@ -50,7 +52,7 @@ fn drag() -> Drag {
 
 fn move_target(drag: &mut Drag, random: &mut Random, by: f64) {
     let to = drag.at_rest + random.vector(by);
-    drag.problem.residual_mut(drag.task).unwrap().set_target(to);
+    drag.targets.get_mut(drag.task).unwrap().set_target(to);
 }
 
 fn quick(solver: Solver) -> Solver {
@@ -70,20 +72,18 @@ fn repeated_solves() {
     let mut drag = drag();
     assert!(drag.rig.skeleton.bones().len() >= 19);
     for route in part(Derivatives::ALL, 2) {
-        drag.problem.set_derivatives(route);
+        drag.problem = drag.problem.clone().with_derivatives(route);
         for solver in solvers().into_iter().map(quick) {
             let mut random = Random::new(3);
             let mut workspace = Workspace::new();
             move_target(&mut drag, &mut random, 0.3);
-            solver
-                .solve(&drag.problem, &drag.rest, &mut workspace)
-                .unwrap();
+            let question = drag.problem.with_targets(&drag.targets).unwrap();
+            solver.solve(question, &drag.rest, &mut workspace).unwrap();
             for reach in [0.0, 0.01, 1.0, 5.0] {
                 let spent = allocations(|| {
                     move_target(&mut drag, &mut random, reach);
-                    solver
-                        .solve(&drag.problem, &drag.rest, &mut workspace)
-                        .unwrap();
+                    let question = drag.problem.with_targets(&drag.targets).unwrap();
+                    solver.solve(question, &drag.rest, &mut workspace).unwrap();
                 });
                 assert_eq!(
                     spent,
@@ -104,19 +104,22 @@ fn after_a_first_solve_that_had_nothing_to_do() {
     let at_rest = rig.tip(&rig.transforms(&rest), rig.tips[0]);
     let mut builder = Problem::builder(model);
     let task = builder.add(Point::new(rig.skeleton.tip(rig.tips[0]), at_rest));
-    let mut problem = builder.build().unwrap();
+    let problem = builder.build().unwrap();
     let mut failures = Vec::new();
     for route in [Derivatives::Analytic, Derivatives::Dual] {
-        problem.set_derivatives(route);
+        let problem = problem.clone().with_derivatives(route);
+        let mut targets = problem.targets();
         for solver in solvers().into_iter().map(quick) {
             let mut workspace = Workspace::new();
-            problem.residual_mut(task).unwrap().set_target(at_rest);
-            let first = solver.solve(&problem, &rest, &mut workspace).unwrap();
+            targets.get_mut(task).unwrap().set_target(at_rest);
+            let question = problem.with_targets(&targets).unwrap();
+            let first = solver.solve(question, &rest, &mut workspace).unwrap();
             assert_eq!((first.iterations, first.reached), (0, true));
             let away = at_rest * 3.0 + na::Vector3::new(1.0, 1.0, 1.0);
-            problem.residual_mut(task).unwrap().set_target(away);
+            targets.get_mut(task).unwrap().set_target(away);
+            let question = problem.with_targets(&targets).unwrap();
             let spent = allocations(|| {
-                solver.solve(&problem, &rest, &mut workspace).unwrap();
+                solver.solve(question, &rest, &mut workspace).unwrap();
             });
             if spent > 0 {
                 failures.push(format!("{} ({route:?}): {spent}", solver.method()));
@@ -187,7 +190,7 @@ fn frames_of_a_drag() {
             at_rest * by
         };
         let allocated = allocations(|| {
-            drag.residual_mut(task).unwrap().set_target(to);
+            drag.target_mut(task).unwrap().set_target(to);
             drag.advance();
         });
         assert_eq!(allocated, 0, "frame {frame}");

@@ -93,6 +93,30 @@ fn moved_and_scaled_bones_are_reached_with_as_they_are() {
     assert!(reached >= 6, "{reached} of 8");
 }
 
+/// The same angles and targets in a frame in which only the hips have moved ask another question.
+#[test]
+fn hips_alone_move() {
+    let rig = RandomRig::new(420);
+    let (skeleton, tips) = (&rig.skeleton, &rig.tips[..1]);
+    let armature = Armature::of_skeleton(skeleton);
+    let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
+    let mut pose = armature.rest().clone();
+    let wanted = tip(&armature, skeleton, &pose, tips[0]);
+    layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
+    // Nothing to do: the search ends where it begins.
+    let steps = layer.apply(&mut pose).unwrap().unwrap().iterations;
+    assert_eq!(steps, 0);
+    let root = armature.bone_at(0).unwrap();
+    let mut pose = armature.rest().clone();
+    let mut local = pose.local(root);
+    local.translation += Vec3A::new(0.2, -0.1, 0.1);
+    pose.set_local(root, local).unwrap();
+    let told = layer.apply(&mut pose).unwrap().unwrap();
+    let told = told.tasks().next().unwrap().rows[0].error;
+    let shown = (tip(&armature, skeleton, &pose, tips[0]) - wanted).length();
+    assert!((told - f64::from(shown)).abs() < 1e-5, "{told} {shown}");
+}
+
 #[test]
 fn a_bone_that_would_shear_what_hangs_on_it_is_named() {
     let rig = RandomRig::new(500);

@@ -233,12 +233,11 @@ fn targets_that_are_not_finite_end_as_such() {
     let model = planar_arm(&[1.0, 1.0], None);
     let mut builder = Problem::builder(&model);
     let task = builder.add(Point::new(model.frame("tip").unwrap(), [1.0, 1.0, 0.0]));
-    let mut problem = builder.build().unwrap();
-    problem
-        .residual_mut(task)
-        .unwrap()
-        .set_target([f64::NAN; 3]);
-    let solution = Ccd::default().solve(&problem, &[0.1, 0.2]).unwrap();
+    let problem = builder.build().unwrap();
+    let mut targets = problem.targets();
+    targets.get_mut(task).unwrap().set_target([f64::NAN; 3]);
+    let question = problem.with_targets(&targets).unwrap();
+    let solution = Ccd::default().solve(question, &[0.1, 0.2]).unwrap();
     assert_eq!(solution.termination, Termination::NonFinite);
     assert!(!solution.reached && solution.q == [0.1, 0.2]);
     assert!(Ccd::default().solve(&problem, &[f64::NAN, 0.0]).is_err());

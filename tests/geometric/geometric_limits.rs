@@ -24,7 +24,7 @@ fn watched(solver: &dyn Geometric, problem: &Problem, start: &[f64]) -> Solution
         }
         ControlFlow::Continue(())
     };
-    let solved = solver.solve_observed(problem, start, &mut observe);
+    let solved = solver.solve_question(problem.into(), start, &mut observe);
     solved.unwrap()
 }
 

@@ -31,7 +31,7 @@ fn it_is_the_difference_quotient_of_the_recursion() {
         for &tip in &rig.tips {
             builder.add(Point::new(rig.skeleton.tip(tip), [0.0; 3]));
         }
-        let mut problem = builder.build().unwrap();
+        let problem = builder.build().unwrap();
         let angles = rig.skeleton.angles();
         assert_eq!((problem.rows(), problem.variables()), (15, angles));
 
@@ -50,7 +50,7 @@ fn it_is_the_difference_quotient_of_the_recursion() {
             }
         }
         for route in Derivatives::ALL {
-            problem.set_derivatives(route);
+            let problem = problem.clone().with_derivatives(route);
             let mut scratch = problem.scratch();
             let mut jacobian = DMatrix::from_element(15, angles, f64::NAN);
             Evaluation::new(&problem, &mut scratch).jacobian(&q, &mut jacobian);
@@ -61,6 +61,7 @@ fn it_is_the_difference_quotient_of_the_recursion() {
 }
 
 /// A point's place, which counts how often it is asked for it.
+#[derive(Clone)]
 struct Counted {
     frame: FrameId,
     calls: Arc<AtomicUsize>,

@@ -99,13 +99,13 @@ fn every_method() -> u64 {
         .into_iter()
         .zip([Preferences::WithinGoals, Preferences::Traded])
     {
-        let mut problem = every_task(model, map, frames, &mut random, preferences);
+        let problem = every_task(model, map, frames, &mut random, preferences);
         let start = configuration_of(model, &mut random);
         for (solver, route) in solvers()
             .into_iter()
             .zip(Derivatives::ALL.into_iter().cycle())
         {
-            problem.set_derivatives(route);
+            let problem = problem.clone().with_derivatives(route);
             let solver = solver.with_stopping(Stopping::default().with_max_iterations(9));
             let solver = solver.with_restarts(few(2));
             digest.solution(&solver.solve_once(&problem, &start).unwrap());
@@ -211,7 +211,7 @@ fn drags(rig: &Skeleton) -> u64 {
         for frame in 0..24_i32 {
             let out = 0.15 * f64::from((frame - 12).abs());
             let target = stands[hand.index()].translation + Vector3::new(1.6 - out, 0.3, 0.1 * out);
-            drag.residual_mut(goal).unwrap().set_target(target);
+            drag.target_mut(goal).unwrap().set_target(target);
             digest.solution(drag.advance());
             digest.word(u64::from(drag.catching_up()) + 2 * u64::from(drag.rests()));
             if let Some(leap) = drag.leap() {

@@ -60,7 +60,7 @@ fn a_frame_tells_limits_as_the_model_has_them() {
     let model = rig.skeleton.model();
     let (mut limits_told, mut moves_told) = (0, 0);
     for _ in 0..40 {
-        drag.residual_mut(hand).unwrap().set_target(far);
+        drag.target_mut(hand).unwrap().set_target(far);
         let solution = drag.advance();
         for held in solution.active_limits() {
             if held.kind == kinopt::ik::BoundKind::Move {
@@ -88,7 +88,7 @@ fn out_of_reach_into_limits_and_back_without_a_leap() {
         for frame in 0..=frames {
             let turn = std::f64::consts::TAU * f64::from(frame) / f64::from(frames);
             let aside = Vector3::new((2.0 * turn).sin(), (3.0 * turn).sin(), turn.sin());
-            drag.residual_mut(hand)
+            drag.target_mut(hand)
                 .unwrap()
                 .set_target(from + aside * size);
             let solution = drag.advance();
@@ -124,7 +124,7 @@ fn a_target_that_rests_out_of_reach_brings_the_body_to_rest() {
     let rig = RandomRig::new(2);
     let (mut drag, hand, from) = drag(&rig, &at_ease(&rig.skeleton));
     let far = from + Vector3::new(2.0, 1.0, 0.5) * rig.skeleton.size();
-    drag.residual_mut(hand).unwrap().set_target(far);
+    drag.target_mut(hand).unwrap().set_target(far);
     for _ in 0..150 {
         drag.advance();
     }
@@ -172,9 +172,7 @@ fn a_target_that_leaps_is_followed_and_the_lag_is_told() {
     let hand = builder.add(Point::new(model.frame("tip").unwrap(), [1.2, 0.5, 0.0]));
     let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.5]).unwrap();
     while !drag.advance().reached {}
-    drag.residual_mut(hand)
-        .unwrap()
-        .set_target([-1.2, 0.5, 0.0]);
+    drag.target_mut(hand).unwrap().set_target([-1.2, 0.5, 0.0]);
     let mut q = drag.q().to_vec();
     let mut frames = 0;
     while !drag.advance().reached {
@@ -207,7 +205,7 @@ fn a_stretched_arm_comes_back_along_the_line_it_left_by() {
     let mut q = drag.q().to_vec();
     for frame in 0..60 {
         let x = (2.5 - 0.02 * f64::from(frame)).max(1.5);
-        drag.residual_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
+        drag.target_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
         drag.advance();
         assert!(furthest(drag.q(), &q) <= MOST_MOVE);
         // What no task feels stays.
@@ -258,7 +256,7 @@ fn the_same_drag_twice_is_the_same_to_the_bit_and_starts_are_checked() {
         let (mut drag, hand, from) = drag(&rig, &start);
         for frame in 0..20 {
             let aside = Vector3::new(0.1, 0.05, -0.02) * f64::from(frame);
-            drag.residual_mut(hand).unwrap().set_target(from + aside);
+            drag.target_mut(hand).unwrap().set_target(from + aside);
             drag.advance();
         }
         drag.q().to_vec()
@@ -268,7 +266,7 @@ fn the_same_drag_twice_is_the_same_to_the_bit_and_starts_are_checked() {
     assert!(drag.stand_at(&[0.0]).is_err());
     assert!(drag.stand_at(&vec![f64::NAN; start.len()]).is_err());
     // A target that is no number moves nothing.
-    drag.residual_mut(hand)
+    drag.target_mut(hand)
         .unwrap()
         .set_target([f64::NAN, 0.0, 0.0]);
     let before = drag.q().to_vec();
@@ -301,6 +299,7 @@ fn slides_move_by_their_own_measure() {
 }
 
 /// Two valleys along a slide: one at −3 that misses by 0.6, one at 3 that does not.
+#[derive(Clone)]
 struct Valleys;
 
 impl Curve for Valleys {
@@ -394,7 +393,7 @@ fn standing_elsewhere_is_beginning_there() {
             assert!(!moved.advance().reached);
         }
         moved.stand_at(&[0.0, 0.0]).unwrap();
-        moved.residual_mut(hand).unwrap().set_target(near);
+        moved.target_mut(hand).unwrap().set_target(near);
         assert_eq!(run(&mut moved), expected, "{rest}");
     }
 }
@@ -406,7 +405,7 @@ fn a_body_settles_on_its_own_way() {
     for far in [0.05, 0.6] {
         let (mut body, hand, from) = drag(&rig, &start);
         let target = from + Vector3::new(1.0, 0.5, 0.2) * (far * rig.skeleton.size());
-        body.residual_mut(hand).unwrap().set_target(target);
+        body.target_mut(hand).unwrap().set_target(target);
         let settled = body.settle(200).clone();
         assert_eq!(settled.reached, far < 0.1, "{}", settled.explain());
         assert!(body.rests() && !body.catching_up() && settled.iterations > 0);
@@ -417,7 +416,7 @@ fn a_body_settles_on_its_own_way() {
             assert!(furthest(body.q(), &settled.q) < 1e-5);
         }
         let back = from - Vector3::new(1.0, 0.5, 0.2) * (0.3 * rig.skeleton.size());
-        body.residual_mut(hand).unwrap().set_target(back);
+        body.target_mut(hand).unwrap().set_target(back);
         let before = body.q().to_vec();
         body.advance();
         assert!(furthest(body.q(), &before) <= MOST_MOVE);

@@ -91,12 +91,12 @@ fn trees_of_every_joint_kind_under_every_map() {
                 let mut builder = Problem::builder(&tree.model);
                 builder.parameters(expected.map.clone());
                 builder.add(Pose::new(tree.far_frame(), placement(&target)));
-                let mut problem = builder.build().unwrap();
+                let problem = builder.build().unwrap();
                 for (k, solver) in solvers().into_iter().enumerate() {
                     let (stopping, restarts) = short();
                     let solver = solver.with_stopping(stopping).with_restarts(restarts);
                     let route = Derivatives::ALL[(k + seed as usize) % 4];
-                    problem.set_derivatives(route);
+                    let problem = problem.clone().with_derivatives(route);
                     let label = format!(
                         "tree {seed}, {}, {}, {route:?}",
                         expected.name,
@@ -117,12 +117,12 @@ fn rigs_whose_targets_need_limits() {
         let rig = RandomRig::new(seed);
         let model = rig.skeleton.model();
         let mut random = Random::new(seed);
-        let mut problem = rig.drawn_to(|| random.vector(1.5));
+        let problem = rig.drawn_to(|| random.vector(1.5));
         for solver in solvers() {
             let (stopping, restarts) = short();
             let solver = solver.with_stopping(stopping).with_restarts(restarts);
             for route in [Derivatives::Analytic, Derivatives::Dual] {
-                problem.set_derivatives(route);
+                let problem = problem.clone().with_derivatives(route);
                 for start in starts(model, &mut random).into_iter().skip(1).take(2) {
                     let label = format!("rig {seed}, {}, {route:?}", solver.method());
                     check(&label, &solver, model, &problem, &start);

@@ -22,6 +22,7 @@ mod step_lengths;
 mod stopping;
 mod success_rate;
 mod symmetric_questions;
+mod targets_apart;
 mod told_misses;
 mod traded_preferences;
 mod unreachable_targets;

@@ -32,16 +32,18 @@ fn a_target_that_became_nan() {
     let (model, tip) = arm();
     let mut builder = Problem::builder(&model);
     let task = builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
-    let mut problem = builder.build().unwrap();
+    let problem = builder.build().unwrap();
     for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
         for route in Derivatives::ALL {
-            problem.set_derivatives(route);
+            let problem = problem.clone().with_derivatives(route);
             for solver in solvers() {
                 let target = [0.6, bad, 0.0];
-                problem.residual_mut(task).unwrap().set_target(target);
+                let mut targets = problem.targets();
+                targets.get_mut(task).unwrap().set_target(target);
                 let mut workspace = Workspace::new();
                 let start = [9.0, 0.1, -9.0];
-                let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
+                let question = problem.with_targets(&targets).unwrap();
+                let solution = solver.solve(question, &start, &mut workspace).unwrap();
                 let label = format!("{bad}, {}, {route:?}", solver.method());
                 assert_sound(&label, solution, &model);
                 assert_eq!(solution.termination, Termination::NonFinite, "{label}");
@@ -49,9 +51,10 @@ fn a_target_that_became_nan() {
                 assert!(solution.explain().contains("not a finite number"));
                 // The same workspace recovers.
                 let target = [0.6, 0.6, 0.0];
-                problem.residual_mut(task).unwrap().set_target(target);
-                let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
-                let fresh = solver.solve_once(&problem, &start).unwrap();
+                targets.get_mut(task).unwrap().set_target(target);
+                let question = problem.with_targets(&targets).unwrap();
+                let solution = solver.solve(question, &start, &mut workspace).unwrap();
+                let fresh = solver.solve_once(question, &start).unwrap();
                 assert_eq!(solution.q, fresh.q, "{label}");
             }
         }
@@ -74,21 +77,21 @@ fn a_turn_that_became_nan() {
             let broken = Matrix3::from_columns(x, y, z);
             let mut builder = Problem::builder(&model);
             let orientation = builder.add(Orientation::new(tip, turned));
-            let mut problem = builder.build().unwrap();
+            let problem = builder.build().unwrap();
             let mut builder = Problem::builder(&model);
             let pose = builder.add(Pose::new(tip, Placement::new(turned, Vector3::zero())));
-            let mut posed = builder.build().unwrap();
-            problem
-                .residual_mut(orientation)
-                .unwrap()
-                .set_target(broken);
+            let posed = builder.build().unwrap();
+            let mut turn = problem.targets();
+            turn.get_mut(orientation).unwrap().set_target(broken);
             let target = Placement::new(broken, Vector3::zero());
-            posed.residual_mut(pose).unwrap().set_target(target);
-            for problem in [&mut problem, &mut posed] {
+            let mut whole = posed.targets();
+            whole.get_mut(pose).unwrap().set_target(target);
+            for (problem, targets) in [(&problem, &turn), (&posed, &whole)] {
                 for route in Derivatives::ALL {
-                    problem.set_derivatives(route);
+                    let problem = problem.clone().with_derivatives(route);
+                    let question = problem.with_targets(targets).unwrap();
                     for solver in solvers() {
-                        let solution = solver.solve_once(problem, &[0.1, 0.2, 0.3]).unwrap();
+                        let solution = solver.solve_once(question, &[0.1, 0.2, 0.3]).unwrap();
                         let label = format!("{entry}: {bad}, {}, {route:?}", solver.method());
                         assert_sound(&label, &solution, &model);
                         assert_eq!(solution.termination, Termination::NonFinite, "{label}");
@@ -123,6 +126,7 @@ fn a_start_that_is_not_finite_is_refused_by_name() {
 }
 
 /// Wants the tip at a place, and is NaN wherever it stands above y = 0.3.
+#[derive(Clone)]
 struct Cliff {
     tip: FrameId,
     x: f64,
@@ -186,6 +190,7 @@ fn a_start_beyond_the_cliff_is_left_by_a_restart() {
 }
 
 /// A finite value whose derivative is not: the plain length of a vector that is zero at rest.
+#[derive(Clone)]
 struct CarelessLength {
     tip: FrameId,
 }
@@ -210,9 +215,9 @@ fn a_derivative_that_is_nan_is_no_stationary_point() {
     let (model, tip) = arm();
     let mut builder = Problem::builder(&model);
     builder.add(CarelessLength { tip });
-    let mut problem = builder.build().unwrap();
+    let problem = builder.build().unwrap();
     for route in [Derivatives::Analytic, Derivatives::Dual] {
-        problem.set_derivatives(route);
+        let problem = problem.clone().with_derivatives(route);
         for solver in solvers() {
             let alone = solver.with_restarts(Restarts::none());
             let solution = alone.solve_once(&problem, &[0.0; 3]).unwrap();
@@ -236,9 +241,9 @@ fn a_residual_without_rows_is_no_panic() {
     builder.add(LimitCentring::new(&model));
     builder.add(Posture::of_joints([]));
     builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
-    let mut problem = builder.build().unwrap();
+    let problem = builder.build().unwrap();
     for route in Derivatives::ALL {
-        problem.set_derivatives(route);
+        let problem = problem.clone().with_derivatives(route);
         for solver in solvers() {
             let solution = solver.solve_once(&problem, &[0.1; 3]).unwrap();
             assert!(solution.q.iter().all(|v| v.is_finite()));

@@ -19,7 +19,7 @@ fn a_stretched_arm_bends_for_a_target_behind_its_hand() {
     let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
     assert!(!drag.advance().reached && drag.q() == [0.0, 0.0]);
     // In line with the arm, which feels nothing of it.
-    drag.residual_mut(hand).unwrap().set_target([1.7, 0.0, 0.0]);
+    drag.target_mut(hand).unwrap().set_target([1.7, 0.0, 0.0]);
     let reached = (0..30).any(|_| drag.advance().reached);
     assert!(reached, "{}", drag.solution().explain());
 }
@@ -33,7 +33,7 @@ fn after_a_target_that_was_reached_the_next_miss_is_nudged_at_once() {
         let hand = builder.add(Point::new(model.frame("tip").unwrap(), [2.5, 0.0, 0.0]));
         let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
         let mut to = |x: f64| {
-            drag.residual_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
+            drag.target_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
             drag.advance().reached
         };
         assert!((0..misses).all(|_| !to(2.5)));

@@ -157,9 +157,7 @@ fn a_drag_with_a_posture_takes_few_steps_more_a_frame() {
         for frame in 0..frames {
             let turn = 0.05 * f64::from(frame);
             let sway = nalgebra::Vector3::new(turn.sin(), 1.0 - turn.cos(), 0.0) * 0.05;
-            drag.residual_mut(hand)
-                .unwrap()
-                .set_target(places[0] + sway);
+            drag.target_mut(hand).unwrap().set_target(places[0] + sway);
             let solution = drag.advance();
             assert!(solution.reached, "{}", solution.explain());
             *steps += solution.iterations;
@@ -189,6 +187,7 @@ fn a_drag_with_a_posture_takes_few_steps_more_a_frame() {
 }
 
 /// Two joints that should sum to a half.
+#[derive(Clone)]
 struct Sum([JointId; 2]);
 
 impl Residual for Sum {

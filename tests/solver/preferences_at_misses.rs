@@ -84,6 +84,7 @@ fn what_a_miss_leaves_free_is_used() {
 }
 
 /// A goal that misses by 1 where its joint is below 0.3 and by 1.2 beyond 0.5, flat on both sides.
+#[derive(Clone)]
 struct Terrace;
 
 impl Curve for Terrace {

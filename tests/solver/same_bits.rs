@@ -60,7 +60,7 @@ fn reused_moved_and_fresh_workspaces_agree() {
         for route in part(Derivatives::ALL, 2) {
             let mut shared = Workspace::new();
             for question in &mut questions {
-                question.problem.set_derivatives(route);
+                question.problem = question.problem.clone().with_derivatives(route);
             }
             let fresh: Vec<_> = questions
                 .iter()
@@ -86,19 +86,22 @@ fn a_target_moved_away_and_back_gives_the_same_answer() {
     let near = random.vector(0.8);
     let mut builder = Problem::builder(rig.skeleton.model());
     let task = builder.add(Point::new(rig.skeleton.tip(rig.tips[0]), near));
-    let mut problem = builder.build().unwrap();
+    let problem = builder.build().unwrap();
     let start = rig.skeleton.model().neutral();
     for solver in solvers().into_iter().map(quick) {
         let mut workspace = Workspace::new();
         let first = bits(solver.solve(&problem, &start, &mut workspace).unwrap());
-        problem
-            .residual_mut(task)
+        let mut targets = problem.targets();
+        targets
+            .get_mut(task)
             .unwrap()
             .set_target(random.vector(2.0));
-        let elsewhere = bits(solver.solve(&problem, &start, &mut workspace).unwrap());
+        let question = problem.with_targets(&targets).unwrap();
+        let elsewhere = bits(solver.solve(question, &start, &mut workspace).unwrap());
         assert_ne!(first, elsewhere);
-        problem.residual_mut(task).unwrap().set_target(near);
-        let back = bits(solver.solve(&problem, &start, &mut workspace).unwrap());
+        targets.get_mut(task).unwrap().set_target(near);
+        let question = problem.with_targets(&targets).unwrap();
+        let back = bits(solver.solve(question, &start, &mut workspace).unwrap());
         assert_eq!(first, back, "{}", solver.method());
     }
 }

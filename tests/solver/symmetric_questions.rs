@@ -77,7 +77,7 @@ fn both_hands_go_alike() {
     ] {
         let target = Vector3::from(target);
         for (hand, place) in hands.into_iter().zip([target, mirrored(target)]) {
-            body.residual_mut(hand).unwrap().set_target(place);
+            body.target_mut(hand).unwrap().set_target(place);
         }
         body.stand_at(&rest).unwrap();
         let settled = body.settle(200);

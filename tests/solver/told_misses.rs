@@ -88,6 +88,7 @@ fn attempts_that_agree_are_counted_and_told() {
 }
 
 /// What a task measures in one unit in several places is one error.
+#[derive(Clone)]
 struct Split(JointId);
 
 impl Residual for Split {

@@ -128,7 +128,7 @@ fn a_preference_that_is_cut_short_or_not_finite_is_told() {
     builder.parameters(map.clone());
     builder.add(Pose::new(frame, placement_of(model, tool, &there)));
     let task = builder.add(Posture::new(model, &other));
-    let mut problem = builder.build().unwrap();
+    let problem = builder.build().unwrap();
     for (cancels, ended) in [
         (true, Termination::Cancelled),
         (false, Termination::TimeLimit),
@@ -153,9 +153,11 @@ fn a_preference_that_is_cut_short_or_not_finite_is_told() {
         assert_eq!(solution.termination, ended);
         assert!(solution.explain().contains("pull of the preferences early"));
     }
-    let posture = problem.residual_mut(task).unwrap();
+    let mut targets = problem.targets();
+    let posture = targets.get_mut(task).unwrap();
     posture.set_reference(&vec![f64::NAN; other.len()]);
-    let solution = Solver::default().solve_once(&problem, &there).unwrap();
+    let question = problem.with_targets(&targets).unwrap();
+    let solution = Solver::default().solve_once(question, &there).unwrap();
     assert_eq!(solution.termination, Termination::NonFinite);
     assert!(solution.q.iter().all(|v| v.is_finite()));
 }

@@ -14,6 +14,7 @@ use kinopt::{Scalar, Solver, Workspace};
 
 /// A row that nearly vanishes at −2 and vanishes at 2, and one that any value will do for but that weighs more
 /// at 2 than the first at −2.
+#[derive(Clone)]
 struct Wells(JointId);
 
 impl Residual for Wells {

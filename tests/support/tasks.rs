@@ -27,6 +27,7 @@ pub struct TaskCase {
 }
 
 /// A user's residual: two frames and two joints, every function of the scalar, five rows.
+#[derive(Clone)]
 pub struct Entangled {
     pub frames: [FrameId; 2],
     pub joints: [JointId; 2],
@@ -286,11 +287,12 @@ pub fn point(v: na::Vector3<f64>) -> Vector3<f64> {
 }
 
 /// A number that depends on a joint.
-pub trait Curve: Send + Sync + 'static {
+pub trait Curve: Clone + Send + Sync + 'static {
     fn at<S: Scalar>(&self, value: S) -> S;
 }
 
 /// A task of one number without a unit, a curve over one joint.
+#[derive(Clone)]
 pub struct OfJoint<C>(pub JointId, pub C);
 
 impl<C: Curve> Residual for OfJoint<C> {

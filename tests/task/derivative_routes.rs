@@ -22,8 +22,8 @@ use support::{Rigid, placement, rigid};
 
 const FAR: f64 = 1e6;
 
-fn jacobian(problem: &mut Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
-    problem.set_derivatives(route);
+fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
+    let problem = &problem.clone().with_derivatives(route);
     let mut scratch = problem.scratch();
     // NaN shows any entry that is not written.
     let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
@@ -31,8 +31,8 @@ fn jacobian(problem: &mut Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64
     jacobian
 }
 
-fn gradient(problem: &mut Problem, route: Derivatives, x: &[f64]) -> (Vec<f64>, DVector<f64>) {
-    problem.set_derivatives(route);
+fn gradient(problem: &Problem, route: Derivatives, x: &[f64]) -> (Vec<f64>, DVector<f64>) {
+    let problem = &problem.clone().with_derivatives(route);
     let mut scratch = problem.scratch();
     let mut evaluation = Evaluation::new(problem, &mut scratch);
     let mut residual = vec![f64::NAN; evaluation.rows()];
@@ -60,7 +60,7 @@ fn relative(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     largest / size(b)
 }
 
-fn check(label: &str, case: &TaskCase, problem: &mut Problem, x: &[f64], coordinates: f64) {
+fn check(label: &str, case: &TaskCase, problem: &Problem, x: &[f64], coordinates: f64) {
     let rounding = f64::EPSILON * coordinates;
     let exact = 1e-12 + 64.0 * rounding;
     let dual = jacobian(problem, Derivatives::Dual, x);
@@ -113,21 +113,15 @@ fn check_all(seed: u64, base: Rigid, coordinates: f64) {
             let mut builder = Problem::builder(&tree.model);
             builder.parameters(expected.map.clone());
             (case.add)(&mut builder);
-            let mut problem = builder.build().unwrap();
-            check(&label, case, &mut problem, &x, coordinates);
+            let problem = builder.build().unwrap();
+            check(&label, case, &problem, &x, coordinates);
             if case.smooth {
                 (case.add)(&mut all);
             }
         }
         // All together: rows must land in their own places.
         let label = format!("all tasks, {}, tree {seed}", expected.name);
-        check(
-            &label,
-            &cases[0],
-            &mut all.build().unwrap(),
-            &x,
-            coordinates,
-        );
+        check(&label, &cases[0], &all.build().unwrap(), &x, coordinates);
     }
 }
 
@@ -158,11 +152,11 @@ fn gradients_by_every_route_are_the_same() {
             (case.add)(&mut builder);
         }
     }
-    let mut problem = builder.build().unwrap();
-    let (reference, _) = gradient(&mut problem, Derivatives::Dual, &q);
+    let problem = builder.build().unwrap();
+    let (reference, _) = gradient(&problem, Derivatives::Dual, &q);
     let largest = reference.iter().fold(1.0, |m: f64, g| m.max(g.abs()));
     for (route, within) in Derivatives::ALL.into_iter().zip([1e-12, 1e-15, 1e-5, 1e-7]) {
-        let (ours, _) = gradient(&mut problem, route, &q);
+        let (ours, _) = gradient(&problem, route, &q);
         for (a, b) in ours.iter().zip(&reference) {
             assert!((a - b).abs() <= within * largest, "{route:?}: {a} and {b}");
         }
@@ -170,6 +164,7 @@ fn gradients_by_every_route_are_the_same() {
 }
 
 /// What the places and turns of many frames come to together, as of a centre of mass.
+#[derive(Clone)]
 struct Centre(Vec<FrameId>);
 
 impl Residual for Centre {
@@ -212,12 +207,12 @@ fn frames_that_share_their_joints() {
     tasks.add(Point::new(frames[3], [0.0; 3]));
     tasks.add(Task::new(Centre(frames.clone())).times(0.5));
     tasks.add(Point::new(frames[11], [0.0; 3]));
-    let mut problem = tasks.build().unwrap();
+    let problem = tasks.build().unwrap();
     let x: Vec<f64> = (0..12).map(|k| 0.3 * f64::from(k % 5) - 0.5).collect();
-    let exact = jacobian(&mut problem, Derivatives::Dual, &x);
-    let error = relative(&jacobian(&mut problem, Derivatives::Analytic, &x), &exact);
+    let exact = jacobian(&problem, Derivatives::Dual, &x);
+    let error = relative(&jacobian(&problem, Derivatives::Analytic, &x), &exact);
     assert!(error < 1e-12, "{error:e}");
-    let (slopes, residual) = gradient(&mut problem, Derivatives::Analytic, &x);
+    let (slopes, residual) = gradient(&problem, Derivatives::Analytic, &x);
     let product = exact.transpose() * residual;
     let off = DVector::from_vec(slopes) - &product;
     assert!(off.amax() < 1e-12 * product.amax(), "{off}");

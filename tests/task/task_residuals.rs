@@ -3,7 +3,7 @@
 
 use kinopt::Problem;
 use kinopt::model::{Limits, Model};
-use kinopt::problem::Evaluation;
+use kinopt::problem::{Evaluation, Question};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Distance, LookAt, Point, Posture, Quantity, Smoothness, Task};
@@ -67,10 +67,11 @@ fn look_at_keeps_its_digits_when_looking_away() {
 }
 
 /// The residual of the only task at a configuration.
-fn residual(problem: &Problem, q: &[f64]) -> Vec<f64> {
-    let mut residual = vec![f64::NAN; problem.rows()];
-    let mut scratch = problem.scratch();
-    Evaluation::new(problem, &mut scratch).residual(q, &mut residual);
+fn residual<'a>(question: impl Into<Question<'a>>, q: &[f64]) -> Vec<f64> {
+    let question = question.into();
+    let mut residual = vec![f64::NAN; question.rows()];
+    let mut scratch = question.scratch();
+    Evaluation::new(question, &mut scratch).residual(q, &mut residual);
     residual
 }
 
@@ -81,16 +82,20 @@ fn references_move_as_a_whole() {
     let posture = Task::new(Posture::new(&model, &before)).weight(Quantity::JointUnits, 1.0);
     let mut builder = Problem::builder(&model);
     let task = builder.add(posture);
-    let mut problem = builder.build().unwrap();
-    problem.residual_mut(task).unwrap().set_reference(&wanted);
-    assert_eq!(residual(&problem, &before), [-1.0, -2.0, 3.0]);
+    let problem = builder.build().unwrap();
+    let mut targets = problem.targets();
+    targets.get_mut(task).unwrap().set_reference(&wanted);
+    let question = problem.with_targets(&targets).unwrap();
+    assert_eq!(residual(question, &before), [-1.0, -2.0, 3.0]);
 
     let smooth = Task::new(Smoothness::new(&model, &before, 0.5));
     let mut builder = Problem::builder(&model);
     let task = builder.add(smooth.weight(Quantity::JointUnitsPerSecond, 1.0));
-    let mut problem = builder.build().unwrap();
-    problem.residual_mut(task).unwrap().set_previous(&wanted);
-    assert_eq!(residual(&problem, &before), [-2.0, -4.0, 6.0]);
+    let problem = builder.build().unwrap();
+    let mut targets = problem.targets();
+    targets.get_mut(task).unwrap().set_previous(&wanted);
+    let question = problem.with_targets(&targets).unwrap();
+    assert_eq!(residual(question, &before), [-2.0, -4.0, 6.0]);
 }
 
 /// Frames at one place are a distance of 0 apart, and some way leads them asunder.

@@ -144,6 +144,7 @@ fn searches_of_wrong_shapes_end_at_once() {
 }
 
 /// Writes derivatives for frames and joints that it does not read.
+#[derive(Clone)]
 struct Careless(FrameId);
 
 impl Residual for Careless {

@@ -63,16 +63,17 @@ impl Course {
 }
 
 fn by_solver(scene: &DragScene, solver: &Solver) -> Result<Course, Box<dyn Error>> {
-    let (mut problem, hand) = scene.problem()?;
+    let (problem, hand) = scene.problem()?;
+    let mut targets = problem.targets();
     let mut workspace = Workspace::new();
     let mut q = scene.start.clone();
     let mut course = Course::default();
     for frame in 0..FRAMES {
-        if let Some(point) = problem.residual_mut(hand) {
-            point.set_target(scene.target(frame, FRAMES));
-        }
+        let point = targets.get_mut(hand)?;
+        point.set_target(scene.target(frame, FRAMES));
+        let question = problem.with_targets(&targets)?;
         let begun = ThreadTime::now();
-        let solution = solver.solve(&problem, &q, &mut workspace)?;
+        let solution = solver.solve(question, &q, &mut workspace)?;
         course.take(begun, solution, &mut q);
     }
     Ok(course)
@@ -84,9 +85,8 @@ fn by_drag(scene: &DragScene) -> Result<Course, Box<dyn Error>> {
     let mut q = scene.start.clone();
     let mut course = Course::default();
     for frame in 0..FRAMES {
-        if let Some(point) = drag.residual_mut(hand) {
-            point.set_target(scene.target(frame, FRAMES));
-        }
+        let point = drag.target_mut(hand)?;
+        point.set_target(scene.target(frame, FRAMES));
         let begun = ThreadTime::now();
         let solution = drag.advance();
         course.take(begun, solution, &mut q);

@@ -37,16 +37,14 @@ fn reach(
     let mut micros = [Vec::new(), Vec::new()];
     for (index, target) in targets.iter().enumerate() {
         for (&task, &at) in tasks.iter().zip(target) {
-            if let Some(point) = body.residual_mut(task) {
-                point.set_target(at);
-            }
+            body.target_mut(task)?.set_target(at);
         }
         body.stand_at(&rest)?;
         let begun = ThreadTime::now();
         own += usize::from(body.settle(FRAMES).reached);
         micros[0].push(begun.micros());
         let begun = ThreadTime::now();
-        let solution = Solver::default().solve(body.problem(), &rest, &mut workspace)?;
+        let solution = Solver::default().solve(body.question(), &rest, &mut workspace)?;
         micros[1].push(begun.micros());
         match solution.reached {
             true => attempts.push(solution.attempts),

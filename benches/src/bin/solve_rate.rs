@@ -23,7 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|&tip| builder.add(Point::new(skeleton.tip(tip), [0.0; 3])))
         .collect();
     builder.tolerance(Quantity::Metres, 1e-8 * size);
-    let mut problem = builder.build()?;
+    let problem = builder.build()?;
+    let mut targets_now = problem.targets();
 
     // The same targets for everyone: tips of random poses across the full limits.
     let targets = random_targets(&skeleton, &tips, problems, &mut Sequence::new(0.5));
@@ -85,12 +86,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut micros = Vec::with_capacity(problems);
         for target in &targets {
             for (&task, &at) in tasks.iter().zip(target) {
-                if let Some(point) = problem.residual_mut(task) {
-                    point.set_target(at);
-                }
+                targets_now.get_mut(task)?.set_target(at);
             }
             let begun = Instant::now();
-            let solution = solver.solve(&problem, &rest, &mut workspace)?;
+            let solution =
+                solver.solve(problem.with_targets(&targets_now)?, &rest, &mut workspace)?;
             micros.push(begun.elapsed().as_secs_f64() * 1e6);
             solved += usize::from(solution.reached);
             steps += solution.iterations;
@@ -116,12 +116,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for frame in 0..480 {
             let frame_targets = drag_targets(&skeleton, &tips, &start, frame);
             for (&task, &at) in tasks.iter().zip(&frame_targets) {
-                if let Some(point) = problem.residual_mut(task) {
-                    point.set_target(at);
-                }
+                targets_now.get_mut(task)?.set_target(at);
             }
             let begun = Instant::now();
-            let solution = Solver::default().solve(&problem, &q, &mut workspace)?;
+            let solution =
+                Solver::default().solve(problem.with_targets(&targets_now)?, &q, &mut workspace)?;
             micros.push(begun.elapsed().as_secs_f64() * 1e6);
             solved += usize::from(solution.reached);
             steps += solution.iterations;

@@ -64,8 +64,7 @@ fn five_tips() -> Result<Problem, Box<dyn Error>> {
 }
 
 fn jacobian(route: Derivatives) -> Result<Run, Box<dyn Error>> {
-    let mut problem = five_tips()?;
-    problem.set_derivatives(route);
+    let problem = five_tips()?.with_derivatives(route);
     let places = places(problem.variables());
     let mut scratch = problem.scratch();
     let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());

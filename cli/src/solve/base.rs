@@ -1,11 +1,10 @@
 //! The frame that targets are given in.
 
-use kinopt::Problem;
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, Model, ParameterMap, Source};
-use kinopt::problem::{ProblemBuilder, TaskId};
+use kinopt::problem::{ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Pose, Residual, Task};
+use kinopt::task::{Point, Pose, Task};
 
 use super::relative_pose::RelativePose;
 use crate::failure::Outcome;
@@ -87,46 +86,23 @@ impl Base {
     }
 
     /// Moves a task's target, which is given in this frame.
-    pub(super) fn aim(&self, problem: &mut impl Aimed, task: TargetTask, target: Placement<f64>) {
+    pub(super) fn aim(
+        &self,
+        body: &mut Drag,
+        task: TargetTask,
+        target: Placement<f64>,
+    ) -> Result<(), ProblemError> {
         let world_from_base = match *self {
             Self::Still(world_from_base) => world_from_base,
             Self::Moving(_) => Placement::identity(),
         };
         let placed = world_from_base * target;
         match task {
-            TargetTask::Point(id) => {
-                if let Some(point) = problem.residual_mut(id) {
-                    point.set_target(placed.translation);
-                }
-            }
-            TargetTask::Pose(id) => {
-                if let Some(pose) = problem.residual_mut(id) {
-                    pose.set_target(placed);
-                }
-            }
-            TargetTask::Relative(id) => {
-                if let Some(relative) = problem.residual_mut(id) {
-                    relative.base_from_target = target;
-                }
-            }
+            TargetTask::Point(id) => body.target_mut(id)?.set_target(placed.translation),
+            TargetTask::Pose(id) => body.target_mut(id)?.set_target(placed),
+            TargetTask::Relative(id) => body.target_mut(id)?.base_from_target = target,
         }
-    }
-}
-
-/// What holds tasks whose targets move.
-pub(super) trait Aimed {
-    fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R>;
-}
-
-impl Aimed for Problem {
-    fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
-        self.residual_mut(task)
-    }
-}
-
-impl Aimed for Drag {
-    fn residual_mut<R: Residual>(&mut self, task: TaskId<R>) -> Option<&mut R> {
-        self.residual_mut(task)
+        Ok(())
     }
 }
 

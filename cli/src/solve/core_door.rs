@@ -120,7 +120,7 @@ impl<'a> CoreDoor<'a> {
         let placements = self.loaded.all_frames(start);
         for (frame, task) in &desk.held {
             let placed = placements.get(frame.index());
-            if let (Some(point), Some(placed)) = (desk.body.residual_mut(*task), placed) {
+            if let (Ok(point), Some(placed)) = (desk.body.target_mut(*task), placed) {
                 point.set_target(placed.translation);
             }
         }
@@ -139,7 +139,7 @@ impl Door for CoreDoor<'_> {
             *desk = self.desk_at(&question.start)?;
         }
         let (place, start) = (question.base_from_tip, &question.start);
-        self.base.aim(&mut desk.body, desk.target, place);
+        self.base.aim(&mut desk.body, desk.target, place)?;
         self.hold(desk, start);
         let (started, workspace) = (Instant::now(), &mut desk.workspace);
         let found = self
@@ -161,7 +161,7 @@ impl Door for CoreDoor<'_> {
         for (step, question) in questions.iter().enumerate() {
             let before = body.q().to_vec();
             self.base
-                .aim(&mut body, desk.target, question.base_from_tip);
+                .aim(&mut body, desk.target, question.base_from_tip)?;
             let started = Instant::now();
             let solution = self.finder.follow(&mut body).clone();
             let found = Found {

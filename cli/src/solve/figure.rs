@@ -75,7 +75,7 @@ impl Finder {
         if !self.settles {
             let solved = self
                 .solver
-                .solve_observed(body.problem(), start, workspace, observer)?;
+                .solve_observed(body.question(), start, workspace, observer)?;
             return Ok(Found {
                 solution: solved.clone(),
                 way: None,
@@ -97,7 +97,7 @@ impl Finder {
         }
         let searched =
             self.search(left)
-                .solve_observed(body.problem(), start, workspace, observer)?;
+                .solve_observed(body.question(), start, workspace, observer)?;
         let better = searched.cost < BETTER * settled.cost;
         let taken = searched.reached || (self.anywhere && better);
         let mut solution = if taken {

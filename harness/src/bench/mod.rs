@@ -86,7 +86,7 @@ impl<'s> Bench<'s> {
         let total = active.len() * self.set.cases().len();
         let mut answered = 0;
         'problems: for (index, case) in self.set.cases().iter().enumerate() {
-            stated.aim(case);
+            stated.aim(case)?;
             let mut row = Vec::with_capacity(active.len());
             for seat in &active {
                 let Some(adapter) = self.adapters.get_mut(seat.adapter) else {
@@ -101,12 +101,10 @@ impl<'s> Bench<'s> {
                 if progress(told).is_break() {
                     break 'problems;
                 }
-                stated
-                    .problem
-                    .set_derivatives(seat.route.unwrap_or_default());
+                stated.derive_by(seat.route.unwrap_or_default());
                 let question = Question {
                     set: self.set,
-                    problem: &stated.problem,
+                    problem: stated.question()?,
                     targets: &case.targets,
                     start: &case.start,
                     budget: self.budget,

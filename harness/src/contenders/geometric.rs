@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Restarts;
-use kinopt::solver::{Iteration, Stopping};
+use kinopt::solver::{Iteration, Silent, Stopping};
 
 use crate::{Adapter, Answer, Budget, ProblemSet, Question, Trace, attempts};
 
@@ -66,7 +66,11 @@ impl Adapter for GeometricAdapter {
         // Without a step: only what it has no answer for comes out.
         let problem = set.problem().map_err(|error| error.to_string())?;
         let stopping = Stopping::default().with_max_iterations(0);
-        let tried = (self.method)(stopping).solve(&problem, &set.model().neutral());
+        let tried = (self.method)(stopping).solve_question(
+            (&problem).into(),
+            &set.model().neutral(),
+            &mut Silent,
+        );
         tried.map(|_| ()).map_err(|error| error.to_string())
     }
 
@@ -78,11 +82,11 @@ impl Adapter for GeometricAdapter {
                     trace.mark(iteration.x);
                     ControlFlow::Continue(())
                 };
-                let solved = method.solve_observed(question.problem, start, &mut mark);
+                let solved = method.solve_question(question.problem, start, &mut mark);
                 trace.translate(|x| question.set.configuration(x));
                 solved
             } else {
-                method.solve(question.problem, start)
+                method.solve_question(question.problem, start, &mut Silent)
             };
             match solved {
                 Ok(solution) => Answer::from(&solution),

@@ -1,7 +1,7 @@
 //! The problem that all cases are stated as.
 
 use kinopt::Problem;
-use kinopt::problem::TaskId;
+use kinopt::problem::{Derivatives, ProblemError, Question, Targets, TaskId};
 use kinopt::spatial::Placement;
 use kinopt::task::{Point, Pose, Quantity};
 
@@ -10,6 +10,7 @@ use crate::{Case, HarnessError, ProblemSet};
 /// The problem of a set, whose targets move from case to case.
 pub(crate) struct Stated {
     pub(crate) problem: Problem,
+    targets: Targets,
     points: Vec<TaskId<Point>>,
     poses: Vec<TaskId<Pose>>,
 }
@@ -31,22 +32,29 @@ impl Stated {
         }
         let problem = builder.build()?;
         Ok(Self {
+            targets: problem.targets(),
             problem,
             points,
             poses,
         })
     }
 
-    pub(crate) fn aim(&mut self, case: &Case) {
+    pub(crate) fn aim(&mut self, case: &Case) -> Result<(), ProblemError> {
         for (&id, target) in self.points.iter().zip(&case.targets) {
-            if let Some(point) = self.problem.residual_mut(id) {
-                point.set_target(target.translation);
-            }
+            self.targets.get_mut(id)?.set_target(target.translation);
         }
         for (&id, &target) in self.poses.iter().zip(&case.targets) {
-            if let Some(pose) = self.problem.residual_mut(id) {
-                pose.set_target(target);
-            }
+            self.targets.get_mut(id)?.set_target(target);
         }
+        Ok(())
+    }
+    /// Chooses the derivative route.
+    pub(crate) fn derive_by(&mut self, route: Derivatives) {
+        self.problem = self.problem.clone().with_derivatives(route);
+    }
+
+    /// The problem with the targets of the case.
+    pub(crate) fn question(&self) -> Result<Question<'_>, ProblemError> {
+        self.problem.with_targets(&self.targets)
     }
 }

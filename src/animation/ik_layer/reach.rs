@@ -11,9 +11,9 @@ use super::reach_error::ReachError;
 use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
 use crate::ik::{Solution, Solver, Workspace};
-use crate::kinematics::TreeMemory;
+use crate::kinematics::{Tree, TreeMemory};
 use crate::model::UnknownName;
-use crate::problem::{Problem, ProblemError, TaskId};
+use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
 use crate::task::{Point, Quantity};
@@ -31,6 +31,9 @@ pub struct ReachLayer {
     bridge: PoseBridge,
     stances: Stances,
     problem: Problem,
+    targets: Targets,
+    /// The problem's joints where the pose has them.
+    tree: Tree,
     places: TreeMemory,
     effectors: Vec<Effector>,
     held: Vec<Held>,
@@ -105,6 +108,8 @@ impl ReachLayer {
         let moved = above(skeleton, tips.iter().chain(held));
         Ok(Self {
             bridge: PoseBridge::new(skeleton),
+            targets: problem.targets(),
+            tree: problem.tree().clone(),
             problem,
             places: TreeMemory::default(),
             stances: Stances::new(skeleton, &moved),
@@ -194,11 +199,12 @@ impl ReachLayer {
         }
         self.bridge.angles_of(pose, &mut self.q);
         let skeleton = self.stances.take(pose, &self.moved)?;
-        self.problem.take_places(skeleton.model(), &mut self.places);
+        let (model, map) = (skeleton.model(), self.problem.parameters());
+        self.tree.compile(model, map, &mut self.places);
         for own in &self.effectors {
             let (stance, task) = (
                 self.stances.of(own.bone),
-                self.problem.residual_mut(own.task),
+                self.targets.get_mut(own.task).ok(),
             );
             if let Some((stance, task)) = stance.zip(task) {
                 let tip = Vector3::from(stance.tip.to_array());
@@ -208,15 +214,15 @@ impl ReachLayer {
         for own in &self.held {
             let (stance, task) = (
                 self.stances.of(own.bone),
-                self.problem.residual_mut(own.task),
+                self.targets.get_mut(own.task).ok(),
             );
             if let Some((stance, task)) = stance.zip(task) {
                 task.set_target(own.target(stance.rotation));
             }
         }
-        let solution = self
-            .solver
-            .solve(&self.problem, &self.q, &mut self.workspace)?;
+        let question = Question::from(&self.problem);
+        let question = question.with_targets(&self.targets).with_places(&self.tree);
+        let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
         for &bone in &self.moved {
             self.bridge.pose_bone(bone, &solution.q, pose);
         }

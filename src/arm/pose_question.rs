@@ -1,0 +1,76 @@
+//! One target within bounds, as a question to the core's solver.
+
+use super::options::Options;
+use super::serial::Serial;
+use super::tool_pose::ToolPose;
+use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
+use crate::spatial::Placement;
+use crate::task::{Quantity, Task};
+
+/// The pose of a chain's tool as a problem, with the target and the bounds of the question under way.
+#[derive(Clone, Debug)]
+pub(super) struct PoseQuestion {
+    pub(super) problem: Problem,
+    targets: Targets,
+    task: TaskId<ToolPose>,
+    /// Bounds of the question.
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+}
+
+impl PoseQuestion {
+    /// A question within all limits, whose target is yet to be set.
+    pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
+        let mut builder = Problem::builder(&serial.model);
+        builder.parameters(serial.map.clone());
+        let pose = ToolPose::new(serial.tool, options.goal.axes());
+        let orientation = if options.goal.has_orientation() {
+            options.orientation_tolerance
+        } else {
+            f64::INFINITY
+        };
+        let task = builder.add(
+            Task::new(pose)
+                .weight(Quantity::Metres, 1.0)
+                .weight(Quantity::Radians, options.metres_per_radian)
+                .tolerance(Quantity::Metres, options.position_tolerance)
+                .tolerance(Quantity::Radians, orientation),
+        );
+        let problem = builder.build()?;
+        Ok(Self {
+            targets: problem.targets(),
+            task,
+            lower: problem.lower().to_vec(),
+            upper: problem.upper().to_vec(),
+            problem,
+        })
+    }
+
+    /// Sets the target.
+    pub(super) fn aim(&mut self, target: &Placement<f64>) {
+        // The task is the problem's own.
+        if let Ok(pose) = self.targets.get_mut(self.task) {
+            pose.target = *target;
+        }
+    }
+
+    /// The target.
+    pub(super) fn target(&self) -> Placement<f64> {
+        let pose = self.targets.get(self.task);
+        pose.map_or_else(|_| Placement::identity(), |pose| pose.target)
+    }
+
+    /// The angle of the residual's rows for orientation, whose norm over the weight is `turn`.
+    pub(super) fn angle(&self, turn: f64) -> f64 {
+        let pose = self.targets.get(self.task);
+        pose.map_or(turn, |pose| pose.angle(turn))
+    }
+
+    /// What the core is asked.
+    pub(super) fn ask(&self) -> Question<'_> {
+        let question = Question::from(&self.problem);
+        question
+            .with_targets(&self.targets)
+            .within(&self.lower, &self.upper)
+    }
+}

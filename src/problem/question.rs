@@ -1,0 +1,114 @@
+//! What a solver is asked: a problem, where its targets are, and within which bounds.
+
+use super::{Problem, Scratch, Targets};
+use crate::kinematics::Tree;
+use crate::model::{Limits, ParameterMap};
+use crate::task::ErasedResidual;
+
+/// One question to a [`Problem`]. A reference to a problem is one: with the targets that it was built
+/// with, within all its bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) targets: &'a Targets,
+    lower: &'a [f64],
+    upper: &'a [f64],
+    tree: &'a Tree,
+}
+
+impl<'a> From<&'a Problem> for Question<'a> {
+    fn from(problem: &'a Problem) -> Self {
+        Self {
+            problem,
+            targets: &problem.targets,
+            lower: problem.lower(),
+            upper: problem.upper(),
+            tree: &problem.tree,
+        }
+    }
+}
+
+impl<'a> Question<'a> {
+    /// The problem that is asked.
+    #[must_use]
+    pub fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
+    /// How many solver variables there are.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.problem.variables()
+    }
+
+    /// How many residual rows there are.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.problem.rows()
+    }
+
+    /// The map from variables to configurations.
+    #[must_use]
+    pub fn parameters(&self) -> &'a ParameterMap {
+        self.problem.parameters()
+    }
+
+    /// Scratch memory for this problem.
+    #[must_use]
+    pub fn scratch(&self) -> Scratch {
+        self.problem.scratch()
+    }
+
+    /// Lower bounds of the variables.
+    #[must_use]
+    pub fn lower(&self) -> &'a [f64] {
+        self.lower
+    }
+
+    /// Upper bounds of the variables.
+    #[must_use]
+    pub fn upper(&self) -> &'a [f64] {
+        self.upper
+    }
+
+    /// The same with other targets, which are of this problem.
+    pub(crate) fn with_targets(self, targets: &'a Targets) -> Self {
+        Self { targets, ..self }
+    }
+
+    /// The same within other bounds, which lie within the problem's.
+    pub(crate) fn within(self, lower: &'a [f64], upper: &'a [f64]) -> Self {
+        Self {
+            lower,
+            upper,
+            ..self
+        }
+    }
+
+    /// The same where joints and frames stand elsewhere on their parents.
+    pub(crate) fn with_places(self, tree: &'a Tree) -> Self {
+        Self { tree, ..self }
+    }
+
+    /// The compiled kinematics that the tasks' slots refer to.
+    pub(crate) fn tree(&self) -> &'a Tree {
+        self.tree
+    }
+
+    /// Whether joints stand elsewhere than where the problem was built.
+    pub(crate) fn places_moved(&self) -> bool {
+        !std::ptr::eq(self.tree, &self.problem.tree)
+    }
+
+    /// A task's residual.
+    pub(crate) fn residual(&self, task: usize) -> &'a dyn ErasedResidual {
+        &*self.targets.residuals[task]
+    }
+
+    /// Where random values of a variable are drawn from: its bounds, or where one is missing or
+    /// endlessly far away π or the reach from `at`.
+    pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
+        let bounds = Limits::new(self.lower[variable], self.upper[variable]);
+        bounds.sampling_range(at, self.problem.spread(variable))
+    }
+}
