@@ -48,10 +48,12 @@
 //!
 //! # Features
 //!
-//! None is on by default: `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `rayon`
-//! (batches over threads), `argmin` (the bridge to argmin).
+//! None is on by default: `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `heat` (skin
+//! weights by heat on the surface), `rayon` (batches over threads), `argmin` (the bridge to argmin).
 
 #![warn(clippy::disallowed_methods)]
+// On docs.rs every item says which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod animation;
 #[cfg(feature = "argmin")]

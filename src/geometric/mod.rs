@@ -1,7 +1,7 @@
 //! Geometric inverse kinematics: the classical methods that know where bones end and need no
 //! derivatives.
 //!
-//! All take a [`Problem`] as the optimisers do, with `Point` tasks (and poses, where said), the same
+//! All take a [`Problem`](crate::Problem) as the optimisers do, with `Point` tasks (and poses, where said), the same
 //! tolerances and parameter map, and return the same [`Solution`]. Joint limits hold at every
 //! configuration that they visit, to the bit.
 //!
