@@ -86,12 +86,12 @@ fn overruns(kind: &str, builder: &ArmBuilder<'_>, limit: Duration) {
 fn main() {
     let panda = Robot::read("models/franka_panda.urdf").unwrap();
     let humanoid = Robot::read("models/aldebaran_nao.urdf").unwrap();
-    let arm = || Arm::builder(&panda, "base", "flange").unwrap();
+    let arm = || Arm::builder(&panda, "base", "flange");
     let distinct = Search::Distinct {
         k: 8,
         distance: 0.5,
     };
-    let hips = Arm::builder(&humanoid, "left_sole", "right_sole").unwrap();
+    let hips = Arm::builder(&humanoid, "left_sole", "right_sole");
     let kinds = [
         ("start", arm()),
         ("first", arm().with_search(Search::First)),

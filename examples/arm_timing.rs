@@ -74,7 +74,6 @@ fn robot(file: &str, base: &str, tip: &str) {
     let robot = Robot::read(format!("models/{file}.urdf")).unwrap();
     let build = |search| {
         Arm::builder(&robot, base, tip)
-            .unwrap()
             .with_search(search)
             .build()
             .unwrap()

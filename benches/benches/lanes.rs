@@ -118,7 +118,7 @@ fn poses(criterion: &mut Criterion) {
         let path = smooth_path(&chain, POSES);
         let mut group = criterion.benchmark_group(name);
         for (search, words) in [(arm::Search::First, FIRST), (arm::Search::Start, START)] {
-            let arm = Arm::builder(&robot, base, tip).expect("links of the robot");
+            let arm = Arm::builder(&robot, base, tip);
             let arm = arm.with_search(search).build().expect("an arm");
             front_door(&mut group, &arm, &ask, words);
         }

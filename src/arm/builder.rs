@@ -5,18 +5,21 @@ use std::time::Duration;
 use super::coordinates::Coordinates;
 use super::options::{ATTEMPTS, LIMIT_AVOIDANCE, Options, Search, metres_per_radian};
 use super::query::Arm;
-use super::route;
+use super::route::{self, Part};
 use super::serial::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
-use crate::model::{FrameId, JointId, Model, ParameterMap, ParameterMapBuilder, Source};
+use crate::model::{
+    FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, ParameterMapBuilder, Source,
+    UnknownName,
+};
 use crate::robot::{Mimic, Robot};
 use crate::spatial::Placement;
 
 /// What an arm can be made of: a [`Model`], or a [`Robot`] with joints that follow others.
-pub trait Joints {
+pub trait Mechanism {
     /// The joints and frames.
-    fn tree(&self) -> &Model;
+    fn model(&self) -> &Model;
     /// The joints that follow others.
     fn followers(&self) -> &[Mimic];
     /// The speed a joint is allowed, radians or metres a second; none known for a bare model.
@@ -26,8 +29,8 @@ pub trait Joints {
     }
 }
 
-impl Joints for Model {
-    fn tree(&self) -> &Model {
+impl Mechanism for Model {
+    fn model(&self) -> &Model {
         self
     }
 
@@ -36,8 +39,8 @@ impl Joints for Model {
     }
 }
 
-impl Joints for Robot {
-    fn tree(&self) -> &Model {
+impl Mechanism for Robot {
+    fn model(&self) -> &Model {
         self.model()
     }
 
@@ -50,7 +53,23 @@ impl Joints for Robot {
     }
 }
 
-/// Collects the options of an [`Arm`]; [`build`](Self::build) checks them.
+/// Where an arm begins: the frame that targets are given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base<'a> {
+    /// The model's world, which needs no frame.
+    World,
+    /// A frame, by its id or its name.
+    Frame(FrameRef<'a>),
+}
+
+impl<'a, F: Into<FrameRef<'a>>> From<F> for Base<'a> {
+    fn from(frame: F) -> Self {
+        Self::Frame(frame.into())
+    }
+}
+
+/// Collects the options of an [`Arm`]; [`build`](Self::build) checks them and tells the first that is
+/// wrong. Frames and joints are given by id or by name.
 ///
 /// Options that have one number a joint take them base to tip, for the free joints only, in the
 /// order of [`Arm::joints`].
@@ -60,8 +79,11 @@ pub struct ArmBuilder<'m> {
     followers: &'m [Mimic],
     /// One a joint of the model.
     velocity_limits: Vec<Option<f64>>,
-    base: FrameId,
-    tip: FrameId,
+    /// None for the world.
+    base: Result<Option<FrameId>, UnknownName>,
+    tip: Result<FrameId, UnknownName>,
+    /// The first joint that is not there.
+    unknown_joint: Option<UnknownName>,
     tip_from_tool: Placement<f64>,
     locked: Vec<(JointId, f64)>,
     only: Option<(Vec<JointId>, Vec<f64>)>,
@@ -83,35 +105,41 @@ pub struct ArmBuilder<'m> {
 }
 
 impl Arm {
-    /// The arm from the frame `base` to the frame `tip`, with default options: see
-    /// [`builder`](Self::builder) for others.
+    /// The arm from `base` to the frame `tip`, with default options: see [`builder`](Self::builder)
+    /// for others.
     ///
     /// # Errors
-    /// An unknown frame, with the valid names; no free joint between the two.
-    pub fn new(joints: &impl Joints, base: &str, tip: &str) -> Result<Self, ArmError> {
-        Self::builder(joints, base, tip)?.build()
+    /// As [`ArmBuilder::build`].
+    pub fn new<'a>(
+        mechanism: &impl Mechanism,
+        base: impl Into<Base<'a>>,
+        tip: impl Into<FrameRef<'a>>,
+    ) -> Result<Self, ArmError> {
+        Self::builder(mechanism, base, tip).build()
     }
 
-    /// Starts the description of the arm from the frame `base` to the frame `tip`. Any two frames
-    /// of the tree will do: from the base the way goes up to where both meet and down to the tip.
-    ///
-    /// # Errors
-    /// An unknown frame, with the valid names.
-    pub fn builder<'m>(
-        joints: &'m impl Joints,
-        base: &str,
-        tip: &str,
-    ) -> Result<ArmBuilder<'m>, ArmError> {
-        let model = joints.tree();
-        Ok(ArmBuilder {
+    /// Starts the description of the arm from `base` (a frame, or [`Base::World`]) to the frame `tip`.
+    /// Any two frames of the tree will do: from the base the way goes up to where both meet and down
+    /// to the tip.
+    pub fn builder<'m, 'a>(
+        mechanism: &'m impl Mechanism,
+        base: impl Into<Base<'a>>,
+        tip: impl Into<FrameRef<'a>>,
+    ) -> ArmBuilder<'m> {
+        let model = mechanism.model();
+        ArmBuilder {
             model,
-            followers: joints.followers(),
+            followers: mechanism.followers(),
             velocity_limits: model
                 .joint_ids()
-                .map(|joint| joints.velocity_limit(joint))
+                .map(|joint| mechanism.velocity_limit(joint))
                 .collect(),
-            base: model.frame(base)?,
-            tip: model.frame(tip)?,
+            base: match base.into() {
+                Base::World => Ok(None),
+                Base::Frame(frame) => frame.resolve(model).map(Some),
+            },
+            tip: tip.into().resolve(model),
+            unknown_joint: None,
             tip_from_tool: Placement::identity(),
             locked: Vec::new(),
             only: None,
@@ -130,11 +158,18 @@ impl Arm {
             time_limit: None,
             seed: 0,
             atlas: true,
-        })
+        }
     }
 }
 
 impl ArmBuilder<'_> {
+    /// The joint that is meant; the first that is not there is told when building.
+    fn joint<'a>(&mut self, joint: impl Into<JointRef<'a>>) -> Option<JointId> {
+        let resolved = joint.into().resolve(self.model);
+        let unknown = &mut self.unknown_joint;
+        resolved.map_err(|error| unknown.get_or_insert(error)).ok()
+    }
+
     /// A tool on the tip: where it stands in the tip's frame, metres. Default: the tip itself.
     #[must_use]
     pub fn with_tool(mut self, tip_from_tool: impl Into<Placement<f64>>) -> Self {
@@ -143,23 +178,25 @@ impl ArmBuilder<'_> {
     }
 
     /// Holds a joint at `value` (radians or metres, within its limits).
-    ///
-    /// # Errors
-    /// An unknown joint, with the valid names. Values are checked by [`build`](Self::build).
-    pub fn with_locked(mut self, joint: &str, value: f64) -> Result<Self, ArmError> {
-        self.locked.push((self.model.joint(joint)?, value));
-        Ok(self)
+    #[must_use]
+    pub fn with_locked<'a>(mut self, joint: impl Into<JointRef<'a>>, value: f64) -> Self {
+        let joint = self.joint(joint);
+        self.locked.extend(joint.map(|joint| (joint, value)));
+        self
     }
 
-    /// Frees only the named joints; every other joint is held at its value in `q_model` (shape: the
+    /// Frees only these joints; every other joint is held at its value in `q_model` (shape: the
     /// model's degrees of freedom; a missing value counts as 0), clamped into its limits.
-    ///
-    /// # Errors
-    /// An unknown joint, with the valid names.
-    pub fn with_only(mut self, joints: &[&str], q_model: &[f64]) -> Result<Self, ArmError> {
-        let ids: Result<Vec<JointId>, _> = joints.iter().map(|j| self.model.joint(j)).collect();
-        self.only = Some((ids?, q_model.to_vec()));
-        Ok(self)
+    #[must_use]
+    pub fn with_only<'a, J: Into<JointRef<'a>>>(
+        mut self,
+        joints: impl IntoIterator<Item = J>,
+        q_model: &[f64],
+    ) -> Self {
+        let joints = joints.into_iter();
+        let ids = joints.filter_map(|joint| self.joint(joint)).collect();
+        self.only = Some((ids, q_model.to_vec()));
+        self
     }
 
     /// How far the tool may be from its target, metres; positive. Default 1e-6.
@@ -289,16 +326,25 @@ impl ArmBuilder<'_> {
         self
     }
 
+    /// The free joints, base to tip, in whose order options have one number a joint.
+    ///
+    /// # Errors
+    /// An unknown frame or joint, with the valid names; locked values outside limits; no free joint.
+    pub fn joints(&self) -> Result<Vec<JointId>, ArmError> {
+        let (parts, name) = self.way()?;
+        let (full, tool) = (self.parameters()?, Placement::identity());
+        Ok(Serial::new(self.model, &full, &parts, tool, name)?.joints)
+    }
+
     /// Checks everything and prepares the arm.
     ///
     /// # Errors
-    /// The first option out of its range, by name; locked values outside limits; no free joint.
+    /// An unknown frame or joint, with the valid names; the first option out of its range, by name;
+    /// locked values outside limits; no free joint.
     pub fn build(self) -> Result<Arm, ArmError> {
+        let (parts, name) = self.way()?;
         check_tool(&self.tip_from_tool)?;
-        let parts = route::parts(self.model, self.base, self.tip);
         let full = self.parameters()?;
-        let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
-        let name = (frame(self.base), frame(self.tip));
         let serial = Serial::new(self.model, &full, &parts, self.tip_from_tool, name)?;
         let coordinates = Coordinates::new(self.model, &full, &parts, &serial);
         let options = self.options(&serial)?;
@@ -308,6 +354,14 @@ impl ArmBuilder<'_> {
         };
         let speeds = self.speeds(&full, &serial);
         Arm::assemble(serial, options, lanes, coordinates, speeds, name)
+    }
+
+    /// The way from base to tip, and the names of the two.
+    fn way(&self) -> Result<(Vec<Part>, (&str, &str)), ArmError> {
+        let (base, tip) = (self.base.clone()?, self.tip.clone()?);
+        let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
+        let name = (base.map_or("world", frame), frame(tip));
+        Ok((route::parts(self.model, base, tip), name))
     }
 
     /// The velocity limit of each free joint: its own, and those of the joints that follow it.
@@ -334,6 +388,9 @@ impl ArmBuilder<'_> {
 
     /// The whole model's map: followers follow, joints that cannot matter keep still.
     fn parameters(&self) -> Result<ParameterMap, ArmError> {
+        if let Some(unknown) = &self.unknown_joint {
+            return Err(unknown.clone().into());
+        }
         let mut map: ParameterMapBuilder<'_> = ParameterMap::builder(self.model);
         for mimic in self.followers {
             map = map.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset);

@@ -11,7 +11,7 @@
 //! use kinopt::robot::Robot;
 //!
 //! let robot = Robot::read("models/franka_panda.urdf")?;
-//! let arm = Arm::builder(&robot, "base", "flange")?
+//! let arm = Arm::builder(&robot, "base", "flange")
 //!     .with_search(Search::Nearest)
 //!     .build()?;
 //! let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
@@ -55,7 +55,7 @@ mod window;
 mod workspace;
 
 pub use crate::lanes::Outcome;
-pub use builder::{ArmBuilder, Joints};
+pub use builder::{ArmBuilder, Base, Mechanism};
 pub use error::{ArmError, QueryError};
 pub use follower::{Follower, Jump};
 pub use goal::{Axis, Goal};

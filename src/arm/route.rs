@@ -1,4 +1,4 @@
-//! The way through the tree from a base frame to a tip frame, up and down.
+//! The way through the tree from a base to a tip frame, up and down.
 
 use crate::model::{FrameId, JointId, Model};
 use crate::spatial::Placement;
@@ -13,13 +13,16 @@ pub(super) enum Part {
     Joint { id: JointId, reversed: bool },
 }
 
-/// All parts from base to tip.
-pub(super) fn parts(model: &Model, base: FrameId, tip: FrameId) -> Vec<Part> {
+/// All parts from base (none: the world) to tip.
+pub(super) fn parts(model: &Model, base: Option<FrameId>, tip: FrameId) -> Vec<Part> {
     let path = model.path(base, tip);
     let placement = |id: JointId| model.joints()[id.index()].parent_from_joint;
     let on_joint = |frame: FrameId| model.frames()[frame.index()].joint_from_frame;
 
-    let mut parts = vec![Part::Way(on_joint(base).inverse())];
+    let mut parts: Vec<Part> = base
+        .map(|base| Part::Way(on_joint(base).inverse()))
+        .into_iter()
+        .collect();
     for id in path.up {
         let reversed = true;
         parts.push(Part::Joint { id, reversed });

@@ -8,6 +8,7 @@ mod length_unit;
 mod parameter_map;
 mod path;
 mod random_configuration;
+mod reference;
 mod unknown_name;
 
 use std::collections::HashMap;
@@ -18,6 +19,7 @@ pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
 pub use length_unit::LengthUnit;
 pub use parameter_map::{ParameterMap, ParameterMapBuilder, Source};
+pub use reference::{FrameRef, JointRef, Reference};
 pub use unknown_name::UnknownName;
 
 use crate::spatial::{Placement, Vector3};

@@ -1,8 +1,8 @@
-//! The way through the tree from one frame to another.
+//! The way through the tree from one frame, or the world, to another.
 
 use super::{FrameId, JointId, Model};
 
-/// The joints between two frames, without those that both stand on.
+/// The joints from a base to a frame, without those that both stand on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Path {
     /// From the base up to the common ancestor.
@@ -12,9 +12,10 @@ pub(crate) struct Path {
 }
 
 impl Model {
-    /// The way from `base` up to the common ancestor and down to `tip`.
-    pub(crate) fn path(&self, base: FrameId, tip: FrameId) -> Path {
-        let (mut up, mut down) = (self.joints_down_to(base), self.joints_down_to(tip));
+    /// The way from `base` (none: the world) up to the common ancestor and down to `tip`.
+    pub(crate) fn path(&self, base: Option<FrameId>, tip: FrameId) -> Path {
+        let mut up = base.map_or_else(Vec::new, |base| self.joints_down_to(base));
+        let mut down = self.joints_down_to(tip);
         let shared = up.iter().zip(&down).take_while(|(a, b)| a == b).count();
         up.drain(..shared);
         up.reverse();

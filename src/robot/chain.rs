@@ -4,7 +4,7 @@ use crate::model::{FrameId, JointId, Model};
 
 /// The moving joints on the way from `base` up to the common ancestor and down to `tip`.
 pub(super) fn between(model: &Model, base: FrameId, tip: FrameId) -> Vec<JointId> {
-    let path = model.path(base, tip);
+    let path = model.path(Some(base), tip);
     let joints = path.up.into_iter().chain(path.down);
     joints
         .filter(|&joint| model.coordinate(joint).is_some())

@@ -55,7 +55,7 @@ fn nothing_after_the_first(what: &str, builder: ArmBuilder<'_>) {
 #[test]
 fn whatever_the_options() {
     let (robot, base, tip) = panda();
-    let builder = || Arm::builder(&robot, base, tip).unwrap();
+    let builder = || Arm::builder(&robot, base, tip);
     nothing_after_the_first("start", builder());
     nothing_after_the_first("first", builder().with_search(Search::First));
     nothing_after_the_first("nearest", builder().with_search(Search::Nearest));
@@ -69,7 +69,7 @@ fn whatever_the_options() {
 #[test]
 fn a_chain_with_a_follower() {
     let robot = robot("aldebaran_nao");
-    let builder = Arm::builder(&robot, "torso", "right_sole").unwrap();
+    let builder = Arm::builder(&robot, "torso", "right_sole");
     nothing_after_the_first("follower", builder);
 }
 
@@ -77,7 +77,7 @@ fn a_chain_with_a_follower() {
 #[test]
 fn followers_and_servos() {
     let (robot, base, tip) = panda();
-    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_atlas(false).build().unwrap();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let first = arm.base_from_tool(&start).unwrap();

@@ -3,7 +3,7 @@
 //! kinematics to 1e-6 m and 1e-6 rad.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, ArmBuilder, ArmError, Search};
+use kinopt::arm::{Arm, ArmBuilder, ArmError, Base, Search};
 use kinopt::robot::Robot;
 use support::arms::{Random, distance, within_limits};
 use support::urdf_matrices::{IDENTITY, Matrix, Tree, about, apart, placement, product};
@@ -128,7 +128,7 @@ fn plain<'a>(tree: &'a Tree, base: &'a str, tip: &'a str) -> Case<'a> {
 fn a_follower_inside_the_chain() {
     let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
     let tree = Tree::parse(COUPLED);
-    let builder = Arm::builder(&robot, "mount", "hand").unwrap();
+    let builder = Arm::builder(&robot, "mount", "hand");
     let arm = builder.clone().with_atlas(false).build().unwrap();
     let free = ["shoulder", "elbow", "lift", "roll", "pitch", "yaw"];
     assert_eq!(arm.joints().collect::<Vec<_>>(), free);
@@ -143,7 +143,7 @@ fn a_leader_outside_the_chain() {
     let text = yaw_follows_pan();
     let robot = Robot::parse(&text, "coupled.urdf").unwrap();
     let tree = Tree::parse(&text);
-    let builder = Arm::builder(&robot, "world", "hand").unwrap();
+    let builder = Arm::builder(&robot, "world", "hand");
     let arm = builder.clone().with_atlas(false).build().unwrap();
     let mut free: Vec<_> = arm.joints().collect();
     free.sort_unstable();
@@ -166,9 +166,9 @@ fn a_base_in_another_branch() {
     for text in [COUPLED, &yaw_follows_pan()] {
         let robot = Robot::parse(text, "coupled.urdf").unwrap();
         let tree = Tree::parse(text);
-        let builder = Arm::builder(&robot, "camera", "hand").unwrap();
+        let builder = Arm::builder(&robot, "camera", "hand");
         plain(&tree, "camera", "hand").all_solved(&builder, &ONE, 4);
-        let builder = Arm::builder(&robot, "palm", "camera").unwrap();
+        let builder = Arm::builder(&robot, "palm", "camera");
         plain(&tree, "palm", "camera").all_solved(&builder, &ONE, 4);
     }
 }
@@ -184,7 +184,7 @@ fn a_tool_on_any_frame() {
         .collect();
     let mut arms = 0;
     for tip in &links {
-        let builder = Arm::builder(&robot, "base", tip).unwrap().with_atlas(false);
+        let builder = Arm::builder(&robot, "base", tip).with_atlas(false);
         let Ok(_) = builder.clone().build() else {
             continue;
         };
@@ -206,9 +206,9 @@ fn a_subset_of_the_joints() {
     let file = "models/franka_panda.urdf";
     let (robot, tree) = (Robot::read(file).unwrap(), Tree::read(file));
     // Six joints are left: one locked away from 0.
-    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    let builder = Arm::builder(&robot, "base", "flange");
     let held = [("joint3", 0.4)];
-    let builder = builder.with_locked("joint3", 0.4).unwrap();
+    let builder = builder.with_locked("joint3", 0.4);
     let arm = builder.clone().with_atlas(false).build().unwrap();
     assert_eq!(arm.joint_count(), 6);
     let case = Case {
@@ -229,8 +229,8 @@ fn a_subset_of_the_joints() {
         q[robot.model().coordinate(id).unwrap()] = value;
     }
     let free = ["joint2", "joint4", "joint7"];
-    let builder = Arm::builder(&robot, "base", "flange").unwrap();
-    let builder = builder.with_only(&free, &q).unwrap();
+    let builder = Arm::builder(&robot, "base", "flange");
+    let builder = builder.with_only(free, &q);
     let arm = builder.clone().with_atlas(false).build().unwrap();
     assert_eq!(arm.joints().collect::<Vec<_>>(), free);
     let case = Case {
@@ -263,7 +263,7 @@ fn sliding_joints_alone() {
     }
     text.push_str("</robot>");
     let robot = Robot::parse(&text, "gantry.urdf").unwrap();
-    let builder = Arm::builder(&robot, "l0", "l3").unwrap();
+    let builder = Arm::builder(&robot, "l0", "l3");
     plain(&Tree::parse(&text), "l0", "l3").all_solved(&builder, &ALL, 6);
 }
 
@@ -279,21 +279,62 @@ fn what_cannot_be_an_arm_is_named() {
         error.contains("hook") && error.contains("camera"),
         "{error}"
     );
-    let builder = || Arm::builder(&robot, "world", "hand").unwrap();
-    let error = builder().with_locked("wrist", 0.0).unwrap_err().to_string();
+    let builder = || Arm::builder(&robot, "world", "hand");
+    let error = builder()
+        .with_locked("wrist", 0.0)
+        .build()
+        .unwrap_err()
+        .to_string();
     assert!(
         error.contains("wrist") && error.contains("shoulder"),
         "{error}"
     );
     for value in [9.0, f64::NAN, f64::INFINITY] {
-        let error = builder().with_locked("lift", value).unwrap();
+        let error = builder().with_locked("lift", value);
         let error = error.build().unwrap_err().to_string();
         assert!(error.contains("lift"), "{error}");
     }
-    let twice = builder().with_locked("lift", 0.1).unwrap();
-    let twice = twice.with_locked("lift", 0.2).unwrap().build();
+    let twice = builder().with_locked("lift", 0.1);
+    let twice = twice.with_locked("lift", 0.2).build();
     let error = twice.unwrap_err().to_string();
     assert_eq!(error, "joint `lift` is locked twice");
-    let error = builder().with_only(&["lift", "wrist"], &[]).unwrap_err();
+    let error = builder()
+        .with_only(["lift", "wrist"], &[])
+        .build()
+        .unwrap_err();
     assert!(error.to_string().contains("wrist"), "{error}");
+}
+
+/// Frames and joints by id say what they say by name, and the world is the frame of that name.
+#[test]
+fn ids_and_the_world() {
+    let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
+    let model = robot.model();
+    let [world, hand] = ["world", "hand"].map(|name| model.frame(name).unwrap());
+    let lift = model.joint("lift").unwrap();
+    let named = Arm::builder(&robot, "world", "hand").with_locked("lift", 0.1);
+    let by_id = Arm::builder(&robot, world, hand).with_locked(lift, 0.1);
+    let of_world = Arm::builder(&robot, Base::World, hand).with_locked(lift, 0.1);
+    let joints = named.joints().unwrap();
+    let q = vec![0.3; joints.len()];
+    let arm = named.with_atlas(false).build().unwrap();
+    assert_eq!(arm.joint_ids(), joints);
+    let target = arm.base_from_tool(&q).unwrap();
+    let solution = arm.solve(target, &vec![0.0; q.len()]).unwrap();
+    for same in [by_id, of_world] {
+        assert_eq!(same.joints().unwrap(), joints);
+        let same = same.with_atlas(false).build().unwrap();
+        assert_eq!(same.base_from_tool(&q).unwrap(), target);
+        let again = same.solve(target, &vec![0.0; q.len()]).unwrap();
+        assert_eq!(again.q, solution.q);
+    }
+    // An id of a larger model is told as a name would be.
+    let larger = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let far = larger.model().frame_ids().last().unwrap();
+    let error = Arm::new(&robot, Base::World, far).unwrap_err().to_string();
+    assert!(error.contains("camera"), "{error}");
+    let far = larger.model().joint_ids().last().unwrap();
+    let builder = Arm::builder(&robot, Base::World, "hand").with_only([far], &[]);
+    let error = builder.joints().unwrap_err().to_string();
+    assert!(error.contains("shoulder"), "{error}");
 }

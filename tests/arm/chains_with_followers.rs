@@ -36,7 +36,7 @@ fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: u
 fn follower_arm(number: u64) -> Option<(Arm, String, String)> {
     let (text, tip) = follower_chain(number);
     let robot = Robot::parse(&text, "followers.urdf").ok()?;
-    let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
+    let arm = Arm::builder(&robot, "l0", &tip).with_atlas(false);
     Some((arm.build().unwrap(), text, tip))
 }
 
@@ -58,7 +58,7 @@ fn poses_in_narrow_valleys_are_found() {
     for (number, seed) in [(3, 1_000_006), (57, 1_000_060)] {
         let (text, tip) = follower_chain(number);
         let robot = Robot::parse(&text, "followers.urdf").unwrap();
-        let arm = Arm::builder(&robot, "l0", &tip).unwrap().with_atlas(false);
+        let arm = Arm::builder(&robot, "l0", &tip).with_atlas(false);
         let arm = arm.build().unwrap();
         let missed = missed(
             &arm,
@@ -89,7 +89,6 @@ fn searches_that_compare_look_from_seeds_too() {
     let robot = Robot::parse(&text, "followers.urdf").unwrap();
     let tree = Tree::parse(&text);
     let nearest = Arm::builder(&robot, "l0", &tip)
-        .unwrap()
         .with_search(Search::Nearest)
         .build()
         .unwrap();
@@ -138,7 +137,7 @@ fn leaders_do_not_turn_round() {
         joint("b", "l1", "l2", "<mimic joint=\"a\" multiplier=\"0.5\"/>"),
     );
     let robot = Robot::parse(&text, "two.urdf").unwrap();
-    let arm = Arm::builder(&robot, "l0", "l2").unwrap();
+    let arm = Arm::builder(&robot, "l0", "l2");
     let arm = arm.with_atlas(false).build().unwrap();
     for k in 0..12 {
         let there = [0.5 * f64::from(k) - 3.0];
@@ -174,7 +173,7 @@ fn wide_joints_come_back_as_near_to_the_start_as_limits_allow() {
         joint("c", 2, 2.0, "<mimic joint=\"b\" multiplier=\"0.5\"/>"),
     );
     let robot = Robot::parse(&text, "wide.urdf").unwrap();
-    let arm = Arm::builder(&robot, "l0", "l3").unwrap();
+    let arm = Arm::builder(&robot, "l0", "l3");
     let search = Search::Distinct {
         k: 8,
         distance: 0.1,

@@ -71,7 +71,7 @@ fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solutio
 fn follow(name: &str, follow: Follow, count: usize) -> Seen {
     let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
     let robot = robot(name);
-    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_atlas(false).build().unwrap();
     let mut seen = Seen::default();
     for Line { start, out } in lines(&arm, &mut Random(71), count) {
@@ -121,7 +121,7 @@ fn comes_back(rest: usize) -> (usize, usize) {
     for name in robots() {
         let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
         let robot = robot(name);
-        let arm = Arm::builder(&robot, base, tip).unwrap();
+        let arm = Arm::builder(&robot, base, tip);
         let arm = arm.with_atlas(false).build().unwrap();
         for Line { start, out } in lines(&arm, &mut Random(7), cases(8, 2)) {
             let end = vec![*out.last().unwrap(); rest];

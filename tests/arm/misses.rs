@@ -19,7 +19,7 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn cut_short_by_the_clock_it_stays_near_the_start() {
     let (robot, base, tip) = panda();
-    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_time_limit(Duration::ZERO).build().unwrap();
     let mut random = Random(81);
     for _ in 0..20 {
@@ -50,7 +50,7 @@ fn targets_beyond_all_numbers() {
         ("adept_cobra_s600", Search::Start),
     ] {
         let robot = robot(name);
-        let arm = Arm::builder(&robot, "base", "flange").unwrap();
+        let arm = Arm::builder(&robot, "base", "flange");
         let arm = arm.with_search(search).with_atlas(false).with_attempts(6);
         let arm = arm.build().unwrap();
         let n = arm.joint_count();
@@ -122,7 +122,7 @@ fn targets_beyond_all_numbers_for_the_lanes() {
 #[test]
 fn attempts_and_iterations_are_what_was_asked_for() {
     let (robot, base, tip) = panda();
-    let builder = || Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let arm = builder().build().unwrap();
     let mut target = arm.base_from_tool(&start).unwrap();
@@ -148,7 +148,7 @@ fn attempts_and_iterations_are_what_was_asked_for() {
         assert_eq!(solution.attempts, attempts as usize);
     }
     let nao = self::robot("aldebaran_nao");
-    let arm = Arm::builder(&nao, "left_sole", "right_sole").unwrap();
+    let arm = Arm::builder(&nao, "left_sole", "right_sole");
     let arm = arm.with_attempts(25).build().unwrap();
     let target = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
     let solution = arm.solve(target, &vec![0.0; arm.joint_count()]).unwrap();
@@ -159,7 +159,7 @@ fn attempts_and_iterations_are_what_was_asked_for() {
 #[test]
 fn a_global_search_on_a_miss_is_asked_for() {
     let (robot, base, tip) = panda();
-    let builder = || Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
     let own = builder().build().unwrap();
     let everywhere = builder().with_global_search_on_miss(true).build().unwrap();
     let mut random = Random(83);
@@ -183,7 +183,7 @@ fn a_global_search_on_a_miss_is_asked_for() {
 #[test]
 fn of_a_comparison_in_vain_the_best_is_settled() {
     let (robot, base, tip) = panda();
-    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let builder = builder.with_global_search_on_miss(true).with_attempts(24);
     let every = builder.clone().with_search(Search::Nearest);
     let arms = [builder, every].map(|arm| arm.build().unwrap());
@@ -208,7 +208,7 @@ fn a_batch_answers_as_a_single_question_does() {
         ("aldebaran_nao", "torso", "right_sole"),
     ] {
         let robot = robot(name);
-        let arm = Arm::builder(&robot, base, tip).unwrap();
+        let arm = Arm::builder(&robot, base, tip);
         let arm = arm.with_atlas(false).build().unwrap();
         let n = arm.joint_count();
         let count = support::sample::cases(300, if name.contains("nao") { 6 } else { 40 });
@@ -240,7 +240,7 @@ fn attempts_in_vain_count() {
     let target = Placement::translation(Vector3::new(0.05, -0.1, 0.9));
     let mut last = 0;
     for attempts in 1..9 {
-        let arm = Arm::builder(&robot, "left_sole", "right_sole").unwrap();
+        let arm = Arm::builder(&robot, "left_sole", "right_sole");
         let arm = arm.with_attempts(attempts).build().unwrap();
         let start = vec![0.05; arm.joint_count()];
         let solution = arm.solve(target, &start).unwrap();

@@ -17,7 +17,7 @@ const POSTURE: [f64; 7] = [0.0, 0.0, 0.5, -1.5, 0.2, 1.8, 0.4];
 fn builder() -> ArmBuilder<'static> {
     static ROBOT: OnceLock<Robot> = OnceLock::new();
     let robot = ROBOT.get_or_init(|| Robot::read(FILE).unwrap());
-    Arm::builder(robot, "base", "flange").unwrap()
+    Arm::builder(robot, "base", "flange")
 }
 
 fn base_from_tip(q: &[f64]) -> Matrix {
@@ -453,7 +453,7 @@ fn an_option_out_of_its_range_is_named() {
 fn a_posture_is_clamped_into_the_limits() {
     let (robot, base, tip) = support::arms::panda();
     let posed = |posture: &[f64]| {
-        let arm = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+        let arm = Arm::builder(&robot, base, tip).with_atlas(false);
         arm.with_posture(posture).build().unwrap()
     };
     let beyond = [9.0, -9.0, 0.3, -9.0, 9.0, 9.0, -0.4];

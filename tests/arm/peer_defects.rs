@@ -195,7 +195,6 @@ fn two_joints_converge() {
     b.frame("tip", Some(second), along(1.0, 0.0, 0.0));
     let model = b.build().unwrap();
     let arm = Arm::builder(&model, "base", "tip")
-        .unwrap()
         .with_goal(Goal::position())
         .build()
         .unwrap();
@@ -212,7 +211,6 @@ fn metres_or_millimetres_make_no_difference() {
     let (metres, millimetres) = (gantry(1.0), gantry(1000.0));
     let a = Arm::new(&metres, "base", "tip").unwrap();
     let b = Arm::builder(&millimetres, "base", "tip")
-        .unwrap()
         .with_position_tolerance(1e-3)
         .build()
         .unwrap();
@@ -257,9 +255,7 @@ fn out_of_reach_is_said_with_errors_and_a_reason() {
 #[test]
 fn a_time_limit_ends_a_search() {
     let (robot, base, tip) = panda();
-    let arm = Arm::builder(&robot, base, tip)
-        .unwrap()
-        .with_time_limit(std::time::Duration::ZERO);
+    let arm = Arm::builder(&robot, base, tip).with_time_limit(std::time::Duration::ZERO);
     let arm = arm.build().unwrap();
     let solution = arm.solve(along(7.0, 0.0, 0.0), &[0.0; 7]).unwrap();
     assert_eq!(solution.termination, Termination::TimeLimit);

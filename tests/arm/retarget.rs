@@ -6,7 +6,7 @@
     clippy::print_stdout
 )]
 
-use kinopt::arm::{Arm, ArmError, Axis, Goal, Joints, Search};
+use kinopt::arm::{Arm, ArmError, Axis, Goal, Mechanism, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
@@ -59,12 +59,12 @@ fn crane() -> Model {
 }
 
 fn check_tools(
-    joints: &impl Joints,
+    joints: &impl Mechanism,
     (base, tip): (&str, &str),
     search: Search,
     tools: &[Placement<f64>],
 ) {
-    let builder = || Arm::builder(joints, base, tip).unwrap().with_search(search);
+    let builder = || Arm::builder(joints, base, tip).with_search(search);
     let arm = builder().build().unwrap();
     for (index, tool) in tools.iter().copied().enumerate() {
         let anew = builder().with_tool(tool).build().unwrap();
@@ -90,7 +90,7 @@ fn another_tool() {
 #[test]
 fn another_goal() {
     let robot = robot("universal_ur5e");
-    let builder = || Arm::builder(&robot, "base", "flange").unwrap();
+    let builder = || Arm::builder(&robot, "base", "flange");
     let tool = tools()[1];
     let arm = builder().build().unwrap();
     for goal in [
@@ -107,7 +107,7 @@ fn another_goal() {
 fn a_weight_that_was_given_is_kept() {
     let robot = robot("universal_ur5e");
     let builder = || {
-        let builder = Arm::builder(&robot, "base", "flange").unwrap();
+        let builder = Arm::builder(&robot, "base", "flange");
         builder.with_atlas(false).with_metres_per_radian(0.01)
     };
     let far = Placement::translation(Vector3::new(5.0, 0.0, 0.0));
@@ -121,7 +121,7 @@ fn a_weight_that_was_given_is_kept() {
 #[test]
 fn what_is_no_tool_or_goal_is_told() {
     let robot = robot("universal_ur5e");
-    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    let builder = Arm::builder(&robot, "base", "flange");
     let arm = builder.with_atlas(false).build().unwrap();
     let mut stretched = Placement::identity();
     stretched.rotation.x = UNIT_Z;
@@ -143,11 +143,7 @@ fn seeds_fit_whatever_the_tool() {
         (robot("universal_ur5e").model().clone(), "base", "flange"),
         (crane(), "world", "hook"),
     ] {
-        let builder = || {
-            Arm::builder(&model, base, tip)
-                .unwrap()
-                .with_search(Search::First)
-        };
+        let builder = || Arm::builder(&model, base, tip).with_search(Search::First);
         let bare = builder().build().unwrap();
         let unseeded = builder().with_atlas(false).build().unwrap();
         let mean = |arm: &Arm| {

@@ -89,7 +89,7 @@ fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
 fn the_everyday_searches() {
     let (robot, base, tip) = panda();
     for search in [Search::Start, Search::First] {
-        let builder = Arm::builder(&robot, base, tip).unwrap();
+        let builder = Arm::builder(&robot, base, tip);
         let fewer = cases(140, 12);
         // More than a chunk of a batch, of one search at least.
         let first = search == Search::First;
@@ -97,7 +97,7 @@ fn the_everyday_searches() {
         the_same_bits(&builder.with_search(search).with_atlas(first), count);
     }
     let six = self::robot("universal_ur5e");
-    let builder = Arm::builder(&six, "base", "flange").unwrap();
+    let builder = Arm::builder(&six, "base", "flange");
     the_same_bits(&builder, cases(140, 12));
 }
 
@@ -109,7 +109,7 @@ fn searches_that_compare() {
         distance: 0.4,
     };
     for search in [Search::Nearest, distinct] {
-        let builder = Arm::builder(&robot, base, tip).unwrap();
+        let builder = Arm::builder(&robot, base, tip);
         let builder = builder.with_search(search).with_attempts(30);
         the_same_bits(&builder.with_atlas(false), cases(5, 3));
     }
@@ -118,7 +118,7 @@ fn searches_that_compare() {
 #[test]
 fn options_that_leave_the_lanes() {
     let (robot, base, tip) = panda();
-    let builder = || Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
     the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 3));
     the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 3));
     let goal = Goal::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
@@ -128,7 +128,7 @@ fn options_that_leave_the_lanes() {
 #[test]
 fn a_chain_with_a_follower() {
     let robot = robot("aldebaran_nao");
-    let builder = Arm::builder(&robot, "left_sole", "right_sole").unwrap();
+    let builder = Arm::builder(&robot, "left_sole", "right_sole");
     the_same_bits(&builder.with_atlas(false), cases(6, 3));
 }
 
@@ -139,7 +139,7 @@ fn several_answers_and_a_path() {
         k: 4,
         distance: 0.4,
     };
-    let builder = Arm::builder(&robot, base, tip).unwrap();
+    let builder = Arm::builder(&robot, base, tip);
     let builder = builder.with_search(distinct).with_atlas(false);
     let arm = builder.build().unwrap();
     let (goals, starts) = questions(&arm, 6);

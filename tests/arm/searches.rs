@@ -33,7 +33,7 @@ fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
     for (name, base, tip) in ROBOTS {
         let robot = robot(name);
         let build = |search| {
-            let builder = Arm::builder(&robot, base, tip).unwrap();
+            let builder = Arm::builder(&robot, base, tip);
             builder.with_search(search).build().unwrap()
         };
         let (nearest, restarts) = (build(Search::Nearest), build(Search::Start));
@@ -95,7 +95,7 @@ fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> 
 #[test]
 fn distinct_solutions_differ_and_come_nearest_first() {
     let robot = robot("universal_ur5e");
-    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    let builder = Arm::builder(&robot, "base", "flange");
     // Eight postures, and whole turns besides.
     assert!(distinct(&builder, 6, 0.8, &[1.0; 6]) >= 6 * cases(5, 3) * 9 / 10);
     assert!(distinct(&builder, 3, 2.5, &[1.0; 6]) > cases(5, 3));
@@ -104,7 +104,7 @@ fn distinct_solutions_differ_and_come_nearest_first() {
 #[test]
 fn distinct_solutions_of_a_redundant_arm() {
     let robot = robot("franka_panda");
-    let builder = Arm::builder(&robot, "base", "flange").unwrap();
+    let builder = Arm::builder(&robot, "base", "flange");
     assert!(distinct(&builder, 5, 0.1, &[1.0; 7]) * 50 >= 5 * cases(5, 3) * 49);
     let weights = [2.0, 2.0, 1.0, 1.0, 0.5, 0.5, 0.1];
     assert!(distinct(&builder, 4, 0.5, &weights) > cases(5, 3));

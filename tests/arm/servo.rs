@@ -17,7 +17,7 @@ const WATCHED: usize = 50;
 fn arm(name: &str) -> Arm {
     let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
     let robot = robot(name);
-    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = Arm::builder(&robot, base, tip);
     arm.with_atlas(false).build().unwrap()
 }
 
@@ -163,7 +163,7 @@ fn what_holds_it_is_told() {
 #[test]
 fn slides_are_no_angles() {
     let robot = robot("adept_cobra_s600");
-    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_metres_per_radian(0.1);
     let arm = arm.build().unwrap();
     let slide = 2;
@@ -223,7 +223,7 @@ fn what_is_no_servo_is_named() {
 #[test]
 fn a_servo_starts_within_its_limits() {
     let robot = robot("franka_panda");
-    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     let start = [9.0, -9.0, 0.1, 3.0, 0.2, -1.7, 0.4];
     let mut servo = arm.servo(&start, 1e-3).unwrap();

@@ -27,9 +27,7 @@ fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
     }
     builder.frame("tip", Some(last), from);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
-    let arm = Arm::builder(&robot, "base", "tip")
-        .unwrap()
-        .with_atlas(false);
+    let arm = Arm::builder(&robot, "base", "tip").with_atlas(false);
     let arm = arm
         .with_goal(Goal::position())
         .with_position_tolerance(1e-6 * unit);
@@ -44,7 +42,7 @@ fn at(place: [f64; 3]) -> Placement<f64> {
 /// on its lower limit to 1 on its upper.
 fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Vec<f64> {
     let panda = robot("franka_panda");
-    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let arm = Arm::builder(&panda, "base", "flange");
     let mut arm = arm.with_atlas(false).with_limit_avoidance(rate);
     if let Some(posture) = posture {
         arm = arm.with_posture(posture);
@@ -185,7 +183,7 @@ fn the_unit_of_length_does_not_matter_to_a_servo() {
 #[test]
 fn a_follower_keeps_to_the_bound_on_moves() {
     let panda = robot("franka_panda");
-    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let arm = Arm::builder(&panda, "base", "flange");
     let most = [0.01, 0.02, 0.01, 0.03, 0.01, 0.02, 0.01];
     let arm = arm.with_atlas(false).with_max_move(&most).build().unwrap();
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
@@ -206,7 +204,7 @@ fn a_follower_keeps_to_the_bound_on_moves() {
 #[test]
 fn an_arm_near_its_limits_comes_to_rest() {
     let panda = robot("franka_panda");
-    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let arm = Arm::builder(&panda, "base", "flange");
     let arm = arm.with_atlas(false).with_max_move(&[0.002; 7]);
     let arm = arm.build().unwrap();
     let start = [2.45, 0.21, 2.88, -1.69, 2.34, 1.98, -1.59];

@@ -71,7 +71,7 @@ impl Bench {
             joint_names,
             ..
         } = &self.work;
-        let builder = Arm::builder(&self.robot, base_link, tip_link).unwrap();
+        let builder = Arm::builder(&self.robot, base_link, tip_link);
         let arm = builder.with_search(search).build().unwrap();
         assert!(arm.joints().eq(joint_names.iter().map(String::as_str)));
         arm

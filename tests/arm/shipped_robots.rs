@@ -15,7 +15,7 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
     let file = format!("models/{name}.urdf");
     let (robot, tree) = (Robot::read(&file).unwrap(), Tree::read(&file));
     for search in [Search::Start, Search::First] {
-        let arm = Arm::builder(&robot, base, tip).unwrap();
+        let arm = Arm::builder(&robot, base, tip);
         let arm = arm.with_search(search).build().unwrap();
         let joints: Vec<&str> = arm.joints().collect();
         let at = |q: &[f64]| {

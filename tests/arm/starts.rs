@@ -34,7 +34,7 @@ fn arms(name: &'static str) -> Arc<Arms> {
     let cell = BUILT.lock().unwrap().entry(name).or_default().clone();
     let build = |search| {
         let robot = robot(name);
-        let builder = Arm::builder(&robot, "base", "flange").unwrap();
+        let builder = Arm::builder(&robot, "base", "flange");
         (search, builder.with_search(search).build().unwrap())
     };
     cell.get_or_init(|| Arc::new(SEARCHES.map(build))).clone()

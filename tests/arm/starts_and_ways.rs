@@ -14,7 +14,7 @@ fn the_other_way_round_the_tool_stands_where_the_base_did() {
     ] {
         let robot = robot(name);
         let build = |base, tip| {
-            let builder = Arm::builder(&robot, base, tip).unwrap();
+            let builder = Arm::builder(&robot, base, tip);
             builder.with_atlas(false).build().unwrap()
         };
         let [there, back] = [build(base, tip), build(tip, base)];
@@ -37,7 +37,7 @@ fn the_other_way_round_the_tool_stands_where_the_base_did() {
 #[test]
 fn moves_count_from_where_a_start_is_projected_to() {
     let (robot, base, tip) = panda();
-    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let arm = builder.with_max_move(&[0.3; 7]).build().unwrap();
     let limits: Vec<_> = arm.limits().collect();
     let start: Vec<f64> = limits.iter().map(|l| l.upper + 0.2).collect();
@@ -67,9 +67,9 @@ fn a_configuration_is_written_where_the_arm_is() {
         let limits = model.limits().nth(coordinate).unwrap();
         (coordinate, 0.5 * (limits.lower + limits.upper))
     };
-    let builder = Arm::builder(&nao, "torso", "left_hand").unwrap();
-    let builder = builder.with_locked(name(other), value(other).1).unwrap();
-    let builder = builder.with_locked(name(held), value(held).1).unwrap();
+    let builder = Arm::builder(&nao, "torso", "left_hand");
+    let builder = builder.with_locked(name(other), value(other).1);
+    let builder = builder.with_locked(name(held), value(held).1);
     let arm = builder.with_atlas(false).build().unwrap();
     let mut q = vec![77.0; model.degrees_of_freedom()];
     arm.configuration(&vec![0.01; arm.joint_count()], &mut q)

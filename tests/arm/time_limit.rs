@@ -84,7 +84,7 @@ fn ends_at_once(what: &str, builder: ArmBuilder<'_>, most_iterations: usize) {
 #[test]
 fn no_time_at_all() {
     let (robot, base, tip) = panda();
-    let builder = || Arm::builder(&robot, base, tip).unwrap();
+    let builder = || Arm::builder(&robot, base, tip);
     ends_at_once("start", builder(), LOCK_STEP);
     ends_at_once("first", builder().with_search(Search::First), LOCK_STEP);
     ends_at_once(
@@ -112,7 +112,7 @@ fn a_comparison_cut_short_is_told() {
     let (robot, base, tip) = panda();
     for search in [Search::Nearest, DISTINCT] {
         let builder = || {
-            let builder = Arm::builder(&robot, base, tip).unwrap().with_search(search);
+            let builder = Arm::builder(&robot, base, tip).with_search(search);
             builder.with_atlas(false)
         };
         let hurried = builder().with_time_limit(Duration::ZERO).build().unwrap();
@@ -143,7 +143,7 @@ fn a_comparison_cut_short_is_told() {
 #[test]
 fn no_time_for_a_chain_with_a_follower() {
     let robot = robot("aldebaran_nao");
-    let builder = || Arm::builder(&robot, "torso", "right_sole").unwrap();
+    let builder = || Arm::builder(&robot, "torso", "right_sole");
     ends_at_once("follower", builder(), LOCK_STEP);
     ends_at_once(
         "follower nearest",
@@ -156,7 +156,7 @@ fn no_time_for_a_chain_with_a_follower() {
 fn a_limit_that_is_not_met_changes_nothing() {
     let (robot, base, tip) = panda();
     for search in [Search::Start, Search::First, Search::Nearest] {
-        let builder = || Arm::builder(&robot, base, tip).unwrap().with_search(search);
+        let builder = || Arm::builder(&robot, base, tip).with_search(search);
         let plain = builder().with_atlas(false).build().unwrap();
         for limit in [Duration::from_secs(86400), Duration::MAX] {
             let limited = builder().with_atlas(false).with_time_limit(limit);

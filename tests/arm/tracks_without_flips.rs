@@ -58,7 +58,7 @@ fn flips(own: &[Vec<f64>], track: &Track) -> Vec<usize> {
 /// Follows `count` paths; every pose is reached, every flip is told. How many paths had one.
 fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize {
     let robot = robot(name);
-    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_global_search_on_miss(true).build().unwrap();
     let mut random = Random(31);
     let legs = if few() { 2 } else { 4 };
@@ -182,14 +182,14 @@ fn a_branch_that_ends_is_told() {
     );
     assert!(track.solutions[31..].iter().all(|s| s.q[0] == limit));
 
-    let leaping = Arm::builder(&robot, "base", "flange").unwrap();
+    let leaping = Arm::builder(&robot, "base", "flange");
     let leaping = leaping.with_global_search_on_miss(true).build().unwrap();
     let track = leaping.track(&targets, &start).unwrap();
     let told: Vec<_> = track.jumps.iter().map(|j| (j.step, j.continuous)).collect();
     assert_eq!(told, [(31, false)], "{:?}", track.jumps);
     assert!(track.solutions.iter().all(|solution| solution.reached));
 
-    let bounded = Arm::builder(&robot, "base", "flange").unwrap();
+    let bounded = Arm::builder(&robot, "base", "flange");
     let bounded = bounded.with_max_move(&[0.2; 4]).build().unwrap();
     let track = bounded.track(&targets, &start).unwrap();
     assert!(track.jumps.is_empty());
@@ -223,7 +223,7 @@ fn standing_still_and_one_at_a_time() {
 #[test]
 fn after_a_way_round_it_eases_to_where_it_began() {
     let robot = robot("kuka_iiwa14");
-    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_limit_avoidance(0.0);
     let arm = arm.build().unwrap();
     let own = path(&arm, &mut Random(1), 2, -0.2);

@@ -100,7 +100,7 @@ impl Reach<'_> {
 
 fn stationary(name: &str, base: &str, tip: &str) {
     let robot = robot(name);
-    let arm = Arm::builder(&robot, base, tip).unwrap();
+    let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_metres_per_radian(WEIGHT).with_atlas(false);
     let arm = arm.build().unwrap();
     let mut random = Random(17);
@@ -151,13 +151,13 @@ fn four_joints_and_a_slide() {
 #[test]
 fn an_orientation_beyond_a_limit() {
     let robot = robot("franka_panda");
-    let free = Arm::builder(&robot, "base", "flange").unwrap();
+    let free = Arm::builder(&robot, "base", "flange");
     let free = free.with_atlas(false).build().unwrap();
     let names: Vec<String> = free.joints().map(str::to_owned).collect();
     let q = [0.2, -0.3, 0.1, -1.9, 0.2, 1.7];
-    let mut builder = Arm::builder(&robot, "base", "flange").unwrap();
+    let mut builder = Arm::builder(&robot, "base", "flange");
     for (name, value) in names.iter().zip(q) {
-        builder = builder.with_locked(name, value).unwrap();
+        builder = builder.with_locked(name, value);
     }
     let arm = builder.with_metres_per_radian(WEIGHT).build().unwrap();
     let upper = arm.limits().next().unwrap().upper;
@@ -182,7 +182,7 @@ fn an_orientation_beyond_a_limit() {
 #[test]
 fn the_end_of_a_move_is_no_limit() {
     let robot = robot("franka_panda");
-    let arm = Arm::builder(&robot, "base", "flange").unwrap();
+    let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_max_move(&[0.05; 7]).build().unwrap();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let wanted = arm
@@ -206,7 +206,7 @@ fn the_end_of_a_move_is_no_limit() {
 #[test]
 fn what_is_certainly_out_of_reach_is_told() {
     let panda = robot("franka_panda");
-    let arm = Arm::builder(&panda, "base", "flange").unwrap();
+    let arm = Arm::builder(&panda, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
     let mut random = Random(5);
@@ -242,7 +242,7 @@ fn what_is_certainly_out_of_reach_is_told() {
 fn no_attempts_are_made_in_vain_beyond_all_reach() {
     for (file, tip) in [("franka_panda", "flange"), ("universal_ur5e", "flange")] {
         let robot = robot(file);
-        let builder = || Arm::builder(&robot, "base", tip).unwrap();
+        let builder = || Arm::builder(&robot, "base", tip);
         for search in [Search::Start, Search::Nearest] {
             let arm = builder().with_search(search).build().unwrap();
             let many = builder().with_search(search).with_attempts(40);

@@ -8,7 +8,7 @@ use support::arms::{Random, panda};
 #[test]
 fn later_attempts_than_the_winner_change_nothing() {
     let (robot, base, tip) = panda();
-    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let (mut random, mut later) = (Random(31), [0; 5]);
     let ways = [
         // So few steps that the start's own end and the best of all are what is settled from.
@@ -56,7 +56,7 @@ fn later_attempts_than_the_winner_change_nothing() {
 #[test]
 fn a_batch_keeps_to_the_attempts_asked_for() {
     let (robot, base, tip) = panda();
-    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let arm = builder.with_attempts(2).build().unwrap();
     let (mut random, mut missed) = (Random(33), 0);
     for _ in 0..12 {
@@ -79,7 +79,7 @@ fn a_batch_keeps_to_the_attempts_asked_for() {
 #[test]
 fn settling_is_not_charged_to_the_attempts() {
     let (robot, base, tip) = panda();
-    let builder = Arm::builder(&robot, base, tip).unwrap().with_atlas(false);
+    let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let builder = builder.with_attempts(5000);
     let mut random = Random(32);
     for iterations in [900, 3200] {

@@ -170,11 +170,7 @@ fn built(builder: ArmBuilder<'_>) -> Arm {
 fn options() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random(22));
     let [iiwa, cobra] = ["kuka_iiwa14", "adept_cobra_s600"].map(robot);
-    let builder = || {
-        Arm::builder(&iiwa, "base", "flange")
-            .unwrap()
-            .with_atlas(false)
-    };
+    let builder = || Arm::builder(&iiwa, "base", "flange").with_atlas(false);
     let distinct = Search::Distinct {
         k: 4,
         distance: 0.4,
@@ -202,19 +198,13 @@ fn options() -> u64 {
         builder()
             .with_goal(Goal::position())
             .with_metres_per_radian(0.1),
-        builder()
-            .with_locked(iiwa.model().joints()[2].name.as_str(), 0.4)
-            .unwrap(),
+        builder().with_locked(iiwa.model().joints()[2].name.as_str(), 0.4),
     ];
     for arm in arms {
         reached(&mut digest, &built(arm), &mut random, 2);
     }
     let ur = robot("universal_ur5e");
-    let builder = || {
-        Arm::builder(&ur, "base", "flange")
-            .unwrap()
-            .with_atlas(false)
-    };
+    let builder = || Arm::builder(&ur, "base", "flange").with_atlas(false);
     let room = Goal::within([0.05, 0.0, 0.02, 0.2, 0.1, 0.3]);
     let loose = builder()
         .with_position_tolerance(1e-6)
@@ -231,9 +221,7 @@ fn options() -> u64 {
     ] {
         reached(&mut digest, &built(arm), &mut random, 3);
     }
-    let bounded = Arm::builder(&cobra, "base", "flange")
-        .unwrap()
-        .with_max_move(&[0.6, 0.6, 0.2, 0.9]);
+    let bounded = Arm::builder(&cobra, "base", "flange").with_max_move(&[0.6, 0.6, 0.2, 0.9]);
     reached(&mut digest, &built(bounded), &mut random, 6);
     digest.value()
 }
@@ -246,11 +234,7 @@ fn atlases() -> u64 {
         (robot("universal_ur5e"), "flange"),
     ];
     for (robot, tip) in &robots {
-        let arm = built(
-            Arm::builder(robot, "base", tip)
-                .unwrap()
-                .with_search(Search::First),
-        );
+        let arm = built(Arm::builder(robot, "base", tip).with_search(Search::First));
         reached(&mut digest, &arm, &mut random, 10);
         let tool = Placement::new(turned(&mut random), [0.03, -0.02, 0.11].into());
         let tooled = arm.with_tool(tool).unwrap();
@@ -272,9 +256,9 @@ fn atlases() -> u64 {
 fn followers() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random(24));
     let nao = robot("aldebaran_nao");
-    let builder = Arm::builder(&nao, "left_sole", "right_sole").unwrap();
+    let builder = Arm::builder(&nao, "left_sole", "right_sole");
     reached(&mut digest, &built(builder.with_seed(2)), &mut random, 3);
-    let builder = Arm::builder(&nao, "torso", "left_hand").unwrap();
+    let builder = Arm::builder(&nao, "torso", "left_hand");
     let nearest = builder
         .with_goal(Goal::position())
         .with_search(Search::Nearest);

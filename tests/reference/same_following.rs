@@ -33,7 +33,7 @@ fn misses() -> u64 {
     };
     for (robot, n) in [(&iiwa, 7), (&cobra, 4)] {
         let builder = || {
-            let builder = Arm::builder(robot, "base", "flange").unwrap();
+            let builder = Arm::builder(robot, "base", "flange");
             builder.with_atlas(false).with_attempts(17)
         };
         let moves = [0.4, 0.5, 0.1, 0.6, 0.3, 0.4, 0.7];
@@ -66,7 +66,7 @@ fn misses() -> u64 {
 fn misses_of_the_core() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random(32));
     let nao = robot("aldebaran_nao");
-    let builder = || Arm::builder(&nao, "left_sole", "right_sole").unwrap();
+    let builder = || Arm::builder(&nao, "left_sole", "right_sole");
     for builder in [
         builder().with_attempts(5).with_iterations(60),
         builder()
@@ -188,7 +188,7 @@ fn courses(
     let mut digest = Digest::new();
     for (name, start, way) in WAYS {
         let robot = robot(name);
-        let builder = Arm::builder(&robot, "base", "flange").unwrap();
+        let builder = Arm::builder(&robot, "base", "flange");
         let arm = options(builder.with_atlas(false), start.len());
         let arm = arm.build().unwrap();
         let course = Course::new(&arm, start, way, steps, 3);

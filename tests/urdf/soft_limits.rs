@@ -46,7 +46,7 @@ fn soft_limits_are_kept_and_bind_on_request() {
     assert_eq!(after, [both[0], both[1], Limits::UNBOUNDED]);
     assert_eq!(soft.velocity_limit(ids[0]), Some(1.0));
     // Solvers keep to them.
-    let arm = Arm::builder(&soft, "l0", "l3").unwrap().with_atlas(false);
+    let arm = Arm::builder(&soft, "l0", "l3").with_atlas(false);
     let arm = arm.build().unwrap();
     let mut random = Random(5);
     for _ in 0..50 {

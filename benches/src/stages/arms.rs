@@ -34,7 +34,7 @@ pub(super) fn stages() -> Vec<Stage> {
 
 fn panda() -> Result<Arm, Box<dyn Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/franka_panda.urdf");
-    Ok(Arm::builder(&Robot::read(file)?, "base", "flange")?.build()?)
+    Ok(Arm::builder(&Robot::read(file)?, "base", "flange").build()?)
 }
 
 /// Where every joint stands in a closed wave within its limits.

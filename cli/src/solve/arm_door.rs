@@ -307,14 +307,14 @@ fn builder<'m>(
     for name in [base, tip] {
         loaded.frame(name, crate::frame_name::BareName::Tail)?;
     }
-    let mut builder = Arm::builder(robot, base, tip)?;
+    let mut builder = Arm::builder(robot, base, tip);
     if let Some(held) = &loaded.held {
         for (joint, value) in &held.locked {
-            builder = builder.with_locked(joint, *value)?;
+            builder = builder.with_locked(joint, *value);
         }
         if let Some((joints, q)) = &held.only {
             let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
-            builder = builder.with_only(&joints, q)?;
+            builder = builder.with_only(&joints, q);
         }
     }
     Ok(builder)

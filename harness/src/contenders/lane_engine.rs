@@ -1,69 +1,26 @@
 //! The lane engine, through the arm's front door.
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmError, Goal, Joints, Search};
-use kinopt::model::{FrameId, Model, ModelBuilder};
-use kinopt::robot::Mimic;
-use kinopt::spatial::Placement;
+use kinopt::arm::{Arm, ArmError, Base, Goal, Search};
+use kinopt::model::FrameId;
 
 use crate::{Adapter, Answer, Budget, ProblemSet, Question, Trace};
 
 /// [`Arm`] with the search [`Search::First`]: one frame on one chain. It marks nothing.
 #[derive(Debug, Default)]
 pub struct LaneEngineAdapter {
-    seated: Option<Seated>,
+    arm: Option<Arm>,
+    q_arm: Vec<f64>,
     solution: Solution,
 }
 
-/// An arm made for one problem set and budget.
-#[derive(Debug)]
-struct Seated {
-    arm: Arm,
-    /// Where each joint of the arm stands in a configuration of the model.
-    coordinates: Vec<usize>,
-}
-
-/// A tree with a frame that stands in the world.
-struct Rooted {
-    model: Model,
-    mimics: Vec<Mimic>,
-    world: String,
-}
-
-impl Joints for Rooted {
-    fn tree(&self) -> &Model {
-        &self.model
-    }
-
-    fn followers(&self) -> &[Mimic] {
-        &self.mimics
-    }
-}
-
-impl Rooted {
-    fn new(set: &ProblemSet) -> Result<Self, String> {
-        let mut world = "world".to_owned();
-        while set.model().frame(&world).is_ok() {
-            world.push('\'');
-        }
-        let mut builder = ModelBuilder::from_model(set.model());
-        builder.frame(world.clone(), None, Placement::identity());
-        Ok(Self {
-            model: builder.build().map_err(|error| error.to_string())?,
-            mimics: set.mimics().to_vec(),
-            world,
-        })
-    }
-}
-
-fn arm(set: &ProblemSet, rooted: &Rooted, budget: Budget) -> Result<Arm, ArmError> {
-    let tip = set.frame_names().next().unwrap_or_default();
+fn arm(set: &ProblemSet, frame: FrameId, budget: Budget) -> Result<Arm, ArmError> {
     let goal = if set.turns() {
         Goal::pose()
     } else {
         Goal::position()
     };
-    Arm::builder(rooted, &rooted.world, tip)?
+    Arm::builder(set, Base::World, frame)
         .with_goal(goal)
         .with_search(Search::First)
         .with_seed(set.seed())
@@ -87,35 +44,28 @@ impl Adapter for LaneEngineAdapter {
     }
 
     fn prepare(&mut self, set: &ProblemSet, budget: Budget) -> Result<(), String> {
-        self.seated = None;
-        let frames: &[FrameId] = set.frames();
-        if frames.len() != 1 {
-            return Err(format!("takes one frame, not {}", frames.len()));
-        }
-        let rooted = Rooted::new(set)?;
-        let arm = arm(set, &rooted, budget).map_err(|error| error.to_string())?;
-        let ids = arm.joint_ids().iter();
-        let coordinates = ids.filter_map(|&id| set.model().coordinate(id)).collect();
-        self.seated = Some(Seated { arm, coordinates });
+        self.arm = None;
+        let [frame] = *set.frames() else {
+            return Err(format!("takes one frame, not {}", set.frames().len()));
+        };
+        let arm = arm(set, frame, budget).map_err(|error| error.to_string())?;
+        self.arm = Some(arm);
         Ok(())
     }
 
     fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
-        let stay = || Answer::at(question.start.to_vec());
-        let (Some(seated), [target]) = (&mut self.seated, question.targets) else {
-            return stay();
-        };
-        let at = |&coordinate: &usize| question.start.get(coordinate).copied();
-        let start: Vec<f64> = seated.coordinates.iter().filter_map(at).collect();
-        let solved = seated.arm.solve_into(*target, &start, &mut self.solution);
-        if solved.is_err() {
-            return stay();
-        }
+        let (q_arm, solution) = (&mut self.q_arm, &mut self.solution);
         let mut q = question.start.to_vec();
-        for (&coordinate, &value) in seated.coordinates.iter().zip(&self.solution.q) {
-            if let Some(entry) = q.get_mut(coordinate) {
-                *entry = value;
-            }
+        let solved = match (&self.arm, question.targets) {
+            (Some(arm), [target]) => arm
+                .joint_values(question.start, q_arm)
+                .and_then(|()| arm.solve_into(*target, q_arm, solution))
+                .and_then(|()| arm.configuration(&solution.q, &mut q))
+                .is_ok(),
+            _ => false,
+        };
+        if !solved {
+            return Answer::at(question.start.to_vec());
         }
         Answer {
             q: question.set.within_limits(&q),

@@ -1,7 +1,7 @@
 //! Says what is asked, before the cases.
 
 use kinopt::Model;
-use kinopt::arm::Joints;
+use kinopt::arm::Mechanism;
 use kinopt::model::{FrameId, ParameterMap};
 use kinopt::robot::Mimic;
 
@@ -23,10 +23,10 @@ pub struct ProblemSetBuilder {
 }
 
 impl ProblemSetBuilder {
-    pub(super) fn new(joints: &impl Joints) -> Self {
+    pub(super) fn new(mechanism: &impl Mechanism) -> Self {
         Self {
-            model: joints.tree().clone(),
-            mimics: joints.followers().to_vec(),
+            model: mechanism.model().clone(),
+            mimics: mechanism.followers().to_vec(),
             frames: Vec::new(),
             turns: false,
             size: None,

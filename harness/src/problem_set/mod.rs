@@ -6,7 +6,7 @@ mod stated;
 pub use builder::ProblemSetBuilder;
 pub(crate) use stated::Stated;
 
-use kinopt::arm::Joints;
+use kinopt::arm::Mechanism;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, ParameterMap};
 use kinopt::robot::Mimic;
@@ -42,11 +42,21 @@ pub struct ProblemSet {
     seed: u64,
 }
 
+impl Mechanism for ProblemSet {
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn followers(&self) -> &[Mimic] {
+        &self.mimics
+    }
+}
+
 impl ProblemSet {
     /// Starts a set on a model, whose joints are all free, or on a robot, whose mimic joints follow.
     #[must_use]
-    pub fn builder(joints: &impl Joints) -> ProblemSetBuilder {
-        ProblemSetBuilder::new(joints)
+    pub fn builder(mechanism: &impl Mechanism) -> ProblemSetBuilder {
+        ProblemSetBuilder::new(mechanism)
     }
 
     /// Adds `count` cases that have an answer: the frames' places at random configurations within
@@ -122,12 +132,6 @@ impl ProblemSet {
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
-    }
-
-    /// The joints that follow others.
-    #[must_use]
-    pub fn mimics(&self) -> &[Mimic] {
-        &self.mimics
     }
 
     /// From variables to configurations.

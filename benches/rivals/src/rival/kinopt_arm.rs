@@ -19,7 +19,7 @@ pub fn searches(workload: &Workload) -> Result<Vec<Box<dyn Rival>>, Failure> {
         ("kinopt, first", Search::First),
         ("kinopt, start", Search::Start),
     ] {
-        let arm = Arm::builder(&robot, &workload.base, &workload.tip)?;
+        let arm = Arm::builder(&robot, &workload.base, &workload.tip);
         let arm = arm.with_search(search).build()?;
         rivals.push(Box::new(Kinopt { name, arm }));
     }
