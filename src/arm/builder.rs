@@ -510,7 +510,7 @@ impl ArmBuilder<'_> {
             position_tolerance: options.position_tolerance,
             orientation_tolerance: options.orientation_tolerance,
             metres_per_radian: options.metres_per_radian,
-            axes: options.goal.axes(),
+            axes: options.goal.into(),
             attempts: options.attempts,
             seed: options.seed,
             // Atlas seeds stand anywhere; a bound on moves keeps to the start.
@@ -528,7 +528,7 @@ pub(super) fn check_tool(tip_from_tool: &Placement<f64>) -> Result<(), ArmError>
 
 /// Whether a goal asks for something.
 pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
-    if let Some(value) = goal.defect() {
+    if let Some((_, value)) = goal.bad_half_width() {
         let allowed = "half widths are numbers of at least 0";
         check("goal", value, false, allowed)?;
     }

@@ -2,17 +2,18 @@
 
 use super::options::Options;
 use super::serial::Serial;
-use super::tool_pose::ToolPose;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::spatial::Placement;
-use crate::task::{Quantity, Task};
+use crate::task::{Pose, Quantity, Rows, Task};
 
 /// The pose of a chain's tool as a problem, with the target and the bounds of the question under way.
 #[derive(Clone, Debug)]
 pub(super) struct PoseQuestion {
     pub(super) problem: Problem,
     targets: Targets,
-    task: TaskId<ToolPose>,
+    task: TaskId<Pose>,
+    /// How turns are measured.
+    turn: Rows,
     /// Bounds of the question.
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
@@ -23,12 +24,13 @@ impl PoseQuestion {
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
         let mut builder = Problem::builder(&serial.model);
         builder.parameters(serial.map.clone());
-        let pose = ToolPose::new(serial.tool, options.goal.axes());
+        let pose = Pose::new(serial.tool, Placement::identity()).with_goal(options.goal);
         let orientation = if options.goal.has_orientation() {
             options.orientation_tolerance
         } else {
             f64::INFINITY
         };
+        let [_, turn] = pose.measures();
         let task = builder.add(
             Task::new(pose)
                 .weight(Quantity::Metres, 1.0)
@@ -40,6 +42,7 @@ impl PoseQuestion {
         Ok(Self {
             targets: problem.targets(),
             task,
+            turn,
             lower: problem.lower().to_vec(),
             upper: problem.upper().to_vec(),
             problem,
@@ -50,20 +53,19 @@ impl PoseQuestion {
     pub(super) fn aim(&mut self, target: &Placement<f64>) {
         // The task is the problem's own.
         if let Ok(pose) = self.targets.get_mut(self.task) {
-            pose.target = *target;
+            pose.set_target(*target);
         }
     }
 
     /// The target.
     pub(super) fn target(&self) -> Placement<f64> {
         let pose = self.targets.get(self.task);
-        pose.map_or_else(|_| Placement::identity(), |pose| pose.target)
+        pose.map_or_else(|_| Placement::identity(), Pose::target)
     }
 
     /// The angle of the residual's rows for orientation, whose norm over the weight is `turn`.
     pub(super) fn angle(&self, turn: f64) -> f64 {
-        let pose = self.targets.get(self.task);
-        pose.map_or(turn, |pose| pose.angle(turn))
+        self.turn.error_of(turn)
     }
 
     /// What the core is asked.

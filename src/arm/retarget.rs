@@ -64,7 +64,7 @@ impl Arm {
                 chain,
                 LaneOptions {
                     metres_per_radian,
-                    axes: goal.axes(),
+                    axes: goal.into(),
                     ..lanes.options().clone()
                 },
             )?),

@@ -3,8 +3,8 @@
 use super::GeometricError;
 use crate::kinematics::FrameSlot;
 use crate::problem::Question;
-use crate::spatial::{Matrix3, Placement, Vector3};
-use crate::task::{Orientation, Point, Pose, Quantity};
+use crate::spatial::{Matrix3, Vector3};
+use crate::task::{Asked, Quantity};
 
 /// Where something should be, and how much it counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub(super) struct Goal {
 }
 
 /// The kinds of tasks that [`goals`] reads.
-const VALID: &str = "`point`, `pose` or `orientation`";
+const VALID: &str = "`point`, `pose` or `orientation`, in the world and without room";
 
 /// Reads the problem's tasks, in order. Rows of weight zero ask nothing.
 pub(super) fn goals(
@@ -38,35 +38,27 @@ pub(super) fn goals(
     let mut goals = Vec::with_capacity(problem.tasks());
     for (index, task) in problem.compiled_tasks().iter().enumerate() {
         let weight = |quantity: Quantity| {
-            let mut blocks = task.blocks().filter(|block| block.quantity == quantity);
+            let mut blocks = task
+                .blocks()
+                .filter(|block| block.measure.quantity == quantity);
             blocks.next().map_or(0.0, |block| block.weight)
         };
-        let place = |target| aim(target, weight(Quantity::Metres));
-        let axes = |target| aim(target, weight(Quantity::Radians));
         let residual = question.residual(index).as_any();
-        let (offset, place, axes) = if let Some(point) = residual.downcast_ref::<Point>() {
-            (point.offset(), place(point.target()), None)
-        } else if let Some(pose) = residual.downcast_ref::<Pose>() {
-            let Placement {
-                rotation,
-                translation,
-            } = pose.target();
-            (Vector3::zero(), place(translation), axes(rotation))
-        } else if let Some(orientation) = residual.downcast_ref::<Orientation>() {
-            (Vector3::zero(), None, axes(orientation.target()))
-        } else {
+        let Some(asked) = Asked::by(residual).filter(|asked| asked.whole) else {
             return Err(GeometricError::UnsupportedTask {
                 solver,
                 task: task.name().to_owned(),
                 valid: VALID,
             });
         };
+        let place = (asked.place).and_then(|target| aim(target, weight(Quantity::Metres)));
+        let axes = (asked.axes).and_then(|target| aim(target, weight(Quantity::Radians)));
         if place.is_some() || axes.is_some() {
             // All three kinds read exactly one frame.
             goals.extend(task.frames.first().map(|&frame| Goal {
                 task: index,
                 frame,
-                offset,
+                offset: asked.offset,
                 place,
                 axes,
             }));

@@ -3,7 +3,7 @@
 use super::Solution;
 use crate::problem::{CompiledTask, Problem, Question};
 use crate::spatial::Vector3;
-use crate::task::{Point, Pose, Quantity, Role};
+use crate::task::{Asked, Quantity, Role};
 
 /// A goal whose place is farther from where its chain begins than the chain is long.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,14 +38,10 @@ fn beyond(question: Question<'_>, index: usize, task: &CompiledTask) -> Option<B
     // Anchors are where the problem was built.
     let problem = (!question.places_moved()).then_some(question.problem)?;
     let residual = question.residual(index).as_any();
-    let (target, offset) = if let Some(point) = residual.downcast_ref::<Point>() {
-        (point.target(), point.offset())
-    } else {
-        let pose = residual.downcast_ref::<Pose>()?;
-        (pose.target().translation, Vector3::zero())
-    };
+    let Asked { place, offset, .. } = Asked::by(residual)?;
+    let target = place?;
     let mut asked = task.blocks().filter(|block| block.can_miss());
-    let place = asked.find(|block| block.quantity == Quantity::Metres)?;
+    let place = asked.find(|block| block.measure.quantity == Quantity::Metres)?;
     beyond_chain(problem, index, target, offset, place.tolerance)
 }
 

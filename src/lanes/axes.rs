@@ -10,8 +10,8 @@ use super::evaluation::{Evaluation, Weighed};
 use super::lane::LaneScalar;
 use super::settings::Settings;
 use crate::scalar::Scalar;
-use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Quaternion, Vector3};
+use crate::task::angle_of;
 
 /// Weighs the residual and turns the columns into rows of its derivative.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -63,7 +63,7 @@ pub(crate) fn errors<S: LaneScalar>(
     let chord = counted(r, axes.orientation_weights).norm().lane(0);
     Errors {
         position: counted(p, axes.position_weights).norm().lane(0),
-        orientation: 2.0 * elementary::asin((0.5 * chord).min(1.0)),
+        orientation: angle_of(chord),
     }
 }
 

@@ -1,5 +1,7 @@
 //! Which of the six components of a pose matter, and how much.
 
+use crate::task::Goal;
+
 /// Weights and dead bands of a pose's components, in the target's axes.
 ///
 /// Position component k is the tip's offset along axis k of the target frame, metres; orientation
@@ -17,6 +19,23 @@ pub struct AxisGoal {
     pub position_half_widths: [f64; 3],
     /// Half widths of the orientation's dead bands, radians.
     pub orientation_half_widths: [f64; 3],
+}
+
+impl From<Goal> for AxisGoal {
+    /// Free components have weight 0, all others 1.
+    fn from(goal: Goal) -> Self {
+        let [px, py, pz, rx, ry, rz] = goal.bands();
+        let weights =
+            |bands: [f64; 3]| bands.map(|band| f64::from(u8::from(band != f64::INFINITY)));
+        let widths = |bands: [f64; 3]| bands.map(|band| if band.is_finite() { band } else { 0.0 });
+        let (position, turn) = ([px, py, pz], [rx, ry, rz]);
+        Self {
+            position_weights: weights(position),
+            orientation_weights: weights(turn),
+            position_half_widths: widths(position),
+            orientation_half_widths: widths(turn),
+        }
+    }
 }
 
 impl AxisGoal {

@@ -227,7 +227,7 @@ fn place(
         Some(frame) => format!("{} of `{}`", pending.kind, frame.name),
         None => format!("{} (task {index})", pending.kind),
     });
-    if let Some(problem) = pending.residual.defect() {
+    if let Err(problem) = pending.residual.validate() {
         return Err(ProblemError::BadTask {
             task: name,
             problem,
@@ -288,7 +288,7 @@ fn place(
             });
         }
         blocks.push(Block {
-            quantity: rows.quantity,
+            measure: *rows,
             rows: next_row..next_row + rows.count,
             weight,
             tolerance,

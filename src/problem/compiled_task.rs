@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use crate::kinematics::FrameSlot;
-use crate::task::{Quantity, Role};
+use crate::task::{Role, Rows};
 
 /// Rows of one quantity, their weight and tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    pub(crate) quantity: Quantity,
+    /// What they measure, and how many they are.
+    pub(crate) measure: Rows,
     /// Rows of the whole problem.
     pub(crate) rows: Range<usize>,
     pub(crate) weight: f64,

@@ -368,12 +368,12 @@ impl Problem {
                 compiled.blocks().map(move |block| {
                     let rows = block.rows_after(compiled.rows.start, rows.start);
                     let error = match block.weight > 0.0 {
-                        true => norm(&r[rows]) / block.weight,
+                        true => block.measure.error_of(norm(&r[rows]) / block.weight),
                         false => 0.0,
                     };
                     BlockError {
                         task,
-                        quantity: block.quantity,
+                        quantity: block.measure.quantity,
                         error,
                         reached: error <= block.tolerance,
                         role: compiled.role,
@@ -396,7 +396,10 @@ impl Problem {
         unweighted: &'a [f64],
     ) -> impl Iterator<Item = Option<f64>> + 'a {
         let blocks = self.tasks.iter().flat_map(CompiledTask::blocks);
-        blocks.map(|block| (block.weight == 0.0).then(|| norm(&unweighted[block.rows.clone()])))
+        blocks.map(|block| {
+            let norm = || norm(&unweighted[block.rows.clone()]);
+            (block.weight == 0.0).then(|| block.measure.error_of(norm()))
+        })
     }
 
     /// Whether every goal is within its tolerances for the weighted residual `r` (shape:

@@ -1,6 +1,6 @@
 //! Two frames should be a distance apart.
 
-use super::residual::not_finite;
+use super::residual::{not_finite, refuse};
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -56,9 +56,10 @@ impl Residual for Distance {
         residual[0] = length - S::constant(self.distance);
     }
 
-    fn defect(&self) -> Option<String> {
-        not_finite("its distance", [self.distance]).or_else(|| {
-            (self.distance < 0.0).then(|| format!("its distance {} is negative", self.distance))
+    fn validate(&self) -> Result<(), String> {
+        not_finite("its distance", [self.distance])?;
+        refuse(self.distance < 0.0, || {
+            format!("its distance {} is negative", self.distance)
         })
     }
 }

@@ -63,7 +63,7 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         scratch: &mut DualScratch,
     );
 
-    fn defect(&self) -> Option<String>;
+    fn validate(&self) -> Result<(), String>;
 
     fn as_any(&self) -> &dyn Any;
 
@@ -109,8 +109,8 @@ impl<R: Residual> ErasedResidual for R {
         }
     }
 
-    fn defect(&self) -> Option<String> {
-        Residual::defect(self)
+    fn validate(&self) -> Result<(), String> {
+        Residual::validate(self)
     }
 
     fn as_any(&self) -> &dyn Any {

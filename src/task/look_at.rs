@@ -1,6 +1,6 @@
 //! An axis of a frame should point at a place.
 
-use super::residual::not_finite;
+use super::residual::{not_finite, refuse};
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -77,10 +77,12 @@ impl Residual for LookAt {
         residual.copy_from_slice(&turn.log().to_array());
     }
 
-    fn defect(&self) -> Option<String> {
-        not_finite("its target", self.target.to_array())
-            .or_else(|| not_finite("its axis", self.axis.to_array()))
-            .or_else(|| (self.axis.norm() <= 0.0).then(|| "its axis has no direction".to_owned()))
+    fn validate(&self) -> Result<(), String> {
+        not_finite("its target", self.target.to_array())?;
+        not_finite("its axis", self.axis.to_array())?;
+        refuse(self.axis.norm() <= 0.0, || {
+            "its axis has no direction".to_owned()
+        })
     }
 }
 

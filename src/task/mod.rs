@@ -8,8 +8,10 @@
 //! A [`Residual`] is written once over the [`Scalar`](crate::Scalar); its derivatives follow
 //! exactly. A [`Task`] gives it weights, tolerances and a name.
 
+mod asked;
 mod distance;
 mod erased;
+mod goal;
 mod limit_centring;
 mod local_jacobian;
 mod look_at;
@@ -24,9 +26,12 @@ mod ray;
 mod residual;
 mod smoothness;
 mod weighted;
+mod within;
 
+pub(crate) use asked::Asked;
 pub use distance::Distance;
 pub(crate) use erased::{CHUNK, DualScratch, ErasedResidual};
+pub use goal::{Axis, Goal};
 pub use limit_centring::LimitCentring;
 pub use local_jacobian::LocalJacobian;
 pub use look_at::LookAt;
@@ -36,8 +41,10 @@ pub use plane::Plane;
 pub use point::Point;
 pub use pose::Pose;
 pub use posture::Posture;
+pub(crate) use quantity::angle_of;
 pub use quantity::{Quantity, Rows};
 pub use ray::Ray;
 pub use residual::{Residual, Role};
 pub use smoothness::Smoothness;
 pub use weighted::Task;
+pub use within::Within;

@@ -1,15 +1,17 @@
 //! A frame should have an orientation.
 
-use super::residual::not_finite;
+use super::residual::{in_base, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
-use crate::spatial::{Matrix3, Placement, rotation_log, rotation_log_jacobian};
+use crate::spatial::{Matrix3, Placement, Vector3, rotation_log, rotation_log_jacobian};
 
-/// The rotation vector of R R_targetᵀ: three rows in radians, world axes, length within [0, π].
+/// The rotation vector of R R_targetᵀ: three rows in radians, in world axes or those of the
+/// [base](Self::relative_to), length within [0, π].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orientation {
     frame: FrameId,
+    base: Option<FrameId>,
     target: Matrix3<f64>,
 }
 
@@ -19,11 +21,25 @@ impl Orientation {
     pub fn new(frame: FrameId, target: impl Into<Matrix3<f64>>) -> Self {
         Self {
             frame,
+            base: None,
             target: target.into(),
         }
     }
 
-    /// The axes that the frame should have, in columns (world_from_frame).
+    /// Targets are given in `base`, which may move with the joints (base_from_frame).
+    #[must_use]
+    pub fn relative_to(mut self, base: FrameId) -> Self {
+        self.base = Some(base);
+        self
+    }
+
+    /// The frame that targets are given in, if it is not the world.
+    #[must_use]
+    pub fn base(&self) -> Option<FrameId> {
+        self.base
+    }
+
+    /// The axes that the frame should have, in columns (world_from_frame, or from the base).
     #[must_use]
     pub fn target(&self) -> Matrix3<f64> {
         self.target
@@ -65,7 +81,10 @@ impl Residual for Orientation {
     }
 
     fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+        [Some(self.frame), self.base]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     fn rows(&self) -> Vec<Rows> {
@@ -73,7 +92,8 @@ impl Residual for Orientation {
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
-        residual.copy_from_slice(&Self::miss(self.target, frames[0].rotation));
+        let placed = in_base(frames);
+        residual.copy_from_slice(&Self::miss(self.target, placed.rotation));
     }
 
     fn differentiate(
@@ -82,22 +102,23 @@ impl Residual for Orientation {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
+        if self.base.is_some() {
+            return false;
+        }
         Self::differentiate_miss(self.target, frames[0].rotation, 0, jacobian);
         true
     }
 
-    fn defect(&self) -> Option<String> {
-        rotation_defect(&self.target)
+    fn validate(&self) -> Result<(), String> {
+        check_rotation("its target is", &self.target)
     }
 }
 
-/// Why a target rotation is none, if so.
-pub(super) fn rotation_defect(target: &Matrix3<f64>) -> Option<String> {
-    let columns = [target.x, target.y, target.z];
-    not_finite("its orientation", columns.iter().flat_map(|c| c.to_array())).or_else(|| {
-        Placement::new(*target, crate::spatial::Vector3::zero())
-            .check_rigid(1e-6)
-            .err()
-            .map(|problem| format!("its target is no orientation: {problem}"))
-    })
+/// Refuses a matrix that is no rotation, of which `what` tells.
+pub(super) fn check_rotation(what: &str, rotation: &Matrix3<f64>) -> Result<(), String> {
+    let columns = [rotation.x, rotation.y, rotation.z];
+    not_finite("its orientation", columns.iter().flat_map(|c| c.to_array()))?;
+    Placement::new(*rotation, Vector3::zero())
+        .check_rigid(1e-6)
+        .map_err(|problem| format!("{what} no orientation: {problem}"))
 }

@@ -110,12 +110,9 @@ impl Residual for Pixel {
         }
     }
 
-    fn defect(&self) -> Option<String> {
-        not_finite("its pixel", self.target).or_else(|| {
-            not_finite(
-                "its camera",
-                self.camera.pixel_from_world.into_iter().flatten(),
-            )
-        })
+    fn validate(&self) -> Result<(), String> {
+        not_finite("its pixel", self.target)?;
+        let camera = self.camera.pixel_from_world.into_iter().flatten();
+        not_finite("its camera", camera)
     }
 }

@@ -1,6 +1,6 @@
 //! A frame's origin should lie in a plane.
 
-use super::residual::not_finite;
+use super::residual::{not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -62,11 +62,11 @@ impl Residual for Plane {
         true
     }
 
-    fn defect(&self) -> Option<String> {
-        not_finite("its point", self.point.to_array())
-            .or_else(|| not_finite("its normal", self.normal.to_array()))
-            .or_else(|| {
-                (self.normal.norm() <= 0.0).then(|| "its normal has no direction".to_owned())
-            })
+    fn validate(&self) -> Result<(), String> {
+        not_finite("its point", self.point.to_array())?;
+        not_finite("its normal", self.normal.to_array())?;
+        refuse(self.normal.norm() <= 0.0, || {
+            "its normal has no direction".to_owned()
+        })
     }
 }

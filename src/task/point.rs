@@ -1,15 +1,16 @@
 //! A point of a frame should be at a place.
 
-use super::residual::not_finite;
+use super::residual::{in_base, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// x − target, three rows in metres, world axes.
+/// x − target, three rows in metres, in world axes or those of the [base](Self::relative_to).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     frame: FrameId,
+    base: Option<FrameId>,
     /// In frame coordinates.
     offset: Vector3<f64>,
     target: Vector3<f64>,
@@ -21,6 +22,7 @@ impl Point {
     pub fn new(frame: FrameId, target: impl Into<Vector3<f64>>) -> Self {
         Self {
             frame,
+            base: None,
             offset: Vector3::zero(),
             target: target.into(),
         }
@@ -33,13 +35,26 @@ impl Point {
         self
     }
 
+    /// Targets are given in `base`, which may move with the joints.
+    #[must_use]
+    pub fn relative_to(mut self, base: FrameId) -> Self {
+        self.base = Some(base);
+        self
+    }
+
+    /// The frame that targets are given in, if it is not the world.
+    #[must_use]
+    pub fn base(&self) -> Option<FrameId> {
+        self.base
+    }
+
     /// The point, in frame coordinates.
     #[must_use]
     pub fn offset(&self) -> Vector3<f64> {
         self.offset
     }
 
-    /// Where the point should be, in world coordinates.
+    /// Where the point should be, in world coordinates or the base's.
     #[must_use]
     pub fn target(&self) -> Vector3<f64> {
         self.target
@@ -57,7 +72,10 @@ impl Residual for Point {
     }
 
     fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+        [Some(self.frame), self.base]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     fn rows(&self) -> Vec<Rows> {
@@ -65,7 +83,7 @@ impl Residual for Point {
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
-        let at = frames[0].apply(Vector3::constant(self.offset));
+        let at = in_base(frames).apply(Vector3::constant(self.offset));
         let miss = at - Vector3::constant(self.target);
         residual.copy_from_slice(&miss.to_array());
     }
@@ -76,6 +94,9 @@ impl Residual for Point {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
+        if self.base.is_some() {
+            return false;
+        }
         for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
             *row = unit;
         }
@@ -89,8 +110,8 @@ impl Residual for Point {
         true
     }
 
-    fn defect(&self) -> Option<String> {
-        not_finite("its target", self.target.to_array())
-            .or_else(|| not_finite("its offset", self.offset.to_array()))
+    fn validate(&self) -> Result<(), String> {
+        not_finite("its target", self.target.to_array())?;
+        not_finite("its offset", self.offset.to_array())
     }
 }

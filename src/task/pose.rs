@@ -1,17 +1,50 @@
 //! A frame should stand at a placement: position and orientation.
 
-use super::orientation::rotation_defect;
-use super::residual::not_finite;
+use super::goal::Goal;
+use super::orientation::check_rotation;
+use super::residual::{in_base, not_finite};
+use super::within::beyond;
 use super::{LocalJacobian, Orientation, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
-use crate::spatial::{Placement, Vector3};
+use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacobian};
 
-/// Three rows in metres, x − x_target, then three in radians, the rotation vector of R R_targetᵀ;
-/// all in world axes.
+/// Three rows in metres, x − x_target, then three in radians, the rotation vector of R R_targetᵀ; in
+/// world axes, or in those of the [base](Self::relative_to).
+///
+/// With a [`Goal`] they are in the target's axes, each beyond its interval: the offset, and the rotation
+/// vector of R_targetᵀ R, or where a component has room twice the vector part of its quaternion.
+///
+/// ```
+/// # use kinopt::model::{Limits, Model};
+/// # use kinopt::spatial::{Placement, Vector3};
+/// # use kinopt::task::{Axis, Goal, Pose};
+/// # use kinopt::{Problem, Solver};
+/// # let mut builder = Model::builder("wrist");
+/// # let (mut joint, at) = (None, Placement::translation([0.0, 0.0, 0.3].into()));
+/// # for (k, axis) in Vector3::UNITS.into_iter().chain(Vector3::UNITS).enumerate() {
+/// #     joint = Some(builder.revolute(format!("{k}"), joint, at, axis, Limits::new(-3.0, 3.0)));
+/// # }
+/// # let flange = builder.frame("flange", joint, at);
+/// # let model = builder.build()?;
+/// // The tip of a drill, 12 cm in front of the flange, which may spin about its own axis.
+/// let drill = Placement::translation([0.0, 0.0, 0.12].into());
+/// let hole = Placement::translation([0.4, 0.3, 1.4].into());
+/// let drilling = Pose::new(flange, hole)
+///     .with_tool(drill)
+///     .with_goal(Goal::free_about(Axis::Z));
+/// let mut tasks = Problem::builder(&model);
+/// tasks.add(drilling);
+/// let solution = Solver::default().solve_once(&tasks.build()?, &[0.1; 6])?;
+/// assert!(solution.reached, "{}", solution.explain());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     frame: FrameId,
+    base: Option<FrameId>,
+    frame_from_tool: Option<Placement<f64>>,
+    goal: Option<Goal>,
     target: Placement<f64>,
 }
 
@@ -21,11 +54,35 @@ impl Pose {
     pub fn new(frame: FrameId, target: impl Into<Placement<f64>>) -> Self {
         Self {
             frame,
+            base: None,
+            frame_from_tool: None,
+            goal: None,
             target: target.into(),
         }
     }
 
-    /// Where the frame should stand (world_from_frame).
+    /// Targets are given in `base`, which may move with the joints (base_from_frame).
+    #[must_use]
+    pub fn relative_to(mut self, base: FrameId) -> Self {
+        self.base = Some(base);
+        self
+    }
+
+    /// Not the frame itself but a tool on it should stand at the target: `frame_from_tool`, metres.
+    #[must_use]
+    pub fn with_tool(mut self, frame_from_tool: impl Into<Placement<f64>>) -> Self {
+        self.frame_from_tool = Some(frame_from_tool.into());
+        self
+    }
+
+    /// Which components count, and how exactly.
+    #[must_use]
+    pub fn with_goal(mut self, goal: Goal) -> Self {
+        self.goal = Some(goal);
+        self
+    }
+
+    /// Where the frame, or its tool, should stand (world_from_frame, or from the base).
     #[must_use]
     pub fn target(&self) -> Placement<f64> {
         self.target
@@ -35,6 +92,94 @@ impl Pose {
     pub fn set_target(&mut self, target: impl Into<Placement<f64>>) {
         self.target = target.into();
     }
+
+    /// What counts, where that was said.
+    #[must_use]
+    pub fn goal(&self) -> Option<Goal> {
+        self.goal
+    }
+
+    /// The frame that targets are given in, if it is not the world.
+    #[must_use]
+    pub fn base(&self) -> Option<FrameId> {
+        self.base
+    }
+
+    /// Where the tool stands on the frame.
+    #[must_use]
+    pub fn frame_from_tool(&self) -> Placement<f64> {
+        self.frame_from_tool.unwrap_or_else(Placement::identity)
+    }
+
+    /// What its rows measure.
+    pub(crate) fn measures(&self) -> [Rows; 2] {
+        let turn = match self.goal {
+            Some(goal) if !goal.is_full_pose() => Rows::chords(3),
+            _ => Rows::new(Quantity::Radians, 3),
+        };
+        [Rows::new(Quantity::Metres, 3), turn]
+    }
+
+    /// Where the tool stands, in the base.
+    fn base_from_tool<S: Scalar>(&self, frames: &[Placement<S>]) -> Placement<S> {
+        let placed = in_base(frames);
+        match &self.frame_from_tool {
+            Some(tool) => placed * Placement::constant(tool),
+            None => placed,
+        }
+    }
+
+    /// The turn from the target's axes to the tool's.
+    fn turn<S: Scalar>(&self, rotation: Matrix3<S>) -> Quaternion<S> {
+        let target = Matrix3::constant(self.target.rotation).transpose();
+        Quaternion::from_matrix(&(target * rotation))
+    }
+
+    /// From the target to the tool, in the target's axes.
+    fn offset<S: Scalar>(&self, placed: &Placement<S>) -> Vector3<S> {
+        let axes = Matrix3::constant(self.target.rotation).transpose();
+        axes * (placed.translation - Vector3::constant(self.target.translation))
+    }
+
+    /// By hand in the target's axes, which world's turn to: of the rotation vector φ the rows are
+    /// J_l⁻¹(φ), of twice a quaternion's vector part w − [v] (from q' = ½ ω q).
+    fn differentiate_goal(
+        &self,
+        goal: &Goal,
+        placed: &Placement<f64>,
+        lever: Option<Vector3<f64>>,
+        jacobian: &mut LocalJacobian,
+    ) {
+        let target = &self.target.rotation;
+        let quaternion = self.turn(placed.rotation);
+        // By columns, one for each of the target's axes.
+        let by_turning = if goal.is_full_pose() {
+            rotation_log_jacobian(quaternion.log())
+        } else {
+            let column = |unit: Vector3<f64>| unit * quaternion.w + unit.cross(quaternion.v);
+            let [x, y, z] = Vector3::UNITS.map(column);
+            Matrix3::from_columns(x, y, z)
+        };
+        let by_turning = *target * by_turning.transpose();
+        let bands = goal.bands();
+        let offset = self.offset(placed).to_array();
+        let turn = (quaternion.v * 2.0).to_array();
+        let counts = |value: f64, band: f64| band == 0.0 || value.abs() > band;
+        for (k, axis) in [target.x, target.y, target.z].into_iter().enumerate() {
+            if counts(offset[k], bands[k]) {
+                jacobian.linear_mut(0)[k] = axis;
+                if let Some(lever) = lever {
+                    jacobian.angular_mut(0)[k] = lever.cross(axis);
+                }
+            }
+        }
+        let rows = [by_turning.x, by_turning.y, by_turning.z];
+        for (k, row) in rows.into_iter().enumerate() {
+            if counts(turn[k], bands[3 + k]) {
+                jacobian.angular_mut(0)[3 + k] = row;
+            }
+        }
+    }
 }
 
 impl Residual for Pose {
@@ -43,19 +188,39 @@ impl Residual for Pose {
     }
 
     fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+        [Some(self.frame), self.base]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     fn rows(&self) -> Vec<Rows> {
-        vec![
-            Rows::new(Quantity::Metres, 3),
-            Rows::new(Quantity::Radians, 3),
-        ]
+        self.measures().to_vec()
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
-        let miss = frames[0].translation - Vector3::constant(self.target.translation);
-        let turn = Orientation::miss(self.target.rotation, frames[0].rotation);
+        let placed = self.base_from_tool(frames);
+        if let Some(goal) = &self.goal {
+            let quaternion = self.turn(placed.rotation);
+            let turn = if goal.is_full_pose() {
+                quaternion.log()
+            } else {
+                // Of q and −q either will do: rows of the other sign have the same slope.
+                quaternion.v * S::constant(2.0)
+            };
+            let components = [self.offset(&placed), turn].map(Vector3::to_array);
+            let components = components.into_iter().flatten().zip(goal.bands());
+            for (row, (value, band)) in residual.iter_mut().zip(components) {
+                *row = match band {
+                    0.0 => value,
+                    f64::INFINITY => S::zero(),
+                    _ => beyond(value, -band, band),
+                };
+            }
+            return;
+        }
+        let miss = placed.translation - Vector3::constant(self.target.translation);
+        let turn = Orientation::miss(self.target.rotation, placed.rotation);
         let (position, orientation) = residual.split_at_mut(3);
         position.copy_from_slice(&miss.to_array());
         orientation.copy_from_slice(&turn);
@@ -67,15 +232,47 @@ impl Residual for Pose {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
+        if self.base.is_some() {
+            return false;
+        }
+        let placed = self.base_from_tool(frames);
+        let tool = self.frame_from_tool.map(|tool| tool.translation);
+        let lever = tool.map(|tool| frames[0].rotation * tool);
+        if let Some(goal) = &self.goal {
+            self.differentiate_goal(goal, &placed, lever, jacobian);
+            return true;
+        }
         for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
             *row = unit;
         }
-        Orientation::differentiate_miss(self.target.rotation, frames[0].rotation, 3, jacobian);
+        Orientation::differentiate_miss(self.target.rotation, placed.rotation, 3, jacobian);
+        if let Some(lever) = lever {
+            // e · (ω × l) = ω · (l × e)
+            for (row, unit) in jacobian.angular_mut(0).iter_mut().zip(Vector3::UNITS) {
+                *row = lever.cross(unit);
+            }
+        }
         true
     }
 
-    fn defect(&self) -> Option<String> {
-        not_finite("its target", self.target.translation.to_array())
-            .or_else(|| rotation_defect(&self.target.rotation))
+    fn validate(&self) -> Result<(), String> {
+        not_finite("its target", self.target.translation.to_array())?;
+        check_rotation("its target is", &self.target.rotation)?;
+        if let Some(tool) = &self.frame_from_tool {
+            not_finite("its tool", tool.translation.to_array())?;
+            check_rotation("its tool has", &tool.rotation)?;
+        }
+        let Some(goal) = &self.goal else {
+            return Ok(());
+        };
+        match goal.bad_half_width() {
+            Some((component, value)) => Err(format!(
+                "its half width for {component} is {value}, which is no number of at least 0"
+            )),
+            None if !goal.has_position() && !goal.has_orientation() => {
+                Err("its goal leaves every component free".to_owned())
+            }
+            None => Ok(()),
+        }
     }
 }

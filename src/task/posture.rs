@@ -74,7 +74,7 @@ impl Residual for Posture {
         true
     }
 
-    fn defect(&self) -> Option<String> {
+    fn validate(&self) -> Result<(), String> {
         not_finite("its reference", self.reference.iter().copied())
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::model::LengthUnit;
+use crate::scalar::elementary;
 
 /// The unit of a residual row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -59,12 +60,48 @@ pub struct Rows {
     pub quantity: Quantity,
     /// How many they are.
     pub count: usize,
+    /// Whether their norm is a chord.
+    chords: bool,
 }
 
 impl Rows {
     /// `count` rows of `quantity`.
     #[must_use]
     pub const fn new(quantity: Quantity, count: usize) -> Self {
-        Self { quantity, count }
+        Self {
+            quantity,
+            count,
+            chords: false,
+        }
     }
+
+    /// `count` rows whose norm is the chord 2 sin(θ/2) of an angle θ, as twice a quaternion's vector
+    /// part is. The reported error is the angle, in radians.
+    #[must_use]
+    pub const fn chords(count: usize) -> Self {
+        Self {
+            quantity: Quantity::Radians,
+            count,
+            chords: true,
+        }
+    }
+
+    /// The error that a norm of these rows stands for, in the quantity's unit.
+    #[must_use]
+    pub(crate) fn error_of(self, norm: f64) -> f64 {
+        match self.chords {
+            true => angle_of(norm),
+            false => norm,
+        }
+    }
+}
+
+/// The angle within [0, π] of a chord of the unit circle.
+pub(crate) fn angle_of(chord: f64) -> f64 {
+    2.0 * elementary::asin((0.5 * chord).min(1.0))
+}
+
+/// The chord of an angle.
+pub(crate) fn chord_of(angle: f64) -> f64 {
+    2.0 * elementary::sin(0.5 * angle)
 }

@@ -1,6 +1,6 @@
 //! A frame's origin should lie on a line: the mouse energy of a viewing ray.
 
-use super::residual::not_finite;
+use super::residual::{not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -76,11 +76,12 @@ impl Residual for Ray {
         true
     }
 
-    fn defect(&self) -> Option<String> {
+    fn validate(&self) -> Result<(), String> {
         let points = [self.eye, self.through];
-        not_finite("its line", points.iter().flat_map(|p| p.to_array())).or_else(|| {
-            let length = (self.eye - self.through).norm();
-            (length <= 0.0).then(|| "its eye and point coincide, so they span no line".to_owned())
+        not_finite("its line", points.iter().flat_map(|p| p.to_array()))?;
+        let length = (self.eye - self.through).norm();
+        refuse(length <= 0.0, || {
+            "its eye and point coincide, so they span no line".to_owned()
         })
     }
 }

@@ -84,16 +84,35 @@ pub trait Residual: Clone + Send + Sync + 'static {
         false
     }
 
-    /// What is wrong with the residual's own numbers, if anything; asked when a problem is built.
-    fn defect(&self) -> Option<String> {
-        None
+    /// Looks at the residual's own numbers when a problem is built.
+    ///
+    /// # Errors
+    /// What is wrong with them, in words that follow the task's name.
+    fn validate(&self) -> Result<(), String> {
+        Ok(())
     }
 }
 
-/// Names the first of some numbers that is not finite.
-pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> Option<String> {
-    numbers
-        .into_iter()
-        .find(|number| !number.is_finite())
-        .map(|number| format!("{what} holds {number}, which is not a finite number"))
+/// Where the first frame stands: in the second, if there is one.
+#[inline]
+pub(super) fn in_base<S: Scalar>(frames: &[Placement<S>]) -> Placement<S> {
+    match frames {
+        [placed, world_from_base, ..] => world_from_base.inverse() * *placed,
+        _ => frames[0],
+    }
+}
+
+/// Refuses the first of some numbers that is not finite.
+pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), String> {
+    match numbers.into_iter().find(|number| !number.is_finite()) {
+        Some(number) => Err(format!(
+            "{what} holds {number}, which is not a finite number"
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Refuses, with a reason.
+pub(super) fn refuse(bad: bool, reason: impl FnOnce() -> String) -> Result<(), String> {
+    if bad { Err(reason()) } else { Ok(()) }
 }

@@ -1,5 +1,6 @@
 //! Joints should move slowly from where they last were.
 
+use super::residual::refuse;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, Rows};
 use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
@@ -68,10 +69,11 @@ impl Residual for Smoothness {
         true
     }
 
-    fn defect(&self) -> Option<String> {
-        self.previous.defect().or_else(|| {
-            let usable = self.time_step_s > 0.0 && self.time_step_s.is_finite();
-            (!usable).then(|| format!("its time step {} s is not positive", self.time_step_s))
+    fn validate(&self) -> Result<(), String> {
+        self.previous.validate()?;
+        let usable = self.time_step_s > 0.0 && self.time_step_s.is_finite();
+        refuse(!usable, || {
+            format!("its time step {} s is not positive", self.time_step_s)
         })
     }
 }

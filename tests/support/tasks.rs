@@ -10,8 +10,8 @@ use kinopt::model::{FrameId, JointId};
 use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Camera, Distance, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture,
-    Quantity, Ray, Residual, Rows, Smoothness, Task,
+    Axis, Camera, Distance, Goal, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose,
+    Posture, Quantity, Ray, Residual, Rows, Smoothness, Task, Within,
 };
 use nalgebra as na;
 
@@ -278,7 +278,122 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         },
         move |at, q| entangled([at[slot], at[other]], q[last], q[first]),
     ));
+    all.extend(placed_cases(tree, q, random));
     all
+}
+
+/// Tasks that place a tool, in another frame, with room.
+fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCase> {
+    let at = tree.frames_at(q);
+    let (slot, other) = (at.len() - 2, at.len() / 2 - 1);
+    let (frame, base) = (tree.frames[slot], tree.frames[other]);
+    let tool = random.rigid(0.3);
+    let axis = random.direction();
+    let off = rigid(
+        na::Rotation3::from_axis_angle(&axis, 0.9),
+        random.vector(0.4),
+    );
+    let in_base = move |at: &[Rigid]| at[other].inverse() * at[slot];
+    // Missed by `off`, in the world's axes and in the base's.
+    let target = off * (at[slot] * tool);
+    let relative = off * in_base(&at);
+    let mut all = vec![
+        sum_case(
+            "point in a base",
+            move || Point::new(frame, relative.translation.vector).relative_to(base),
+            move |at, _| {
+                let miss = in_base(at).translation.vector - relative.translation.vector;
+                miss.as_slice().to_vec()
+            },
+        ),
+        sum_case(
+            "orientation in a base",
+            move || Orientation::new(frame, relative.rotation.into_inner()).relative_to(base),
+            move |at, _| rotation_vector(in_base(at).rotation * relative.rotation.inverse()),
+        ),
+        sum_case(
+            "pose of a tool in a base",
+            move || {
+                let pose = Pose::new(frame, placement(&relative)).relative_to(base);
+                pose.with_tool(placement(&tool))
+            },
+            move |at, _| world_miss(in_base(at) * tool, relative),
+        ),
+        sum_case(
+            "pose of a tool",
+            move || Pose::new(frame, placement(&target)).with_tool(placement(&tool)),
+            move |at, _| world_miss(at[slot] * tool, target),
+        ),
+        sum_case(
+            "plane with room",
+            move || Within::at_most(Plane::new(frame, [0.1; 3], [0.0, 0.6, 0.8]), -0.05),
+            move |at, _| {
+                let v = at[slot].translation.vector - na::Vector3::repeat(0.1);
+                vec![(0.6 * v.y + 0.8 * v.z + 0.05).max(0.0)]
+            },
+        ),
+    ];
+    let inf = f64::INFINITY;
+    let goals = [
+        ("pose with the full goal", Goal::pose()),
+        ("pose of a position", Goal::position()),
+        ("pose free about x", Goal::free_about(Axis::X)),
+        (
+            "pose with room on all axes",
+            Goal::within([0.05, inf, 0.01, 0.1, 0.02, inf]),
+        ),
+    ];
+    for (name, goal) in goals {
+        all.push(sum_case(
+            name,
+            move || {
+                let pose = Pose::new(frame, placement(&target)).with_goal(goal);
+                pose.with_tool(placement(&tool))
+            },
+            move |at, _| beyond_goal(at[slot] * tool, target, goal.half_widths()),
+        ));
+        all.push(sum_case(
+            name,
+            move || {
+                let pose = Pose::new(frame, placement(&relative)).with_goal(goal);
+                pose.relative_to(base)
+            },
+            move |at, _| beyond_goal(in_base(at), relative, goal.half_widths()),
+        ));
+    }
+    all
+}
+
+/// Offset and rotation vector in the axes that the target is given in.
+fn world_miss(placed: Rigid, target: Rigid) -> Vec<f64> {
+    let offset = placed.translation.vector - target.translation.vector;
+    let mut rows = offset.as_slice().to_vec();
+    rows.extend(rotation_vector(placed.rotation * target.rotation.inverse()));
+    rows
+}
+
+/// What of a pose lies beyond half widths, in the target's axes: metres, and a rotation vector, or
+/// twice the quaternion's vector part where anything has room.
+fn beyond_goal(placed: Rigid, target: Rigid, half_widths: [f64; 6]) -> Vec<f64> {
+    let away = target.inverse() * placed;
+    let mut rows = away.translation.vector.as_slice().to_vec();
+    if half_widths == [0.0; 6] {
+        rows.extend(rotation_vector(away.rotation));
+    } else {
+        let turn = na::UnitQuaternion::from_rotation_matrix(&away.rotation);
+        // Of the two that are the same turn, the one whose largest number is positive.
+        let largest = turn.coords[turn.coords.iamax()];
+        rows.extend(turn.imag().iter().map(|v| 2.0 * v * largest.signum()));
+    }
+    for (k, (row, half_width)) in rows.iter_mut().zip(half_widths).enumerate() {
+        let band = match k {
+            3.. if half_width < PI => 2.0 * (0.5 * half_width).sin(),
+            3.. => f64::INFINITY,
+            _ => half_width,
+        };
+        *row -= row.clamp(-band, band);
+    }
+    rows
 }
 
 /// A vector as the library takes it.

@@ -9,8 +9,8 @@ use kinopt::problem::{Problem, ProblemBuilder};
 use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Camera, Distance, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture, Quantity, Ray,
-    Residual, Smoothness, Task,
+    Camera, Distance, Goal, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture, Quantity, Ray,
+    Residual, Smoothness, Task, Within,
 };
 use kinopt::{Solver, Workspace};
 
@@ -381,6 +381,40 @@ fn tasks() {
         &["pose of `hand`", "orthonormal"],
     );
     names(problem(Pose::new(hand, mirror())), &["mirrors"]);
+    names(
+        problem(Pose::new(hand, still()).with_tool(mirror())),
+        &["pose of `hand`", "tool", "mirrors"],
+    );
+    for half_width in [-1.0, NAN] {
+        let goal = Goal::within([0.0, 0.0, 0.0, 0.1, half_width, 0.0]);
+        names(
+            problem(Pose::new(hand, still()).with_goal(goal)),
+            &[
+                "pose of `hand`",
+                "half width for ry",
+                &half_width.to_string(),
+            ],
+        );
+    }
+    let nothing = Goal::within([f64::INFINITY; 6]);
+    names(
+        problem(Pose::new(hand, still()).with_goal(nothing)),
+        &["pose of `hand`", "every component free"],
+    );
+    names(
+        problem(Pose::new(hand, still()).relative_to(foreign_frame())),
+        &["pose of `hand`", "frame", "`arm`"],
+    );
+    for (lower, upper) in [(1.0, 0.0), (NAN, 1.0), (f64::INFINITY, f64::INFINITY)] {
+        names(
+            problem(Within::between(Point::new(hand, here), lower, upper)),
+            &["point of `hand`", "interval", "no number"],
+        );
+    }
+    names(
+        problem(Within::new(Point::new(hand, [NAN; 3]), 0.1)),
+        &["point of `hand`", "target", "NaN"],
+    );
     names(
         problem(LookAt::new(hand, here, [1.0; 3])),
         &["look-at", "axis"],

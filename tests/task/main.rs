@@ -4,5 +4,6 @@ mod builder_errors;
 mod derivative_routes;
 mod look_at_from_behind;
 mod mouse_rays;
+mod room_and_bases;
 mod task_residuals;
 mod wrong_shapes;

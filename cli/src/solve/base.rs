@@ -6,7 +6,6 @@ use kinopt::problem::{ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::Placement;
 use kinopt::task::{Point, Pose, Task};
 
-use super::relative_pose::RelativePose;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
@@ -25,7 +24,6 @@ pub(crate) enum Base {
 pub(super) enum TargetTask {
     Point(TaskId<Point>),
     Pose(TaskId<Pose>),
-    Relative(TaskId<RelativePose>),
 }
 
 impl Base {
@@ -62,26 +60,16 @@ impl Base {
         turns: bool,
         (name, weight): (String, f64),
     ) -> TargetTask {
-        match *self {
-            Self::Still(world_from_base) => {
-                let target = world_from_base * base_from_target;
-                if turns {
-                    let pose = Task::new(Pose::new(tip, target)).named(name);
-                    TargetTask::Pose(builder.add(pose.times(weight)))
-                } else {
-                    let point = Point::new(tip, target.translation);
-                    TargetTask::Point(builder.add(Task::new(point).named(name).times(weight)))
-                }
-            }
-            Self::Moving(base) => {
-                let relative = RelativePose {
-                    base,
-                    tip,
-                    base_from_target,
-                    turns,
-                };
-                TargetTask::Relative(builder.add(Task::new(relative).named(name).times(weight)))
-            }
+        let target = self.placed(base_from_target);
+        let frame = self.moving_frame();
+        if turns {
+            let pose = Pose::new(tip, target);
+            let pose = frame.map_or(pose, |base| pose.relative_to(base));
+            TargetTask::Pose(builder.add(Task::new(pose).named(name).times(weight)))
+        } else {
+            let point = Point::new(tip, target.translation);
+            let point = frame.map_or(point, |base| point.relative_to(base));
+            TargetTask::Point(builder.add(Task::new(point).named(name).times(weight)))
         }
     }
 
@@ -92,17 +80,20 @@ impl Base {
         task: TargetTask,
         target: Placement<f64>,
     ) -> Result<(), ProblemError> {
-        let world_from_base = match *self {
-            Self::Still(world_from_base) => world_from_base,
-            Self::Moving(_) => Placement::identity(),
-        };
-        let placed = world_from_base * target;
+        let placed = self.placed(target);
         match task {
             TargetTask::Point(id) => body.target_mut(id)?.set_target(placed.translation),
             TargetTask::Pose(id) => body.target_mut(id)?.set_target(placed),
-            TargetTask::Relative(id) => body.target_mut(id)?.base_from_target = target,
         }
         Ok(())
+    }
+
+    /// A target in this frame as its task takes it: in the world, or in a frame that moves.
+    fn placed(&self, target: Placement<f64>) -> Placement<f64> {
+        match *self {
+            Self::Still(world_from_base) => world_from_base * target,
+            Self::Moving(_) => target,
+        }
     }
 }
 

@@ -14,7 +14,6 @@ mod held;
 mod interval;
 mod many;
 mod out_file;
-mod relative_pose;
 mod report;
 mod tasks;
 mod weights;

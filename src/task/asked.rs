@@ -1,0 +1,52 @@
+//! What a residual asks of its frame, for methods that place it by geometry.
+
+use std::any::Any;
+
+use super::{Orientation, Point, Pose};
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// Where in the world a frame should be, exactly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Asked {
+    /// The point of the frame that has a place, in frame coordinates.
+    pub(crate) offset: Vector3<f64>,
+    pub(crate) place: Option<Vector3<f64>>,
+    /// The frame's own axes.
+    pub(crate) axes: Option<Matrix3<f64>>,
+    /// Whether nothing else is asked, in any other measure.
+    pub(crate) whole: bool,
+}
+
+impl Asked {
+    /// What a residual asks, if that is a place or axes in the world.
+    pub(crate) fn by(residual: &dyn Any) -> Option<Self> {
+        if let Some(point) = residual.downcast_ref::<Point>() {
+            return point.base().is_none().then(|| Self {
+                offset: point.offset(),
+                place: Some(point.target()),
+                axes: None,
+                whole: true,
+            });
+        }
+        if let Some(orientation) = residual.downcast_ref::<Orientation>() {
+            return orientation.base().is_none().then(|| Self {
+                offset: Vector3::zero(),
+                place: None,
+                axes: Some(orientation.target()),
+                whole: true,
+            });
+        }
+        let pose = residual.downcast_ref::<Pose>()?;
+        let exact = pose.goal().is_none_or(|goal| goal.is_exact_in_position());
+        let Placement {
+            rotation: tool,
+            translation: offset,
+        } = pose.frame_from_tool();
+        (pose.base().is_none() && exact).then(|| Self {
+            offset,
+            place: Some(pose.target().translation),
+            axes: Some(pose.target().rotation * tool.transpose()),
+            whole: pose.goal().is_none_or(|goal| goal.is_full_pose()),
+        })
+    }
+}
