@@ -72,6 +72,7 @@ mod processor;
 mod random;
 pub mod robot;
 pub mod scalar;
+mod search;
 pub mod skeleton;
 pub mod skinning;
 pub mod solver;

@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::{BridgeError, check_length};
 use super::pool::Pool;
-use super::solution::{Place, solution_at, start_of};
+use super::solution::{Place, solution_at};
 use crate::ik::{Solution, SolveError};
 use crate::problem::{Evaluation, Question};
+use crate::search::variables_at;
 use crate::solver::{LeastSquares, project};
 
 /// How far the corners of a first simplex stand from the start, as a share of the range.
@@ -44,7 +45,7 @@ impl<'p> BoundedProblem<'p> {
     /// # Errors
     /// A configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
-        Ok(DVector::from_vec(start_of(self.question, q)?))
+        Ok(DVector::from_vec(variables_at(self.question, q)?))
     }
 
     /// Where a search from `q` may look: the bounds, or π radians or the model's reach to either

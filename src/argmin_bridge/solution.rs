@@ -6,14 +6,11 @@ use argmin::core::{State, TerminationReason, TerminationStatus};
 use argmin::solver::particleswarm::Particle;
 use nalgebra::DVector;
 
-use super::pool::Pool;
-use crate::ik::{Solution, SolveError, check_start};
-use crate::problem::{Evaluation, Question};
-use crate::solver::{Counts, LeastSquares, Termination, project, projected_gradient_norm};
-
-/// A start counts as the optimum when the projected gradient is within this share of ‖∇cost‖'s own
-/// scale, √(2 · cost) · the largest column norm of J, as in our solvers' default test.
-const STATIONARY: f64 = 1e-9;
+use super::pool::{Buffers, Pool};
+use crate::ik::Solution;
+use crate::problem::{Evaluation, Question, Share};
+use crate::search::End;
+use crate::solver::{Counts, LeastSquares, Memory, Stopping, Termination, project};
 
 /// What an argmin state holds as its parameters: a vector, or a particle of a swarm.
 pub trait Place {
@@ -33,16 +30,6 @@ impl Place for Particle<DVector<f64>, f64> {
     }
 }
 
-/// The problem's variables of a configuration, within the bounds.
-pub(super) fn start_of(question: Question<'_>, q: &[f64]) -> Result<Vec<f64>, SolveError> {
-    let problem = question.problem();
-    check_start(problem, q)?;
-    let mut x = vec![0.0; problem.variables()];
-    problem.parameters().reduce(q, &mut x);
-    project(&mut x, question.lower(), question.upper());
-    Ok(x)
-}
-
 /// Projects x, evaluates there, and reports; `run` is the state and the evaluations of a run,
 /// `None` for one that failed where it started.
 pub(super) fn solution_at<I: State>(
@@ -51,47 +38,40 @@ pub(super) fn solution_at<I: State>(
     x: &[f64],
     run: Option<(&I, &HashMap<&'static str, u64>)>,
 ) -> Solution {
-    let problem = question.problem();
     pool.with(question, |buffers| {
-        buffers.x.copy_from_slice(x);
-        project(&mut buffers.x, question.lower(), question.upper());
-        Evaluation::new(question, &mut buffers.scratch).residual(&buffers.x, &mut buffers.residual);
-        buffers.differentiate_cost(question);
-        let projected_gradient = projected_gradient_norm(
-            &buffers.x,
-            &buffers.gradient,
-            1.0,
-            question.lower(),
-            question.upper(),
-        );
-
+        let Buffers {
+            scratch,
+            x: at,
+            residual,
+            ..
+        } = buffers;
+        at.copy_from_slice(x);
+        project(at, question.lower(), question.upper());
+        Evaluation::new(question, scratch).residual(at, residual);
+        let end = End {
+            question,
+            x: at,
+            share: Share::All,
+            searched: residual,
+            residual,
+        };
         let mut solution = Solution::default();
-        solution.cost = buffers.cost();
-        solution.projected_gradient = Some(projected_gradient);
+        let memory = &mut Memory::default();
+        // A start counts as the optimum by our solvers' default test.
+        let slope = solution.measure(&end, &Stopping::default(), scratch, memory);
         solution.attempts = 1;
-        Evaluation::new(question, &mut buffers.scratch).jacobian(&buffers.x, &mut buffers.jacobian);
-        let columns = buffers.jacobian.column_iter();
-        let steepest = columns.map(|column| column.norm()).fold(0.0, f64::max);
-        let negligible = STATIONARY * steepest * (2.0 * solution.cost).sqrt();
-        solution.measure(
-            &mut Evaluation::new(question, &mut buffers.scratch),
-            &buffers.x,
-            &buffers.residual,
-            &buffers.gradient,
-            negligible,
-        );
         if let Some((state, counts)) = run {
             solution.iterations = usize::try_from(state.get_iter()).unwrap_or(usize::MAX);
             solution.counts = counts_from(counts);
         }
-        let finished = solution.reached && !problem.has_preferences();
+        let finite = |norm: f64| norm.is_finite();
+        let finite = solution.cost.is_finite() && solution.projected_gradient.is_none_or(finite);
+        let finished = solution.reached && !question.problem().has_preferences();
         solution.termination = match run.map(|(state, _)| state.get_termination_status()) {
-            _ if !(solution.cost.is_finite() && projected_gradient.is_finite()) => {
-                Termination::NonFinite
-            }
+            _ if !finite => Termination::NonFinite,
             Some(status) => termination_of(status, finished),
             None if finished => Termination::Reached,
-            None if projected_gradient <= negligible => Termination::Stationary,
+            None if slope.is_some_and(|slope| slope.is_level) => Termination::Stationary,
             None => Termination::SmallStep,
         };
         solution

@@ -8,9 +8,10 @@ use nalgebra::{DMatrix, DVector};
 use super::bounds_transform::{BoundsTransform, Image};
 use super::error::{BridgeError, check_length};
 use super::pool::{Buffers, Pool};
-use super::solution::{Place, is_finished_at, solution_at, start_of};
+use super::solution::{Place, is_finished_at, solution_at};
 use crate::ik::{Solution, SolveError};
 use crate::problem::{Evaluation, Question};
+use crate::search::variables_at;
 use crate::solver::{LeastSquares, half_squared};
 
 /// Keeps the Gauss-Newton Hessian of a redundant arm invertible, as a share of its largest
@@ -60,7 +61,7 @@ impl<'p> UnboundedProblem<'p> {
     /// # Errors
     /// A configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
-        let x = start_of(self.question, q)?;
+        let x = variables_at(self.question, q)?;
         let y = self.transforms.iter().zip(x).map(|(t, x)| t.start(x));
         Ok(DVector::from_iterator(self.transforms.len(), y))
     }

@@ -2,7 +2,7 @@
 
 use super::query::Arm;
 use super::workspace::{Errors, Workspace};
-use crate::ik::Solution;
+use crate::ik::{RowsReport, Solution};
 use crate::lanes::Outcome;
 use crate::scalar::elementary;
 use crate::solver::{Counts, Termination};
@@ -48,17 +48,13 @@ impl Arm {
             reached: _,
         } = reply.errors;
         let options = &self.options;
-        let metres = options.goal.has_position().then_some((
-            Quantity::Metres,
-            position,
-            position <= options.position_tolerance,
-        ));
-        let radians = options.goal.has_orientation().then_some((
-            Quantity::Radians,
-            orientation,
-            orientation <= options.orientation_tolerance,
-        ));
-        solution.record_goal(&self.names, metres.into_iter().chain(radians));
+        let metres = RowsReport::of_goal(Quantity::Metres, position, options.position_tolerance);
+        let turned = options.orientation_tolerance;
+        let radians = RowsReport::of_goal(Quantity::Radians, orientation, turned);
+        let metres = options.goal.has_position().then_some(metres);
+        let radians = options.goal.has_orientation().then_some(radians);
+        solution.tell_errors(&self.names, metres.into_iter().chain(radians));
+        solution.agreeing = 0;
         solution.termination = reply.termination;
         solution.cost = self.cost(position, orientation);
         solution.projected_gradient = None;
@@ -94,15 +90,9 @@ impl Arm {
         self.report(reply, solution);
         if !solution.reached {
             let negligible = workspace.take_slope();
-            let (x, lower, upper) = (
-                &workspace.x,
-                &workspace.question.lower,
-                &workspace.question.upper,
-            );
-            solution.name_limits(x, lower, upper, &workspace.gradient, negligible);
+            let (x, gradient) = (&workspace.x, &workspace.gradient);
+            solution.tell_limits(workspace.question.ask(), x, gradient, negligible);
             solution.projected_gradient = Some(workspace.projected_gradient(x));
-            let map = &self.serial.map;
-            solution.mark_moves(map.lower(), map.upper());
             if self.options.goal.is_exact_in_position() {
                 let (place, tolerance) = (workspace.target(), self.options.position_tolerance);
                 solution.find_place_beyond(

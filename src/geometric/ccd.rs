@@ -2,7 +2,7 @@
 
 use super::descent::Descent;
 use super::goal::goals;
-use super::search::{self, Limits};
+use super::sweeps::{self, Limits};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
 use crate::problem::Question;
@@ -61,6 +61,6 @@ impl Geometric for Ccd {
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
         let mut descent = Descent::new(question, goals(question, "CCD")?);
-        search::solve(question, start, self.limits, &mut descent, observer)
+        sweeps::solve(question, start, self.limits, &mut descent, observer)
     }
 }

@@ -1,7 +1,7 @@
 //! One search by cyclic coordinate descent: what each joint does in a sweep.
 
 use super::goal::Goal;
-use super::search::Sweep;
+use super::sweeps::Sweep;
 use super::turn::{Knob, Slide, Turn, turned};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;

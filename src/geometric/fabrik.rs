@@ -4,7 +4,7 @@ use super::fit::Fit;
 use super::goal::goals;
 use super::layout::joint_points;
 use super::linkage::{Linkage, Pin, Span, lay_straight};
-use super::search::{self, Limits, Sweep};
+use super::sweeps::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
 use crate::problem::Question;
@@ -73,7 +73,7 @@ impl Geometric for Fabrik {
             points: joint_points.rest().to_vec(),
             fit: Fit::new(question, joint_points),
         };
-        search::solve(question, start, self.limits, &mut passes, observer)
+        sweeps::solve(question, start, self.limits, &mut passes, observer)
     }
 }
 

@@ -4,7 +4,7 @@ use super::fit::Fit;
 use super::goal::goals;
 use super::joint_points::Group;
 use super::layout::joint_points;
-use super::search::{self, Limits, Sweep};
+use super::sweeps::{self, Limits, Sweep};
 use super::triangle::triangle;
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
@@ -93,7 +93,7 @@ impl Geometric for TwoBone {
             stopping: Stopping::default().with_max_iterations(SWEEPS),
             restarts: Restarts::none(),
         };
-        search::solve(question, start, limits, &mut limb, observer)
+        sweeps::solve(question, start, limits, &mut limb, observer)
     }
 }
 

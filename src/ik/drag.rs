@@ -1,9 +1,10 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
 use super::refine::Extent;
-use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace, check_start};
+use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
+use crate::search::check_start;
 use crate::solver::{Stopping, Termination, project};
 use crate::task::Residual;
 
@@ -243,21 +244,12 @@ impl Drag {
         self.keep_near();
         let question = near(&self.problem, &self.targets, &self.around);
         solve(&self.solver, question, &self.q, &mut self.workspace);
-        let settled = |solution: &Solution| {
-            !solution.reached && solution.termination == Termination::Stationary
-        };
-        let held = |solution: &mut Solution, problem: &Problem| {
-            solution.mark_moves(problem.lower(), problem.upper());
-            let mut limits = solution.active_limits();
-            limits.any(|limit| limit.kind == BoundKind::Move)
-        };
-        let solution = &mut self.workspace.solution;
-        let moves = held(solution, &self.problem);
-        let stuck = settled(solution) && !moves;
+        let solution = self.solution();
+        let settled = !solution.reached && solution.termination == Termination::Stationary;
+        let stuck = settled && !self.catching_up();
         self.misses = if stuck { self.misses + 1 } else { 0 };
         if stuck && self.misses % NUDGE_EVERY == 1 {
             self.nudge();
-            held(&mut self.workspace.solution, &self.problem);
         }
         if stuck {
             self.search();
@@ -304,14 +296,15 @@ impl Drag {
         let from = &self.workspace.solution.q;
         let map = self.problem.parameters();
         // Into the other's memory, which has the right size after the first time.
-        self.trial.start.resize(self.x.len(), 0.0);
-        map.reduce(from, &mut self.trial.start);
+        let start = &mut self.trial.search.start;
+        start.resize(self.x.len(), 0.0);
+        map.reduce(from, start);
         let mut random = RandomStream::new(0, self.misses as u64);
         // First towards the middle of the joints' ranges, which is where both sides of a symmetric body bend
         // alike, then anywhere.
         let inward = self.misses % (2 * NUDGE_EVERY) == 1;
         let (lower, upper) = (self.problem.lower(), self.problem.upper());
-        for (j, value) in self.trial.start.iter_mut().enumerate() {
+        for (j, value) in start.iter_mut().enumerate() {
             let drawn = 2.0 * random.unit() - 1.0;
             let off = 0.5 * (lower[j] + upper[j]) - *value;
             let aside = match inward {
@@ -325,8 +318,8 @@ impl Drag {
                 *value += self.unit[j] * NUDGE * aside;
             }
         }
-        project(&mut self.trial.start, &self.around[0], &self.around[1]);
-        map.expand_within_limits(&self.trial.start, &mut self.q);
+        project(start, &self.around[0], &self.around[1]);
+        map.expand_within_limits(start, &mut self.q);
         let question = near(&self.problem, &self.targets, &self.around);
         solve(&self.nudged, question, &self.q, &mut self.trial);
         self.take_trial();

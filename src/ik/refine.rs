@@ -54,7 +54,7 @@ pub(super) struct Refined {
 }
 
 /// What a refinement starts from.
-pub(super) struct Place<'a> {
+pub(super) struct Start<'a> {
     pub(super) x: &'a [f64],
     /// The goals' residual there.
     pub(super) residual: &'a [f64],
@@ -169,7 +169,7 @@ impl Refinement {
         question: Question<'_>,
         scratch: &mut Scratch,
         memory: &mut Memory,
-        from: &Place<'_>,
+        from: &Start<'_>,
         limits: &Limits,
         observer: &mut dyn Observer,
     ) -> Refined {
@@ -274,7 +274,7 @@ impl Refinement {
         question: Question<'_>,
         scratch: &mut Scratch,
         memory: &mut Memory,
-        from: &Place<'_>,
+        from: &Start<'_>,
         limits: &Limits,
     ) {
         self.fixed.fill(false);

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::attempts::Attempts;
+use super::engine::Minimiser;
 use super::refine::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
-use crate::problem::{Problem, Question, Share};
+use crate::problem::{Question, Share};
+use crate::search::{Schedule, check_start, run};
 use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping};
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
@@ -125,17 +126,26 @@ impl Solver {
         let problem = question.problem;
         check_start(problem, start)?;
         let mut scratch = workspace.fit(question);
-        problem.parameters().reduce(start, &mut workspace.start);
+        let map = problem.parameters();
+        map.reduce(start, &mut workspace.search.start);
 
-        let attempts = Attempts {
-            question,
-            method: &*self.method,
-            stopping: self.stopping,
-            restarts: self.restarts,
-        };
+        let share = problem.search_share();
+        // Where preferences are traded the minimum is the goal, and a stall is on the way to it.
+        let patient = share == Share::All && problem.has_preferences();
+        let schedule = Schedule::of_searches(self.restarts, self.stopping, patient);
         let deadline = self.stopping.deadline();
-        let mut found = attempts.run(workspace, &mut scratch, deadline, observer);
-        if problem.search_share() == Share::Goals {
+        let mut engine = Minimiser {
+            question,
+            share,
+            method: &*self.method,
+            deadline,
+            observer: &mut *observer,
+            scratch: &mut scratch,
+            memory: &mut workspace.memory,
+        };
+        let search = &mut workspace.search;
+        let mut found = run(question, share, &schedule, deadline, &mut engine, search);
+        if share == Share::Goals {
             let limits = Limits {
                 stopping: self.stopping,
                 extent: self.refining,
@@ -146,25 +156,5 @@ impl Solver {
         workspace.report(question, &self.stopping, &mut scratch, &found);
         workspace.scratch = Some(scratch);
         Ok(&workspace.solution)
-    }
-}
-
-/// A start must have one finite number for every coordinate that leads a variable.
-pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
-    if start.len() != problem.degrees_of_freedom() {
-        return Err(SolveError::StartLength {
-            model: problem.names().model.clone(),
-            given: start.len(),
-            expected: problem.degrees_of_freedom(),
-        });
-    }
-    let leaders = problem.parameters().leaders();
-    let bad = leaders.iter().position(|&c| !start[c].is_finite());
-    match bad {
-        None => Ok(()),
-        Some(variable) => Err(SolveError::StartNotFinite {
-            joint: problem.names().variables[variable].clone(),
-            value: start[leaders[variable]],
-        }),
     }
 }

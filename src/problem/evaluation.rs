@@ -122,11 +122,6 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// What is evaluated.
-    pub(crate) fn question(&self) -> Question<'a> {
-        self.question
-    }
-
     /// r(x) of the whole problem before weighting.
     pub(crate) fn unweighted(&mut self, x: &[f64]) -> &[f64] {
         self.forward(x);

@@ -140,6 +140,16 @@ pub enum Termination {
 }
 
 impl Termination {
+    /// Whether a search ended because nothing better is near.
+    pub(crate) fn is_settled(self) -> bool {
+        matches!(self, Self::Stationary | Self::SmallStep)
+    }
+
+    /// Whether a search was ended from outside.
+    pub(crate) fn is_cut(self) -> bool {
+        matches!(self, Self::Cancelled | Self::TimeLimit)
+    }
+
     /// The name used in files and messages.
     #[must_use]
     pub fn name(self) -> &'static str {

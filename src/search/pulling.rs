@@ -11,18 +11,18 @@ use crate::task::Role;
 const WORTH_NAMING: f64 = 0.1;
 
 /// A miss of a weighted sum: the Jacobian and residual of all tasks there.
-pub(super) struct Pulls<'a> {
-    pub(super) question: Question<'a>,
-    pub(super) jacobian: &'a DMatrix<f64>,
-    pub(super) residual: &'a [f64],
+pub(crate) struct Pulls<'a> {
+    pub(crate) question: Question<'a>,
+    pub(crate) jacobian: &'a DMatrix<f64>,
+    pub(crate) residual: &'a [f64],
     /// A slope of the whole cost up to this is none.
-    pub(super) negligible: f64,
+    pub(crate) negligible: f64,
 }
 
 impl Pulls<'_> {
     /// Lists the preferences whose cost rises along the goals' steepest descent within the bounds at
     /// x, the strongest first. `slope` is room for as many numbers as there are variables.
-    pub(super) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
+    pub(crate) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
         tasks.clear();
         let Self {
             question,

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::reach::Beyond;
-use crate::problem::{Evaluation, Names, Share};
+use super::attempts::Found;
+use super::beyond::Beyond;
+use crate::problem::Names;
 use crate::scalar::elementary;
 use crate::solver::{Counts, Termination};
 use crate::task::{Quantity, Role};
@@ -133,7 +134,7 @@ pub struct Solution {
     pub(super) rows: Vec<RowsReport>,
     pub(super) blocked: Vec<Blocked>,
     /// The preferences that goals are traded off against, the strongest first.
-    pub(super) pulling: Vec<usize>,
+    pub(crate) pulling: Vec<usize>,
     pub(super) beyond: Option<Beyond>,
     pub(super) names: Option<Arc<Names>>,
 }
@@ -160,6 +161,25 @@ impl Default for Solution {
 }
 
 impl Solution {
+    /// Makes room for what a problem with so many tasks and variables may miss: a first solve that reaches its
+    /// target names nothing, a later one may name all.
+    pub(crate) fn reserve(&mut self, tasks: usize, variables: usize) {
+        self.pulling.clear();
+        self.pulling.reserve(tasks);
+        self.blocked.clear();
+        self.blocked.reserve(variables);
+    }
+
+    /// Takes what the attempts came to, all but where that is.
+    pub(crate) fn tell(&mut self, found: &Found) {
+        self.termination = found.termination;
+        self.projected_gradient = found.projected_gradient;
+        self.iterations = found.iterations;
+        self.attempts = found.attempts;
+        self.agreeing = found.agreeing;
+        self.counts = found.counts;
+    }
+
     /// Every task's outcome, in the order in which the tasks were added.
     pub fn tasks(&self) -> impl Iterator<Item = TaskReport<'_>> {
         let groups = self.rows.chunk_by(|a, b| a.task == b.task);
@@ -204,116 +224,5 @@ impl Solution {
                 push: blocked.push,
             })
         })
-    }
-
-    /// Takes the configuration, the errors and the blocking limits at x, with the weighted residual of
-    /// all tasks there. A slope up to `negligible` does not push.
-    pub(crate) fn measure(
-        &mut self,
-        evaluation: &mut Evaluation<'_>,
-        x: &[f64],
-        r: &[f64],
-        gradient: &[f64],
-        negligible: f64,
-    ) {
-        let question = evaluation.question();
-        let problem = question.problem;
-        self.q.resize(problem.degrees_of_freedom(), 0.0);
-        problem.parameters().expand_within_limits(x, &mut self.q);
-        self.rows.clear();
-        self.rows
-            .extend(problem.errors(Share::All, r).map(|block| RowsReport {
-                task: block.task,
-                quantity: block.quantity,
-                error: block.error,
-                reached: block.reached,
-                role: block.role,
-            }));
-        if problem.leaves_rows_out() {
-            let errors = problem.unasked_errors(evaluation.unweighted(x));
-            for (rows, error) in self.rows.iter_mut().zip(errors) {
-                rows.error = error.unwrap_or(rows.error);
-            }
-        }
-        self.beyond = None;
-        let goals = self.rows.iter().filter(|rows| rows.role == Role::Goal);
-        self.reached = goals.into_iter().all(|rows| rows.reached);
-
-        self.blocked.clear();
-        if !self.reached {
-            self.name_limits(x, question.lower(), question.upper(), gradient, negligible);
-        }
-        let known = self.names.as_ref();
-        if !known.is_some_and(|names| Arc::ptr_eq(names, problem.names())) {
-            self.names = Some(Arc::clone(problem.names()));
-        }
-    }
-
-    /// Lists the variables that stand on a bound beyond which the cost falls, by a slope of more than
-    /// `negligible`.
-    pub(crate) fn name_limits(
-        &mut self,
-        x: &[f64],
-        lower: &[f64],
-        upper: &[f64],
-        gradient: &[f64],
-        negligible: f64,
-    ) {
-        self.blocked.clear();
-        for (variable, (&value, &g)) in x.iter().zip(gradient).enumerate() {
-            let side = if value <= lower[variable] && g > negligible {
-                Side::Lower
-            } else if value >= upper[variable] && g < -negligible {
-                Side::Upper
-            } else {
-                continue;
-            };
-            self.blocked.push(Blocked {
-                variable,
-                side,
-                kind: BoundKind::Limit,
-                value,
-                push: g.abs(),
-            });
-        }
-    }
-
-    /// Tells bounds of moves, which lie within the limits `lower` and `upper`, from the limits.
-    pub(crate) fn mark_moves(&mut self, lower: &[f64], upper: &[f64]) {
-        for blocked in &mut self.blocked {
-            let limit = match blocked.side {
-                Side::Lower => lower[blocked.variable],
-                Side::Upper => upper[blocked.variable],
-            };
-            if blocked.value != limit {
-                blocked.kind = BoundKind::Move;
-            }
-        }
-    }
-
-    /// Takes the errors of a single goal: what each kind of its rows measures, how far it is off,
-    /// and whether that is within tolerance. No limit is named yet.
-    pub(crate) fn record_goal(
-        &mut self,
-        names: &Arc<Names>,
-        errors: impl Iterator<Item = (Quantity, f64, bool)>,
-    ) {
-        self.rows.clear();
-        self.rows
-            .extend(errors.map(|(quantity, error, reached)| RowsReport {
-                task: 0,
-                quantity,
-                error,
-                reached,
-                role: Role::Goal,
-            }));
-        self.reached = self.rows.iter().all(|rows| rows.reached);
-        self.blocked.clear();
-        self.pulling.clear();
-        (self.beyond, self.agreeing) = (None, 0);
-        let known = self.names.as_ref();
-        if !known.is_some_and(|known| Arc::ptr_eq(known, names)) {
-            self.names = Some(Arc::clone(names));
-        }
     }
 }

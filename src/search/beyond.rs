@@ -17,7 +17,7 @@ pub(super) struct Beyond {
 
 impl Solution {
     /// Looks for a missed goal that no configuration can meet.
-    pub(super) fn find_beyond(&mut self, question: Question<'_>) {
+    pub(crate) fn find_beyond(&mut self, question: Question<'_>) {
         let tasks = question.problem.compiled_tasks().iter().enumerate();
         let mut goals = tasks.filter(|(_, task)| task.role == Role::Goal);
         self.beyond = goals.find_map(|(index, task)| beyond(question, index, task));

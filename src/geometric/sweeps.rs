@@ -1,0 +1,247 @@
+//! The loop that the geometric methods share: sweep, look, stop.
+
+use std::time::Instant;
+
+use super::GeometricError;
+use crate::ik::{Restarts, Solution};
+use crate::problem::{Evaluation, Question, Scratch, Share};
+use crate::search::{Attempt, End, Engine, Schedule, Search, run, variables_at};
+use crate::solver::{
+    Counts, Iteration, LeastSquares, Memory, Observer, Stopping, Termination, half_squared, project,
+};
+
+/// A sweep that lowers the cost by no more than this share has hardly changed it, …
+const FLAT: f64 = 1e-13;
+/// … and after so many in a row no further one makes sense.
+const FLAT_SWEEPS: usize = 5;
+
+/// One geometric method at work on one problem.
+pub(super) trait Sweep {
+    /// Stands at a new start, within the bounds.
+    fn begin(&mut self, x: &[f64]);
+
+    /// Whether the start itself may be the answer. A method that promises more than its goals (an
+    /// elbow's side) says no.
+    fn start_counts(&self) -> bool {
+        true
+    }
+
+    /// Moves the variables once, from bounds to within bounds.
+    fn sweep(&mut self, x: &mut [f64]);
+}
+
+/// How long to go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limits {
+    pub(super) stopping: Stopping,
+    pub(super) restarts: Restarts,
+}
+
+impl Limits {
+    /// Sweeps are cheap and gain little each: more of them than of an optimiser's steps, and an end
+    /// where they crawl.
+    pub(super) fn usual() -> Self {
+        let stopping = Stopping::default().with_max_iterations(500);
+        Self {
+            stopping: stopping.with_patience(Some(60)),
+            restarts: Restarts::default().with_steps(2000),
+        }
+    }
+}
+
+/// Searches from the configuration `start` (projected into the limits). A search that stopped where nothing is
+/// left to gain ends as stationary.
+pub(super) fn solve(
+    question: Question<'_>,
+    start: &[f64],
+    limits: Limits,
+    method: &mut dyn Sweep,
+    observer: &mut dyn Observer,
+) -> Result<Solution, GeometricError> {
+    let Limits { stopping, restarts } = limits;
+    let mut search = Search::default();
+    search.fit(question, Share::All);
+    search.start = variables_at(question, start)?;
+    let deadline = stopping.deadline();
+    let mut sweeps = Sweeps::new(question, &search.start, method, observer, deadline);
+    let schedule = Schedule::of_sweeps(restarts, stopping);
+    let mut found = run(
+        question,
+        Share::All,
+        &schedule,
+        deadline,
+        &mut sweeps,
+        &mut search,
+    );
+    found.agreeing = 0;
+    let mut solution = Solution::default();
+    solution.tell(&found);
+    let end = End {
+        question,
+        x: &search.keeper.x,
+        share: Share::All,
+        searched: &search.keeper.residual,
+        residual: &search.keeper.residual,
+    };
+    let mut scratch = sweeps.scratch;
+    let slope = solution.measure(&end, &stopping, &mut scratch, &mut Memory::default());
+    let is_level = slope.is_some_and(|slope| slope.is_level);
+    if is_level && solution.termination == Termination::SmallStep {
+        solution.termination = Termination::Stationary;
+    }
+    Ok(solution)
+}
+
+/// A method as an engine of the search.
+struct Sweeps<'a> {
+    question: Question<'a>,
+    method: &'a mut dyn Sweep,
+    observer: &'a mut dyn Observer,
+    deadline: Option<Instant>,
+    scratch: Scratch,
+    counts: Counts,
+    residual_at_start: Vec<f64>,
+    /// Where the sweeps stand, and stood before the last.
+    x: Vec<f64>,
+    previous: Vec<f64>,
+    residual: Vec<f64>,
+    /// The best place on the way.
+    best_x: Vec<f64>,
+    best_residual: Vec<f64>,
+}
+
+impl<'a> Sweeps<'a> {
+    fn new(
+        question: Question<'a>,
+        start: &[f64],
+        method: &'a mut dyn Sweep,
+        observer: &'a mut dyn Observer,
+        deadline: Option<Instant>,
+    ) -> Self {
+        let rows = vec![0.0; question.rows()];
+        let mut sweeps = Self {
+            question,
+            method,
+            observer,
+            deadline,
+            scratch: question.scratch(),
+            counts: Counts::default(),
+            residual_at_start: rows.clone(),
+            x: start.to_vec(),
+            previous: start.to_vec(),
+            residual: rows.clone(),
+            best_x: start.to_vec(),
+            best_residual: rows,
+        };
+        sweeps.evaluate();
+        sweeps.residual_at_start.copy_from_slice(&sweeps.residual);
+        sweeps
+    }
+
+    /// Takes the residual where the sweeps stand; the cost there.
+    fn evaluate(&mut self) -> f64 {
+        let mut evaluation = Evaluation::new(self.question, &mut self.scratch);
+        evaluation.residual(&self.x, &mut self.residual);
+        self.counts.residuals += 1;
+        half_squared(&self.residual)
+    }
+
+    fn keep(&mut self) {
+        self.best_x.copy_from_slice(&self.x);
+        self.best_residual.copy_from_slice(&self.residual);
+    }
+
+    /// Whether the last sweep moved no variable by more than tolerance · max(1, |x|).
+    fn stands_still(&self, tolerance: f64) -> bool {
+        let mut moves = self.x.iter().zip(&self.previous);
+        moves.all(|(a, b)| (a - b).abs() - tolerance * a.abs().max(1.0) <= 0.0)
+    }
+}
+
+impl Engine for Sweeps<'_> {
+    fn residual_at_start(&mut self, _start: &[f64]) -> &[f64] {
+        &self.residual_at_start
+    }
+
+    /// What is returned is the best place on the way: not every sweep of every method lowers the cost.
+    fn attempt(&mut self, start: &[f64], stopping: &Stopping) -> Attempt {
+        let question = self.question;
+        self.x.copy_from_slice(start);
+        project(&mut self.x, question.lower(), question.upper());
+        let (mut best, mut reached) = (f64::INFINITY, false);
+        let (mut index, mut step, mut flat) = (0, 0.0, 0);
+        let mut milestone = (0, f64::INFINITY);
+        self.method.begin(&self.x);
+        let termination = loop {
+            let cost = self.evaluate();
+            if index == 0 {
+                self.keep();
+            }
+            if !cost.is_finite() {
+                best = if index == 0 { cost } else { best };
+                break Termination::NonFinite;
+            }
+            let arrived = question.problem.is_reached(&self.residual);
+            let hardly_lower = best - cost <= FLAT * cost;
+            flat = if hardly_lower { flat + 1 } else { 0 };
+            let counts = index > 0 || self.method.start_counts();
+            if counts && (cost < best || (arrived && !reached)) {
+                self.keep();
+                (best, reached) = (cost, arrived);
+            }
+            let seen = self.observer.observe(&Iteration {
+                index,
+                cost,
+                projected_gradient: None,
+                step,
+                damping: 0.0,
+                x: &self.x,
+            });
+            if cost < 0.5 * milestone.1 {
+                milestone = (index, cost);
+            }
+            let waited = index - milestone.0;
+            let still = index > 0 && self.stands_still(stopping.step_tolerance());
+            if reached {
+                break Termination::Reached;
+            }
+            if seen.is_break() {
+                break Termination::Cancelled;
+            }
+            if still || flat >= FLAT_SWEEPS {
+                break Termination::SmallStep;
+            }
+            if stopping.patience().is_some_and(|most| waited >= most) {
+                break Termination::Stalled;
+            }
+            if index >= stopping.max_iterations() {
+                break Termination::IterationLimit;
+            }
+            if self.deadline.is_some_and(|at| Instant::now() >= at) {
+                break Termination::TimeLimit;
+            }
+            self.previous.copy_from_slice(&self.x);
+            self.method.sweep(&mut self.x);
+            step = largest_move(&self.x, &self.previous);
+            index += 1;
+        };
+        Attempt {
+            termination,
+            cost: best,
+            reached,
+            iterations: index,
+            counts: std::mem::take(&mut self.counts),
+            projected_gradient: None,
+        }
+    }
+
+    fn end(&self) -> (&[f64], &[f64]) {
+        (&self.best_x, &self.best_residual)
+    }
+}
+
+/// ‖x − previous‖∞.
+fn largest_move(x: &[f64], previous: &[f64]) -> f64 {
+    let moves = x.iter().zip(previous).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}

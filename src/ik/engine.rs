@@ -1,0 +1,52 @@
+//! A solver's method as an engine of the search.
+
+use std::time::Instant;
+
+use crate::problem::{Evaluation, Question, Scratch, Share};
+use crate::search::{Attempt, Engine};
+use crate::solver::{LeastSquares, Memory, Method, Observer, Stopping, minimise_until};
+
+/// A method at work on one question.
+pub(super) struct Minimiser<'a> {
+    pub(super) question: Question<'a>,
+    /// What of it is minimised.
+    pub(super) share: Share,
+    pub(super) method: &'a dyn Method,
+    pub(super) deadline: Option<Instant>,
+    pub(super) observer: &'a mut dyn Observer,
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) memory: &'a mut Memory,
+}
+
+impl Engine for Minimiser<'_> {
+    fn residual_at_start(&mut self, start: &[f64]) -> &[f64] {
+        let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        self.memory.evaluate_at(&mut evaluation, start);
+        self.memory.residual()
+    }
+
+    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
+        let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        let outcome = minimise_until(
+            &mut evaluation,
+            self.method,
+            x,
+            stopping,
+            self.deadline,
+            self.observer,
+            self.memory,
+        );
+        Attempt {
+            termination: outcome.termination,
+            cost: self.memory.cost(),
+            reached: evaluation.is_reached(self.memory.residual()),
+            iterations: outcome.iterations,
+            counts: self.memory.counts(),
+            projected_gradient: outcome.projected_gradient,
+        }
+    }
+
+    fn end(&self) -> (&[f64], &[f64]) {
+        (self.memory.x(), self.memory.residual())
+    }
+}

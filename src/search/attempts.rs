@@ -1,0 +1,135 @@
+//! Attempts one after the other.
+
+use std::time::Instant;
+
+use super::keeper::Keeper;
+use super::schedule::{Schedule, Trial};
+use crate::problem::{Question, Share};
+use crate::solver::{Counts, Stopping, Termination};
+
+/// What searches from one start.
+pub(crate) trait Engine {
+    /// The residual at the caller's start of what is searched for.
+    fn residual_at_start(&mut self, start: &[f64]) -> &[f64];
+
+    /// Searches from x, projected into the bounds.
+    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt;
+
+    /// Where the last attempt ended, and the residual there.
+    fn end(&self) -> (&[f64], &[f64]);
+}
+
+/// What one attempt came to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Attempt {
+    pub(crate) termination: Termination,
+    pub(crate) cost: f64,
+    pub(crate) reached: bool,
+    pub(crate) iterations: usize,
+    pub(crate) counts: Counts,
+    pub(crate) projected_gradient: Option<f64>,
+}
+
+/// What several attempts came to, by the one that counts; where, is in the [`Keeper`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    pub(crate) termination: Termination,
+    pub(crate) cost: f64,
+    pub(crate) reached: bool,
+    pub(crate) projected_gradient: Option<f64>,
+    /// Of all attempts together.
+    pub(crate) iterations: usize,
+    pub(crate) attempts: usize,
+    pub(crate) counts: Counts,
+    /// How many attempts stopped as near as the one that counts, itself included.
+    pub(crate) agreeing: usize,
+}
+
+impl Default for Found {
+    /// No attempt.
+    fn default() -> Self {
+        Self {
+            termination: Termination::NonFinite,
+            cost: f64::INFINITY,
+            reached: false,
+            projected_gradient: None,
+            iterations: 0,
+            attempts: 0,
+            counts: Counts::default(),
+            agreeing: 0,
+        }
+    }
+}
+
+/// The memory of a search.
+#[derive(Debug, Default)]
+pub(crate) struct Search {
+    /// The caller's start.
+    pub(crate) start: Vec<f64>,
+    pub(crate) keeper: Keeper,
+    /// Where the next attempt starts.
+    pub(crate) x: Vec<f64>,
+    /// The variables that the first attempts beside the start may move.
+    local: Vec<bool>,
+}
+
+impl Search {
+    /// Makes room for a question.
+    pub(crate) fn fit(&mut self, question: Question<'_>, share: Share) {
+        let variables = question.variables();
+        self.start.resize(variables, 0.0);
+        self.x.resize(variables, 0.0);
+        self.local.resize(variables, true);
+        self.keeper.fit(variables, question.problem.rows_of(share));
+    }
+}
+
+/// Runs the trials of a schedule from the search's start until one reaches the goals, several agree that
+/// none can, or they run out.
+pub(crate) fn run(
+    question: Question<'_>,
+    share: Share,
+    schedule: &Schedule,
+    deadline: Option<Instant>,
+    engine: &mut dyn Engine,
+    search: &mut Search,
+) -> Found {
+    let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+    let Search {
+        start,
+        keeper,
+        x,
+        local,
+    } = search;
+    keeper.begin(schedule.restarts().attempts);
+    for trial in schedule.trials() {
+        if !keeper.wants(trial, schedule) {
+            continue;
+        }
+        if keeper.found.attempts > 0 && late() {
+            keeper.cut(Termination::TimeLimit);
+            break;
+        }
+        match trial {
+            Trial::Quick(index) | Trial::Full(index) => {
+                if index == 1 {
+                    let residual = engine.residual_at_start(start);
+                    question.problem.mark_free_to_wander(share, residual, local);
+                }
+                let restarts = schedule.restarts();
+                restarts.start_of(index, start, local, question, x);
+            }
+            _ => x.copy_from_slice(keeper.start_of(trial)),
+        }
+        let attempt = engine.attempt(x, &schedule.stopping(trial));
+        keeper.take(trial, &attempt, engine.end(), schedule);
+        let cut = attempt.termination.is_cut();
+        if cut && !attempt.reached {
+            keeper.cut(attempt.termination);
+        }
+        if attempt.reached || cut {
+            break;
+        }
+    }
+    keeper.found()
+}

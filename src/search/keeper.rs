@@ -1,0 +1,135 @@
+//! Which of several attempts counts, and how many agree with it.
+
+use super::attempts::{Attempt, Found};
+use super::schedule::{Schedule, Trial};
+use crate::solver::Termination;
+
+/// Costs within this share of each other count as the same miss.
+const SAME_COST: f64 = 1e-6;
+
+/// The caller's own attempt stays where another is better by no more than this share of the cost: what
+/// one did not ask for should not happen for a hair's breadth.
+const NEARLY_SAME: f64 = 1e-3;
+
+/// Room for the costs of so many attempts is made before the first.
+const USUAL_ATTEMPTS: usize = 1024;
+
+/// The attempts made so far: where the one that counts ended, and what all came to.
+#[derive(Debug, Default)]
+pub(crate) struct Keeper {
+    pub(crate) x: Vec<f64>,
+    /// Of what is searched for, at x.
+    pub(crate) residual: Vec<f64>,
+    pub(super) found: Found,
+    /// Where the attempt from the caller's start ended.
+    first_x: Vec<f64>,
+    first_is_best: bool,
+    /// Whether it may be the one that counts, though another is better.
+    first_may_win: bool,
+    /// How many ended at the lowest cost, of those whose end says something.
+    agreeing: usize,
+    /// The cost of every attempt that came to its end or stalled.
+    costs: Vec<f64>,
+}
+
+impl Keeper {
+    /// Makes room for a search of so many variables and rows.
+    pub(crate) fn fit(&mut self, variables: usize, rows: usize) {
+        self.x.resize(variables, 0.0);
+        self.first_x.resize(variables, 0.0);
+        self.residual.resize(rows, 0.0);
+    }
+
+    /// Forgets the last search; the next makes so many attempts at most.
+    pub(super) fn begin(&mut self, attempts: usize) {
+        self.found = Found::default();
+        (self.first_is_best, self.first_may_win) = (true, false);
+        self.agreeing = 0;
+        self.costs.clear();
+        self.costs.reserve(attempts.min(USUAL_ATTEMPTS));
+    }
+
+    /// Whether a trial makes sense after those before.
+    pub(super) fn wants(&self, trial: Trial, schedule: &Schedule) -> bool {
+        let found = &self.found;
+        let over =
+            found.iterations >= schedule.restarts().steps || self.agreeing >= schedule.enough();
+        match trial {
+            Trial::Quick(_) | Trial::Full(_) => found.attempts == 0 || !over,
+            Trial::FinishBest => found.termination == Termination::Stalled,
+            Trial::FinishFirst => !self.first_is_best && self.first_may_win,
+            Trial::FinishAtLast => {
+                !schedule.settles(found.termination)
+                    && found.attempts != schedule.restarts().attempts
+            }
+        }
+    }
+
+    /// Where a trial that finishes another begins.
+    pub(super) fn start_of(&self, trial: Trial) -> &[f64] {
+        match trial {
+            Trial::FinishFirst => &self.first_x,
+            _ => &self.x,
+        }
+    }
+
+    /// Takes what a trial came to. Among equals the earliest, which is the nearest to the caller's start,
+    /// stays.
+    pub(super) fn take(
+        &mut self,
+        trial: Trial,
+        attempt: &Attempt,
+        (x, residual): (&[f64], &[f64]),
+        schedule: &Schedule,
+    ) {
+        let found = &mut self.found;
+        found.attempts += usize::from(!matches!(trial, Trial::FinishBest | Trial::FinishFirst));
+        found.iterations += attempt.iterations;
+        found.counts += attempt.counts;
+        let settled = schedule.settles(attempt.termination);
+        let ended = settled || attempt.termination == Termination::Stalled;
+        if ended && !trial.goes_on() {
+            self.costs.push(attempt.cost);
+        }
+        let lower = attempt.cost < found.cost * (1.0 - SAME_COST);
+        if settled && schedule.counts_for_agreement(trial) {
+            self.agreeing = match lower {
+                true => 1,
+                false => {
+                    self.agreeing + usize::from(attempt.cost <= found.cost * (1.0 + SAME_COST))
+                }
+            };
+        }
+        let first = found.attempts == 1 && !trial.goes_on();
+        if first {
+            self.first_x.copy_from_slice(x);
+            self.first_may_win = ended;
+        }
+        let usable = found.cost.is_nan() && !attempt.cost.is_nan();
+        let kept = match trial {
+            Trial::FinishFirst => attempt.cost <= found.cost * (1.0 + NEARLY_SAME),
+            _ => first || lower || usable || trial.goes_on(),
+        };
+        if attempt.reached || kept {
+            self.first_is_best &= first || trial.goes_on();
+            found.termination = attempt.termination;
+            found.projected_gradient = attempt.projected_gradient;
+            (found.cost, found.reached) = (attempt.cost, attempt.reached);
+            self.x.copy_from_slice(x);
+            self.residual.copy_from_slice(residual);
+        }
+    }
+
+    /// Says what cut the search short: it is told, also where an earlier attempt is the one returned.
+    pub(super) fn cut(&mut self, termination: Termination) {
+        self.found.termination = termination;
+    }
+
+    /// What the attempts came to.
+    pub(super) fn found(&mut self) -> Found {
+        let alike = self.found.cost * (1.0 + NEARLY_SAME);
+        let agreeing = self.costs.iter().filter(|cost| **cost <= alike);
+        self.found.agreeing = agreeing.count().max(1);
+        self.found
+    }
+}

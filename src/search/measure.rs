@@ -1,0 +1,156 @@
+//! The truth about the place where a search ended.
+
+use std::sync::Arc;
+
+use super::solution::Blocked;
+use super::{BoundKind, RowsReport, Side, Solution};
+use crate::problem::{Evaluation, Names, Question, Scratch, Share};
+use crate::solver::{Memory, Stopping, half_squared, negligible_slope, projected_gradient_norm};
+use crate::task::{Quantity, Role};
+
+/// Where a search ended, and what is known of that place.
+pub(crate) struct End<'a> {
+    pub(crate) question: Question<'a>,
+    pub(crate) x: &'a [f64],
+    /// What was searched for, and its weighted residual at x.
+    pub(crate) share: Share,
+    pub(crate) searched: &'a [f64],
+    /// The weighted residual of all tasks.
+    pub(crate) residual: &'a [f64],
+}
+
+/// How steep the cost is at a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slope {
+    /// A slope along one variable up to this is none.
+    pub(crate) negligible: f64,
+    /// Whether no variable that is free has more: the solvers' own test.
+    pub(crate) is_level: bool,
+}
+
+impl Solution {
+    /// Takes the configuration, its cost and its errors; where it misses, how steep the cost of what was
+    /// searched for is there (its Jacobian stays in `memory`) and which limits block it. No slope is taken of
+    /// a cost that is not finite, nor where nothing lower is asked for.
+    pub(crate) fn measure(
+        &mut self,
+        end: &End<'_>,
+        stopping: &Stopping,
+        scratch: &mut Scratch,
+        memory: &mut Memory,
+    ) -> Option<Slope> {
+        let End { question, x, .. } = *end;
+        let problem = question.problem;
+        self.q.resize(problem.degrees_of_freedom(), 0.0);
+        problem.parameters().expand_within_limits(x, &mut self.q);
+        self.cost = half_squared(end.residual);
+        let errors = problem.errors(Share::All, end.residual);
+        self.tell_errors(
+            problem.names(),
+            errors.map(|block| RowsReport {
+                task: block.task,
+                quantity: block.quantity,
+                error: block.error,
+                reached: block.reached,
+                role: block.role,
+            }),
+        );
+        if problem.leaves_rows_out() {
+            let mut evaluation = Evaluation::new(question, scratch);
+            let errors = problem.unasked_errors(evaluation.unweighted(x));
+            for (rows, error) in self.rows.iter_mut().zip(errors) {
+                rows.error = error.unwrap_or(rows.error);
+            }
+        }
+        let lower_is_better = end.share == Share::All && problem.has_preferences();
+        let done = !lower_is_better || self.projected_gradient.is_some();
+        let cost = half_squared(end.searched);
+        if self.reached && done || !cost.is_finite() {
+            return None;
+        }
+        memory.take_shape(end.searched.len(), x.len());
+        let mut evaluation = Evaluation::of(end.share, question, scratch);
+        let (gradient, steepest) = memory.slope_at(&mut evaluation, x, end.searched);
+        let negligible = negligible_slope(steepest, cost, stopping);
+        let (lower, upper) = (question.lower(), question.upper());
+        let left = |curvature| projected_gradient_norm(x, gradient, curvature, lower, upper);
+        if end.share != Share::All || self.projected_gradient.is_none() {
+            self.projected_gradient = Some(left(1.0));
+        }
+        if !self.reached {
+            self.tell_limits(question, x, gradient, negligible);
+        }
+        let cosine = left(steepest * steepest) * steepest / (2.0 * cost).sqrt();
+        Some(Slope {
+            negligible,
+            is_level: cosine <= stopping.gradient_tolerance() || steepest == 0.0,
+        })
+    }
+
+    /// Takes the errors of all tasks; what was known of a miss is forgotten.
+    pub(crate) fn tell_errors(
+        &mut self,
+        names: &Arc<Names>,
+        errors: impl Iterator<Item = RowsReport>,
+    ) {
+        self.rows.clear();
+        self.rows.extend(errors);
+        let mut goals = self.rows.iter().filter(|rows| rows.role == Role::Goal);
+        self.reached = goals.all(|rows| rows.reached);
+        self.blocked.clear();
+        self.pulling.clear();
+        self.beyond = None;
+        let known = self.names.as_ref();
+        if !known.is_some_and(|known| Arc::ptr_eq(known, names)) {
+            self.names = Some(Arc::clone(names));
+        }
+    }
+
+    /// Lists the variables that stand on a bound of the question beyond which the cost falls, by a slope of
+    /// more than `negligible`.
+    pub(crate) fn tell_limits(
+        &mut self,
+        question: Question<'_>,
+        x: &[f64],
+        gradient: &[f64],
+        negligible: f64,
+    ) {
+        let (lower, upper) = (question.lower(), question.upper());
+        let limits = question.problem;
+        self.blocked.clear();
+        for (variable, (&value, &g)) in x.iter().zip(gradient).enumerate() {
+            let (side, limit) = if value <= lower[variable] && g > negligible {
+                (Side::Lower, limits.lower()[variable])
+            } else if value >= upper[variable] && g < -negligible {
+                (Side::Upper, limits.upper()[variable])
+            } else {
+                continue;
+            };
+            // The bounds of a move lie within the limits.
+            let kind = match value == limit {
+                true => BoundKind::Limit,
+                false => BoundKind::Move,
+            };
+            self.blocked.push(Blocked {
+                variable,
+                side,
+                kind,
+                value,
+                push: g.abs(),
+            });
+        }
+    }
+}
+
+impl RowsReport {
+    /// The error of the only goal.
+    pub(crate) fn of_goal(quantity: Quantity, error: f64, tolerance: f64) -> Self {
+        Self {
+            task: 0,
+            quantity,
+            error,
+            reached: error <= tolerance,
+            role: Role::Goal,
+        }
+    }
+}

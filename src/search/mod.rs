@@ -1,0 +1,28 @@
+//! The search that every engine is run by: numbered attempts, which of them counts, and the truth about
+//! where it ended.
+//!
+//! An [`Engine`] searches from one start. [`run`] hands it the starts of a [`Schedule`], the
+//! [`Keeper`](keeper::Keeper)
+//! says which attempt counts and how many agree, and [`Solution::measure`] and
+//! [`explain`](Solution::explain) tell what is true of its end.
+
+mod attempts;
+mod beyond;
+mod error;
+mod explain;
+mod keeper;
+mod measure;
+mod pulling;
+mod restarts;
+mod schedule;
+mod solution;
+mod start;
+
+pub(crate) use attempts::{Attempt, Engine, Found, Search, run};
+pub use error::SolveError;
+pub(crate) use measure::End;
+pub(crate) use pulling::Pulls;
+pub use restarts::Restarts;
+pub(crate) use schedule::Schedule;
+pub use solution::{ActiveLimit, BoundKind, RowsReport, Side, Solution, TaskReport};
+pub(crate) use start::{check_start, variables_at};

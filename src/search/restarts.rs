@@ -1,0 +1,104 @@
+//! Numbered attempts: how many, and where each one starts.
+//!
+//! Attempt 0 is the caller's start. Attempt i > 0 is drawn from (seed, i) alone, so attempts could
+//! run in any order; the lowest index that succeeds wins.
+
+use crate::problem::Question;
+use crate::random::RandomStream;
+
+/// How far a nudged start moves towards a random one. Rest poses of rigs are singular: with a bend
+/// of 0 both twists coincide, and a small move away shows the way.
+const NUDGE: f64 = 0.15;
+
+/// How many attempts after the first leave alone what already is where it should be.
+const LOCAL_ATTEMPTS: usize = 2;
+
+/// How often to try again, and from where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Restarts {
+    pub(super) attempts: usize,
+    pub(super) seed: u64,
+    pub(super) agreeing: Option<usize>,
+    pub(super) steps: usize,
+}
+
+impl Default for Restarts {
+    /// Up to 32 attempts, all of which are made where none reaches, seed 0, and any number of steps.
+    fn default() -> Self {
+        Self {
+            attempts: 32,
+            seed: 0,
+            agreeing: None,
+            steps: usize::MAX,
+        }
+    }
+}
+
+impl Restarts {
+    /// Only the caller's start.
+    #[must_use]
+    pub fn none() -> Self {
+        Self {
+            attempts: 1,
+            ..Self::default()
+        }
+    }
+
+    /// At most so many attempts, the caller's start included; at least 1.
+    #[must_use]
+    pub fn with_attempts(mut self, attempts: usize) -> Self {
+        self.attempts = attempts.max(1);
+        self
+    }
+
+    /// The seed that all random starts come from.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Ends when so many attempts have stopped at the same lowest cost: the target is then most
+    /// likely out of reach. At least 1. All attempts but the first eight then run to their ends, so a
+    /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
+    /// and three are enough.
+    #[must_use]
+    pub fn with_agreeing(mut self, agreeing: usize) -> Self {
+        self.agreeing = Some(agreeing.max(1));
+        self
+    }
+
+    /// After so many steps of all attempts together only one further attempt is made: from where the
+    /// best one stands, if that was cut off.
+    #[must_use]
+    pub fn with_steps(mut self, steps: usize) -> Self {
+        self.steps = steps;
+        self
+    }
+
+    /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
+    /// place, even ones go there. The first attempts after the start leave what is not free to
+    /// `wander` where it is, and all leave alone what no task feels.
+    pub(super) fn start_of(
+        &self,
+        index: usize,
+        start: &[f64],
+        wander: &[bool],
+        question: Question<'_>,
+        x: &mut [f64],
+    ) {
+        x.copy_from_slice(start);
+        if index == 0 {
+            return;
+        }
+        let mut random = RandomStream::new(self.seed, index as u64);
+        let share = if index % 2 == 1 { NUDGE } else { 1.0 };
+        for (j, value) in x.iter_mut().enumerate() {
+            let (low, high) = question.sampling_range(j, start[j]);
+            let drawn = low + (high - low) * random.unit();
+            if wander[j] || (index > LOCAL_ATTEMPTS && question.problem.is_felt(j)) {
+                *value = start[j] + share * (drawn - start[j]);
+            }
+        }
+    }
+}

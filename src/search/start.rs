@@ -1,0 +1,35 @@
+//! Where a search begins.
+
+use super::SolveError;
+use crate::problem::{Problem, Question};
+use crate::solver::project;
+
+/// A start must have one finite number for every coordinate that leads a variable.
+pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
+    if start.len() != problem.degrees_of_freedom() {
+        return Err(SolveError::StartLength {
+            model: problem.names().model.clone(),
+            given: start.len(),
+            expected: problem.degrees_of_freedom(),
+        });
+    }
+    let leaders = problem.parameters().leaders();
+    let bad = leaders.iter().position(|&c| !start[c].is_finite());
+    match bad {
+        None => Ok(()),
+        Some(variable) => Err(SolveError::StartNotFinite {
+            joint: problem.names().variables[variable].clone(),
+            value: start[leaders[variable]],
+        }),
+    }
+}
+
+/// The variables of a configuration, within the bounds.
+pub(crate) fn variables_at(question: Question<'_>, q: &[f64]) -> Result<Vec<f64>, SolveError> {
+    let problem = question.problem;
+    check_start(problem, q)?;
+    let mut x = vec![0.0; problem.variables()];
+    problem.parameters().reduce(q, &mut x);
+    project(&mut x, question.lower(), question.upper());
+    Ok(x)
+}
