@@ -2,28 +2,16 @@
 
 use super::chain::MAX_JOINTS;
 use super::group::Group;
-use super::kernel::Ended;
+use super::judge::Errors;
 use super::lane::LaneScalar;
+use super::lm_step::Ended;
 use super::options::{Outcome, Search};
 use super::prepared::Prepared;
-use super::query::Query;
 use super::seeds::QuerySeeds;
+use super::single_query::Query;
 use super::stages::Stages;
 use super::turns::unwrap_towards;
 use crate::spatial::Placement;
-
-/// What a lane is busy with.
-struct Job<'a> {
-    index: usize,
-    query: Query<'a>,
-    goal_from_first: Placement<f64>,
-    attempt: u32,
-    /// Attempts ended.
-    begun: u32,
-    age: u32,
-    iterations: u32,
-    best_cost: f64,
-}
 
 /// What a batch is given.
 pub(crate) struct Work<'a> {
@@ -48,150 +36,233 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     prepared: &Prepared,
     work: Work<'_>,
 ) {
-    let n = prepared.links.links.len();
-    let settings = &prepared.settings;
-    let options = &prepared.options;
-    let mut group = Group::<V, N>::new(n);
-    let mut seed = [0.0; MAX_JOINTS];
-    let Work {
-        targets,
-        starts,
-        search,
-        attempts_from,
-        attempts,
-        q: q_out,
-        outcomes,
-    } = work;
-    let mut next = 0;
-    let mut jobs: [Option<Job<'_>>; L] = [const { None }; L];
-    let mut seeds: [QuerySeeds; L] = std::array::from_fn(|_| QuerySeeds::new());
-    // A macro, as a closure might be compiled without the vector features.
-    macro_rules! take {
-        () => {{
-            let source = if attempts_from.is_some() { 0 } else { next };
-            match (targets.get(source), outcomes.get(next)) {
-                (Some(target), Some(_)) => {
-                    let query = Query {
-                        target,
-                        start: &starts[source * n..(source + 1) * n],
-                        search,
-                        attempts: (0, attempts),
-                        budget: options.total_iterations,
-                        deadline: None,
-                    };
-                    next += 1;
-                    Some(Job {
-                        index: next - 1,
-                        goal_from_first: prepared.links.goal_from_first(target, settings.weighted),
-                        query,
-                        attempt: attempts_from.map_or(0, |first| first + (next - 1) as u32),
-                        begun: 0,
-                        age: 0,
-                        iterations: 0,
-                        best_cost: f64::INFINITY,
-                    })
-                }
-                _ => None,
-            }
-        }};
-    }
-    let mut active = 0u32;
+    let mut batch = Batch::<L>::new(prepared, work);
+    let mut group = Group::<V, N>::new(batch.n);
     // At first every lane is done with nothing.
-    let mut over = (1u32 << L) - 1;
-    let mut ended = Ended::none();
+    let (mut over, mut ended) = ((1u32 << L) - 1, Ended::none());
     loop {
         while over != 0 {
             let lane = over.trailing_zeros() as usize;
             over &= over - 1;
-            if let Some(job) = &mut jobs[lane] {
-                let q = &mut q_out[job.index * n..(job.index + 1) * n];
-                let mut reached = ended.reached >> lane & 1 != 0;
-                let mut errors = None;
-                if !reached && ended.closing >> lane & 1 != 0 {
-                    group.next_point(lane, &mut seed);
-                    unwrap_towards(prepared, job.query.start, &mut seed[..n]);
-                    let (close, found) = (stages.judge)(prepared, &job.goal_from_first, &seed[..n]);
-                    if close {
-                        reached = true;
-                        errors = Some(found);
-                        q.copy_from_slice(&seed[..n]);
-                    } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
-                        continue;
-                    }
-                }
-                // A miss keeps the start's own end where that counts, else the best. The first attempt
-                // is kept even where costs overflow.
-                let kept = match search {
-                    Search::Start => job.begun == 0,
-                    Search::First => job.begun == 0 || group.cost(lane) < job.best_cost,
-                };
-                if errors.is_none() && (reached || kept) {
-                    job.best_cost = group.cost(lane);
-                    group.point(lane, q);
-                }
-                job.iterations += job.age;
-                job.age = 0;
-                let attempt = job.attempt;
-                job.attempt += 1;
-                job.begun += 1;
-                if reached
-                    || attempts_from.is_some()
-                    || job.begun >= attempts
-                    || job.iterations >= options.total_iterations
-                {
-                    let winner = reached.then_some(attempt);
-                    let errors = match errors {
-                        Some(errors) => errors,
-                        None => {
-                            unwrap_towards(prepared, job.query.start, q);
-                            let (close, errors) = (stages.judge)(prepared, &job.goal_from_first, q);
-                            reached = close;
-                            errors
-                        }
-                    };
-                    prepared.links.to_metres(q);
-                    outcomes[job.index] = Outcome {
-                        reached,
-                        position_error: errors.position,
-                        orientation_error: errors.orientation,
-                        iterations: job.iterations,
-                        attempts: job.begun,
-                        winner,
-                    };
-                    jobs[lane] = None;
-                }
-            }
-            if jobs[lane].is_none() {
-                jobs[lane] = take!();
-                seeds[lane].forget();
-            }
-            match &mut jobs[lane] {
-                Some(job) => {
-                    let (goal, query) = (&job.goal_from_first, &job.query);
-                    (stages.seed)(
-                        &mut seeds[lane],
-                        prepared,
-                        query,
-                        goal,
-                        job.attempt,
-                        &mut seed,
-                    );
-                    group.load(lane, &job.goal_from_first, &seed, settings);
-                    active |= 1 << lane;
-                }
-                None => active &= !(1 << lane),
+            if batch.end_attempt(stages, &group, lane, &ended) {
+                batch.begin_attempt(stages, &mut group, lane);
             }
         }
-        if active == 0 {
+        if batch.active == 0 {
             return;
         }
-        ended = (stages.step)(&mut group, &prepared.links, settings);
-        over = (ended.reached | ended.stalled | ended.closing) & active;
-        for (lane, job) in jobs.iter_mut().enumerate() {
+        ended = (stages.step)(&mut group, &prepared.links, &prepared.settings);
+        over = batch.age(&ended);
+    }
+}
+
+/// What a lane is busy with.
+struct Job<'a> {
+    index: usize,
+    query: Query<'a>,
+    goal_from_first: Placement<f64>,
+    attempt: u32,
+    /// Attempts ended.
+    ended: u32,
+    /// Iterations of the attempt under way, and of those before.
+    age: u32,
+    iterations: u32,
+    best_cost: f64,
+}
+
+/// The queries of a batch under way, in L lanes.
+struct Batch<'a, const L: usize> {
+    prepared: &'a Prepared,
+    work: Work<'a>,
+    /// Number of joints.
+    n: usize,
+    /// The next result to work on.
+    next: usize,
+    jobs: [Option<Job<'a>>; L],
+    seeds: [QuerySeeds; L],
+    /// The lanes that have a job, bit by bit.
+    active: u32,
+    /// A configuration on its way into or out of a lane.
+    q: [f64; MAX_JOINTS],
+}
+
+impl<'a, const L: usize> Batch<'a, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new(prepared: &'a Prepared, work: Work<'a>) -> Self {
+        Self {
+            prepared,
+            work,
+            n: prepared.links.links.len(),
+            next: 0,
+            jobs: [const { None }; L],
+            seeds: std::array::from_fn(|_| QuerySeeds::new()),
+            active: 0,
+            q: [0.0; MAX_JOINTS],
+        }
+    }
+
+    /// The next query, or the next attempt of the only one, while there is any.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take_job(&mut self) -> Option<Job<'a>> {
+        let (work, index) = (&self.work, self.next);
+        let source = if work.attempts_from.is_some() {
+            0
+        } else {
+            index
+        };
+        if source >= work.targets.len() || index >= work.outcomes.len() {
+            return None;
+        }
+        self.next += 1;
+        let (target, n) = (&work.targets[source], self.n);
+        let (links, settings) = (&self.prepared.links, &self.prepared.settings);
+        Some(Job {
+            index,
+            goal_from_first: links.goal_from_first(target, settings.weighted),
+            query: Query {
+                target,
+                start: &work.starts[source * n..(source + 1) * n],
+                search: work.search,
+                attempts: (0, work.attempts),
+                budget: self.prepared.options.total_iterations,
+                deadline: None,
+            },
+            attempt: match work.attempts_from {
+                Some(first) => first + index as u32,
+                None => 0,
+            },
+            ended: 0,
+            age: 0,
+            iterations: 0,
+            best_cost: f64::INFINITY,
+        })
+    }
+
+    /// Starts the next attempt of a lane's job, or of the next job where that is done.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn begin_attempt<V: LaneScalar, const N: usize>(
+        &mut self,
+        stages: &Stages<V, N>,
+        group: &mut Group<V, N>,
+        lane: usize,
+    ) {
+        if self.jobs[lane].is_none() {
+            self.jobs[lane] = self.take_job();
+            self.seeds[lane].forget();
+        }
+        let Some(job) = &self.jobs[lane] else {
+            self.active &= !(1 << lane);
+            return;
+        };
+        (stages.seed)(
+            &mut self.seeds[lane],
+            self.prepared,
+            &job.query,
+            &job.goal_from_first,
+            job.attempt,
+            &mut self.q,
+        );
+        group.load(lane, &job.goal_from_first, &self.q, &self.prepared.settings);
+        self.active |= 1 << lane;
+    }
+
+    /// Counts a step of all lanes; those whose attempt may be over.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn age(&mut self, ended: &Ended) -> u32 {
+        let mut over = (ended.reached | ended.stalled | ended.closing) & self.active;
+        for (lane, job) in self.jobs.iter_mut().enumerate() {
             if let Some(job) = job {
                 job.age += 1;
-                over |= u32::from(job.age >= options.iterations) << lane;
+                over |= u32::from(job.age >= self.prepared.options.iterations) << lane;
             }
         }
+        over
+    }
+
+    /// Ends the attempt of a lane, unless the point that it is closing on is not there yet; whether the lane is
+    /// free for another.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn end_attempt<V: LaneScalar, const N: usize>(
+        &mut self,
+        stages: &Stages<V, N>,
+        group: &Group<V, N>,
+        lane: usize,
+        ended: &Ended,
+    ) -> bool {
+        let (prepared, n) = (self.prepared, self.n);
+        let options = &prepared.options;
+        let Some(job) = &mut self.jobs[lane] else {
+            return true;
+        };
+        let q = &mut self.work.q[job.index * n..(job.index + 1) * n];
+        let mut reached = ended.reached >> lane & 1 != 0;
+        let mut errors = None;
+        if !reached && ended.closing >> lane & 1 != 0 {
+            let point = &mut self.q[..n];
+            group.next_point(lane, point);
+            unwrap_towards(prepared, job.query.start, point);
+            let (close, found) = (stages.judge)(prepared, &job.goal_from_first, point);
+            if close {
+                reached = true;
+                errors = Some(found);
+                q.copy_from_slice(point);
+            } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
+                return false;
+            }
+        }
+        // A miss keeps the start's own end where that counts, else the best. The first attempt
+        // is kept even where costs overflow.
+        let kept = match self.work.search {
+            Search::Start => job.ended == 0,
+            Search::First => job.ended == 0 || group.cost(lane) < job.best_cost,
+        };
+        if errors.is_none() && (reached || kept) {
+            job.best_cost = group.cost(lane);
+            group.point(lane, q);
+        }
+        job.iterations += job.age;
+        job.age = 0;
+        job.attempt += 1;
+        job.ended += 1;
+        let over = reached
+            || self.work.attempts_from.is_some()
+            || job.ended >= self.work.attempts
+            || job.iterations >= options.total_iterations;
+        if over {
+            self.finish(stages, lane, reached, errors);
+        }
+        true
+    }
+
+    /// Ends the job of a lane, whose last attempt may have reached with errors that are known.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn finish<V: LaneScalar, const N: usize>(
+        &mut self,
+        stages: &Stages<V, N>,
+        lane: usize,
+        won: bool,
+        errors: Option<Errors>,
+    ) {
+        let (prepared, n) = (self.prepared, self.n);
+        let Some(job) = self.jobs[lane].take() else {
+            return;
+        };
+        let q = &mut self.work.q[job.index * n..(job.index + 1) * n];
+        let (reached, errors) = match errors {
+            Some(errors) => (won, errors),
+            None => {
+                unwrap_towards(prepared, job.query.start, q);
+                (stages.judge)(prepared, &job.goal_from_first, q)
+            }
+        };
+        prepared.links.to_metres(q);
+        self.work.outcomes[job.index] = Outcome {
+            reached,
+            position_error: errors.position,
+            orientation_error: errors.orientation,
+            iterations: job.iterations,
+            attempts: job.ended,
+            winner: won.then_some(job.attempt - 1),
+        };
     }
 }

@@ -5,8 +5,8 @@ use super::chain::MAX_JOINTS;
 use super::lane::{LaneScalar, Lanes};
 use super::options::Outcome;
 use super::prepared::Prepared;
-use super::query::{Answer, Query};
-use super::race;
+use super::single_query;
+use super::single_query::{Answer, Query};
 use super::stages::{self, Stages};
 
 /// Lanes of a single query and of a batch: a batch has independent work to hide latencies with.
@@ -92,7 +92,7 @@ pub(crate) fn race(
         #[allow(unsafe_code)]
         return unsafe { race_fused(prepared, query, lone, answer) };
     }
-    portable!(race::race, Lanes<RACE, false>; prepared, query, lone, answer)
+    portable!(single_query::race, Lanes<RACE, false>; prepared, query, lone, answer)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -103,7 +103,7 @@ fn race_fused(
     lone: bool,
     answer: &mut Answer<'_>,
 ) -> Outcome {
-    run!(each, fused, race::race, Lanes<RACE, true>; prepared, query, lone, answer)
+    run!(each, fused, single_query::race, Lanes<RACE, true>; prepared, query, lone, answer)
 }
 
 pub(crate) fn batch(prepared: &Prepared, work: Work<'_>) {

@@ -86,7 +86,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         self.damping.set_lane(lane, settings.damping);
     }
 
-    /// The point of `lane` that the last [`step`](super::kernel::step) found reached.
+    /// The point of `lane` that the last [`step`](super::lm_step::step) found reached.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn point(&self, lane: usize, q: &mut [f64]) {
         for (i, value) in q.iter_mut().enumerate().take(self.joints) {
@@ -94,7 +94,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         }
     }
 
-    /// The point of `lane` that the next [`step`](super::kernel::step) will evaluate.
+    /// The point of `lane` that the next [`step`](super::lm_step::step) will evaluate.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next_point(&self, lane: usize, q: &mut [f64]) {
         for (i, value) in q.iter_mut().enumerate().take(self.joints) {

@@ -1,8 +1,7 @@
 //! The errors of the q that is returned, by forward kinematics at that q in plain `f64`.
 
-use super::axes;
+use super::axis_residual;
 use super::chain::JointKind;
-use super::errors::Errors;
 use super::lane::LaneScalar;
 use super::links::Links;
 use super::prepared::Prepared;
@@ -10,6 +9,15 @@ use super::settings::Settings;
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3, resolved};
+
+/// How far the tip is from its goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errors {
+    /// Metres.
+    pub(crate) position: f64,
+    /// Radians, 0 to π.
+    pub(crate) orientation: f64,
+}
 
 /// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
 /// errors in metres and radians.
@@ -83,7 +91,7 @@ fn errors<V: LaneScalar, const N: usize>(
     }
     if settings.weighted {
         r = r * Matrix3::constant(links.last_from_tip);
-        return axes::errors(p, &r, settings);
+        return axis_residual::errors(p, &r, settings);
     }
     let skew = Vector3::new(r.y.z - r.z.y, r.z.x - r.x.z, r.x.y - r.y.x);
     let sin = 0.5 * skew.norm().lane(0);

@@ -9,37 +9,35 @@
 #![allow(clippy::needless_range_loop)]
 
 mod atlas;
-mod axes;
+mod axis_goal;
+mod axis_residual;
 mod batch;
 mod chain;
 mod check;
 mod dispatch;
-mod errors;
 mod evaluation;
-mod goal;
 mod group;
 mod jacobian;
 mod judge;
-mod kernel;
 pub mod lane;
 mod ldlt;
 mod links;
+mod lm_step;
 mod options;
 mod pose;
+mod pose_solver;
 mod prepared;
-mod query;
-mod race;
 mod seeds;
 mod settings;
-mod solver;
+mod single_query;
 mod stages;
 pub mod trigonometry;
 mod turns;
 mod twists;
 
+pub use axis_goal::AxisGoal;
 pub use chain::{Chain, ChainError, ChainJoint, JointKind, MAX_JOINTS};
-pub use goal::AxisGoal;
 pub use options::{LaneError, LaneOptions, Outcome, Search};
-pub(crate) use query::{Answer, Query};
-pub use solver::PoseSolver;
+pub use pose_solver::PoseSolver;
+pub(crate) use single_query::{Answer, Query};
 pub(crate) use turns::reduced;

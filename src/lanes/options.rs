@@ -1,6 +1,6 @@
 //! What a solver is told, what it answers, and what can be wrong with a call.
 
-use super::goal::AxisGoal;
+use super::axis_goal::AxisGoal;
 
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

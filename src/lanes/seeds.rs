@@ -8,7 +8,7 @@ use super::lane::LaneScalar;
 use super::links::{Link, Links};
 use super::options::Search;
 use super::prepared::Prepared;
-use super::query::Query;
+use super::single_query::Query;
 use super::turns::reduced;
 use crate::random::mix;
 use crate::spatial::Placement;

@@ -1,6 +1,6 @@
 //! What the iteration is told about the task.
 
-use super::goal::AxisGoal;
+use super::axis_goal::AxisGoal;
 use super::options::LaneOptions;
 
 /// The numbers of the iteration, the same for all lanes; lengths are those of the solver.

@@ -2,14 +2,14 @@
 //!
 //! Inlined into every driver, the same code was compiled for each again, which took minutes.
 
-use super::errors::Errors;
 use super::group::Group;
-use super::kernel::Ended;
+use super::judge::Errors;
 use super::links::Links;
+use super::lm_step::Ended;
 use super::prepared::Prepared;
-use super::query::Query;
 use super::seeds::QuerySeeds;
 use super::settings::Settings;
+use super::single_query::Query;
 use crate::spatial::Placement;
 
 type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> Ended;
@@ -18,7 +18,7 @@ type Seed = fn(&mut QuerySeeds, &Prepared, &Query<'_>, &Placement<f64>, u32, &mu
 
 /// The stages of a search in lanes V over groups of up to N joints.
 pub(crate) struct Stages<V, const N: usize> {
-    /// [`step`](super::kernel::step).
+    /// [`step`](super::lm_step::step).
     pub(crate) step: Step<V, N>,
     /// [`judge`](super::judge::judge).
     pub(crate) judge: Judge,
@@ -30,14 +30,14 @@ pub(crate) struct Stages<V, const N: usize> {
 macro_rules! stages {
     ($name:ident $(, #[$features:meta])?) => {
         pub(crate) mod $name {
-            use crate::lanes::errors::Errors;
+            use crate::lanes::judge::Errors;
             use crate::lanes::group::Group;
             use crate::lanes::judge;
-            use crate::lanes::kernel::{self, Ended};
+            use crate::lanes::lm_step::{self, Ended};
             use crate::lanes::lane::LaneScalar;
             use crate::lanes::links::Links;
             use crate::lanes::prepared::Prepared;
-            use crate::lanes::query::Query;
+            use crate::lanes::single_query::Query;
             use crate::lanes::seeds::QuerySeeds;
             use crate::lanes::settings::Settings;
             use crate::spatial::Placement;
@@ -49,7 +49,7 @@ macro_rules! stages {
                 links: &Links,
                 settings: &Settings,
             ) -> Ended {
-                kernel::step::<V, N, JOINTS, AXES>(group, links, settings)
+                lm_step::step::<V, N, JOINTS, AXES>(group, links, settings)
             }
 
             #[inline(never)]

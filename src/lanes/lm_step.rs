@@ -12,7 +12,7 @@
 //! the rest is clamped. A point that does not lower the cost is not accepted: the next one lies a
 //! quarter of the way from the last accepted point to it, which needs no old Jacobian.
 
-use super::axes;
+use super::axis_residual;
 use super::group::Group;
 use super::jacobian;
 use super::lane::LaneScalar;
@@ -60,7 +60,7 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
     let to = settings.orientation_tolerance * settings.orientation_tolerance;
     let weighed = if AXES {
         at.rotation = at.rotation * Matrix3::constant(links.last_from_tip);
-        axes::weigh(
+        axis_residual::weigh(
             &at,
             &mut group.linear[..n],
             &mut group.angular[..n],
