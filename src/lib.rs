@@ -60,6 +60,7 @@ pub mod animation;
 pub mod argmin_bridge;
 pub mod arm;
 mod buffer;
+mod file;
 pub mod geometric;
 pub mod ik;
 pub mod io;

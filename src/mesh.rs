@@ -6,9 +6,8 @@ use glam::{DVec3, Vec3};
 
 use crate::spatial::Vector3;
 
-/// Rounds a double-precision vector to the single precision of meshes. This is the one place where
-/// the library goes from `f64` to `f32`; a value beyond the range of `f32` becomes infinite, which
-/// [`TriangleMesh::new`] refuses.
+/// Rounds a double-precision vector to the single precision of meshes. A value beyond the range of
+/// `f32` becomes infinite, which [`TriangleMesh::new`] refuses.
 #[inline]
 #[must_use]
 pub fn single_precision(v: Vector3<f64>) -> Vec3 {

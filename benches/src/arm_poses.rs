@@ -30,7 +30,7 @@ pub fn chain(robot: &Robot, base: &str, tip: &str) -> Result<Chain, Box<dyn std:
         let kind = match joint.kind {
             model::JointKind::Fixed => continue,
             model::JointKind::Prismatic => JointKind::Prismatic,
-            model::JointKind::Revolute | model::JointKind::Continuous => JointKind::Revolute,
+            _ => JointKind::Revolute,
         };
         joints.push(ChainJoint {
             parent_from_joint: std::mem::replace(&mut last_from_here, Placement::identity()),

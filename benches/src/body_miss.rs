@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{FrameId, Limits};
+use kinopt::model::{FrameId, Joint, Limits};
 use kinopt::robot::Robot;
 use kinopt::scalar::Scalar;
 use kinopt::skeleton::BoneId;
@@ -116,13 +116,8 @@ impl BodyMiss {
         for joint in fixed.joints() {
             let parent = joint.parent.map_or(base, |id| ids.get(id.index()).copied());
             let (name, at) = (joint.name.clone(), joint.parent_from_joint);
-            use kinopt::model::JointKind::{Continuous, Fixed, Prismatic, Revolute};
-            ids.push(match joint.kind {
-                Revolute => builder.revolute(name, parent, at, joint.axis, joint.limits),
-                Prismatic => builder.prismatic(name, parent, at, joint.axis, joint.limits),
-                Continuous => builder.continuous(name, parent, at, joint.axis),
-                Fixed => builder.fixed(name, parent, at),
-            });
+            let (kind, axis, limits) = (joint.kind, joint.axis, joint.limits);
+            ids.push(builder.joint(Joint::new(name, parent, at, kind, axis, limits)));
         }
         for frame in fixed.frames() {
             let on = frame.joint.map_or(base, |id| ids.get(id.index()).copied());

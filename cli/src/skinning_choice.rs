@@ -7,8 +7,8 @@ use kinopt::skinning::SkinningMethod;
 pub(crate) fn parser() -> impl TypedValueParser<Value = SkinningMethod> {
     let named = SkinningMethod::ALL.map(|method| {
         PossibleValue::new(method.name()).help(match method {
-            SkinningMethod::LinearBlend => "Linear blend, fastest",
             SkinningMethod::DualQuaternion => "Dual quaternions, which keep twisted skin's volume",
+            _ => "Linear blend, fastest",
         })
     });
     PossibleValuesParser::new(named).try_map(|name| name.parse::<SkinningMethod>())

@@ -28,6 +28,7 @@ pub(super) const LONG_STEP: f64 = 0.2;
 /// A step in which a joint moves further than 0.2 rad (or slides further than 0.2 times the
 /// [metres that weigh as much](super::ArmBuilder::with_metres_per_radian)).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Jump {
     /// Which step: the place of its target in the path; the motion is from the one before.
     pub step: usize,

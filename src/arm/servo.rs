@@ -34,6 +34,7 @@ const SPEED_OF_LEANING: f64 = 0.5;
 
 /// How a tick stands to its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ServoStatus {
     /// Within the tolerances.
     OnTarget,
@@ -57,6 +58,7 @@ pub enum HeldBy {
 
 /// One tick of a [`Servo`]: where the arm stands after it, and the truth about it.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct ServoStep<'s> {
     /// The joints, radians or metres, within their limits to the bit.
     pub q: &'s [f64],

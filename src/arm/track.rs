@@ -18,6 +18,7 @@ const MEETING: f64 = 0.25 * LONG_STEP;
 
 /// A path of solutions, and where it is broken.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Track {
     /// One a target, reached or not.
     pub solutions: Vec<Solution>,

@@ -118,6 +118,7 @@ fn reach(linkage: &mut Linkage, points: &mut [Vector3<f64>], pins: &[Pin]) -> Sp
 
 /// How [`fabrik`] ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Reaching {
     /// Passes forward and backward; 0 where the tip was there already or the target is out of reach.
     pub passes: usize,

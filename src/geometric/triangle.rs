@@ -6,6 +6,7 @@ use crate::spatial::Vector3;
 
 /// Two bones that reach for a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Triangle {
     /// Where the bones meet.
     pub mid: Vector3<f64>,

@@ -65,7 +65,7 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Drag {
     pub(super) problem: Problem,
     targets: Targets,
@@ -91,6 +91,7 @@ pub struct Drag {
 /// A joint that moved further in a frame than the drag allows, because a search from elsewhere was
 /// asked for and found better.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Leap<'a> {
     /// The joint that moved furthest for what it may.
     pub joint: &'a str,

@@ -103,7 +103,7 @@ pub(super) struct Limits {
 }
 
 /// Room for a refinement.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Refinement {
     /// Where it stands.
     pub(super) x: Vec<f64>,

@@ -8,7 +8,7 @@ use crate::solver::{LeastSquares, Memory, Observer, Stopping, half_squared};
 
 /// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
 /// problem, a solve allocates nothing. It fits any problem, one at a time.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub(super) memory: Memory,
     pub(super) scratch: Option<Scratch>,

@@ -7,7 +7,6 @@
 
 pub mod bvh;
 pub mod dmat;
-mod error;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 mod json;
@@ -16,5 +15,20 @@ pub mod ply;
 pub mod rig;
 pub mod state_machine;
 
-pub use error::{Place, ReadError, ReadProblem, WriteError};
-pub(crate) use error::{read_bytes, write_bytes};
+pub use crate::file::{Place, ReadError, ReadProblem, WriteError};
+
+use crate::file::{read_bytes, write_bytes};
+use crate::mesh::MeshError;
+use crate::skinning::WeightsError;
+
+impl From<MeshError> for ReadProblem {
+    fn from(error: MeshError) -> Self {
+        Self::Invalid(Box::new(error))
+    }
+}
+
+impl From<WeightsError> for ReadProblem {
+    fn from(error: WeightsError) -> Self {
+        Self::Invalid(Box::new(error))
+    }
+}

@@ -26,7 +26,7 @@ pub struct LaneOptions {
     /// Levenberg-Marquardt's λ at the start of an attempt is this times twice the cost. Default 0.07.
     pub damping: f64,
     /// An attempt whose error has not halved in this many iterations is given up, ten
-    /// times as many where the cost is below 1e-6 m². Default 6.
+    /// times as many where the cost is below 1e-6 of the chain's reach squared. Default 6.
     pub stall_limit: u32,
     /// Most iterations of one attempt. Default 100.
     pub iterations: u32,

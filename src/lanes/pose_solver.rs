@@ -1,4 +1,4 @@
-//! The door of the engine: a chain and options in, poses solved.
+//! A chain and options compiled once; poses solved by them, one at a time or in batches.
 
 use std::time::Instant;
 

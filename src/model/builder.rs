@@ -96,18 +96,19 @@ impl ModelBuilder {
         &mut self,
         name: impl Into<String>,
         parent: Option<JointId>,
-        parent_from_joint: Placement<f64>,
-        axis: Vector3<f64>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        axis: impl Into<Vector3<f64>>,
         limits: Limits,
     ) -> JointId {
-        self.joint(Joint {
-            name: name.into(),
+        let kind = JointKind::Revolute;
+        self.joint(Joint::new(
+            name,
             parent,
             parent_from_joint,
-            kind: JointKind::Revolute,
+            kind,
             axis,
             limits,
-        })
+        ))
     }
 
     /// Adds a joint that turns about `axis` (own frame) without limits.
@@ -115,17 +116,18 @@ impl ModelBuilder {
         &mut self,
         name: impl Into<String>,
         parent: Option<JointId>,
-        parent_from_joint: Placement<f64>,
-        axis: Vector3<f64>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        axis: impl Into<Vector3<f64>>,
     ) -> JointId {
-        self.joint(Joint {
-            name: name.into(),
+        let kind = JointKind::Continuous;
+        self.joint(Joint::new(
+            name,
             parent,
             parent_from_joint,
-            kind: JointKind::Continuous,
+            kind,
             axis,
-            limits: Limits::UNBOUNDED,
-        })
+            Limits::UNBOUNDED,
+        ))
     }
 
     /// Adds a joint that slides along `axis` (own frame), limits in metres.
@@ -133,18 +135,19 @@ impl ModelBuilder {
         &mut self,
         name: impl Into<String>,
         parent: Option<JointId>,
-        parent_from_joint: Placement<f64>,
-        axis: Vector3<f64>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        axis: impl Into<Vector3<f64>>,
         limits: Limits,
     ) -> JointId {
-        self.joint(Joint {
-            name: name.into(),
+        let kind = JointKind::Prismatic;
+        self.joint(Joint::new(
+            name,
             parent,
             parent_from_joint,
-            kind: JointKind::Prismatic,
+            kind,
             axis,
             limits,
-        })
+        ))
     }
 
     /// Adds a joint that does not move.
@@ -152,16 +155,17 @@ impl ModelBuilder {
         &mut self,
         name: impl Into<String>,
         parent: Option<JointId>,
-        parent_from_joint: Placement<f64>,
+        parent_from_joint: impl Into<Placement<f64>>,
     ) -> JointId {
-        self.joint(Joint {
-            name: name.into(),
+        let kind = JointKind::Fixed;
+        self.joint(Joint::new(
+            name,
             parent,
             parent_from_joint,
-            kind: JointKind::Fixed,
-            axis: Vector3::new(1.0, 0.0, 0.0),
-            limits: Limits::new(0.0, 0.0),
-        })
+            kind,
+            Vector3::UNITS[0],
+            Limits::new(0.0, 0.0),
+        ))
     }
 
     /// Adds a frame on a joint, or in the world.
@@ -169,12 +173,12 @@ impl ModelBuilder {
         &mut self,
         name: impl Into<String>,
         joint: Option<JointId>,
-        joint_from_frame: Placement<f64>,
+        joint_from_frame: impl Into<Placement<f64>>,
     ) -> FrameId {
         self.frames.push(Frame {
             name: name.into(),
             joint,
-            joint_from_frame,
+            joint_from_frame: joint_from_frame.into(),
         });
         FrameId::new(self.frames.len() - 1)
     }

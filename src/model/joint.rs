@@ -5,6 +5,7 @@ use crate::spatial::{Placement, Vector3};
 
 /// The way a joint moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum JointKind {
     /// It does not.
     Fixed,
@@ -14,6 +15,19 @@ pub enum JointKind {
     Continuous,
     /// Slides along its axis within limits, in metres.
     Prismatic,
+}
+
+impl JointKind {
+    /// What URDF calls it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Revolute => "revolute",
+            Self::Continuous => "continuous",
+            Self::Prismatic => "prismatic",
+        }
+    }
 }
 
 /// Limits so many spreads away (for angles: four turns) stand in for none.
@@ -97,6 +111,7 @@ impl Limits {
 
 /// A joint and the placement of its frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Joint {
     /// Unique within the model.
     pub name: String,
@@ -114,6 +129,25 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// A joint of its parts. What is built of it checks them; the axis need not be of unit length.
+    pub fn new(
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        kind: JointKind,
+        axis: impl Into<Vector3<f64>>,
+        limits: Limits,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            parent,
+            parent_from_joint: parent_from_joint.into(),
+            kind,
+            axis: axis.into(),
+            limits,
+        }
+    }
+
     /// Whether its limits leave it room to move.
     pub(crate) fn moves(&self) -> bool {
         self.kind != JointKind::Fixed && !self.limits.is_locked()

@@ -26,6 +26,7 @@ use crate::spatial::{Placement, Vector3};
 
 /// A named place on a joint: a link, a bone's tip, a tool point.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Frame {
     /// Unique within the model.
     pub name: String,

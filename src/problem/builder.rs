@@ -17,6 +17,7 @@ const RADIAN_PER_REACH: f64 = 0.25;
 const DEFAULT_TOLERANCE_PIXELS: f64 = 1e-3;
 
 /// A task before its rows are placed.
+#[derive(Clone, Debug)]
 struct PendingTask {
     name: Option<String>,
     kind: &'static str,
@@ -31,6 +32,7 @@ struct PendingTask {
 }
 
 /// Collects tasks, bounds and settings; [`build`](Self::build) checks them.
+#[derive(Clone, Debug)]
 pub struct ProblemBuilder<'m> {
     model: &'m Model,
     map: Option<ParameterMap>,

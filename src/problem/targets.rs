@@ -31,17 +31,10 @@ use crate::task::{ErasedResidual, Residual};
 /// assert!(solution.reached);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Targets {
     /// By task.
     pub(super) residuals: Vec<Box<dyn ErasedResidual>>,
-}
-
-impl std::fmt::Debug for Targets {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let kinds = self.residuals.iter().map(|residual| residual.kind());
-        f.debug_list().entries(kinds).finish()
-    }
 }
 
 impl Targets {

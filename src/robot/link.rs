@@ -4,6 +4,7 @@ use crate::spatial::Placement;
 
 /// A link's shapes and mass, as its file gives them.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Link {
     /// What it looks like.
     pub visuals: Vec<Shape>,
@@ -15,6 +16,7 @@ pub struct Link {
 
 /// A body of a link.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Shape {
     /// Its name, which few have.
     pub name: Option<String>,
@@ -63,6 +65,7 @@ pub enum Geometry {
 
 /// The mass of a link and how it is spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Inertial {
     /// Kilograms.
     pub mass: f64,

@@ -166,10 +166,10 @@ impl Robot {
         self,
         name: &str,
         link: &str,
-        link_from_tool: Placement<f64>,
+        link_from_tool: impl Into<Placement<f64>>,
     ) -> Result<Self, ToolError> {
         let link = &self.model.frames()[self.model.frame(link)?.index()];
-        let (joint, joint_from_tool) = (link.joint, link.joint_from_frame * link_from_tool);
+        let (joint, joint_from_tool) = (link.joint, link.joint_from_frame * link_from_tool.into());
         let mut builder = ModelBuilder::from_model(&self.model);
         builder.frame(name, joint, joint_from_tool);
         Ok(Self {

@@ -62,7 +62,7 @@ impl Default for Found {
 }
 
 /// The memory of a search.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Search {
     /// The caller's start.
     pub(crate) start: Vec<f64>,

@@ -15,7 +15,7 @@ const NEARLY_SAME: f64 = 1e-3;
 const USUAL_ATTEMPTS: usize = 1024;
 
 /// The attempts made so far: where the one that counts ended, and what all came to.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Keeper {
     pub(crate) x: Vec<f64>,
     /// Of what is searched for, at x.

@@ -31,6 +31,7 @@ pub enum BoundKind {
 /// A limit that holds the solution back: the joint stands on it and the cost would fall beyond it
 /// by more than what counts as stationary.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ActiveLimit<'a> {
     /// The joint's name.
     pub joint: &'a str,
@@ -57,6 +58,7 @@ pub(super) struct Blocked {
 
 /// The error of a task's rows of one quantity, before weighting.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RowsReport {
     pub(super) task: usize,
     /// The unit of the error.
@@ -71,6 +73,7 @@ pub struct RowsReport {
 
 /// How one task came out.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct TaskReport<'a> {
     /// The task's name.
     pub name: &'a str,
@@ -108,6 +111,7 @@ impl TaskReport<'_> {
 
 /// The result of a solve, reached or not: the best configuration found and the truth about it.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Solution {
     /// The configuration (shape: the model's degrees of freedom), within all limits to the bit.
     pub q: Vec<f64>,

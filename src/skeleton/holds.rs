@@ -13,6 +13,7 @@ const BENDS_OF_A_BACK: f64 = 0.7;
 
 /// What stays while bones are dragged: see [`Skeleton::holds`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Holds {
     /// The bones from the root to where the first limbs branch off (of a character: to the hips). They
     /// do not turn.

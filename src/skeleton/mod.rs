@@ -86,10 +86,14 @@ impl Skeleton {
     ///
     /// # Errors
     /// [`SkeletonError::BadRest`] for the first bone, if P is not a rigid motion.
-    pub fn placed(&self, scene_from_model: &Placement<f64>) -> Result<Self, SkeletonError> {
+    pub fn placed(
+        &self,
+        scene_from_model: impl Into<Placement<f64>>,
+    ) -> Result<Self, SkeletonError> {
+        let scene_from_model = scene_from_model.into();
         let mut bones = self.bones.clone();
         for bone in &mut bones {
-            bone.model_from_rest = *scene_from_model * bone.model_from_rest;
+            bone.model_from_rest = scene_from_model * bone.model_from_rest;
         }
         Self::new(self.model.name(), bones)
     }

@@ -39,9 +39,10 @@ impl BonePlacements {
     /// The same pose with the root placed generally in a larger scene: W_i → P W_i, and so T_i → P T_i
     /// for the skin.
     #[must_use]
-    pub fn placed(mut self, scene_from_model: &Placement<f64>) -> Self {
+    pub fn placed(mut self, scene_from_model: impl Into<Placement<f64>>) -> Self {
+        let scene_from_model = scene_from_model.into();
         for posed in &mut self.model_from_bone {
-            *posed = *scene_from_model * *posed;
+            *posed = scene_from_model * *posed;
         }
         self
     }

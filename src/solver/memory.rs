@@ -17,6 +17,7 @@ const FLAT: f64 = 1e-13;
 
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Counts {
     /// Residual evaluations.
     pub residuals: usize,

@@ -4,6 +4,7 @@ use super::{LeastSquares, Memory};
 
 /// What a step did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Step {
     /// x moved.
     Taken,

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 /// What an observer sees after every step, and once before the first.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Iteration<'a> {
     /// Steps so far; 0 is the start.
     pub index: usize,

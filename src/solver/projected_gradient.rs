@@ -14,6 +14,7 @@ const HISTORY: usize = MOST_RECENT_COSTS;
 /// Which σ a step tries first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum FirstStep {
     /// The same σ every time, halved until the cost falls. The sources use 10 000.
     Fixed(f64),

@@ -1,12 +1,14 @@
-//! Placements from and to nalgebra's isometries and glam's affine maps.
+//! Vectors, rotations and placements from and to nalgebra's types and glam's, so that wherever geometry
+//! is handed over, either crate's will do.
 //!
 //! What is rigid by its type converts by `From`. An affine map may scale, shear or mirror, so it
-//! becomes a placement by `TryFrom`: nothing of it is dropped unsaid.
+//! becomes a placement by `TryFrom`: nothing of it is dropped unsaid. A quaternion of glam's is taken
+//! to be of unit length; what is built of one that is not says so.
 
-use glam::{Affine3A, DAffine3, DMat3, Mat3A, Vec3A};
-use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
+use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3A, Quat, Vec3, Vec3A};
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3};
 
-use super::{Matrix3, Placement, Vector3};
+use super::{Matrix3, Placement, Quaternion, Vector3};
 
 /// How far a map in double precision may be from a rigid motion, entry by entry.
 const DOUBLE: f64 = 1e-6;
@@ -20,6 +22,53 @@ pub struct NotRigid(
     /// What is wrong, in words.
     pub &'static str,
 );
+
+/// Each pair by an expression of the value.
+macro_rules! convert {
+    ($($(#[$doc:meta])* $from:ty => $to:ty: |$value:ident| $expression:expr;)*) => {
+        $($(#[$doc])* impl From<$from> for $to {
+            fn from($value: $from) -> Self {
+                $expression
+            }
+        })*
+    };
+}
+
+convert! {
+    nalgebra::Vector3<f64> => Vector3<f64>: |v| Self::new(v.x, v.y, v.z);
+    Vector3<f64> => nalgebra::Vector3<f64>: |v| Self::new(v.x, v.y, v.z);
+    UnitVector3<f64> => Vector3<f64>: |v| v.into_inner().into();
+    Point3<f64> => Vector3<f64>: |p| p.coords.into();
+    Vector3<f64> => Point3<f64>: |p| Self::new(p.x, p.y, p.z);
+    DVec3 => Vector3<f64>: |v| v.to_array().into();
+    Vector3<f64> => DVec3: |v| v.to_array().into();
+    Vec3 => Vector3<f64>: |v| v.as_dvec3().into();
+    Vec3A => Vector3<f64>: |v| v.as_dvec3().into();
+
+    nalgebra::Matrix3<f64> => Matrix3<f64>: |m| {
+        let column = |j| Vector3::new(m[(0, j)], m[(1, j)], m[(2, j)]);
+        Self::from_columns(column(0), column(1), column(2))
+    };
+    Matrix3<f64> => nalgebra::Matrix3<f64>: |m| Self::from_columns(&[m.x.into(), m.y.into(), m.z.into()]);
+    Rotation3<f64> => Matrix3<f64>: |r| r.into_inner().into();
+    UnitQuaternion<f64> => Matrix3<f64>: |q| q.to_rotation_matrix().into();
+    DMat3 => Matrix3<f64>: |m| Self::from_columns(m.x_axis.into(), m.y_axis.into(), m.z_axis.into());
+    Matrix3<f64> => DMat3: |m| Self::from_cols(m.x.into(), m.y.into(), m.z.into());
+    DQuat => Matrix3<f64>: |q| Quaternion::from(q).to_matrix();
+    Quat => Matrix3<f64>: |q| {
+        // Of unit length in single precision only.
+        q.as_dquat().normalize().into()
+    };
+    Quaternion<f64> => Matrix3<f64>: |q| q.to_matrix();
+
+    DQuat => Quaternion<f64>: |q| Self { w: q.w, v: Vector3::new(q.x, q.y, q.z) };
+    Quaternion<f64> => DQuat: |q| Self::from_xyzw(q.v.x, q.v.y, q.v.z, q.w);
+
+    /// The translation alone.
+    Vector3<f64> => Placement<f64>: |v| Self::translation(v);
+    Translation3<f64> => Placement<f64>: |t| Self::translation(t.vector.into());
+    UnitQuaternion<f64> => Placement<f64>: |q| Self::new(q.into(), Vector3::zero());
+}
 
 impl From<&Isometry3<f64>> for Placement<f64> {
     fn from(isometry: &Isometry3<f64>) -> Self {
@@ -73,11 +122,9 @@ impl From<Placement<f64>> for Affine3A {
 
 impl From<Placement<f64>> for DAffine3 {
     fn from(placement: Placement<f64>) -> Self {
-        let Matrix3 { x, y, z } = placement.rotation;
-        let [x, y, z] = [x, y, z].map(|column| column.to_array().into());
         Self {
-            matrix3: DMat3::from_cols(x, y, z),
-            translation: placement.translation.to_array().into(),
+            matrix3: placement.rotation.into(),
+            translation: placement.translation.into(),
         }
     }
 }
@@ -111,14 +158,7 @@ impl TryFrom<Affine3A> for Placement<f64> {
 }
 
 fn rigid(map: DAffine3, within: f64) -> Result<Placement<f64>, NotRigid> {
-    let DMat3 {
-        x_axis,
-        y_axis,
-        z_axis,
-    } = map.matrix3;
-    let [x, y, z, origin] =
-        [x_axis, y_axis, z_axis, map.translation].map(|v| Vector3::from(v.to_array()));
-    let placement = Placement::new(Matrix3::from_columns(x, y, z), origin);
+    let placement = Placement::new(map.matrix3.into(), map.translation.into());
     placement.check_rigid(within).map_err(NotRigid)?;
     Ok(placement.made_rigid())
 }

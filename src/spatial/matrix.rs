@@ -121,16 +121,3 @@ impl<S: Scalar> Mul for Matrix3<S> {
         Self::from_columns(self * other.x, self * other.y, self * other.z)
     }
 }
-
-impl From<nalgebra::Matrix3<f64>> for Matrix3<f64> {
-    fn from(m: nalgebra::Matrix3<f64>) -> Self {
-        let column = |j| Vector3::new(m[(0, j)], m[(1, j)], m[(2, j)]);
-        Self::from_columns(column(0), column(1), column(2))
-    }
-}
-
-impl From<Matrix3<f64>> for nalgebra::Matrix3<f64> {
-    fn from(m: Matrix3<f64>) -> Self {
-        Self::from_columns(&[m.x.into(), m.y.into(), m.z.into()])
-    }
-}

@@ -45,7 +45,7 @@ impl<S: Scalar> Vector3<S> {
             .mul_add(other.z, self.y.mul_add(other.y, self.x * other.x))
     }
 
-    /// Outer (right-handed) product.
+    /// Cross product, right-handed.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self::new(
@@ -165,17 +165,5 @@ impl<S: Scalar> Mul<S> for Vector3<S> {
     #[inline(always)]
     fn mul(self, factor: S) -> Self {
         Self::new(self.x * factor, self.y * factor, self.z * factor)
-    }
-}
-
-impl From<nalgebra::Vector3<f64>> for Vector3<f64> {
-    fn from(v: nalgebra::Vector3<f64>) -> Self {
-        Self::new(v.x, v.y, v.z)
-    }
-}
-
-impl From<Vector3<f64>> for nalgebra::Vector3<f64> {
-    fn from(v: Vector3<f64>) -> Self {
-        Self::new(v.x, v.y, v.z)
     }
 }

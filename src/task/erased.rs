@@ -72,6 +72,12 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
     fn boxed(&self) -> Box<dyn ErasedResidual>;
 }
 
+impl std::fmt::Debug for dyn ErasedResidual {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.kind())
+    }
+}
+
 impl Clone for Box<dyn ErasedResidual> {
     fn clone(&self) -> Self {
         // Of what is inside, not of the box.

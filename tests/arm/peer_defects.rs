@@ -10,8 +10,8 @@ use nalgebra::Isometry3;
 use support::arms::{Random, apart, panda, robot, within_limits};
 use support::urdf_matrices::Tree;
 
-const Z: [f64; 3] = [0.0, 0.0, 1.0];
-const X: [f64; 3] = [1.0, 0.0, 0.0];
+const X: Vector3<f64> = Vector3::<f64>::UNITS[0];
+const Z: Vector3<f64> = Vector3::<f64>::UNITS[2];
 
 fn along(x: f64, y: f64, z: f64) -> Placement<f64> {
     Placement::translation(Vector3::new(x, y, z))
@@ -24,15 +24,15 @@ fn gantry(scale: f64) -> Model {
         "slide",
         None,
         along(0.0, 0.0, 0.0),
-        X.into(),
+        X,
         Limits::new(0.0, 10.0 * scale),
     );
-    let turn = b.continuous("turn", Some(slide), along(0.0, 0.0, 0.5 * scale), Z.into());
+    let turn = b.continuous("turn", Some(slide), along(0.0, 0.0, 0.5 * scale), Z);
     let bend = b.revolute(
         "bend",
         Some(turn),
         along(0.5 * scale, 0.0, 0.0),
-        Z.into(),
+        Z,
         Limits::new(-2.5, 2.5),
     );
     b.frame("base", None, Placement::identity());
@@ -177,18 +177,12 @@ fn floating_and_planar_joints_are_refused_by_name_and_not_turned_fixed() {
 #[test]
 fn two_joints_converge() {
     let mut b = Model::builder("planar");
-    let first = b.revolute(
-        "a",
-        None,
-        Placement::identity(),
-        Z.into(),
-        Limits::new(-3.0, 3.0),
-    );
+    let first = b.revolute("a", None, Placement::identity(), Z, Limits::new(-3.0, 3.0));
     let second = b.revolute(
         "b",
         Some(first),
         along(1.0, 0.0, 0.0),
-        Z.into(),
+        Z,
         Limits::new(-2.5, 2.5),
     );
     b.frame("base", None, Placement::identity());

@@ -272,7 +272,7 @@ fn a_figure_elsewhere_bends_alike() {
         few.solve(&problem, &skeleton.model().neutral()).unwrap().q
     };
     let here = bent(&rig.skeleton, Vector3::zero());
-    let there = bent(&rig.skeleton.placed(&place).unwrap(), away);
+    let there = bent(&rig.skeleton.placed(place).unwrap(), away);
     for (a, b) in here.iter().zip(&there) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }

@@ -399,7 +399,7 @@ fn what_cannot_be_written_or_posed_is_said() {
         &["`hat`", "no triangles"],
     );
     for keys_per_second in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(gltf::to_bytes(&scene(), &WriteOptions { keys_per_second }).is_err());
+        assert!(gltf::to_bytes(&scene(), &at_rate(keys_per_second)).is_err());
     }
     assert!(gltf::mesh_to_bytes(&TriangleMesh::default()).is_err());
 
@@ -427,4 +427,10 @@ fn morph_targets_leave_alone_what_a_mesh_does_not_have() {
     assert_eq!(found.position_deltas(), own.position_deltas());
     assert_eq!(own.tangent_deltas().len(), 1);
     assert_eq!(found.tangent_deltas(), []);
+}
+
+fn at_rate(keys_per_second: f32) -> WriteOptions {
+    let mut options = WriteOptions::default();
+    options.keys_per_second = keys_per_second;
+    options
 }

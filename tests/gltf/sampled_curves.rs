@@ -127,9 +127,8 @@ fn other_curves_are_sampled_at_the_rate() {
     ];
     for rotation in rotations {
         let scene = scene(rotation);
-        let at_rate =
-            |keys_per_second| apart(&scene, &again(&scene, &WriteOptions { keys_per_second }));
-        let [coarse, fine] = [25.0, 100.0].map(at_rate);
+        let sampled = |rate| apart(&scene, &again(&scene, &at_rate(rate)));
+        let [coarse, fine] = [25.0, 100.0].map(sampled);
         // Between samples a line misses a curve by an eighth of its curvature times h².
         for (coarse, fine) in coarse.iter().zip(fine).take(2) {
             assert!(
@@ -192,4 +191,10 @@ fn quaternions_of_angles_stay_on_one_side() {
     assert!(times.windows(2).all(|t| t[1] - t[0] > 1e-5), "{times:?}");
     assert!(quaternions.iter().all(|q| (q.length() - 1.0).abs() < 1e-5));
     assert!(quaternions.windows(2).all(|q| q[0].dot(q[1]) >= 0.0));
+}
+
+fn at_rate(keys_per_second: f32) -> WriteOptions {
+    let mut options = WriteOptions::default();
+    options.keys_per_second = keys_per_second;
+    options
 }

@@ -28,9 +28,9 @@ fn skinning_transforms_begin_with_the_root_s() {
         // The recursion with T_root = P in place of the identity.
         let expected: Vec<Rigid> = rig.transforms(&q).iter().map(|t| root * t).collect();
         let in_scene = placement(&root);
-        let placed = rig.skeleton.placed(&in_scene).unwrap();
+        let placed = rig.skeleton.placed(in_scene).unwrap();
         // By placing the pose; and by placing the skeleton, with the mesh left as it was modelled.
-        let poses = [rig.skeleton.pose(&q).placed(&in_scene), placed.pose(&q)];
+        let poses = [rig.skeleton.pose(&q).placed(in_scene), placed.pose(&q)];
         for pose in &poses {
             let ours: Vec<_> = pose.skinning_transforms(&rig.skeleton).collect();
             assert_eq!(ours.len(), expected.len());
@@ -80,7 +80,7 @@ fn tips_are_dragged_in_the_scene_as_in_the_model() {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
         let root = somewhere(&mut random);
-        let placed = rig.skeleton.placed(&placement(&root)).unwrap();
+        let placed = rig.skeleton.placed(placement(&root)).unwrap();
         let start = configuration_of(rig.skeleton.model(), &mut random);
         let goal = configuration_of(rig.skeleton.model(), &mut random);
         let transforms = rig.transforms(&goal);
@@ -122,6 +122,6 @@ fn a_root_that_is_no_rigid_motion_is_refused() {
         Vector3::new(0.0, 1.0, 0.0),
         Vector3::new(0.0, 0.0, 1.0),
     );
-    let error = rig.skeleton.placed(&stretched).unwrap_err();
+    let error = rig.skeleton.placed(stretched).unwrap_err();
     assert!(matches!(error, SkeletonError::BadRest { bone, .. } if bone == "bone/0"));
 }

@@ -170,10 +170,8 @@ fn clip(rig: &Rig) -> u64 {
 /// With the packed kernels, and with those for any number of influences.
 fn skins(rig: &Rig) -> [u64; 2] {
     let mesh = rig.mesh.as_ref().unwrap();
-    let bind = AutomaticWeights {
-        smoothing_steps: 2,
-        ..AutomaticWeights::default()
-    };
+    let mut bind = AutomaticWeights::default();
+    bind.smoothing_steps = 2;
     let weights = bind.for_skeleton(mesh, &rig.skeleton).unwrap();
     let packed = PackedWeights::new(&weights.pruned(4).0).unwrap();
     let mut random = Random::new(4);

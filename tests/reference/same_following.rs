@@ -137,6 +137,7 @@ impl Digest {
                 ServoStatus::SpeedLimited => 1,
                 ServoStatus::Settling => 2,
                 ServoStatus::Nearest => 3,
+                _ => unreachable!("a new status"),
             });
             for (joint, by) in step.held() {
                 self.bytes(joint);

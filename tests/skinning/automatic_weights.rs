@@ -19,10 +19,8 @@ fn tube() -> (TriangleMesh, [[DVec3; 2]; 2]) {
 #[test]
 fn they_are_the_documented_formula_before_smoothing() {
     let (mesh, bones) = tube();
-    let plain = AutomaticWeights {
-        smoothing_steps: 0,
-        ..AutomaticWeights::default()
-    };
+    let mut plain = AutomaticWeights::default();
+    plain.smoothing_steps = 0;
     let weights = plain.for_segments(&mesh, &bones).unwrap();
     let core = mesh.size() / 1000.0;
     for (vertex, p) in mesh.positions().iter().enumerate().step_by(37) {
@@ -41,11 +39,9 @@ fn they_are_the_documented_formula_before_smoothing() {
 fn smoothing_evens_them_out_and_keeps_the_sums() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
-        let own = AutomaticWeights {
-            smoothing_steps,
-            falloff: 30.0,
-            ..AutomaticWeights::default()
-        };
+        let mut own = AutomaticWeights::default();
+        own.smoothing_steps = smoothing_steps;
+        own.falloff = 30.0;
         own.for_segments(&mesh, &bones).unwrap()
     };
     let steps = [0, 10, 100].map(|smoothing| steepest(&mesh, &with(smoothing)));
@@ -61,11 +57,9 @@ fn smoothing_evens_them_out_and_keeps_the_sums() {
 fn one_smoothing_step_is_the_documented_mean() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
-        let own = AutomaticWeights {
-            smoothing_steps,
-            falloff: 12.0,
-            ..AutomaticWeights::default()
-        };
+        let mut own = AutomaticWeights::default();
+        own.smoothing_steps = smoothing_steps;
+        own.falloff = 12.0;
         own.for_segments(&mesh, &bones).unwrap().to_table()
     };
     let [before, after] = [with(0), with(1)];
@@ -144,10 +138,8 @@ fn palm() -> (TriangleMesh, Vec<[DVec3; 2]>) {
 fn four_influences_tear_no_crease() {
     let (mesh, bones) = palm();
     let with = |most: usize| {
-        let own = AutomaticWeights {
-            most,
-            ..AutomaticWeights::default()
-        };
+        let mut own = AutomaticWeights::default();
+        own.most = most;
         own.for_segments(&mesh, &bones).unwrap()
     };
     let all = with(64);
@@ -177,11 +169,9 @@ fn four_influences_tear_no_crease() {
 fn the_weights_that_stay_fade_by_what_falls_out() {
     let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
     let at = |x: f64| [DVec3::X * x; 2];
-    let two = AutomaticWeights {
-        falloff: 2.0,
-        most: 2,
-        ..AutomaticWeights::default()
-    };
+    let mut two = AutomaticWeights::default();
+    two.falloff = 2.0;
+    two.most = 2;
     let kept = |bones: &[[DVec3; 2]]| -> Vec<(u32, f64)> {
         let weights = two.for_segments(&dot, bones).unwrap();
         let influences = weights.influences(0).iter();
@@ -212,7 +202,8 @@ fn what_cannot_be_followed_is_refused() {
         AutomaticWeightsError::NonFiniteBone { bone: 1 }
     );
     for falloff in [0.0, -1.0, f64::INFINITY] {
-        let own = AutomaticWeights { falloff, ..own };
+        let mut own = own;
+        own.falloff = falloff;
         let refused = own.for_segments(&mesh, &bones).unwrap_err();
         assert_eq!(refused, AutomaticWeightsError::Falloff(falloff));
     }

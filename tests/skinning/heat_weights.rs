@@ -10,10 +10,12 @@ use nalgebra::{DMatrix, DVector};
 use support::random::Random;
 use support::skins::{closed_tube, steepest};
 
-const ALL: HeatWeights = HeatWeights {
-    heat: 1.0,
-    most: usize::MAX,
-};
+fn all() -> HeatWeights {
+    let mut all = HeatWeights::default();
+    all.heat = 1.0;
+    all.most = usize::MAX;
+    all
+}
 
 /// Three bones in a row along x within a tube of length 8.
 fn bones() -> Vec<[DVec3; 2]> {
@@ -80,7 +82,7 @@ fn they_solve_their_equations() {
         }
     }
     let expected = system.lu().solve(&given).unwrap();
-    let weights = ALL.for_segments(&mesh, &bones).unwrap();
+    let weights = all().for_segments(&mesh, &bones).unwrap();
     check(&weights);
     // Weights below 1e-4 fade, and the others lose nearly as little.
     let mut mixed = 0;
@@ -257,7 +259,8 @@ fn heat_flows_over_obtuse_corners_too() {
     let mesh = TriangleMesh::new(corners.to_vec(), vec![], vec![[0, 1, 2]]).unwrap();
     let above = |corner: &Vec3| [corner.as_dvec3() + 0.5 * DVec3::Z; 2];
     let bones: Vec<[DVec3; 2]> = corners.iter().map(above).collect();
-    let hot = HeatWeights { heat: 100.0, ..ALL };
+    let mut hot = all();
+    hot.heat = 100.0;
     let weights = hot.for_segments(&mesh, &bones).unwrap();
     check(&weights);
     for influences in weights.iter() {
@@ -322,7 +325,9 @@ fn what_cannot_be_heated_is_refused() {
         AutomaticWeightsError::NonFiniteBone { bone: 2 }
     );
     for heat in [0.0, -1.0, f64::INFINITY] {
-        let refused = HeatWeights { heat, ..own }.for_segments(&mesh, &bones());
+        let mut own = own;
+        own.heat = heat;
+        let refused = own.for_segments(&mesh, &bones());
         assert_eq!(refused.unwrap_err(), AutomaticWeightsError::Heat(heat));
     }
 }

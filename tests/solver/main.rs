@@ -15,7 +15,6 @@ mod pulls;
 mod reported_errors;
 mod restarts;
 mod same_bits;
-mod send_and_sync;
 mod singular_rest_poses;
 mod small_chains;
 mod step_lengths;

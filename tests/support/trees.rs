@@ -72,17 +72,17 @@ impl RandomTree {
                     Limits::new(random.within(-0.4, 0.05), random.within(0.1, 0.6))
                 }
                 JointKind::Continuous => Limits::UNBOUNDED,
-                JointKind::Fixed => Limits::new(0.0, 0.0),
+                _ => Limits::new(0.0, 0.0),
             };
             let unnormalised = axis.into_inner() * [1.0, 4.0, 0.25][random.below(3)];
-            own.joints.push(builder.joint(Joint {
-                name: format!("joint {index}"),
-                parent: parent.map(|p| own.joints[p]),
-                parent_from_joint: placement(&offset),
+            own.joints.push(builder.joint(Joint::new(
+                format!("joint {index}"),
+                parent.map(|p| own.joints[p]),
+                placement(&offset),
                 kind,
-                axis: unnormalised.into(),
+                unnormalised,
                 limits,
-            }));
+            )));
             own.parts.push(Part {
                 parent,
                 parent_from_joint: offset,

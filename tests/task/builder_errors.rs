@@ -116,7 +116,7 @@ fn models() {
     ] {
         names(
             model_with(|b, e| {
-                b.continuous("wheel", Some(e), still(), axis.into());
+                b.continuous("wheel", Some(e), still(), Vector3::from(axis));
             }),
             &["`wheel`", "axis"],
         );
@@ -147,7 +147,7 @@ fn models() {
     );
     let axis = [3e-200, 0.0, 0.0];
     let tiny = model_with(|b, e| {
-        b.continuous("wheel", Some(e), still(), axis.into());
+        b.continuous("wheel", Some(e), still(), Vector3::from(axis));
     });
     let Ok(tiny) = tiny else {
         panic!("an axis of any length has a direction")

@@ -224,13 +224,15 @@ fn ratios_that_overflow_along_a_chain_are_named() {
 fn a_fixed_joint_needs_no_axis() {
     use kinopt::model::{Joint, JointKind};
     let mut builder = Model::builder("fixed");
-    builder.joint(Joint {
-        name: "weld".to_owned(),
-        parent: None,
-        parent_from_joint: Placement::identity(),
-        kind: JointKind::Fixed,
-        axis: Vector3::zero(),
-        limits: Limits::new(0.0, 0.0),
-    });
+    let (here, locked) = (Placement::identity(), Limits::new(0.0, 0.0));
+    let weld = Joint::new(
+        "weld",
+        None,
+        here,
+        JointKind::Fixed,
+        Vector3::zero(),
+        locked,
+    );
+    builder.joint(weld);
     assert!(builder.build().is_ok());
 }

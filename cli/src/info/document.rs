@@ -128,7 +128,7 @@ fn joint_document<'a>(
     let limited = coordinate.is_some();
     JointDocument {
         name: &joint.name,
-        kind: robot::kind(joint.kind),
+        kind: joint.kind.name(),
         coordinate,
         free,
         lower: finite(joint.limits.lower).filter(|_| limited),

@@ -199,9 +199,7 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] 
         JointKind::Fixed => String::new(),
         _ if !limit.is_finite() => "none".to_owned(),
         JointKind::Prismatic => format!("{} m", six_digits(limit)),
-        JointKind::Revolute | JointKind::Continuous => {
-            format!("{}°", three_digits(limit.to_degrees()))
-        }
+        _ => format!("{}°", three_digits(limit.to_degrees())),
     };
     let slides = joint.kind == JointKind::Prismatic;
     let speed = |speed: f64| match slides {
@@ -220,7 +218,7 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] 
     [
         link,
         joint.name.clone(),
-        kind(joint.kind).to_owned(),
+        joint.kind.name().to_owned(),
         place.axis.map(axis).unwrap_or_default(),
         limit(joint.limits.lower),
         limit(joint.limits.upper),
@@ -251,14 +249,5 @@ fn axis(axis: [f64; 3]) -> String {
         Some((sign, letter)) if *sign < 0.0 => format!("-{letter}"),
         Some((_, letter)) => (*letter).to_owned(),
         None => axis.map(three_digits).join(" "),
-    }
-}
-
-pub(super) fn kind(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Fixed => "fixed",
-        JointKind::Revolute => "revolute",
-        JointKind::Continuous => "continuous",
-        JointKind::Prismatic => "prismatic",
     }
 }

@@ -15,7 +15,7 @@ use crate::animation::{Armature, EulerClip, EulerCurve, Pose};
 use crate::skeleton::BoneId;
 
 /// Collects the channels and events of a clip for one armature.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ClipBuilder<'a> {
     armature: &'a Armature,
     name: String,

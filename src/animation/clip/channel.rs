@@ -71,6 +71,7 @@ impl Channel {
 
 /// What of a bone a channel moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Property {
     /// Where it is.
     Translation,

@@ -16,6 +16,7 @@ pub struct Event {
 
 /// An event that playback passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fired<'a> {
     /// Which one.
     pub event: &'a Event,

@@ -10,6 +10,7 @@ mod curved;
 mod error;
 mod events;
 pub(crate) mod named;
+mod playback;
 mod playhead;
 mod slerps;
 mod timelines;
@@ -22,12 +23,13 @@ pub use cursor::Cursor;
 pub use error::ChannelError;
 pub use events::{Event, Fired};
 pub use named::ClipNameError;
+pub use playback::Playback;
 pub use playhead::{Passage, Playhead};
 
 use std::sync::Arc;
 
 use self::tracks::Tracks;
-use super::{Armature, Playback, Pose, SizeMismatch};
+use super::{Armature, Pose, SizeMismatch};
 
 /// Motion of an armature's bones and morph targets over a span of time. What has no channel is at
 /// rest.

@@ -13,6 +13,7 @@ pub struct Playhead {
 /// passages covers each moment once: the later end belongs to a passage, the earlier one only where
 /// playback starts there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Passage {
     /// Where playback was.
     pub from: f64,

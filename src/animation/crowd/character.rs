@@ -10,6 +10,7 @@ use crate::animation::{
 
 /// A clip that a character plays.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct PlayingClip {
     clip: Arc<Clip>,
     cursor: Cursor,

@@ -43,7 +43,7 @@ pub struct Crowd {
 }
 
 impl Crowd {
-    /// Nobody yet. The limbs are of the armature; each character has a goal for each.
+    /// A crowd without characters. The limbs are of the armature; each character has a goal for each.
     #[must_use]
     pub fn new(armature: Armature, limbs: Vec<Limb>) -> Self {
         Self {

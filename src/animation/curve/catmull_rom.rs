@@ -9,6 +9,7 @@ use super::{CurveValue, Hermite, KeyError, KeyedCurve, Real};
 
 /// How far apart in the parameter neighbouring points are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
 pub enum Knots {
     /// One each: the classic matrix.
     Uniform,

@@ -7,6 +7,7 @@ use super::{CubicBezier, Real};
 /// How a motion between two ends runs over its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Easing {
     /// Constant speed.
     #[default]
@@ -103,6 +104,7 @@ pub struct BezierEasing {
 /// A handle whose time would let the curve run backwards.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the handle ({time}, {value}) must be finite with a time within [0, 1]")]
+#[non_exhaustive]
 pub struct HandleError {
     /// The handle's time.
     pub time: f32,

@@ -9,7 +9,7 @@ use crate::spatial::{Matrix3, Quaternion, Vector3};
 use crate::task::Orientation;
 
 /// A bone that is held as the clip has it, or turned by a weight.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Held {
     pub(super) bone: BoneId,
     pub(super) task: TaskId<Orientation>,

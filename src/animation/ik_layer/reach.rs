@@ -26,7 +26,7 @@ const TOLERANCE: f64 = 1e-6;
 /// limits, and several tips that share a spine. The search starts at the clip's pose, so what does not
 /// help a tip stays. Joints stand where the pose's own translations and scales put them, so that what
 /// the solution says of a tip is what the posed bones show: W (ℓ, 0, 0) for a bone of length ℓ.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ReachLayer {
     bridge: PoseBridge,
     stances: Stances,
@@ -44,7 +44,7 @@ pub struct ReachLayer {
     q: Vec<f64>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Effector {
     bone: BoneId,
     task: TaskId<Point>,
@@ -55,6 +55,7 @@ struct Effector {
 /// A bone that the layer has no such task for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", UnknownName::new("effector of the layer", bone, effectors.iter().map(String::as_str)))]
+#[non_exhaustive]
 pub struct NoEffector {
     /// The bone asked for.
     pub bone: String,

@@ -18,7 +18,7 @@ pub(super) struct Stance {
 }
 
 /// The stances of bones, and the skeleton whose joints stand as the pose has them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Stances {
     skeleton: Skeleton,
     /// By bone; only those asked for are kept up.

@@ -18,6 +18,7 @@ pub struct Pose {
 /// Two things of different armatures came together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{given} {what} where the armature has {expected}")]
+#[non_exhaustive]
 pub struct SizeMismatch {
     /// Bones, morph targets, …
     pub what: &'static str,

@@ -6,6 +6,7 @@ use crate::model::UnknownName;
 /// A place in the definition, and what is wrong there.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{path}: {problem}")]
+#[non_exhaustive]
 pub struct StateMachineError {
     /// A path such as `transitions[2].to`.
     pub path: String,

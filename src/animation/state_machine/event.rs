@@ -4,6 +4,7 @@ use crate::animation::Event;
 
 /// An event of a clip that a state machine went by.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StateEvent<'a> {
     /// The name of the state whose clip it is; in a cross-fade, the one that is left or the one that
     /// is entered.

@@ -24,6 +24,7 @@ pub enum ParameterError {
 
 /// A parameter's value now.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum ParameterValue {
     /// A number.
     Number(f32),

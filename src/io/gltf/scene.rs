@@ -61,6 +61,7 @@ pub struct Skin {
 /// Parts of a scene that do not go together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("mesh `{mesh}`: {given} {what} where there must be {expected}")]
+#[non_exhaustive]
 pub struct SceneError {
     /// The mesh.
     pub mesh: String,

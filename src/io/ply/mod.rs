@@ -25,6 +25,7 @@ const LENGTH_LIMIT: u64 = 1 << 31;
 
 /// How the numbers of a PLY file are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PlyEncoding {
     /// Decimal, with as many digits as it takes to read the same number back.
     Ascii,

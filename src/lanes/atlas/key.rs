@@ -7,9 +7,9 @@ use crate::spatial::{Placement, Vector3};
 /// A goal reduced by the symmetries of the first and last joint.
 #[derive(Clone, Copy)]
 pub(super) struct Key {
-    /// What a sliding first joint adds, metres.
+    /// What a sliding first joint adds, in lengths of the solver (as are all here).
     pub(super) shift: f64,
-    /// Distance and height (or the two coordinates across a sliding first joint), metres.
+    /// Distance and height (or the two coordinates across a sliding first joint).
     pub(super) place: [f64; 2],
     /// Last axis, in the half plane's frame.
     pub(super) axis: Vector3<f64>,

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::io::ReadError;
+use crate::file::ReadError;
 use crate::model::{ModelError, UnknownName};
 
 /// Why a URDF file gives no robot.

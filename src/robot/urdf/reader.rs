@@ -9,7 +9,7 @@ use super::reading::Reading;
 use super::repair::Repair;
 use super::topology::{self, Topology};
 use super::xml;
-use crate::io::{self, ReadError, read_bytes};
+use crate::file::{Place, ReadError, read_bytes};
 use crate::model::{Joint, JointId, JointKind, Model, ModelError};
 use crate::robot::{Mimic, Robot};
 use crate::spatial::Placement;
@@ -64,7 +64,7 @@ impl UrdfReader {
         match std::str::from_utf8(&bytes) {
             Ok(text) => self.parse(text, &file),
             Err(error) => {
-                let at = io::Place::Byte(error.valid_up_to());
+                let at = Place::Byte(error.valid_up_to());
                 Err(ReadError::malformed(&file, at, "is not UTF-8 text").into())
             }
         }
@@ -106,14 +106,14 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
     let mut drives = Vec::with_capacity(document.joints.len());
     for branch in &topology.branches {
         let element = &document.joints[branch.joint];
-        let id = builder.joint(Joint {
-            name: element.named.name.clone(),
-            parent: carrier[branch.parent_link],
-            parent_from_joint: element.parent_from_joint,
-            kind: element.kind,
-            axis: element.axis,
-            limits: element.limits,
-        });
+        let id = builder.joint(Joint::new(
+            element.named.name.as_str(),
+            carrier[branch.parent_link],
+            element.parent_from_joint,
+            element.kind,
+            element.axis,
+            element.limits,
+        ));
         carrier[branch.child_link] = Some(id);
         ids[branch.joint] = Some(id);
         drives.push(element.drive);

@@ -108,7 +108,7 @@ impl MorphTarget {
         Ok(own)
     }
 
-    /// Its name.
+    /// The name that clips and files know it by.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name

@@ -152,8 +152,8 @@ fn status(status: ServoStatus) -> &'static str {
     match status {
         ServoStatus::OnTarget => "on target",
         ServoStatus::SpeedLimited => "held by a velocity limit",
-        ServoStatus::Settling => "settling",
         ServoStatus::Nearest => "at rest as near as it comes",
+        _ => "settling",
     }
 }
 

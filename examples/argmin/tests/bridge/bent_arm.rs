@@ -25,14 +25,8 @@ pub(crate) fn arm() -> Model {
         (JointKind::Prismatic, Z, Limits::new(0.0, f64::INFINITY)),
     ];
     for (k, (kind, axis, limits)) in joints.into_iter().enumerate() {
-        parent = Some(builder.joint(Joint {
-            name: format!("joint {k}"),
-            parent,
-            parent_from_joint: step,
-            kind,
-            axis,
-            limits,
-        }));
+        let name = format!("joint {k}");
+        parent = Some(builder.joint(Joint::new(name, parent, step, kind, axis, limits)));
     }
     builder.frame("tip", parent, step);
     builder.frame(

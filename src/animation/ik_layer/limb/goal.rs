@@ -36,6 +36,7 @@ pub struct LimbGoal {
 /// bone takes it along, to 1, the rotation named, by the shortest arc; they are taken into [0, 1], NaN
 /// counts as 0, and they are apart from the weight of the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum EndRotation {
     /// The lower bone takes it along.
     #[default]

@@ -60,6 +60,7 @@ pub struct StateMachineDefinition {
     untagged,
     expecting = "a parameter is `true` or `false`, a number, or \"trigger\""
 )]
+#[non_exhaustive]
 pub enum ParameterDefault {
     /// A flag: `true` or `false`.
     Flag(bool),

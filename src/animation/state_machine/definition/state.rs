@@ -20,6 +20,7 @@ pub struct StateDefinition {
 
 /// One clip, or several between which a number chooses.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum MotionDefinition {
     /// The name of a clip: in JSON, `clip`.
     Clip(String),

@@ -61,6 +61,7 @@ pub struct ConditionDefinition {
 /// the pose as it was then, held still.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Interruption {
     /// No transition: the cross-fade ends first.
     #[default]

@@ -26,6 +26,7 @@ use crate::skinning::MorphTargets;
 
 /// How scenes are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WriteOptions {
     /// How many keys a second stand for a curve that glTF does not have: eased and Bézier curves,
     /// squad, Hermite rotations, Euler angles, and morph weights that are not keyed together. They

@@ -1,6 +1,4 @@
-//! Affine maps of the plane taken apart, as [`Decomposition`](super::Decomposition) does in space.
-//!
-//! Shoemake & Duff 1992, "Matrix animation and polar decomposition", section 4.
+//! Affine maps of the plane (the paper's section 4).
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,11 @@
 //! Keyframes of bone angles.
 
-use super::EulerInterpolation;
+mod interpolation;
+mod sampling;
+
+pub use interpolation::EulerInterpolation;
+pub use sampling::SampleError;
+
 use crate::skeleton::BoneId;
 
 /// The angles of one bone at one time.
@@ -25,9 +30,9 @@ pub struct EulerTrack {
 /// Keyframes for any of a skeleton's bones; a bone without keys has no track.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EulerClip {
-    pub(super) tracks: Vec<EulerTrack>,
+    tracks: Vec<EulerTrack>,
     /// One for each track.
-    pub(super) between: Vec<EulerInterpolation>,
+    between: Vec<EulerInterpolation>,
     /// Whose tracks had no keys.
     keyless: Vec<BoneId>,
 }

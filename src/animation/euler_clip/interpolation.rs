@@ -1,11 +1,12 @@
-//! What runs between the keys of a bone's angles.
+//! How a bone's angles go from key to key: straight, or by which spline.
 
-use super::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use super::{ClipError, EulerClip, EulerTrack};
+use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use crate::skeleton::BoneId;
 
 /// How the angles of one bone go from key to key. Each angle goes by itself.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum EulerInterpolation {
     /// Straight from key to key: what to try first, but the speed jumps at every key.
     Linear,

@@ -5,9 +5,6 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::mesh::MeshError;
-use crate::skinning::WeightsError;
-
 /// A file that could not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}: {place}{problem}")]
@@ -63,12 +60,10 @@ pub enum ReadProblem {
     /// The text or structure is not what the format asks for.
     #[error("{0}")]
     Malformed(String),
-    /// The mesh in the file is not valid.
+    /// What the file holds is well formed, but not valid: a [`MeshError`](crate::mesh::MeshError) or a
+    /// [`WeightsError`](crate::skinning::WeightsError), say.
     #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// The skin weights in the file are not valid.
-    #[error(transparent)]
-    Weights(#[from] WeightsError),
+    Invalid(Box<dyn std::error::Error + Send + Sync>),
     /// Another file that this one names cannot be read.
     #[error("{0}")]
     Referenced(#[source] Box<ReadError>),
@@ -77,6 +72,7 @@ pub enum ReadProblem {
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}: cannot be written: {problem}")]
+#[non_exhaustive]
 pub struct WriteError {
     /// The file's path.
     pub file: String,

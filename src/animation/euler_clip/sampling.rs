@@ -1,7 +1,8 @@
 //! Interpolation of keyframes at times that need not be evenly spaced.
 
-use super::curve::{TensionContinuityBias, lerp};
-use super::{EulerClip, EulerInterpolation, EulerKey, Playback};
+use super::{EulerClip, EulerInterpolation, EulerKey};
+use crate::animation::Playback;
+use crate::animation::curve::{TensionContinuityBias, lerp};
 use crate::skeleton::ANGLES_PER_BONE;
 
 /// Why a clip cannot be sampled.

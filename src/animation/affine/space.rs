@@ -1,12 +1,9 @@
-//! Affine maps taken apart, so that what lies between two of them makes sense: halfway between two
-//! rotations is a rotation.
-//!
-//! Shoemake & Duff 1992, "Matrix animation and polar decomposition".
+//! Affine maps of space.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use nalgebra as na;
 
-use super::rotation::exponential::share_of;
+use crate::animation::rotation::exponential::share_of;
 use crate::spatial::Polar;
 
 /// An affine map as translation · rotation · stretch.

@@ -5,6 +5,7 @@
     Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Deserialize, serde::Serialize,
 )]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Playback {
     /// The first pose before the clip, the last one after it.
     #[default]

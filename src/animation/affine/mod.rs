@@ -1,0 +1,10 @@
+//! Affine maps taken apart, so that what lies between two of them makes sense: halfway between two
+//! rotations is a rotation.
+//!
+//! Shoemake & Duff 1992, "Matrix animation and polar decomposition".
+
+mod plane;
+mod space;
+
+pub use plane::{PlaneDecomposition, interpolate_plane_affine};
+pub use space::{Decomposition, NotFinite, interpolate_affine};

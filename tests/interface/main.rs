@@ -1,0 +1,3 @@
+//! Promises of the whole interface: what all public types can do, and one policy for wrong input.
+
+mod public_types;
