@@ -2,7 +2,9 @@
 
 use kinopt::model::{ParameterMap, Source, UnknownName};
 
+use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
+use crate::number_list::Numbers;
 
 /// Which coordinate of a configuration each column holds.
 #[derive(Clone, Debug)]
@@ -67,6 +69,39 @@ impl JointColumns {
     /// How many numbers a row has.
     pub(crate) fn width(&self) -> usize {
         self.coordinates.len()
+    }
+
+    /// The joints' names, in the order of the columns.
+    pub(crate) fn names<'l>(&self, loaded: &'l LoadedModel) -> Vec<&'l str> {
+        let names = loaded.joint_names();
+        let columns = self.coordinates.iter();
+        columns.filter_map(|&c| names.get(c).copied()).collect()
+    }
+
+    /// One number for each column out of one for all (not for a posture), one for each, or one for each
+    /// moving joint of the model; in radians.
+    pub(crate) fn one_each(
+        &self,
+        loaded: &LoadedModel,
+        option: &str,
+        Numbers(given): &Numbers,
+        degrees: bool,
+    ) -> Outcome<Vec<f64>> {
+        let (width, all) = (self.width(), loaded.model.degrees_of_freedom());
+        let columns = self.coordinates.iter();
+        let picked: Vec<f64> = match given.as_slice() {
+            [one] if option != "--posture" => vec![*one; width],
+            _ if given.len() == all => columns.filter_map(|&c| given.get(c).copied()).collect(),
+            _ if given.len() == width => given.clone(),
+            _ => {
+                return Err(Failure::new(format!(
+                    "{option}: {} numbers given; it takes {width} ({}) or {all}, one for each moving joint",
+                    given.len(),
+                    self.names(loaded).join(", "),
+                )));
+            }
+        };
+        Ok(self.in_radians(&picked, degrees))
     }
 
     /// As [`configuration`](Self::configuration), of a row whose angles may be in degrees.

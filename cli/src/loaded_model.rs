@@ -6,7 +6,7 @@ use kinopt::Model;
 use kinopt::animation::{Armature, EulerClip, Playback};
 use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
-use kinopt::model::{FrameId, JointKind, Limits, ParameterMap};
+use kinopt::model::{FrameId, JointId, JointKind, Limits, ParameterMap, Source};
 use kinopt::robot::Robot;
 use kinopt::skeleton::BoneId;
 
@@ -326,6 +326,30 @@ impl LoadedModel {
             }
         }
         leads
+    }
+
+    /// The variable of `map` that moves a joint.
+    pub(crate) fn variable_of(&self, map: &ParameterMap, joint: JointId) -> Option<usize> {
+        match map.sources().get(self.model.coordinate(joint)?) {
+            Some(Source::Variable { variable, .. }) => Some(*variable),
+            _ => None,
+        }
+    }
+
+    /// The coordinates of a robot that move none of some frames, which every solver leaves where the
+    /// start has them. None for a rig, whose whole pose is the answer.
+    pub(crate) fn idle_coordinates(&self, frames: impl Iterator<Item = FrameId>) -> Vec<usize> {
+        if self.robot.is_none() {
+            return Vec::new();
+        }
+        let map = self.own_parameters();
+        let variable = |joint| self.variable_of(&map, joint);
+        let moving = frames.flat_map(|frame| self.model.joints_above(frame));
+        let moving: Vec<usize> = moving.filter_map(variable).collect();
+        let joints = self.model.moving_joints().iter().enumerate();
+        let idle =
+            joints.filter(|&(_, &joint)| variable(joint).is_some_and(|v| !moving.contains(&v)));
+        idle.map(|(coordinate, _)| coordinate).collect()
     }
 
     /// Which coordinates of a configuration are angles; the others are lengths.

@@ -20,6 +20,14 @@ impl Numbers {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         parse(text).map(Self)
     }
+
+    /// At least one number.
+    pub(crate) fn parse_some(text: &str) -> Result<Self, String> {
+        match parse(text)? {
+            numbers if numbers.is_empty() => Err("expected numbers".to_owned()),
+            numbers => Ok(Self(numbers)),
+        }
+    }
 }
 
 /// As [`parse`], with exactly N numbers between N − 1 commas.

@@ -23,11 +23,15 @@ impl Model {
         Path { up, down }
     }
 
+    /// The joints that carry a frame, from its own up to the root; none for a frame of another model.
+    pub fn joints_above(&self, frame: FrameId) -> impl Iterator<Item = JointId> + '_ {
+        let first = self.frames.get(frame.index()).and_then(|f| f.joint);
+        std::iter::successors(first, |joint| self.joints[joint.index()].parent)
+    }
+
     /// The joints from the root to a frame.
     fn joints_down_to(&self, frame: FrameId) -> Vec<JointId> {
-        let first = self.frames[frame.index()].joint;
-        let parent = |joint: &JointId| self.joints[joint.index()].parent;
-        let mut joints: Vec<JointId> = std::iter::successors(first, parent).collect();
+        let mut joints: Vec<JointId> = self.joints_above(frame).collect();
         joints.reverse();
         joints
     }

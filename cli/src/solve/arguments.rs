@@ -17,7 +17,6 @@ use super::chain_arguments::ChainArguments;
 use super::out_file::OutFile;
 use super::weights::FrameWeight;
 use crate::failure::{Failure, Outcome};
-use crate::frame_name::BareName;
 use crate::help_headings;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::{LoadedModel, Moment};
@@ -427,26 +426,6 @@ impl Arguments {
         let held = self.chain.held(loaded, &start, self.degrees)?;
         loaded.held = Some(Box::new(held));
         Ok(())
-    }
-
-    /// Puts the tool on the frame of the one target.
-    pub(super) fn put_tool(&self, loaded: &mut LoadedModel) -> Outcome<()> {
-        let Some(tool) = &self.chain.tool else {
-            return Ok(());
-        };
-        let frames = self.targets.iter().map(|target| target.frame.as_str());
-        let frames = frames.chain(self.rays.iter().map(|ray| ray.frame.as_str()));
-        let frames: Vec<_> = frames
-            .map(|name| loaded.frame(name, BareName::Tip))
-            .collect::<Result<_, _>>()?;
-        match frames.as_slice() {
-            [first, others @ ..] if others.iter().all(|other| other == first) => {
-                loaded.put_tool(*first, tool)
-            }
-            _ => Err(Failure::usage(
-                "--tool is for the targets of one frame, not of several",
-            )),
-        }
     }
 
     /// Ends with a code of its own where --fail-on-miss wants it and targets were missed.

@@ -5,7 +5,7 @@ use kinopt::arm::{Axis, Search};
 
 use super::interval::Interval;
 use crate::help_headings;
-use crate::number_list;
+use crate::number_list::{self, Numbers};
 
 /// How far apart distinct solutions are unless said otherwise, in radians (or metres) of joint
 /// distance.
@@ -35,18 +35,18 @@ pub(crate) struct ArmArguments {
     ///
     /// One number a joint goes by all moving joints in the order of `kinopt info`, or by the free
     /// joints from base to tip.
-    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, conflicts_with_all = GENERAL,
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, conflicts_with_all = GENERAL,
           help_heading = help_headings::SEARCH, hide_short_help = true)]
-    pub(super) max_move: Option<Moves>,
+    pub(super) max_move: Option<Numbers>,
 
     /// A configuration to come close to where the target leaves room, in radians (--degrees) and
     /// metres. Robots only. Default: none.
     ///
     /// Numbers as for --max-move. It goes with the searches start and first.
-    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Moves::parse,
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some,
           conflicts_with_all = GENERAL,
           help_heading = help_headings::PREFERENCES, hide_short_help = true)]
-    pub(super) posture: Option<Moves>,
+    pub(super) posture: Option<Numbers>,
 
     /// An axis of the tip's frame about which it may turn freely (a drill, a suction cup). Robots
     /// only. Default: none.
@@ -68,9 +68,9 @@ pub(crate) struct ArmArguments {
 
     /// What a radian or metre of each joint weighs where answers are compared (--search nearest and
     /// distinct, --posture): numbers above 0 as for --max-move. Robots only. Default: 1 for each.
-    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse, conflicts_with_all = GENERAL,
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, conflicts_with_all = GENERAL,
           help_heading = help_headings::PREFERENCES, hide_short_help = true)]
-    pub(super) joint_weights: Option<Moves>,
+    pub(super) joint_weights: Option<Numbers>,
 
     /// Answer a miss by the best place anywhere.
     ///
@@ -95,9 +95,9 @@ pub(crate) struct ArmArguments {
 
     /// How fast each joint may move while --servo follows, in radians (--degrees) or metres a second:
     /// numbers as for --max-move. Default: as the robot's file says.
-    #[arg(long, value_name = "NUMBERS", value_parser = Moves::parse,
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some,
           help_heading = help_headings::FOLLOWING, hide_short_help = true)]
-    pub(super) velocity_limits: Option<Moves>,
+    pub(super) velocity_limits: Option<Numbers>,
 
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
     /// quarter of the arm's length.
@@ -151,19 +151,6 @@ impl From<FreeAxis> for Axis {
             FreeAxis::X => Self::X,
             FreeAxis::Y => Self::Y,
             FreeAxis::Z => Self::Z,
-        }
-    }
-}
-
-/// A list of numbers as one value.
-#[derive(Clone, Debug)]
-pub(super) struct Moves(pub(super) Vec<f64>);
-
-impl Moves {
-    fn parse(text: &str) -> Result<Self, String> {
-        match number_list::parse(text)? {
-            numbers if numbers.is_empty() => Err("expected numbers".to_owned()),
-            numbers => Ok(Self(numbers)),
         }
     }
 }

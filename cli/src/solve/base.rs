@@ -1,7 +1,7 @@
 //! The frame that targets are given in.
 
 use kinopt::ik::Drag;
-use kinopt::model::{FrameId, Model, ParameterMap, Source};
+use kinopt::model::FrameId;
 use kinopt::problem::{ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::Placement;
 use kinopt::task::{Point, Pose, Task};
@@ -34,7 +34,8 @@ impl Base {
         };
         let frame = loaded.frame(name, BareName::Tail)?;
         let map = loaded.parameters();
-        if moves(&loaded.model, &map, frame) {
+        let mut carriers = loaded.model.joints_above(frame);
+        if carriers.any(|joint| loaded.variable_of(&map, joint).is_some()) {
             return Ok(Self::Moving(frame));
         }
         let placements = loaded.all_frames(&loaded.rest());
@@ -95,17 +96,4 @@ impl Base {
             Self::Moving(_) => target,
         }
     }
-}
-
-/// Whether any free joint moves a frame.
-fn moves(model: &Model, map: &ParameterMap, frame: FrameId) -> bool {
-    let mut at = model.frames().get(frame.index()).and_then(|f| f.joint);
-    while let Some(id) = at {
-        let source = model.coordinate(id).and_then(|c| map.sources().get(c));
-        if matches!(source, Some(Source::Variable { .. })) {
-            return true;
-        }
-        at = model.joints().get(id.index()).and_then(|j| j.parent);
-    }
-    false
 }

@@ -128,12 +128,9 @@ impl ChainArguments {
         if !only.is_empty() {
             builder = builder.only(&only, start);
         }
-        let map = builder.build()?;
-        let name = |joint| name(loaded, joint).to_owned();
-        let only: Vec<String> = only.into_iter().map(name).collect();
         Ok(HeldJoints {
-            map,
-            locked: locked.into_iter().map(|(id, v)| (name(id), v)).collect(),
+            map: builder.build()?,
+            locked,
             only: (!only.is_empty()).then(|| (only, start.to_vec())),
         })
     }

@@ -6,8 +6,9 @@ use kinopt::ik::Drag;
 use kinopt::solver::{Observer, Stopping};
 use kinopt::{Problem, Solution, Solver, Workspace};
 
-use super::answer::{Answer, Way};
 use super::arguments::Arguments;
+use super::backend::microseconds;
+use super::query::{Answer, Settled, Way};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 
@@ -31,27 +32,6 @@ pub(super) struct Finder {
     limit: Option<Duration>,
 }
 
-/// What was found, and which way; none where there was only one.
-pub(super) struct Found {
-    pub(super) solution: Solution,
-    pub(super) way: Option<Way>,
-    pub(super) elsewhere: Option<f64>,
-}
-
-impl Found {
-    /// As an answer that took so many microseconds.
-    pub(super) fn answer(self, micros: f64) -> Answer {
-        Answer {
-            q: self.solution.q.clone(),
-            alternatives: Vec::new(),
-            solution: self.solution,
-            micros: Some(micros),
-            way: self.way,
-            elsewhere: self.elsewhere,
-        }
-    }
-}
-
 impl Finder {
     pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments) -> Self {
         Self {
@@ -71,40 +51,40 @@ impl Finder {
         start: &[f64],
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
-    ) -> Outcome<Found> {
+    ) -> Outcome<Answer> {
+        let began = Instant::now();
+        let answer = |solution: Solution, settled| Answer {
+            settled,
+            ..Answer::new(solution.q.clone(), solution, Some(microseconds(began)))
+        };
         if !self.settles {
             let solved = self
                 .solver
                 .solve_observed(body.question(), start, workspace, observer)?;
-            return Ok(Found {
-                solution: solved.clone(),
-                way: None,
-                elsewhere: None,
-            });
+            return Ok(answer(solved.clone(), None));
         }
-        let began = Instant::now();
         body.stand_at(start)?;
         let settled = body.settle(FRAMES).clone();
         let left = self
             .limit
             .map(|limit| limit.saturating_sub(began.elapsed()));
         if settled.reached || !self.searches || left.is_some_and(|left| left.is_zero()) {
-            return Ok(Found {
-                solution: settled,
-                way: Some(Way::Own),
-                elsewhere: None,
-            });
+            let own = Settled {
+                way: Way::Own,
+                lower_cost_elsewhere: None,
+            };
+            return Ok(answer(settled, Some(own)));
         }
         let searched =
             self.search(left)
                 .solve_observed(body.question(), start, workspace, observer)?;
         let better = searched.cost < BETTER * settled.cost;
         let taken = searched.reached || (self.anywhere && better);
-        let mut solution = if taken {
-            searched.clone()
-        } else {
-            settled.clone()
+        let (way, best) = match taken {
+            true => (Way::Another, searched),
+            false => (Way::Own, &settled),
         };
+        let mut solution = best.clone();
         solution.iterations = settled.iterations + searched.iterations;
         solution.counts = settled.counts;
         solution.counts += searched.counts;
@@ -113,11 +93,12 @@ impl Finder {
             // None agrees with what is not the lowest.
             solution.agreeing = if better { 1 } else { searched.agreeing + 1 };
         }
-        Ok(Found {
-            solution,
-            way: Some(if taken { Way::Another } else { Way::Own }),
-            elsewhere: (better && !taken).then_some(searched.cost),
-        })
+        let lower_cost_elsewhere = (better && !taken).then_some(searched.cost);
+        let settled = Settled {
+            way,
+            lower_cost_elsewhere,
+        };
+        Ok(answer(solution, Some(settled)))
     }
 
     /// A body at a problem's start, for the poses that are asked for.

@@ -1,38 +1,31 @@
 //! `kinopt solve`: from targets to a configuration.
 
-mod answer;
 mod arguments;
 mod arm_arguments;
-mod arm_door;
+mod arm_backend;
+mod backend;
 pub(crate) mod base;
-mod bystanders;
 mod chain_arguments;
-mod core_door;
-mod door;
 mod figure;
+mod general_backend;
+mod goals;
 mod held;
 mod interval;
 mod many;
 mod out_file;
+mod query;
 mod report;
-mod tasks;
 mod weights;
 
-use std::time::Instant;
-
-use kinopt::Workspace;
-use kinopt::robot::Robot;
-
-use answer::{Answer, AskedTask, Question};
 pub(crate) use arguments::Arguments;
-use arm_door::{ArmDoor, microseconds};
-use door::Door;
-use figure::Finder;
+use arm_backend::ArmBackend;
+use backend::QueryBackend;
+use general_backend::GeneralBackend;
+use goals::Goals;
+use query::Query;
 use report::Report;
-use tasks::Asked;
 
-use crate::failure::{Failure, Outcome};
-use crate::frame_name::BareName;
+use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 use crate::progress::Progress;
@@ -41,38 +34,63 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let moment = arguments.moment();
     let mut loaded = LoadedModel::read_at(&arguments.model, &arguments.robot, moment)?;
     arguments.hold(&mut loaded)?;
-    if let Some(file) = &arguments.file {
-        return many::run(loaded, arguments, file, json);
-    }
-    arguments.put_tool(&mut loaded)?;
-    let robot = arguments.arm_of(&loaded)?;
-    // Before the search, not after it; but after all names, as making up skin weights takes a while.
-    let ready = || {
-        let out = arguments.out.as_ref();
-        out.map(|out| out.of(&loaded, arguments.skin_weights))
-            .transpose()
+    let goals = Goals::read(&loaded, arguments)?;
+    goals.put_tool(&mut loaded)?;
+    let loaded = &loaded;
+    let Some(robot) = arguments.arm_of(loaded)? else {
+        let general = GeneralBackend::new(loaded, arguments, &goals)?;
+        return solve(loaded, arguments, &goals, &general, json);
     };
-    let (written, answered) = match robot {
-        Some(robot) => (ready()?, by_arm(&loaded, robot, arguments)?),
-        None => {
-            let start = arguments.start(&loaded, None)?;
-            let asked = tasks::asked(&loaded, arguments, &start)?;
-            let written = ready()?;
-            let answered = by_general_solver(&loaded, arguments, asked, &start)?;
-            (written, answered)
+    let arm = ArmBackend::new(loaded, robot, arguments, &goals)?;
+    match arguments.arm.servo {
+        Some(rate) => {
+            let queries = goals.queries(loaded, &arm)?;
+            many::servo::run(loaded, &arm, arguments, &queries, rate, json)
         }
-    };
+        None => solve(loaded, arguments, &goals, &arm, json),
+    }
+}
+
+/// Answers what is asked, one query or a file of them, and prints what came out.
+fn solve(
+    loaded: &LoadedModel,
+    arguments: &Arguments,
+    goals: &Goals<'_>,
+    backend: &impl QueryBackend,
+    json: bool,
+) -> Outcome<()> {
+    let queries = goals.queries(loaded, backend)?;
+    match queries.as_slice() {
+        [query] if arguments.file.is_none() => one(loaded, arguments, backend, query, json),
+        queries => many::run(loaded, arguments, backend, queries, json),
+    }
+}
+
+fn one<B: QueryBackend>(
+    loaded: &LoadedModel,
+    arguments: &Arguments,
+    backend: &B,
+    query: &Query,
+    json: bool,
+) -> Outcome<()> {
+    // Before the search, not after it; but after all names, as making up skin weights takes a while.
+    let out = arguments.out.as_ref();
+    let written = out.map(|out| out.of(loaded, arguments.skin_weights));
+    let written = written.transpose()?;
+    let mut progress = Progress::new();
+    let answer = backend.answer(&mut B::Workspace::default(), query, &mut progress)?;
+    progress.finish();
     let mut notes = loaded.notes();
     notes.extend(written.as_ref().and_then(|written| written.note()));
     let written = written.as_ref();
     let written = written
-        .map(|written| written.write(&answered.answer.q, arguments.skinning))
+        .map(|written| written.write(&answer.q, arguments.skinning))
         .transpose()?;
     let report = Report {
-        loaded: &loaded,
-        answer: &answered.answer,
-        tasks: &answered.tasks,
-        bystanders: &answered.bystanders,
+        loaded,
+        answer: &answer,
+        tasks: backend.tasks(),
+        idle: backend.idle_coordinates(),
     };
     if json {
         output::json(&report.whole_document(notes))?;
@@ -82,59 +100,5 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if let Some(path) = written {
         output::message(&format!("wrote {}", path.display()));
     }
-    let missed = usize::from(!answered.answer.solution.reached);
-    arguments.told_misses(missed, 1)
-}
-
-/// An answer to all that was asked at once.
-struct Answered {
-    answer: Answer,
-    tasks: Vec<AskedTask>,
-    /// Coordinates that no task feels.
-    bystanders: Vec<usize>,
-}
-
-/// One target of a robot.
-fn by_arm(loaded: &LoadedModel, robot: &Robot, arguments: &Arguments) -> Outcome<Answered> {
-    let Some(target) = arguments.targets.first() else {
-        return Err(Failure::usage("a robot's arm is asked for one --target"));
-    };
-    let turns = target.quaternion.is_some() && !arguments.position_only;
-    let base = arguments.base.as_deref();
-    let door = ArmDoor::new(loaded, robot, arguments, base, &target.frame, turns)?;
-    let question = Question {
-        base_from_tip: target.placement(),
-        start: arguments.start(loaded, Some(door.columns()))?,
-    };
-    let mut desk = door.desk()?;
-    let ends = [Some(target.frame.as_str()), base].into_iter().flatten();
-    let ends = ends.map(|name| loaded.frame(name, BareName::Tail));
-    let ends = ends.collect::<Result<Vec<_>, _>>()?;
-    Ok(Answered {
-        answer: door.answer(&mut desk, &question)?,
-        tasks: door.tasks(),
-        bystanders: bystanders::bystanders(loaded, &ends),
-    })
-}
-
-/// Everything that is asked at once.
-fn by_general_solver(
-    loaded: &LoadedModel,
-    arguments: &Arguments,
-    asked: Asked,
-    start: &[f64],
-) -> Outcome<Answered> {
-    let mut workspace = Workspace::new();
-    let mut progress = Progress::new();
-    let finder = Finder::new(loaded, arguments);
-    let mut body = finder.body(asked.problem, start)?;
-    let started = Instant::now();
-    let found = finder.find(&mut body, start, &mut workspace, &mut progress)?;
-    let micros = microseconds(started);
-    progress.finish();
-    Ok(Answered {
-        answer: found.answer(micros),
-        tasks: asked.tasks,
-        bystanders: asked.bystanders,
-    })
+    arguments.told_misses(usize::from(!answer.solution.reached), 1)
 }

@@ -3,7 +3,7 @@
 use kinopt::ik::{BoundKind, Side};
 use serde::Serialize;
 
-use super::answer::{Answer, AskedTask, Way};
+use super::query::{Answer, Settled, TaskName, Way};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits};
 use crate::table::{Align, Table};
@@ -13,9 +13,9 @@ use crate::table::{Align, Table};
 pub(super) struct Report<'a> {
     pub(super) loaded: &'a LoadedModel,
     pub(super) answer: &'a Answer,
-    pub(super) tasks: &'a [AskedTask],
-    /// Coordinates that no task feels, which text does not show.
-    pub(super) bystanders: &'a [usize],
+    pub(super) tasks: &'a [TaskName],
+    /// Coordinates that no task depends on, which text does not show.
+    pub(super) idle: &'a [usize],
 }
 
 #[derive(Serialize)]
@@ -38,12 +38,10 @@ pub(super) struct Document<'a> {
     agreeing_attempts: usize,
     /// Whether the miss is certain: a target farther away than its chain is long.
     out_of_reach: bool,
-    /// `own` where a figure settled from where it stood, `another` where a search found better.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    way: Option<Way>,
-    /// The lower cost of a miss elsewhere, which --global-search-on-miss would answer.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    lower_cost_elsewhere: Option<f64>,
+    /// `way`: `own` where a figure settled from where it stood, `another` where a search found better;
+    /// and the lower cost of a miss elsewhere.
+    #[serde(flatten)]
+    settled: Option<Settled>,
     evaluations: Evaluations,
     /// Time spent solving, in microseconds; not told for targets that are solved together.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -130,8 +128,7 @@ impl<'a> Report<'a> {
             attempts: solution.attempts,
             agreeing_attempts: solution.agreeing,
             out_of_reach: solution.is_out_of_reach(),
-            way: self.answer.way,
-            lower_cost_elsewhere: self.answer.elsewhere,
+            settled: self.answer.settled,
             evaluations: Evaluations {
                 residuals: solution.counts.residuals,
                 jacobians: solution.counts.jacobians,
@@ -149,12 +146,13 @@ impl<'a> Report<'a> {
         if !solution.reached && self.tasks.iter().any(|task| task.held) {
             text.push_str("\n  What is held stays where it was; --hold says what else should.");
         }
-        if self.answer.way == Some(Way::Another) {
+        let settled = self.answer.settled;
+        if settled.is_some_and(|settled| settled.way == Way::Another) {
             text.push_str(
                 "\n  The figure's own way missed; a search from other places found this.",
             );
         }
-        if self.answer.elsewhere.is_some() {
+        if settled.is_some_and(|settled| settled.lower_cost_elsewhere.is_some()) {
             text.push_str(
                 "\n  Another way comes nearer; --global-search-on-miss answers with that.",
             );
@@ -198,8 +196,8 @@ impl<'a> Report<'a> {
         for (shown, held) in shown.iter_mut().zip(self.loaded.held_coordinates()) {
             *shown |= held;
         }
-        for &bystander in self.bystanders {
-            if let Some(shown) = shown.get_mut(bystander) {
+        for &idle in self.idle {
+            if let Some(shown) = shown.get_mut(idle) {
                 *shown = false;
             }
         }

@@ -3,16 +3,19 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use kinopt::arm::{HeldBy, Servo, ServoStatus};
+use kinopt::arm::{HeldBy, ServoStatus};
 use kinopt::ik::Side;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
-use super::super::answer::Question;
-use super::super::arm_door::{ArmDoor, microseconds};
+use super::super::arguments::Arguments;
+use super::super::arm_backend::ArmBackend;
+use super::super::backend::microseconds;
+use super::super::query::Query;
 use super::summary::{median, percentile, short_time};
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits};
+use crate::output;
 
 /// Where the arm stands after a tick. Radians, metres and seconds.
 #[derive(Clone, Debug, Serialize)]
@@ -21,7 +24,8 @@ struct Tick {
     q: Vec<f64>,
     /// The joints from base to tip.
     velocity: Vec<f64>,
-    status: &'static str,
+    #[serde(serialize_with = "in_words")]
+    status: ServoStatus,
     position_error: f64,
     orientation_error: f64,
     /// The joints that would go on, and what keeps them.
@@ -30,11 +34,11 @@ struct Tick {
 
 /// What came of all ticks.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Servoed<'a> {
+struct Document<'a> {
     /// The names that belong to every q.
     joints: Option<Vec<&'a str>>,
     /// The names that belong to every velocity, and their limits; none where there is no limit.
-    arm_joints: Vec<String>,
+    arm_joints: Vec<&'a str>,
     velocity_limits: Vec<Option<f64>>,
     ticks: Vec<Tick>,
     summary: Summary,
@@ -52,45 +56,66 @@ struct Summary {
     micros_p99: Option<f64>,
 }
 
-/// Follows the targets from the first one's start.
-pub(super) fn follow<'a>(
-    loaded: &'a LoadedModel,
-    door: &ArmDoor<'_>,
-    mut servo: Servo<'_>,
-    questions: &[Question],
+/// Follows the targets from the first one's start, at so many ticks a second, and prints what came out.
+pub(in super::super) fn run(
+    loaded: &LoadedModel,
+    backend: &ArmBackend<'_>,
+    arguments: &Arguments,
+    queries: &[Query],
     ticks_a_second: f64,
-) -> Outcome<Servoed<'a>> {
-    let arm_joints: Vec<String> = door.joint_names().into_iter().map(str::to_owned).collect();
+    json: bool,
+) -> Outcome<()> {
+    let document = follow(loaded, backend, arguments, queries, ticks_a_second)?;
+    if json {
+        output::json(&document)?;
+    } else {
+        output::result(&document.text())?;
+    }
+    let last = document.ticks.last();
+    let missed = last.is_some_and(|tick| tick.status != ServoStatus::OnTarget);
+    arguments.told_misses(usize::from(missed), 1)
+}
+
+fn follow<'a>(
+    loaded: &'a LoadedModel,
+    backend: &'a ArmBackend<'_>,
+    arguments: &Arguments,
+    queries: &[Query],
+    ticks_a_second: f64,
+) -> Outcome<Document<'a>> {
+    let Some(first) = queries.first() else {
+        return Err(Failure::new("there are no targets to follow"));
+    };
+    let mut servo = backend.servo(arguments, first, ticks_a_second)?;
+    let arm_joints = backend.joint_names();
     let limits = servo.velocity_limits().iter();
     let velocity_limits = limits.map(|limit| limit.is_finite().then_some(*limit));
     let velocity_limits = velocity_limits.collect();
-    let mut ticks = Vec::with_capacity(questions.len());
-    let mut micros = Vec::with_capacity(questions.len());
-    for question in questions {
-        let target = door.target(question);
+    let mut ticks = Vec::with_capacity(queries.len());
+    let mut micros = Vec::with_capacity(queries.len());
+    let mut statuses = BTreeMap::new();
+    let mut top_speeds = vec![0.0_f64; arm_joints.len()];
+    for query in queries {
+        let target = backend.target(query);
         let started = Instant::now();
         let step = servo.step(target)?;
         micros.push(microseconds(started));
-        let held = step.held().map(|(joint, by)| (joint.to_owned(), word(by)));
+        *statuses.entry(words(step.status)).or_default() += 1;
+        for (top, velocity) in top_speeds.iter_mut().zip(step.velocity) {
+            *top = top.max(velocity.abs());
+        }
+        let held = step.held().map(|(joint, by)| (joint.to_owned(), limit(by)));
         ticks.push(Tick {
-            q: door.configuration(question, step.q)?,
+            q: backend.configuration(query, step.q)?,
             velocity: step.velocity.to_vec(),
-            status: status(step.status),
+            status: step.status,
             position_error: step.position_error,
             orientation_error: step.orientation_error,
             held: held.collect(),
         });
     }
     micros.sort_by(f64::total_cmp);
-    let mut statuses = BTreeMap::new();
-    let mut top_speeds = vec![0.0_f64; arm_joints.len()];
-    for tick in &ticks {
-        *statuses.entry(tick.status).or_default() += 1;
-        for (top, velocity) in top_speeds.iter_mut().zip(&tick.velocity) {
-            *top = top.max(velocity.abs());
-        }
-    }
-    Ok(Servoed {
+    Ok(Document {
         joints: loaded.documented_joints(),
         arm_joints,
         velocity_limits,
@@ -106,41 +131,29 @@ pub(super) fn follow<'a>(
     })
 }
 
-impl Servoed<'_> {
-    /// Whether the last target is not reached.
-    pub(super) fn missed(&self) -> bool {
-        let last = self.ticks.last();
-        last.is_some_and(|tick| tick.status != status(ServoStatus::OnTarget))
-    }
-
-    pub(super) fn text(&self) -> String {
-        let Summary {
-            total,
-            ticks_a_second,
-            statuses,
-            ..
-        } = &self.summary;
-        let mut text = format!("ticks     {total} at {ticks_a_second} a second\n");
-        for (status, count) in statuses {
+impl Document<'_> {
+    fn text(&self) -> String {
+        let summary = &self.summary;
+        let (total, rate) = (summary.total, summary.ticks_a_second);
+        let mut text = format!("ticks     {total} at {rate} a second\n");
+        for (status, count) in &summary.statuses {
             text.push_str(&format!("          {count} {status}\n"));
         }
         if let Some(last) = self.ticks.last() {
             text.push_str(&format!(
                 "at last   {}, {} m and {} rad from the target\n",
-                last.status,
+                words(last.status),
                 magnitude(last.position_error),
                 magnitude(last.orientation_error),
             ));
         }
         let joints = self.arm_joints.iter().zip(&self.velocity_limits);
-        for ((joint, limit), top) in joints.zip(&self.summary.top_speeds) {
-            let of = limit.map_or("no limit".to_owned(), six_digits);
-            text.push_str(&format!(
-                "top speed {joint}: {} of {of} a second\n",
-                six_digits(*top)
-            ));
+        for ((joint, limit), top) in joints.zip(&summary.top_speeds) {
+            let (top, of) = (six_digits(*top), limit.map(six_digits));
+            let of = of.as_deref().unwrap_or("no limit");
+            text.push_str(&format!("top speed {joint}: {top} of {of} a second\n"));
         }
-        if let (Some(one), Some(p99)) = (self.summary.micros_median, self.summary.micros_p99) {
+        if let (Some(one), Some(p99)) = (summary.micros_median, summary.micros_p99) {
             let [one, p99] = [one, p99].map(short_time);
             text.push_str(&format!("time      median {one}, 99 % within {p99}\n"));
         }
@@ -148,7 +161,11 @@ impl Servoed<'_> {
     }
 }
 
-fn status(status: ServoStatus) -> &'static str {
+fn in_words<S: Serializer>(status: &ServoStatus, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(words(*status))
+}
+
+fn words(status: ServoStatus) -> &'static str {
     match status {
         ServoStatus::OnTarget => "on target",
         ServoStatus::SpeedLimited => "held by a velocity limit",
@@ -157,7 +174,7 @@ fn status(status: ServoStatus) -> &'static str {
     }
 }
 
-fn word(by: HeldBy) -> &'static str {
+fn limit(by: HeldBy) -> &'static str {
     match by {
         HeldBy::Limit(Side::Lower) => "lower limit",
         HeldBy::Limit(Side::Upper) => "upper limit",

@@ -1,8 +1,8 @@
-//! What came out of many questions, for people and for programs.
+//! What came out of many queries, for people and for programs.
 
 use serde::Serialize;
 
-use super::super::answer::{Answer, AskedTask, LongStep};
+use super::super::query::{Answer, LongStep, TaskName};
 use super::super::report::{self, Report};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::magnitude;
@@ -11,9 +11,9 @@ use crate::number_format::magnitude;
 const EXPLAINED: usize = 3;
 
 /// Answers in the order of the targets.
-pub(super) struct Outcomes {
+pub(super) struct Outcomes<'b> {
     pub(super) answers: Vec<Answer>,
-    pub(super) tasks: Vec<AskedTask>,
+    pub(super) tasks: &'b [TaskName],
     /// Of a path: the steps in which a joint moved far.
     pub(super) jumps: Option<Vec<LongStep>>,
     /// The time for all together, in microseconds, where they were solved together.
@@ -44,14 +44,14 @@ struct Summary<'a> {
     jumps: Option<&'a [LongStep]>,
 }
 
-impl Outcomes {
+impl Outcomes<'_> {
     pub(super) fn document<'a>(&'a self, loaded: &'a LoadedModel) -> Document<'a> {
         let solutions = self.answers.iter().map(|answer| {
             let report = Report {
                 loaded,
                 answer,
-                tasks: &self.tasks,
-                bystanders: &[],
+                tasks: self.tasks,
+                idle: &[],
             };
             report.document()
         });

@@ -1,7 +1,8 @@
-//! An answer in terms of the whole model.
+//! Queries and their answers, in terms of the whole model.
 
 use kinopt::Solution;
 use kinopt::arm::Jump;
+use kinopt::spatial::Placement;
 use serde::Serialize;
 
 use crate::number_format::six_digits;
@@ -9,7 +10,25 @@ use crate::number_format::six_digits;
 /// A joint that moves further in a step is told, in radians.
 const LONG: f64 = 0.2;
 
-/// What came out for one question.
+/// Where frames should stand, and where the search for that starts.
+#[derive(Clone, Debug)]
+pub(super) struct Query {
+    /// base_from_target of each frame that has a target.
+    pub(super) targets: Vec<Placement<f64>>,
+    /// A configuration of the model within its limits.
+    pub(super) start: Vec<f64>,
+}
+
+/// A task of a query, in the order of the solution's tasks.
+#[derive(Clone, Debug)]
+pub(super) struct TaskName {
+    /// The frame as it was typed; for a held tip the bone's name.
+    pub(super) frame: String,
+    /// A pinned tip that is kept where it was, rather than something asked for.
+    pub(super) held: bool,
+}
+
+/// What came out for one query.
 #[derive(Clone, Debug)]
 pub(super) struct Answer {
     /// All moving joints of the model, in radians and metres.
@@ -20,10 +39,18 @@ pub(super) struct Answer {
     pub(super) solution: Solution,
     /// Time spent solving, in microseconds; none where it was solved together with others.
     pub(super) micros: Option<f64>,
-    /// Of a figure, unless it was only searched for.
-    pub(super) way: Option<Way>,
-    /// The cost of a nearer miss that a search found elsewhere and that was not asked for.
-    pub(super) elsewhere: Option<f64>,
+    /// Of a figure that settled.
+    pub(super) settled: Option<Settled>,
+}
+
+/// How a figure came to its pose.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Settled {
+    pub(super) way: Way,
+    /// The cost of a nearer miss that a search found elsewhere, which --global-search-on-miss would
+    /// answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lower_cost_elsewhere: Option<f64>,
 }
 
 /// Which way a figure took to its pose.
@@ -41,33 +68,43 @@ pub(super) enum Way {
 pub(super) struct Path {
     /// One for each step.
     pub(super) answers: Vec<Answer>,
-    /// The steps in which a joint moved far; none where nobody looked.
-    pub(super) jumps: Option<Vec<LongStep>>,
+    /// The steps in which a joint moved far.
+    pub(super) jumps: Vec<LongStep>,
 }
 
 /// A step of a path in which a joint moved further than 0.2 rad.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct LongStep {
-    /// The place of its target, from 0.
+    /// The position of its target, from 0.
     step: usize,
     /// The joint that moved furthest.
-    pub(super) joint: String,
+    joint: String,
     /// How far, in radians; a slide by the metres that weigh as much.
-    pub(super) distance: f64,
+    distance: f64,
     /// Whether small steps lead there too; if not, the arm flipped to another branch.
-    pub(super) continuous: bool,
+    continuous: bool,
+}
+
+impl Answer {
+    /// The only answer, at `q`.
+    pub(super) fn new(q: Vec<f64>, solution: Solution, micros: Option<f64>) -> Self {
+        Self {
+            q,
+            alternatives: Vec::new(),
+            solution,
+            micros,
+            settled: None,
+        }
+    }
 }
 
 impl LongStep {
     /// A jump of an arm with these joints.
     pub(super) fn of(jump: &Jump, joints: &[&str]) -> Self {
+        let joint = joints.get(jump.joint).copied().unwrap_or_default();
         Self {
             step: jump.step,
-            joint: joints
-                .get(jump.joint)
-                .copied()
-                .unwrap_or_default()
-                .to_owned(),
+            joint: joint.to_owned(),
             distance: jump.distance,
             continuous: jump.continuous,
         }
@@ -100,29 +137,7 @@ impl LongStep {
             true => "in one piece: a fast motion or a coarse path",
             false => "a flip, as the branch ends there",
         };
-        format!(
-            "step {}: `{}` moves by {} rad, {how}",
-            self.step,
-            self.joint,
-            six_digits(self.distance)
-        )
+        let (step, joint, distance) = (self.step, &self.joint, six_digits(self.distance));
+        format!("step {step}: `{joint}` moves by {distance} rad, {how}")
     }
-}
-
-/// A task of a question, in the order of the solution's tasks.
-#[derive(Clone, Debug)]
-pub(super) struct AskedTask {
-    /// The frame as it was typed; for a held tip the bone's name.
-    pub(super) frame: String,
-    /// A pinned tip that is kept where it was, rather than something asked for.
-    pub(super) held: bool,
-}
-
-/// A target of one frame, and where the search for it starts.
-#[derive(Clone, Debug)]
-pub(super) struct Question {
-    /// Where the tip should stand in the base.
-    pub(super) base_from_tip: kinopt::spatial::Placement<f64>,
-    /// A configuration of the model within its limits.
-    pub(super) start: Vec<f64>,
 }

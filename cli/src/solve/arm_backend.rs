@@ -1,0 +1,330 @@
+//! A robot's arm: one target on one chain.
+
+use std::time::Instant;
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, ArmBuilder, Base, Goal, Search, Servo};
+use kinopt::robot::Robot;
+use kinopt::solver::Observer;
+use kinopt::spatial::Placement;
+
+use super::arguments::Arguments;
+use super::backend::{QueryBackend, microseconds};
+use super::goals::{Goals, TargetFrame};
+use super::interval::{self, Interval};
+use super::query::{Answer, LongStep, Path, Query, TaskName};
+use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
+use crate::joint_columns::JointColumns;
+use crate::loaded_model::LoadedModel;
+use crate::number_list::Numbers;
+use crate::output;
+
+/// An arm and the model that its answers are told in.
+pub(super) struct ArmBackend<'a> {
+    loaded: &'a LoadedModel,
+    arm: Arm,
+    search: Search,
+    /// Where the middle of the room lies in a target, where it is not the target itself.
+    shift: Option<Placement<f64>>,
+    columns: JointColumns,
+    tasks: [TaskName; 1],
+    idle: Vec<usize>,
+}
+
+/// Memory of one thread.
+#[derive(Default)]
+pub(super) struct ArmWorkspace {
+    q_arm: Vec<f64>,
+    solution: Solution,
+}
+
+impl<'a> ArmBackend<'a> {
+    /// The arm from the base (without one the world) to the frame with the target, with the options as
+    /// typed.
+    pub(super) fn new(
+        loaded: &'a LoadedModel,
+        robot: &Robot,
+        arguments: &Arguments,
+        goals: &Goals,
+    ) -> Outcome<Self> {
+        let [target] = goals.targets.as_slice() else {
+            return Err(Failure::usage("a robot's arm is asked for one --target"));
+        };
+        // Unknown links are told with the valid ones, as the user calls them.
+        let frame = |name| loaded.frame(name, BareName::Tail);
+        let base = goals.base.as_deref().map(frame).transpose()?;
+        let tip = frame(&target.name)?;
+        let (goal, shift) = goal(arguments, target)?;
+        let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip);
+        let builder = with_options(held(builder, loaded), arguments).with_goal(goal);
+        let joints = builder.joints()?;
+        let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
+        let columns = loaded.columns_of(coordinates.collect());
+        let builder = with_joint_options(builder, loaded, &columns, arguments)?;
+        Ok(Self {
+            loaded,
+            arm: builder.build()?,
+            search: arguments.arm.search.unwrap_or_default(),
+            shift,
+            columns,
+            tasks: [TaskName {
+                frame: target.name.clone(),
+                held: false,
+            }],
+            idle: loaded.idle_coordinates(base.into_iter().chain([tip])),
+        })
+    }
+
+    /// Where the tip is to stand, the room about it even.
+    pub(super) fn target(&self, query: &Query) -> Placement<f64> {
+        let target = query.targets.first().copied();
+        let target = target.unwrap_or_else(Placement::identity);
+        self.shift.map_or(target, |shift| target * shift)
+    }
+
+    /// The names of the free joints from base to tip.
+    pub(super) fn joint_names(&self) -> Vec<&str> {
+        self.arm.joints().collect()
+    }
+
+    /// The model's configuration with the arm at `q_arm`.
+    pub(super) fn configuration(&self, query: &Query, q_arm: &[f64]) -> Outcome<Vec<f64>> {
+        let mut q = query.start.clone();
+        self.arm.configuration(q_arm, &mut q)?;
+        Ok(q)
+    }
+
+    fn answer_of(&self, query: &Query, solution: Solution, micros: Option<f64>) -> Outcome<Answer> {
+        let q = self.configuration(query, &solution.q)?;
+        Ok(Answer::new(q, solution, micros))
+    }
+
+    /// A servo that stands at a query's start, with so many ticks a second.
+    pub(super) fn servo(
+        &self,
+        arguments: &Arguments,
+        first: &Query,
+        rate: f64,
+    ) -> Outcome<Servo<'_>> {
+        let mut start = Vec::new();
+        self.arm.joint_values(&first.start, &mut start)?;
+        let servo = self.arm.servo(&start, 1.0 / rate)?;
+        if let Some(limits) = &arguments.arm.velocity_limits {
+            let limits = self.columns.one_each(
+                self.loaded,
+                "--velocity-limits",
+                limits,
+                arguments.degrees,
+            )?;
+            return Ok(servo.with_velocity_limits(&limits)?);
+        }
+        let limits = self.arm.joints().zip(self.arm.velocity_limits());
+        let without = limits.filter(|(_, limit)| limit.is_infinite());
+        let without: Vec<_> = without.map(|(joint, _)| format!("`{joint}`")).collect();
+        if !without.is_empty() {
+            output::message(&format!(
+                "{} without a velocity limit in the file: a tick moves them by at most 0.1 rad; \
+                 --velocity-limits gives one",
+                without.join(", ")
+            ));
+        }
+        Ok(servo)
+    }
+
+    /// Several answers that differ; where there is none, what comes closest.
+    fn distinct(&self, query: &Query, start: &[f64]) -> Outcome<Answer> {
+        let (started, target) = (Instant::now(), self.target(query));
+        let mut all = self.arm.solve_all(target, start)?.into_iter();
+        let nearest = match all.next() {
+            Some(nearest) => nearest,
+            None => self.arm.solve(target, start)?,
+        };
+        let micros = Some(microseconds(started));
+        let others = all.map(|other| self.configuration(query, &other.q));
+        Ok(Answer {
+            alternatives: others.collect::<Outcome<_>>()?,
+            ..self.answer_of(query, nearest, micros)?
+        })
+    }
+}
+
+impl QueryBackend for ArmBackend<'_> {
+    type Workspace = ArmWorkspace;
+
+    fn answer(
+        &self,
+        ArmWorkspace { q_arm, solution }: &mut ArmWorkspace,
+        query: &Query,
+        _observer: &mut dyn Observer,
+    ) -> Outcome<Answer> {
+        self.arm.joint_values(&query.start, q_arm)?;
+        if matches!(self.search, Search::Distinct { .. }) {
+            return self.distinct(query, q_arm);
+        }
+        let started = Instant::now();
+        self.arm.solve_into(self.target(query), q_arm, solution)?;
+        let micros = microseconds(started);
+        self.answer_of(query, solution.clone(), Some(micros))
+    }
+
+    fn path(&self, queries: &[Query], answered: &dyn Fn()) -> Outcome<Path> {
+        let Some(first) = queries.first() else {
+            return Ok(Path::default());
+        };
+        let ArmWorkspace {
+            mut q_arm,
+            mut solution,
+        } = ArmWorkspace::default();
+        self.arm.joint_values(&first.start, &mut q_arm)?;
+        let mut follower = self.arm.follower(&q_arm)?;
+        let mut jumps = Vec::new();
+        let mut steps = Vec::with_capacity(queries.len());
+        for query in queries {
+            let started = Instant::now();
+            let jump = follower.advance(self.target(query), &mut solution)?;
+            steps.push((solution.clone(), microseconds(started)));
+            jumps.extend(jump);
+            answered();
+        }
+        if jumps.iter().any(|jump| !jump.continuous) {
+            // Whoever knows the whole path may find a way round; its steps are timed together.
+            let targets: Vec<_> = queries.iter().map(|q| self.target(q)).collect();
+            let started = Instant::now();
+            let track = self.arm.track(&targets, &q_arm)?;
+            let each = microseconds(started) / queries.len() as f64;
+            jumps = track.jumps;
+            let solutions = track.solutions.into_iter();
+            steps = solutions.map(|solution| (solution, each)).collect();
+        }
+        let answers = steps.into_iter();
+        let answers =
+            answers.map(|(solution, micros)| self.answer_of(first, solution, Some(micros)));
+        let joints = self.joint_names();
+        let jumps = jumps.iter().map(|jump| LongStep::of(jump, &joints));
+        Ok(Path {
+            answers: answers.collect::<Outcome<_>>()?,
+            jumps: jumps.collect(),
+        })
+    }
+
+    fn tasks(&self) -> &[TaskName] {
+        &self.tasks
+    }
+
+    fn idle_coordinates(&self) -> &[usize] {
+        &self.idle
+    }
+
+    fn columns(&self) -> Option<JointColumns> {
+        Some(self.columns.clone())
+    }
+
+    fn batch(&self, queries: &[Query], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {
+        let targets: Vec<_> = queries.iter().map(|q| self.target(q)).collect();
+        let (mut starts, mut q_arm) = (Vec::new(), Vec::new());
+        for query in queries {
+            self.arm.joint_values(&query.start, &mut q_arm)?;
+            starts.extend_from_slice(&q_arm);
+        }
+        let started = Instant::now();
+        let solutions = if parallel {
+            self.arm.solve_batch_parallel(&targets, &starts)?
+        } else {
+            self.arm.solve_batch(&targets, &starts)?
+        };
+        let micros = microseconds(started);
+        let answers = queries.iter().zip(solutions);
+        let answers = answers.map(|(query, solution)| self.answer_of(query, solution, None));
+        Ok((answers.collect::<Outcome<_>>()?, micros))
+    }
+}
+
+/// What of a target counts, and where the middle of the room lies in it.
+fn goal(arguments: &Arguments, target: &TargetFrame) -> Outcome<(Goal, Option<Placement<f64>>)> {
+    let options = &arguments.arm;
+    let only_turning = match options.free_axis {
+        _ if target.turns => None,
+        _ if options.intervals.iter().any(Interval::turns) => Some("--interval of a turn"),
+        free_axis => free_axis.map(|_| "--free-axis"),
+    };
+    if let Some(option) = only_turning {
+        return Err(Failure::usage(format!(
+            "{option} is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
+        )));
+    }
+    let goal = match options.free_axis {
+        _ if !target.turns => Goal::position(),
+        Some(axis) => Goal::free_about(axis.into()),
+        None => Goal::pose(),
+    };
+    let (intervals, degrees) = (&options.intervals, arguments.degrees);
+    Ok(interval::goal(goal.half_widths(), intervals, degrees))
+}
+
+/// The joints that the command holds.
+fn held<'m>(mut builder: ArmBuilder<'m>, loaded: &LoadedModel) -> ArmBuilder<'m> {
+    if let Some(held) = &loaded.held {
+        for &(joint, value) in &held.locked {
+            builder = builder.with_locked(joint, value);
+        }
+        if let Some((joints, q)) = &held.only {
+            builder = builder.with_only(joints, q);
+        }
+    }
+    builder
+}
+
+/// The options that do not go by joints.
+fn with_options<'m>(mut builder: ArmBuilder<'m>, arguments: &Arguments) -> ArmBuilder<'m> {
+    let options = &arguments.arm;
+    builder = builder
+        .with_search(options.search.unwrap_or_default())
+        .with_global_search_on_miss(options.global_search_on_miss)
+        .with_seed(arguments.rng_seed);
+    if let Some(tolerance) = arguments.tolerance {
+        builder = builder
+            .with_position_tolerance(tolerance)
+            .with_orientation_tolerance(tolerance);
+    }
+    if let Some(attempts) = arguments.attempts() {
+        builder = builder.with_attempts(attempts);
+    }
+    if let Some(limit) = arguments.time_limit {
+        builder = builder.with_time_limit(limit);
+    }
+    if let Some(tool) = &arguments.chain.tool {
+        builder = builder.with_tool(tool);
+    }
+    if let Some(metres) = options.metres_per_radian {
+        builder = builder.with_metres_per_radian(metres);
+    }
+    builder
+}
+
+/// The options with one number a joint.
+fn with_joint_options<'m>(
+    mut builder: ArmBuilder<'m>,
+    loaded: &LoadedModel,
+    columns: &JointColumns,
+    arguments: &Arguments,
+) -> Outcome<ArmBuilder<'m>> {
+    let (options, degrees) = (&arguments.arm, arguments.degrees);
+    let one_each = |option, given: &Option<Numbers>, degrees| {
+        let given = given.as_ref();
+        given
+            .map(|given| columns.one_each(loaded, option, given, degrees))
+            .transpose()
+    };
+    if let Some(moves) = one_each("--max-move", &options.max_move, degrees)? {
+        builder = builder.with_max_move(&moves);
+    }
+    // Weights are no angles.
+    if let Some(weights) = one_each("--joint-weights", &options.joint_weights, false)? {
+        builder = builder.with_joint_weights(&weights);
+    }
+    if let Some(posture) = one_each("--posture", &options.posture, degrees)? {
+        builder = builder.with_posture(&posture);
+    }
+    Ok(builder)
+}

@@ -1,0 +1,211 @@
+//! The general solvers: any number of targets and rays, rigs and figures.
+
+use std::time::Instant;
+
+use kinopt::ik::Drag;
+use kinopt::model::FrameId;
+use kinopt::problem::TaskId;
+use kinopt::solver::Observer;
+use kinopt::spatial::Placement;
+use kinopt::task::{Point, Quantity, Ray, Task};
+use kinopt::{Problem, Workspace};
+
+use super::arguments::Arguments;
+use super::backend::{QueryBackend, microseconds};
+use super::base::{Base, TargetTask};
+use super::figure::Finder;
+use super::goals::Goals;
+use super::held::Held;
+use super::query::{Answer, LongStep, Path, Query, TaskName};
+use super::weights::Weights;
+use crate::failure::Outcome;
+use crate::joint_columns::JointColumns;
+use crate::loaded_model::LoadedModel;
+
+/// A solver and the problem that it solves again and again.
+pub(super) struct GeneralBackend<'a> {
+    loaded: &'a LoadedModel,
+    arguments: &'a Arguments,
+    goals: &'a Goals<'a>,
+    finder: Finder,
+    base: Base,
+    /// Those with targets, then those with rays.
+    frames: Vec<FrameId>,
+    held: Held,
+    weights: Weights,
+    tasks: Vec<TaskName>,
+    idle: Vec<usize>,
+}
+
+/// The memory of one thread.
+#[derive(Default)]
+pub(super) struct GeneralWorkspace {
+    stated: Option<Stated>,
+    solver: Workspace,
+}
+
+/// The problem as it is for one start, and a body there.
+struct Stated {
+    body: Drag,
+    targets: Vec<TargetTask>,
+    held: Vec<(FrameId, TaskId<Point>)>,
+    start: Vec<f64>,
+}
+
+impl<'a> GeneralBackend<'a> {
+    pub(super) fn new(
+        loaded: &'a LoadedModel,
+        arguments: &'a Arguments,
+        goals: &'a Goals<'a>,
+    ) -> Outcome<Self> {
+        let base = Base::named(loaded, goals.base.as_deref())?;
+        let named = goals.frames(loaded)?;
+        let frames: Vec<FrameId> = named.iter().map(|(_, frame)| *frame).collect();
+        let held = Held::of(loaded, arguments, &frames)?;
+        let weighted = [named.as_slice(), &held.tips].concat();
+        let weights = Weights::of(loaded, &arguments.weights, &weighted)?;
+        let tasks = weighted.into_iter().enumerate().map(|(k, (frame, _))| {
+            let held = k >= named.len();
+            TaskName { frame, held }
+        });
+        let tasks = tasks.collect();
+        let felt = frames.iter().copied().chain(base.moving_frame());
+        let idle = loaded.idle_coordinates(felt);
+        Ok(Self {
+            loaded,
+            arguments,
+            goals,
+            finder: Finder::new(loaded, arguments),
+            base,
+            frames,
+            held,
+            weights,
+            tasks,
+            idle,
+        })
+    }
+
+    /// The problem for queries that start at `start`, where what is held still stays. Targets and held
+    /// tips are aimed anew for every query.
+    fn state(&self, start: &[f64]) -> Outcome<Stated> {
+        let mut builder = Problem::builder(&self.loaded.model);
+        let (length, angle) = self.arguments.tolerances(self.loaded);
+        builder
+            .parameters(self.held.parameters(self.loaded, start)?)
+            .derivatives(self.arguments.derivatives())
+            .tolerance(Quantity::Metres, length)
+            .tolerance(Quantity::Radians, angle);
+        let mut frames = self.frames.iter().copied();
+        let targets = self.goals.targets.iter().zip(frames.by_ref());
+        let targets = targets.map(|(target, frame)| {
+            let name = format!("target {}", target.name);
+            let (named, anywhere) = ((name, self.weights.weight(frame)), Placement::identity());
+            let turns = target.turns;
+            self.base
+                .add_target(&mut builder, frame, anywhere, turns, named)
+        });
+        let targets = targets.collect();
+        for (ray, frame) in self.arguments.rays.iter().zip(frames) {
+            let task = Task::new(Ray::new(frame, ray.eye, ray.through));
+            let task = task.times(self.weights.weight(frame));
+            builder.add(task.named(format!("ray {}", ray.frame)));
+        }
+        let held = self.held.tips.iter().map(|(name, frame)| {
+            let point = Task::new(Point::new(*frame, [0.0; 3]));
+            let point = point.times(self.weights.weight(*frame));
+            (*frame, builder.add(point.named(format!("hold {name}"))))
+        });
+        let held = held.collect();
+        // After what was asked for, in whose order the answer is told.
+        for posture in self.held.posture(self.loaded, start) {
+            builder.add(posture);
+        }
+        Ok(Stated {
+            body: self.finder.body(builder.build()?, start)?,
+            targets,
+            held,
+            start: start.to_vec(),
+        })
+    }
+}
+
+impl Stated {
+    /// Aims at the targets of a query, and holds tips where its start has them.
+    fn aim(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
+        for (&task, &target) in self.targets.iter().zip(&query.targets) {
+            backend.base.aim(&mut self.body, task, target)?;
+        }
+        if self.held.is_empty() {
+            return Ok(());
+        }
+        let placements = backend.loaded.all_frames(&query.start);
+        for &(frame, task) in &self.held {
+            if let Some(placed) = placements.get(frame.index()) {
+                self.body.target_mut(task)?.set_target(placed.translation);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl QueryBackend for GeneralBackend<'_> {
+    type Workspace = GeneralWorkspace;
+
+    fn answer(
+        &self,
+        workspace: &mut GeneralWorkspace,
+        query: &Query,
+        observer: &mut dyn Observer,
+    ) -> Outcome<Answer> {
+        let kept = workspace.stated.take();
+        let kept = kept.filter(|kept| !self.held.holds_still() || kept.start == query.start);
+        let stated = match kept {
+            Some(stated) => workspace.stated.insert(stated),
+            None => workspace.stated.insert(self.state(&query.start)?),
+        };
+        stated.aim(self, query)?;
+        let (body, solver) = (&mut stated.body, &mut workspace.solver);
+        self.finder.find(body, &query.start, solver, observer)
+    }
+
+    fn path(&self, queries: &[Query], answered: &dyn Fn()) -> Outcome<Path> {
+        let mut path = Path::default();
+        let Some(first) = queries.first() else {
+            return Ok(path);
+        };
+        let mut stated = self.state(&first.start)?;
+        stated.aim(self, first)?;
+        let mut body = self.finder.follower(stated.body);
+        let angles: Vec<bool> = self.loaded.is_angle().collect();
+        let joints = self.loaded.joint_names();
+        for (step, query) in queries.iter().enumerate() {
+            let before = body.q().to_vec();
+            for (&task, &target) in stated.targets.iter().zip(&query.targets) {
+                self.base.aim(&mut body, task, target)?;
+            }
+            let started = Instant::now();
+            let solution = self.finder.follow(&mut body).clone();
+            let micros = microseconds(started);
+            let answer = Answer::new(solution.q.clone(), solution, Some(micros));
+            path.answers.push(answer);
+            if step > 0 {
+                let jump = LongStep::between(step, &before, body.q(), &angles, &joints);
+                path.jumps.extend(jump);
+            }
+            answered();
+        }
+        Ok(path)
+    }
+
+    fn tasks(&self) -> &[TaskName] {
+        &self.tasks
+    }
+
+    fn idle_coordinates(&self) -> &[usize] {
+        &self.idle
+    }
+
+    fn columns(&self) -> Option<JointColumns> {
+        None
+    }
+}

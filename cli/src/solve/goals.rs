@@ -1,0 +1,175 @@
+//! What every query is about: the frames that have targets, and where those are given.
+
+use std::path::Path;
+
+use kinopt::model::FrameId;
+
+use super::arguments::Arguments;
+use super::backend::QueryBackend;
+use super::query::Query;
+use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
+use crate::joint_columns::JointColumns;
+use crate::loaded_model::LoadedModel;
+use crate::targets_file::TargetsFile;
+
+/// The targets of the command line, or those of a file.
+pub(super) struct Goals<'a> {
+    arguments: &'a Arguments,
+    /// Of `--targets`.
+    file: Option<(&'a Path, TargetsFile)>,
+    /// One for each target of a query, as typed.
+    pub(super) targets: Vec<TargetFrame>,
+    /// The frame that targets are given in; without one the world.
+    pub(super) base: Option<String>,
+}
+
+/// A frame that has a target.
+#[derive(Clone, Debug)]
+pub(super) struct TargetFrame {
+    pub(super) name: String,
+    /// Whether its orientation counts.
+    pub(super) turns: bool,
+}
+
+impl<'a> Goals<'a> {
+    pub(super) fn read(loaded: &LoadedModel, arguments: &'a Arguments) -> Outcome<Self> {
+        let turns = |given| given && !arguments.position_only;
+        let Some(path) = arguments.file.as_deref() else {
+            let targets = arguments.targets.iter().map(|target| TargetFrame {
+                name: target.frame.clone(),
+                turns: turns(target.quaternion.is_some()),
+            });
+            return Ok(Self {
+                arguments,
+                file: None,
+                targets: targets.collect(),
+                base: arguments.base.clone(),
+            });
+        };
+        let file = TargetsFile::read(path)?;
+        let target = TargetFrame {
+            name: tip(loaded, arguments, &file, path)?.to_owned(),
+            turns: turns(file.turns),
+        };
+        Ok(Self {
+            arguments,
+            targets: vec![target],
+            base: arguments.base.clone().or_else(|| file.base_link.clone()),
+            file: Some((path, file)),
+        })
+    }
+
+    /// The frames that are to go somewhere, by the names typed.
+    pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<(String, FrameId)>> {
+        let targets = self.targets.iter().map(|target| &target.name);
+        let rays = self.arguments.rays.iter().map(|ray| &ray.frame);
+        let frames = targets.chain(rays);
+        frames
+            .map(|name| Ok((name.clone(), loaded.target_frame(name, BareName::Tip)?)))
+            .collect()
+    }
+
+    /// Puts the tool on the one frame that has targets.
+    pub(super) fn put_tool(&self, loaded: &mut LoadedModel) -> Outcome<()> {
+        let Some(tool) = &self.arguments.chain.tool else {
+            return Ok(());
+        };
+        match self.frames(loaded)?.as_slice() {
+            [(_, first), others @ ..] if others.iter().all(|(_, other)| other == first) => {
+                loaded.put_tool(*first, tool)
+            }
+            _ => Err(Failure::usage(
+                "--tool is for the targets of one frame, not of several",
+            )),
+        }
+    }
+
+    /// The targets with their starts.
+    pub(super) fn queries(
+        &self,
+        loaded: &LoadedModel,
+        backend: &impl QueryBackend,
+    ) -> Outcome<Vec<Query>> {
+        let columns = backend.columns();
+        let arguments = self.arguments;
+        let Some((path, file)) = &self.file else {
+            let targets = arguments.targets.iter().map(|target| target.placement());
+            return Ok(vec![Query {
+                targets: targets.collect(),
+                start: arguments.start(loaded, columns)?,
+            }]);
+        };
+        let starts = match &file.starts {
+            None => vec![arguments.start(loaded, columns)?; file.targets.len()],
+            Some(rows) => {
+                let width = rows.first().map_or(0, Vec::len);
+                let columns = match &file.joint_names {
+                    Some(names) => loaded
+                        .joint_columns(names)
+                        .map_err(|problem| format!("joint_names: {problem}")),
+                    None => columns_of_width(loaded, columns, width),
+                };
+                let columns = columns
+                    .map_err(|problem| Failure::new(format!("{}: {problem}", path.display())))?;
+                let configuration = |row: &Vec<f64>| columns.configuration(row);
+                rows.iter()
+                    .map(|row| loaded.within_limits(&configuration(row)))
+                    .collect()
+            }
+        };
+        let targets = file.targets.iter().zip(starts);
+        Ok(targets
+            .map(|(&target, start)| Query {
+                targets: vec![target],
+                start,
+            })
+            .collect())
+    }
+}
+
+/// The frame that the targets of a file are for.
+fn tip<'a>(
+    loaded: &'a LoadedModel,
+    arguments: &'a Arguments,
+    file: &'a TargetsFile,
+    path: &Path,
+) -> Outcome<&'a str> {
+    if let Some(tip) = arguments.tip.as_deref().or(file.tip_link.as_deref()) {
+        return Ok(tip);
+    }
+    let tips = loaded.tip_links();
+    let listed = match tips.as_slice() {
+        [only] => return Ok(only),
+        [] => String::new(),
+        tips => format!("; tips: {}", tips.join(", ")),
+    };
+    Err(Failure::new(format!(
+        "{}: has no key `tip_link`, so --tip must say which frame the targets are for{listed}",
+        path.display(),
+    )))
+}
+
+/// What starts without joint names hold: all moving joints, or the free ones from base to tip.
+fn columns_of_width(
+    loaded: &LoadedModel,
+    base_to_tip: Option<JointColumns>,
+    width: usize,
+) -> Result<JointColumns, String> {
+    let all = loaded.model.degrees_of_freedom();
+    if width == all {
+        return Ok(loaded.columns_of((0..all).collect()));
+    }
+    let or_base_to_tip = match base_to_tip {
+        Some(columns) if columns.width() == width => return Ok(columns),
+        Some(columns) => {
+            let (count, names) = (columns.width(), columns.names(loaded));
+            format!(", or {count} from base to tip: {}", names.join(", "))
+        }
+        None => String::new(),
+    };
+    Err(format!(
+        "starts[0]: has {width} numbers; without joint_names there are {all} for all moving \
+         joints{or_base_to_tip}"
+    ))
+}
