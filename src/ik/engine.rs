@@ -7,15 +7,15 @@ use crate::search::{Attempt, Engine};
 use crate::solver::{LeastSquares, Memory, Method, Observer, Stopping, minimise_until};
 
 /// A method at work on one question.
-pub(super) struct Minimiser<'a> {
-    pub(super) question: Question<'a>,
+pub(crate) struct Minimiser<'a> {
+    pub(crate) question: Question<'a>,
     /// What of it is minimised.
-    pub(super) share: Share,
-    pub(super) method: &'a dyn Method,
-    pub(super) deadline: Option<Instant>,
-    pub(super) observer: &'a mut dyn Observer,
-    pub(super) scratch: &'a mut Scratch,
-    pub(super) memory: &'a mut Memory,
+    pub(crate) share: Share,
+    pub(crate) method: &'a dyn Method,
+    pub(crate) deadline: Option<Instant>,
+    pub(crate) observer: &'a mut dyn Observer,
+    pub(crate) scratch: &'a mut Scratch,
+    pub(crate) memory: &'a mut Memory,
 }
 
 impl Engine for Minimiser<'_> {
