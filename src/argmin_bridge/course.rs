@@ -3,46 +3,56 @@
 use argmin::core::ArgminError;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::solver::{LeastSquares, Memory, Method, Search, Snapshot};
+use crate::solver::{LeastSquares, Method, Progress, Snapshot, SolverState};
 
+/// `S` is the method's own state.
 #[derive(Clone, Debug, Default)]
-pub(super) enum Course {
+pub(super) enum Course<S> {
     #[default]
     Waiting,
-    Running {
-        search: Search,
-        memory: Box<Memory>,
-    },
-    Suspended(Box<Suspended>),
+    Running(Box<Running<S>>),
+    Suspended(Box<Suspended<S>>),
+}
+
+/// A search on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Running<S> {
+    pub(super) progress: Progress,
+    pub(super) state: SolverState,
+    pub(super) own: S,
 }
 
 /// A search as a checkpoint keeps it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Suspended {
+pub(super) struct Suspended<S> {
     iterations: usize,
     projected_gradient: Option<f64>,
     snapshot: Snapshot,
+    own: S,
 }
 
-impl Course {
+impl<S: Clone> Course<S> {
     /// The search, brought back to where it stood if it was suspended.
-    pub(super) fn running(
+    pub(super) fn running<M: Method<State = S>>(
         &mut self,
         problem: &mut dyn LeastSquares,
-        method: &dyn Method,
-    ) -> Result<(&mut Search, &mut Memory), ArgminError> {
+        method: &M,
+    ) -> Result<&mut Running<S>, ArgminError> {
         if let Self::Suspended(suspended) = self {
-            let mut memory = Box::<Memory>::default();
-            if !memory.restore(problem, method, &suspended.snapshot) {
+            let mut state = SolverState::default();
+            if !state.restore(problem, (method, &suspended.own), &suspended.snapshot) {
                 return Err(ArgminError::InvalidParameter {
                     text: "the checkpoint is of another problem".to_owned(),
                 });
             }
-            let search = Search::resumed(suspended.iterations, suspended.projected_gradient);
-            *self = Self::Running { search, memory };
+            *self = Self::Running(Box::new(Running {
+                progress: Progress::resumed(suspended.iterations, suspended.projected_gradient),
+                state,
+                own: suspended.own.clone(),
+            }));
         }
         match self {
-            Self::Running { search, memory } => Ok((search, memory)),
+            Self::Running(running) => Ok(running),
             _ => Err(ArgminError::NotInitialized {
                 text: "the search was not initialised".to_owned(),
             }),
@@ -50,14 +60,15 @@ impl Course {
     }
 }
 
-impl Serialize for Course {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+impl<S: Serialize + Clone> Serialize for Course<S> {
+    fn serialize<T: Serializer>(&self, serializer: T) -> Result<T::Ok, T::Error> {
         let suspended = match self {
             Self::Waiting => None,
-            Self::Running { search, memory } => Some(Suspended {
-                iterations: search.iterations,
-                projected_gradient: search.projected_gradient,
-                snapshot: memory.snapshot(),
+            Self::Running(running) => Some(Suspended {
+                iterations: running.progress.iterations,
+                projected_gradient: running.progress.projected_gradient,
+                snapshot: running.state.snapshot(),
+                own: running.own.clone(),
             }),
             Self::Suspended(suspended) => Some(suspended.as_ref().clone()),
         };
@@ -65,9 +76,9 @@ impl Serialize for Course {
     }
 }
 
-impl<'de> Deserialize<'de> for Course {
+impl<'de, S: Deserialize<'de>> Deserialize<'de> for Course<S> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let suspended = Option::<Suspended>::deserialize(deserializer)?;
+        let suspended = Option::<Suspended<S>>::deserialize(deserializer)?;
         Ok(suspended.map_or(Self::Waiting, |suspended| {
             Self::Suspended(Box::new(suspended))
         }))

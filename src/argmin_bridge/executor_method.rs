@@ -6,8 +6,8 @@ use argmin::core::{
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use super::course::Course;
-use crate::solver::{LeastSquares, Memory, Method, Search, Stopping, Termination};
+use super::course::{Course, Running};
+use crate::solver::{LeastSquares, Method, Progress, SolverState, Stopping, Termination};
 
 /// The state in which our methods run: parameters x, gradient Jᵀr and residuals r.
 pub type MethodState = IterState<DVector<f64>, DVector<f64>, (), (), DVector<f64>, f64>;
@@ -18,7 +18,7 @@ pub type MethodState = IterState<DVector<f64>, DVector<f64>, (), (), DVector<f64
 /// and checkpoints.
 ///
 /// The start is the state's `param`, projected into the bounds. Iterations are counted and limited
-/// by the executor (`max_iters`, without limit by default). Observers see as key-values `damping`
+/// by the executor (`max_iters`, without limit by default). Observers see as key-values `control`
 /// (λ for Levenberg-Marquardt, the step length for the others), `projected_gradient` and `step`,
 /// and in the state `param`, `cost`, `gradient` (when the goals were missed) and `residuals`.
 /// A search ends as `SolverConverged` where the goals are reached or no free variable lowers the
@@ -27,11 +27,15 @@ pub type MethodState = IterState<DVector<f64>, DVector<f64>, (), (), DVector<f64
 /// It serialises whole, settings and search, between two iterations: a resumed run takes the same
 /// steps as one that was never interrupted. Evaluations that a resumed search repeats are counted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ExecutorMethod<M> {
+#[serde(bound(
+    serialize = "M: Serialize, M::State: Serialize",
+    deserialize = "M: Deserialize<'de>, M::State: Deserialize<'de>"
+))]
+pub struct ExecutorMethod<M: Method> {
     method: M,
     gradient_tolerance: f64,
     step_tolerance: f64,
-    course: Course,
+    course: Course<M::State>,
     /// How the search ended, if it has.
     ended: Option<Termination>,
 }
@@ -85,25 +89,30 @@ impl<M: Method> ExecutorMethod<M> {
     ) -> Result<(MethodState, Option<KV>), Error> {
         let stopping = self.stopping();
         let least_squares = inner(problem)?;
-        let (search, memory) = self.course.running(least_squares, &self.method)?;
-        if !search.look(least_squares, &self.method, memory) {
+        let method = &self.method;
+        let Running {
+            progress,
+            state: at,
+            own,
+        } = self.course.running(least_squares, method)?;
+        if !progress.look(least_squares, method, own, at) {
             self.ended = Some(Termination::NonFinite);
         } else if self.ended.is_none() {
-            self.ended = search.judge(memory, &stopping);
+            self.ended = progress.judge(at, &stopping);
         }
 
         let mut seen = KV::new();
-        seen.insert("damping", memory.damping().into());
-        seen.insert("step", search.step_norm(memory).into());
+        seen.insert("control", method.control(own).into());
+        seen.insert("step", progress.step_norm(at).into());
         let mut state = state
-            .param(DVector::from_column_slice(memory.x()))
-            .cost(memory.cost())
-            .residuals(DVector::from_column_slice(memory.residual()));
-        if let Some(norm) = search.projected_gradient {
+            .param(DVector::from_column_slice(at.x()))
+            .cost(at.cost())
+            .residuals(DVector::from_column_slice(at.residual()));
+        if let Some(norm) = progress.projected_gradient {
             seen.insert("projected_gradient", norm.into());
-            state = state.gradient(DVector::from_column_slice(memory.gradient()));
+            state = state.gradient(DVector::from_column_slice(at.gradient()));
         }
-        let counts = memory.counts();
+        let counts = at.counts();
         for (name, count) in [
             ("cost_count", counts.residuals),
             ("jacobian_count", counts.jacobians),
@@ -134,16 +143,21 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
                     self.method.name()
                 ),
             })?;
-        let mut memory = Box::<Memory>::default();
-        let search = Search::start(least_squares, start.as_slice(), &mut memory);
-        let search = search.ok_or_else(|| ArgminError::InvalidParameter {
+        let (mut at, mut own) = (SolverState::default(), M::State::default());
+        (self.method).reserve(&mut own, least_squares.rows(), least_squares.variables());
+        let progress = Progress::start(least_squares, start.as_slice(), &mut at);
+        let progress = progress.ok_or_else(|| ArgminError::InvalidParameter {
             text: format!(
                 "`{}` needs a start of {} finite numbers",
                 self.method.name(),
                 least_squares.variables()
             ),
         })?;
-        self.course = Course::Running { search, memory };
+        self.course = Course::Running(Box::new(Running {
+            progress,
+            state: at,
+            own,
+        }));
         self.ended = None;
         self.look(problem, state)
     }
@@ -155,8 +169,13 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
     ) -> Result<(MethodState, Option<KV>), Error> {
         let stopping = self.stopping();
         let least_squares = inner(problem)?;
-        let (search, memory) = self.course.running(least_squares, &self.method)?;
-        self.ended = search.step(least_squares, &self.method, memory, &stopping);
+        let method = &self.method;
+        let Running {
+            progress,
+            state: at,
+            own,
+        } = self.course.running(least_squares, method)?;
+        self.ended = progress.step(least_squares, method, own, at, &stopping);
         self.look(problem, state)
     }
 

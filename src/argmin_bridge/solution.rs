@@ -10,7 +10,7 @@ use super::pool::{Buffers, Pool};
 use crate::ik::Solution;
 use crate::problem::{Evaluation, Question, Share};
 use crate::search::End;
-use crate::solver::{Counts, LeastSquares, Memory, Stopping, Termination, project};
+use crate::solver::{Counts, LeastSquares, SolverState, Stopping, Termination, project};
 
 /// What an argmin state holds as its parameters: a vector, or a particle of a swarm.
 pub trait Place {
@@ -56,7 +56,7 @@ pub(super) fn solution_at<I: State>(
             residual,
         };
         let mut solution = Solution::default();
-        let memory = &mut Memory::default();
+        let memory = &mut SolverState::default();
         // A start counts as the optimum by our solvers' default test.
         let slope = solution.measure(&end, &Stopping::default(), scratch, memory);
         solution.attempts = 1;

@@ -2,11 +2,10 @@
 
 use super::answer::QUICK;
 use super::query::Arm;
-use super::workspace::Errors;
+use super::report::Reply;
 use super::{Outcome, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
-use crate::search::Found;
 use crate::spatial::Placement;
 
 /// Questions that are handed to the lanes together: enough to keep them filled.
@@ -142,7 +141,7 @@ impl Arm {
         let queries = || targets.iter().zip(starts.chunks(n));
         let (Some(lanes), true) = (&self.lanes, self.batches_by_lanes()) else {
             for ((target, start), solution) in queries().zip(solutions) {
-                self.answer(&self.query(target, start), solution)?;
+                self.answer(target, start, solution)?;
             }
             return Ok(());
         };
@@ -153,9 +152,9 @@ impl Arm {
         for ((target, start), ((q, outcome), solution)) in queries().zip(answers) {
             if outcome.reached {
                 solution.q.extend_from_slice(q);
-                self.tell(&self.found_by(outcome), Errors::of(outcome), solution);
+                self.report(&Reply::of(outcome), solution);
             } else {
-                self.answer(&self.query(target, start), solution)?;
+                self.answer(target, start, solution)?;
             }
         }
         Ok(())
@@ -195,9 +194,9 @@ impl Arm {
             if by_lanes && outcome.reached {
                 continue;
             }
-            let (found, errors) = self.answer(&self.query(target, start), &mut solution)?;
+            let reply = self.answer(target, start, &mut solution)?;
             q.copy_from_slice(&solution.q);
-            *outcome = outcome_of(&found, errors);
+            *outcome = outcome_of(&reply);
         }
         self.with_workspace(|workspace| workspace.spare = solution)
     }
@@ -224,14 +223,14 @@ impl Arm {
     }
 }
 
-fn outcome_of(found: &Found, errors: Errors) -> Outcome {
+fn outcome_of(reply: &Reply) -> Outcome {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     Outcome {
-        reached: found.reached,
-        position_error: errors.position,
-        orientation_error: errors.orientation,
-        iterations: count(found.iterations),
-        attempts: count(found.attempts),
-        winner: found.reached.then(|| count(found.number)),
+        reached: reply.errors.reached,
+        position_error: reply.errors.position,
+        orientation_error: reply.errors.orientation,
+        iterations: count(reply.iterations),
+        attempts: count(reply.attempts),
+        winner: reply.winner,
     }
 }

@@ -72,7 +72,7 @@ pub trait Geometric: Send + Sync {
 
     /// Searches from the configuration `start` (degrees of freedom; projected into the limits; locked and
     /// following joints take their values from the parameter map), with an observer that sees every
-    /// sweep and may cancel. Sweeps count from 0 in each attempt; there is no gradient and no damping to
+    /// sweep and may cancel. Sweeps count from 0 in each attempt; there is no gradient and no step length to
     /// see.
     ///
     /// # Errors

@@ -7,7 +7,8 @@ use crate::ik::{Restarts, Solution};
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, End, Engine, Schedule, Search, run, variables_at};
 use crate::solver::{
-    Counts, Iteration, LeastSquares, Memory, Observer, Stopping, Termination, half_squared, project,
+    Counts, Iteration, LeastSquares, Observer, SolverState, Stopping, Termination, half_squared,
+    project,
 };
 
 /// A sweep that lowers the cost by no more than this share has hardly changed it, …
@@ -84,7 +85,7 @@ pub(super) fn solve(
         residual: &search.keeper.residual,
     };
     let mut scratch = sweeps.scratch;
-    let slope = solution.measure(&end, &stopping, &mut scratch, &mut Memory::default());
+    let slope = solution.measure(&end, &stopping, &mut scratch, &mut SolverState::default());
     let is_level = slope.is_some_and(|slope| slope.is_level);
     if is_level && solution.termination == Termination::SmallStep {
         solution.termination = Termination::Stationary;
@@ -194,7 +195,7 @@ impl Engine for Sweeps<'_> {
                 cost,
                 projected_gradient: None,
                 step,
-                damping: 0.0,
+                control: 0.0,
                 x: &self.x,
             });
             if cost < 0.5 * milestone.1 {

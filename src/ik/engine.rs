@@ -4,18 +4,18 @@ use std::time::Instant;
 
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, Engine};
-use crate::solver::{LeastSquares, Memory, Method, Observer, Stopping, minimise_until};
+use crate::solver::{AnyMethod, LeastSquares, Observer, SolverState, Stopping};
 
 /// A method at work on one question.
-pub(crate) struct Minimiser<'a> {
-    pub(crate) question: Question<'a>,
+pub(super) struct Minimiser<'a> {
+    pub(super) question: Question<'a>,
     /// What of it is minimised.
-    pub(crate) share: Share,
-    pub(crate) method: &'a dyn Method,
-    pub(crate) deadline: Option<Instant>,
-    pub(crate) observer: &'a mut dyn Observer,
-    pub(crate) scratch: &'a mut Scratch,
-    pub(crate) memory: &'a mut Memory,
+    pub(super) share: Share,
+    pub(super) method: &'a dyn AnyMethod,
+    pub(super) deadline: Option<Instant>,
+    pub(super) observer: &'a mut dyn Observer,
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) memory: &'a mut SolverState,
 }
 
 impl Engine for Minimiser<'_> {
@@ -27,9 +27,8 @@ impl Engine for Minimiser<'_> {
 
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
         let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
-        let outcome = minimise_until(
+        let outcome = self.method.minimise(
             &mut evaluation,
-            self.method,
             x,
             stopping,
             self.deadline,

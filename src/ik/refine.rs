@@ -13,8 +13,8 @@ use nalgebra::DMatrix;
 
 use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::solver::{
-    Counts, HeldStep, Iteration, LeastSquares, LevenbergMarquardt, Memory, Observer, Room, Silent,
-    Stopping, Termination, half_squared, minimise_until, negligible_slope, project,
+    AnyMethod, Counts, HeldStep, Iteration, LeastSquares, LevenbergMarquardt, Observer, Room,
+    Silent, SolverState, Stopping, Termination, half_squared, negligible_slope, project,
 };
 
 /// Steps along the goals, …
@@ -168,7 +168,7 @@ impl Refinement {
         &mut self,
         question: Question<'_>,
         scratch: &mut Scratch,
-        memory: &mut Memory,
+        memory: &mut SolverState,
         from: &Start<'_>,
         limits: &Limits,
         observer: &mut dyn Observer,
@@ -196,7 +196,7 @@ impl Refinement {
                 cost,
                 projected_gradient: None,
                 step: moved,
-                damping: 0.0,
+                control: 0.0,
                 x: &self.x,
             });
             if seen.is_break() {
@@ -273,7 +273,7 @@ impl Refinement {
         &mut self,
         question: Question<'_>,
         scratch: &mut Scratch,
-        memory: &mut Memory,
+        memory: &mut SolverState,
         from: &Start<'_>,
         limits: &Limits,
     ) {
@@ -466,14 +466,13 @@ impl Refinement {
         &mut self,
         question: Question<'_>,
         scratch: &mut Scratch,
-        memory: &mut Memory,
+        memory: &mut SolverState,
         limits: &Limits,
         counts: &mut Counts,
     ) -> bool {
         let stopping = limits.stopping.with_max_iterations(SETTLING);
-        minimise_until(
+        LevenbergMarquardt::default().minimise(
             &mut Evaluation::of(Share::Goals, question, scratch),
-            &LevenbergMarquardt::default(),
             &self.trial,
             &stopping,
             limits.deadline,

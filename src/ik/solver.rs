@@ -7,13 +7,13 @@ use super::refine::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::problem::{Question, Share};
 use crate::search::{Schedule, check_start, run};
-use crate::solver::{LevenbergMarquardt, Method, Observer, Silent, Stopping};
+use crate::solver::{AnyMethod, LevenbergMarquardt, Method, Observer, Silent, Stopping};
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
 /// [`Workspace`].
 #[derive(Clone)]
 pub struct Solver {
-    method: Arc<dyn Method>,
+    method: Arc<dyn AnyMethod>,
     stopping: Stopping,
     restarts: Restarts,
     /// How far preferences act within what the goals leave free.
@@ -40,7 +40,7 @@ impl Default for Solver {
 impl Solver {
     /// A solver around any method, with default limits and restarts.
     #[must_use]
-    pub fn new(method: impl Method + 'static) -> Self {
+    pub fn new(method: impl Method) -> Self {
         Self {
             method: Arc::new(method),
             stopping: Stopping::default(),

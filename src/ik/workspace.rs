@@ -4,13 +4,13 @@ use super::Solution;
 use super::refine::{Limits, Refinement, Start};
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{End, Found, Pulls, Search};
-use crate::solver::{LeastSquares, Memory, Observer, Stopping, half_squared};
+use crate::solver::{LeastSquares, Observer, SolverState, Stopping, half_squared};
 
 /// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
 /// problem, a solve allocates nothing. It fits any problem, one at a time.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
-    pub(super) memory: Memory,
+    pub(super) memory: SolverState,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Search,
     /// Of all tasks.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::solution::Blocked;
 use super::{BoundKind, RowsReport, Side, Solution};
 use crate::problem::{Evaluation, Names, Question, Scratch, Share};
-use crate::solver::{Memory, Stopping, half_squared, negligible_slope, projected_gradient_norm};
+use crate::solver::{
+    SolverState, Stopping, half_squared, negligible_slope, projected_gradient_norm,
+};
 use crate::task::{Quantity, Role};
 
 /// Where a search ended, and what is known of that place.
@@ -37,7 +39,7 @@ impl Solution {
         end: &End<'_>,
         stopping: &Stopping,
         scratch: &mut Scratch,
-        memory: &mut Memory,
+        memory: &mut SolverState,
     ) -> Option<Slope> {
         let End { question, x, .. } = *end;
         let problem = question.problem;

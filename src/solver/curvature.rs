@@ -10,8 +10,8 @@
 
 use nalgebra::DMatrix;
 
-use super::LeastSquares;
 use super::linear::{add_scaled, dot, multiply_symmetric, quadratic};
+use super::{LeastSquares, SolverState};
 
 /// A step that leaves more than this share of the cost is slow; after so many in a row the learning
 /// begins. Problems whose targets are reached never pay for it.
@@ -110,7 +110,6 @@ impl Curvature {
     }
 
     /// Whether this is of a search over n variables.
-    #[cfg(feature = "argmin")]
     pub(super) fn fits(&self, n: usize) -> bool {
         let vectors = [
             &self.step,
@@ -132,20 +131,21 @@ impl Curvature {
         self.in_use().map_or(0.0, |s| 0.5 * quadratic(s, step))
     }
 
-    /// Notes an accepted step, before x moves and J is evaluated anew. `linear` is the cost that JᵀJ
-    /// foretold for it.
-    pub(super) fn note(
-        &mut self,
-        jacobian: &DMatrix<f64>,
-        gradient: &[f64],
-        step: &[f64],
-        new_residual: &[f64],
-        (linear, old_cost, new_cost): (f64, f64, f64),
-    ) {
+    /// Notes a step that will be accepted, before x moves and J is evaluated anew. `linear` is the cost that
+    /// JᵀJ foretold for it.
+    pub(super) fn note(&mut self, at: &SolverState, linear: f64, new_cost: f64) {
+        let SolverState {
+            jacobian,
+            gradient,
+            step,
+            trial_residual: new_residual,
+            cost: old_cost,
+            ..
+        } = at;
         let bent = linear + 0.5 * quadratic(&self.matrix, step);
         self.in_use =
             !self.matrix.is_empty() && (bent - new_cost).abs() < (linear - new_cost).abs();
-        let slow = new_cost > SLOW * old_cost;
+        let slow = new_cost > SLOW * *old_cost;
         self.slow_steps = if slow { self.slow_steps + 1 } else { 0 };
         self.pending = self.slow_steps >= SLOW_STEPS || !self.matrix.is_empty();
         if !self.pending {
@@ -172,12 +172,14 @@ impl Curvature {
     pub(super) fn take(
         &mut self,
         problem: &mut dyn LeastSquares,
-        x: &[f64],
-        free: &[usize],
-        jacobian: &DMatrix<f64>,
+        at: &SolverState,
         room: &mut Differences,
     ) -> usize {
+        let SolverState {
+            x, free, jacobian, ..
+        } = at;
         let n = x.len();
+        room.reserve(at.residual.len(), n);
         self.pending = false;
         self.in_use = true;
         self.matrix.clear();

@@ -2,7 +2,8 @@
 //! a damped step.
 
 use super::line_search::along_projected_path;
-use super::{LeastSquares, Memory, Method, Step};
+use super::linear::{CompleteOrthogonal, DampedNormal};
+use super::{Iterate, Method, SolverState, Step};
 
 /// Gauss-Newton with a rank-revealing factorisation: where J loses rank, as in singular poses,
 /// the shortest Δ among the minimisers is taken.
@@ -38,7 +39,27 @@ impl Default for GaussNewton {
     }
 }
 
+/// What a search by Gauss-Newton remembers.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
+pub struct GaussNewtonState {
+    /// α of the last step.
+    length: f64,
+    #[cfg_attr(feature = "argmin", serde(skip))]
+    room: Room,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Room {
+    /// Δ, or the damped step.
+    direction: Vec<f64>,
+    orthogonal: CompleteOrthogonal,
+    normal: DampedNormal,
+}
+
 impl Method for GaussNewton {
+    type State = GaussNewtonState;
+
     fn name(&self) -> &'static str {
         "gauss-newton"
     }
@@ -47,42 +68,54 @@ impl Method for GaussNewton {
         true
     }
 
-    fn begin(&self, memory: &mut Memory) {
-        memory.damping = 1.0;
+    fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {
+        own.length = 0.0;
+        own.room.direction.clear();
+        own.room.direction.reserve(variables);
+        own.room.orthogonal.reserve(rows, variables);
+        own.room.normal.reserve(rows, variables);
     }
 
-    fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
-        memory
-            .orthogonal
-            .factorise(&memory.jacobian, &memory.free, self.rank_tolerance);
-        memory.direction.fill(0.0);
-        memory
-            .orthogonal
-            .minimise(&memory.residual, &memory.free, &mut memory.direction);
+    fn begin(&self, own: &mut Self::State, _: &SolverState) {
+        own.length = 1.0;
+    }
 
-        let along = |memory: &Memory, j: usize| memory.direction[j];
-        let reference = memory.cost;
-        let longest = LONGEST * largest(&memory.x).max(1.0);
-        let first = (longest / largest(&memory.direction)).min(1.0);
-        let mut found =
-            along_projected_path(problem, memory, along, first, reference, MOST_TRIALS[0]);
+    fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
+        let Room {
+            direction,
+            orthogonal,
+            normal,
+        } = &mut own.room;
+        orthogonal.factorise(&at.jacobian, &at.free, self.rank_tolerance);
+        direction.clear();
+        direction.resize(at.x.len(), 0.0);
+        orthogonal.minimise(&at.residual, &at.free, direction);
+
+        let reference = at.cost;
+        let longest = LONGEST * largest(&at.x).max(1.0);
+        let first = (longest / largest(direction)).min(1.0);
+        let along = |_: &SolverState, j: usize| direction[j];
+        let mut found = along_projected_path(at, along, first, reference, MOST_TRIALS[0]);
         if found.is_none() {
             // With a large residual next to a singular place Δ stands almost across the gradient;
             // the step damped by λ = s ‖r‖ does not; with s the largest column norm, that is the
             // size of the curvature that Gauss-Newton leaves out.
-            memory.damping = memory.column_norm * (2.0 * memory.cost).sqrt();
-            memory.solve_damped();
-            memory.direction.copy_from_slice(&memory.step);
-            found = along_projected_path(problem, memory, along, 1.0, reference, MOST_TRIALS[1]);
+            normal.forget();
+            normal.step(at.at, at.column_norm * (2.0 * at.cost).sqrt());
+            direction.copy_from_slice(&at.step);
+            let along = |_: &SolverState, j: usize| direction[j];
+            found = along_projected_path(at, along, 1.0, reference, MOST_TRIALS[1]);
         }
-        match found {
-            Some((alpha, cost)) => {
-                memory.accept_trial(cost);
-                memory.damping = alpha;
-                Step::Taken
-            }
-            None => Step::Stuck,
-        }
+        let Some((alpha, _)) = found else {
+            return Step::Stuck;
+        };
+        at.accept();
+        own.length = alpha;
+        Step::Taken
+    }
+
+    fn control(&self, own: &Self::State) -> f64 {
+        own.length
     }
 }
 

@@ -1,8 +1,9 @@
 //! Levenberg-Marquardt: (JᵀJ + λI) Δ = −Jᵀr over the free variables, and JᵀJ + S + λI where a large
 //! residual makes the search creep and the learnt [curvature](super::curvature) S foretells better.
 
-use super::linear::CurvedModel;
-use super::{LeastSquares, Memory, Method, Step};
+use super::curvature::{Curvature, Differences};
+use super::linear::{CurvedModel, CurvedNormal, DampedNormal};
+use super::{Iterate, Method, SolverState, Step};
 
 /// The first λ, as a share of max diag(JᵀJ), that is tried to make an indefinite model convex, and
 /// how often it is quadrupled: to far above any curvature.
@@ -58,7 +59,32 @@ impl Default for LevenbergMarquardt {
     }
 }
 
+/// What a search by Levenberg-Marquardt remembers.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
+pub struct LevenbergMarquardtState {
+    /// λ.
+    damping: f64,
+    /// By how much a refused step raises λ (Nielsen's ν).
+    growth: f64,
+    /// μ in λ = μ · cost.
+    per_cost: f64,
+    curvature: Curvature,
+    #[cfg_attr(feature = "argmin", serde(skip))]
+    room: Room,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Room {
+    /// Kept while x stays, so that a refused step costs one factorisation.
+    normal: DampedNormal,
+    curved: CurvedNormal,
+    differences: Differences,
+}
+
 impl Method for LevenbergMarquardt {
+    type State = LevenbergMarquardtState;
+
     fn name(&self) -> &'static str {
         match self.damping {
             Damping::GainRatio => "levenberg-marquardt",
@@ -70,25 +96,31 @@ impl Method for LevenbergMarquardt {
         true
     }
 
-    fn begin(&self, memory: &mut Memory) {
-        memory.damping_growth = 2.0;
-        memory.damping_per_cost = self.initial;
-        memory.damping = match self.damping {
-            Damping::GainRatio => self.initial * memory.column_norm * memory.column_norm,
-            Damping::ErrorProportional => self.initial * memory.cost,
+    fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {
+        (own.damping, own.growth, own.per_cost) = (0.0, 0.0, 0.0);
+        own.curvature.reset(variables);
+        own.room.reserve(rows, variables);
+    }
+
+    fn begin(&self, own: &mut Self::State, at: &SolverState) {
+        own.growth = 2.0;
+        own.per_cost = self.initial;
+        own.damping = match self.damping {
+            Damping::GainRatio => self.initial * at.column_norm * at.column_norm,
+            Damping::ErrorProportional => self.initial * at.cost,
         };
     }
 
-    fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
-        memory.learn_curvature(problem);
-        if !memory.solve_curved(problem) {
-            memory.solve_damped();
+    fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
+        own.learn_curvature(at);
+        if !own.solve_curved(at) {
+            own.room.normal.step(at.at, own.damping);
         }
-        memory.project_step(problem);
-        let linear = memory.model_cost();
-        let promised = memory.cost - linear - memory.curvature.bend_in_use(&memory.step);
-        let trial_cost = memory.evaluate_projected_trial(problem);
-        let won = memory.cost - trial_cost;
+        at.project_step();
+        let linear = at.model_cost();
+        let promised = at.cost - linear - own.curvature.bend_in_use(&at.step);
+        let trial_cost = at.evaluate_trial();
+        let won = at.cost - trial_cost;
         let accepted = won > 0.0;
 
         match self.damping {
@@ -97,100 +129,94 @@ impl Method for LevenbergMarquardt {
                 let beyond_half = 2.0 * ratio - 1.0;
                 let cubed = beyond_half * beyond_half * beyond_half;
                 let kept = (1.0 - cubed).max(1.0 / 3.0);
-                memory.damping *= kept.min(trial_cost / memory.cost);
-                memory.damping_growth = 2.0;
+                own.damping *= kept.min(trial_cost / at.cost);
+                own.growth = 2.0;
             }
             Damping::GainRatio => {
-                memory.damping *= memory.damping_growth;
-                memory.damping_growth *= 2.0;
+                own.damping *= own.growth;
+                own.growth *= 2.0;
             }
             Damping::ErrorProportional => {
                 if !accepted {
-                    memory.damping_per_cost *= 4.0;
-                } else if trial_cost < 0.25 * memory.cost {
-                    memory.damping_per_cost *= 0.5;
+                    own.per_cost *= 4.0;
+                } else if trial_cost < 0.25 * at.cost {
+                    own.per_cost *= 0.5;
                 }
-                memory.damping = memory.damping_per_cost * trial_cost.min(memory.cost);
+                own.damping = own.per_cost * trial_cost.min(at.cost);
             }
         }
-        if accepted {
-            memory.curvature.note(
-                &memory.jacobian,
-                &memory.gradient,
-                &memory.step,
-                &memory.trial_residual,
-                (linear, memory.cost, trial_cost),
-            );
-            memory.accept_trial(trial_cost);
-            Step::Taken
-        } else {
-            Step::Refused
+        if !accepted {
+            return Step::Refused;
         }
+        own.curvature.note(at, linear, trial_cost);
+        own.room.normal.forget();
+        at.accept();
+        Step::Taken
+    }
+
+    fn control(&self, own: &Self::State) -> f64 {
+        own.damping
+    }
+
+    fn fits(&self, own: &Self::State, variables: usize) -> bool {
+        own.curvature.fits(variables)
     }
 }
 
-impl Memory {
+impl Room {
+    fn reserve(&mut self, rows: usize, variables: usize) {
+        self.normal.reserve(rows, variables);
+        self.curved.reserve(rows, variables);
+        self.differences.reserve(rows, variables);
+    }
+}
+
+impl LevenbergMarquardtState {
     /// Lets S learn from the last step, or takes it anew.
-    fn learn_curvature(&mut self, problem: &mut dyn LeastSquares) {
-        if self
-            .curvature
-            .wants_differences(self.cost, self.column_norm)
-        {
-            let (x, free, room) = (&self.x, &self.free, &mut self.differences);
-            let taken = self.curvature.take(problem, x, free, &self.jacobian, room);
-            self.counts.residuals += taken;
-            self.counts.gradients += taken;
+    fn learn_curvature(&mut self, iterate: &mut Iterate<'_>) {
+        let Iterate { problem, at } = iterate;
+        if self.curvature.wants_differences(at.cost, at.column_norm) {
+            let room = &mut self.room.differences;
+            let taken = self.curvature.take(*problem, at, room);
+            at.counts.residuals += taken;
+            at.counts.gradients += taken;
         } else {
-            self.curvature.learn(&self.gradient);
+            self.curvature.learn(&at.gradient);
         }
     }
 
-    /// Puts the damped step of the curved model into `step`, if S is in use and the model has a
-    /// minimum once λ is large enough.
-    fn solve_curved(&mut self, problem: &dyn LeastSquares) -> bool {
+    /// Writes the damped step of the curved model, if S is in use and the model has a minimum once λ is
+    /// large enough.
+    fn solve_curved(&mut self, iterate: &mut Iterate<'_>) -> bool {
         let Some(curvature) = self.curvature.in_use() else {
             return false;
         };
+        let SolverState {
+            x,
+            gradient,
+            jacobian,
+            column_norm,
+            free,
+            step,
+            ..
+        } = &mut *iterate.at;
         let model = CurvedModel {
-            jacobian: &self.jacobian,
+            jacobian,
             curvature,
-            gradient: &self.gradient,
-            free: &self.free,
-            x: &self.x,
-            bounds: (problem.lower(), problem.upper()),
+            gradient,
+            free,
+            x,
+            bounds: (iterate.problem.lower(), iterate.problem.upper()),
         };
-        let least = LEAST_CONVEX_DAMPING * self.column_norm * self.column_norm;
+        let least = LEAST_CONVEX_DAMPING * *column_norm * *column_norm;
         let mut damping = self.damping;
         for _ in 0..MOST_CONVEX_TRIALS {
-            if self.curved.minimise(&model, damping, &mut self.step) {
+            if self.room.curved.minimise(&model, damping, step) {
                 self.damping = damping;
                 return true;
             }
             damping = (4.0 * damping).max(least);
         }
         false
-    }
-
-    /// Puts the damped step over the free variables into `step`.
-    pub(super) fn solve_damped(&mut self) {
-        let Self {
-            jacobian,
-            free,
-            residual,
-            step,
-            normal,
-            ..
-        } = self;
-        step.fill(0.0);
-        normal.factorise(jacobian, free, self.damping);
-        normal.solve(jacobian, free, residual, step);
-    }
-
-    /// Puts the projected x + Δ into `trial` and what is left of Δ into `step`.
-    fn project_step(&mut self, problem: &dyn LeastSquares) {
-        for ((trial, &x), &step) in self.trial.iter_mut().zip(&self.x).zip(&self.step) {
-            *trial = x + step;
-        }
-        self.project_trial(problem);
     }
 }

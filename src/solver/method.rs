@@ -1,6 +1,10 @@
 //! A solver is one step; everything around the step is shared.
 
-use super::{LeastSquares, Memory};
+use std::fmt::Debug;
+use std::time::Instant;
+
+use super::minimise::search;
+use super::{Iterate, LeastSquares, Observer, Outcome, SolverState, Stopping};
 
 /// What a step did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,16 +19,86 @@ pub enum Step {
 }
 
 /// One way to go from x to a better x.
-pub trait Method: Send + Sync {
+///
+/// The loop around it takes derivatives, counts, observes and stops. One of your own is as good as those
+/// here: `examples/own_method.rs` is Powell's dogleg in some 60 lines.
+pub trait Method: Send + Sync + 'static {
+    /// What it remembers from step to step of one search, and the room that it works in.
+    type State: Clone + Debug + Default + Send + Sync + 'static;
+
     /// The name used in files, messages and on the command line.
     fn name(&self) -> &'static str;
 
     /// Whether [`step`](Self::step) needs the Jacobian or only the gradient.
     fn needs_jacobian(&self) -> bool;
 
-    /// Prepares the memory at the start of a search, after the first derivatives.
-    fn begin(&self, memory: &mut Memory);
+    /// Forgets the last search, and makes room for one with so many rows and variables, before anything is
+    /// evaluated.
+    fn reserve(&self, state: &mut Self::State, rows: usize, variables: usize) {
+        let _ = (rows, variables);
+        *state = Self::State::default();
+    }
 
-    /// Tries one step. The derivatives in `memory` are those at its x.
-    fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step;
+    /// Takes its first values, after the first derivatives.
+    fn begin(&self, state: &mut Self::State, at: &SolverState);
+
+    /// Tries one step. The derivatives are those at its x.
+    fn step(&self, state: &mut Self::State, at: &mut Iterate<'_>) -> Step;
+
+    /// What controls the length of the next step, for observers: λ of Levenberg-Marquardt, the step length
+    /// of the others.
+    fn control(&self, state: &Self::State) -> f64;
+
+    /// Whether a state that was read from a file is one of a search with so many variables.
+    fn fits(&self, state: &Self::State, variables: usize) -> bool {
+        let _ = (state, variables);
+        true
+    }
+}
+
+/// A [`Method`] without its type, for lists and settings. Every method is one.
+pub trait AnyMethod: Send + Sync {
+    /// As [`Method::name`].
+    fn name(&self) -> &'static str;
+
+    /// As [`Method::needs_jacobian`].
+    fn needs_jacobian(&self) -> bool;
+
+    /// As [`minimise`](super::minimise()), with a deadline that several searches may share.
+    fn minimise(
+        &self,
+        problem: &mut dyn LeastSquares,
+        start: &[f64],
+        stopping: &Stopping,
+        deadline: Option<Instant>,
+        observer: &mut dyn Observer,
+        state: &mut SolverState,
+    ) -> Outcome;
+}
+
+impl<M: Method> AnyMethod for M {
+    fn name(&self) -> &'static str {
+        Method::name(self)
+    }
+
+    fn needs_jacobian(&self) -> bool {
+        Method::needs_jacobian(self)
+    }
+
+    fn minimise(
+        &self,
+        problem: &mut dyn LeastSquares,
+        start: &[f64],
+        stopping: &Stopping,
+        deadline: Option<Instant>,
+        observer: &mut dyn Observer,
+        state: &mut SolverState,
+    ) -> Outcome {
+        // Out of its room for the search, so that both can change.
+        let mut own = state.room.take::<M::State>();
+        let limits = (stopping, deadline);
+        let outcome = search(problem, (self, &mut own), start, limits, observer, state);
+        state.room.keep(own);
+        outcome
+    }
 }

@@ -2,10 +2,13 @@
 
 use std::time::Instant;
 
-use super::search::Search;
-use super::{Iteration, LeastSquares, Memory, Method, Observer, Stopping, Termination};
+use super::progress::Progress;
+use super::{
+    AnyMethod, Iterate, Iteration, LeastSquares, Method, Observer, SolverState, Stopping,
+    Termination,
+};
 
-/// How a search ended; where, is in the memory.
+/// How a search ended; where, is in the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Which test fired.
@@ -18,99 +21,93 @@ pub struct Outcome {
 }
 
 /// Searches from `start` (n numbers, projected into the bounds first) and leaves the result in
-/// `memory`. Never leaves an x outside the bounds. A start of the wrong length or with a number that
+/// `state`. Never leaves an x outside the bounds. A start of the wrong length or with a number that
 /// is not finite ends at once as [`Termination::NonFinite`], standing at the bounded value next to
 /// the start, where what is missing or not finite counts as zero; so does a problem whose bounds are
 /// not n numbers.
 pub fn minimise(
     problem: &mut dyn LeastSquares,
-    method: &dyn Method,
+    method: &dyn AnyMethod,
     start: &[f64],
     stopping: &Stopping,
     observer: &mut dyn Observer,
-    memory: &mut Memory,
+    state: &mut SolverState,
 ) -> Outcome {
-    minimise_until(
-        problem,
-        method,
-        start,
-        stopping,
-        stopping.deadline(),
-        observer,
-        memory,
-    )
+    let deadline = stopping.deadline();
+    method.minimise(problem, start, stopping, deadline, observer, state)
 }
 
-/// As [`minimise`], with a deadline that several searches share.
-pub(crate) fn minimise_until(
+/// The loop around a method's steps.
+pub(super) fn search<M: Method>(
     problem: &mut dyn LeastSquares,
-    method: &dyn Method,
+    (method, own): (&M, &mut M::State),
     start: &[f64],
-    stopping: &Stopping,
-    deadline: Option<Instant>,
+    (stopping, deadline): (&Stopping, Option<Instant>),
     observer: &mut dyn Observer,
-    memory: &mut Memory,
+    state: &mut SolverState,
 ) -> Outcome {
-    let Some(mut search) = Search::start(problem, start, memory) else {
+    method.reserve(own, problem.rows(), problem.variables());
+    let Some(mut progress) = Progress::start(problem, start, state) else {
         return Outcome {
             termination: Termination::NonFinite,
             iterations: 0,
             projected_gradient: None,
         };
     };
-    let mut milestone = (0, memory.cost);
+    let mut milestone = (0, state.cost);
     let termination = loop {
-        if !search.look(problem, method, memory) {
+        if !progress.look(problem, method, own, state) {
             break Termination::NonFinite;
         }
         let seen = observer.observe(&Iteration {
-            index: search.iterations,
-            cost: memory.cost,
-            projected_gradient: search.projected_gradient,
-            step: search.step_norm(memory),
-            damping: memory.damping,
-            x: &memory.x,
+            index: progress.iterations,
+            cost: state.cost,
+            projected_gradient: progress.projected_gradient,
+            step: progress.step_norm(state),
+            control: method.control(own),
+            x: &state.x,
         });
-        if let Some(termination) = search.judge(memory, stopping) {
+        if let Some(termination) = progress.judge(state, stopping) {
             break termination;
         }
         if seen.is_break() {
             break Termination::Cancelled;
         }
-        if memory.cost < 0.5 * milestone.1 {
-            milestone = (search.iterations, memory.cost);
+        if state.cost < 0.5 * milestone.1 {
+            milestone = (progress.iterations, state.cost);
         }
-        let waited = search.iterations - milestone.0;
+        let waited = progress.iterations - milestone.0;
         if stopping.patience.is_some_and(|patience| waited >= patience) {
             break Termination::Stalled;
         }
-        if search.iterations >= stopping.max_iterations {
+        if progress.iterations >= stopping.max_iterations {
             break Termination::IterationLimit;
         }
         if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             break Termination::TimeLimit;
         }
-        if let Some(termination) = search.step(problem, method, memory, stopping) {
+        if let Some(termination) = progress.step(problem, method, own, state, stopping) {
             break termination;
         }
     };
-    let projected_gradient = return_best(problem, memory).or(search.projected_gradient);
+    let projected_gradient = return_best(problem, state).or(progress.projected_gradient);
     Outcome {
         termination,
-        iterations: search.iterations,
+        iterations: progress.iterations,
         projected_gradient,
     }
 }
 
 /// A search that may climb, or wander where the cost is flat, returns the first of the best places
 /// it has seen, and the projected gradient there if it is elsewhere.
-fn return_best(problem: &mut dyn LeastSquares, memory: &mut Memory) -> Option<f64> {
-    if memory.best_cost > memory.cost || memory.best_x == memory.x {
+fn return_best(problem: &mut dyn LeastSquares, state: &mut SolverState) -> Option<f64> {
+    if state.best_cost > state.cost || state.best_x == state.x {
         return None;
     }
-    memory.trial.copy_from_slice(&memory.best_x);
-    let cost = memory.evaluate_trial(problem);
-    memory.accept_trial(cost);
-    memory.differentiate_cost(problem);
-    Some(memory.projected_gradient_norm(problem))
+    state.trial.copy_from_slice(&state.best_x);
+    let mut iterate = Iterate { problem, at: state };
+    iterate.evaluate_trial();
+    iterate.accept();
+    state.differentiate_cost(problem);
+    Some(state.projected_gradient_norm(problem))
 }

@@ -6,36 +6,37 @@
 mod active_set;
 mod curvature;
 mod gauss_newton;
+mod iterate;
 mod least_squares;
 mod levenberg_marquardt;
 mod line_search;
 mod linear;
-mod memory;
 mod method;
 mod minimise;
 mod observer;
+mod progress;
 mod projected_gradient;
-mod search;
 #[cfg(feature = "argmin")]
 mod snapshot;
+mod state;
 mod stopping;
 
 pub use active_set::project;
 pub(crate) use active_set::projected_gradient_norm;
-pub use gauss_newton::GaussNewton;
+pub use gauss_newton::{GaussNewton, GaussNewtonState};
+pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
-pub use levenberg_marquardt::{Damping, LevenbergMarquardt};
+pub use levenberg_marquardt::{Damping, LevenbergMarquardt, LevenbergMarquardtState};
 pub(crate) use linear::{HeldStep, Room};
-pub(crate) use memory::half_squared;
-pub use memory::{Counts, Memory};
-pub use method::{Method, Step};
-pub(crate) use minimise::minimise_until;
+pub use method::{AnyMethod, Method, Step};
 pub use minimise::{Outcome, minimise};
 pub use observer::{Iteration, Observer, Silent};
-pub use projected_gradient::{FirstStep, ProjectedGradient};
 #[cfg(feature = "argmin")]
-pub(crate) use search::Search;
-pub(crate) use search::negligible_slope;
+pub(crate) use progress::Progress;
+pub(crate) use progress::negligible_slope;
+pub use projected_gradient::{FirstStep, ProjectedGradient, ProjectedGradientState};
 #[cfg(feature = "argmin")]
 pub(crate) use snapshot::Snapshot;
+pub(crate) use state::half_squared;
+pub use state::{Counts, SolverState};
 pub use stopping::{Stopping, Termination};

@@ -14,8 +14,9 @@ pub struct Iteration<'a> {
     pub projected_gradient: Option<f64>,
     /// ‖x − previous x‖∞, 0 for a refused step.
     pub step: f64,
-    /// λ for Levenberg-Marquardt, the step length σ or α for the others.
-    pub damping: f64,
+    /// What controls the next step's length ([`Method::control`](super::Method::control)): λ of
+    /// Levenberg-Marquardt, the step length of the others.
+    pub control: f64,
     /// Where the search stands.
     pub x: &'a [f64],
 }

@@ -1,15 +1,14 @@
 //! Projected gradient descent: x ← proj(x − σ g).
 
 use super::line_search::along_projected_path;
-use super::memory::MOST_RECENT_COSTS;
-use super::{LeastSquares, Memory, Method, Step};
+use super::{Iterate, Method, SolverState, Step};
 
 /// The source documents' large first σ.
 const LARGE: f64 = 10_000.0;
 /// From the large σ down to steps that change nothing.
 const MOST_TRIALS: usize = 80;
 /// How many past costs a spectral step may climb back to (Birgin, Martínez & Raydan 2000).
-const HISTORY: usize = MOST_RECENT_COSTS;
+const HISTORY: usize = 10;
 
 /// Which σ a step tries first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +43,21 @@ impl Default for ProjectedGradient {
     }
 }
 
+/// What a search by projected gradients remembers.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
+pub struct ProjectedGradientState {
+    /// σ.
+    length: f64,
+    previous_x: Vec<f64>,
+    previous_gradient: Vec<f64>,
+    /// Costs of the last steps, newest last.
+    recent_costs: Vec<f64>,
+}
+
 impl Method for ProjectedGradient {
+    type State = ProjectedGradientState;
+
     fn name(&self) -> &'static str {
         match self.first_step {
             FirstStep::Fixed(_) => "projected-gradient",
@@ -56,60 +69,80 @@ impl Method for ProjectedGradient {
         false
     }
 
-    fn begin(&self, memory: &mut Memory) {
+    fn reserve(&self, own: &mut Self::State, _rows: usize, variables: usize) {
+        own.length = 0.0;
+        for vector in [&mut own.previous_x, &mut own.previous_gradient] {
+            vector.clear();
+            vector.resize(variables, 0.0);
+        }
+        own.recent_costs.clear();
+        own.recent_costs.reserve(HISTORY);
+    }
+
+    fn begin(&self, own: &mut Self::State, at: &SolverState) {
         // A step of the size that a linear problem would need.
-        let curvature = memory.column_norm * memory.column_norm;
-        memory.damping = if curvature > 0.0 {
+        let curvature = at.column_norm * at.column_norm;
+        own.length = if curvature > 0.0 {
             1.0 / curvature
         } else {
             1.0
         };
-        memory.recent_costs.push(memory.cost);
+        own.recent_costs.push(at.cost);
     }
 
-    fn step(&self, problem: &mut dyn LeastSquares, memory: &mut Memory) -> Step {
+    fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
         let (first, reference) = match self.first_step {
-            FirstStep::Fixed(sigma) => (sigma, memory.cost),
+            FirstStep::Fixed(sigma) => (sigma, at.cost),
             FirstStep::BarzilaiBorwein => {
-                if memory.recent_costs.len() > 1 {
-                    memory.damping = spectral_step(memory).unwrap_or(memory.damping);
+                if own.recent_costs.len() > 1 {
+                    own.length = own.spectral_step(at).unwrap_or(own.length);
                 }
-                let worst = memory.recent_costs.iter().copied().fold(0.0, f64::max);
-                (memory.damping, worst)
+                let worst = own.recent_costs.iter().copied().fold(0.0, f64::max);
+                (own.length, worst)
             }
         };
-        memory.previous_x.copy_from_slice(&memory.x);
-        memory.previous_gradient.copy_from_slice(&memory.gradient);
+        own.previous_x.copy_from_slice(&at.x);
+        own.previous_gradient.copy_from_slice(&at.gradient);
 
-        let downhill = |memory: &Memory, j: usize| -memory.gradient[j];
-        let found = along_projected_path(problem, memory, downhill, first, reference, MOST_TRIALS);
+        let downhill = |at: &SolverState, j: usize| -at.gradient[j];
+        let found = along_projected_path(at, downhill, first, reference, MOST_TRIALS);
         let Some((sigma, cost)) = found else {
             return Step::Stuck;
         };
-        memory.accept_trial(cost);
-        memory.damping = sigma;
+        at.accept();
+        own.length = sigma;
         if self.first_step == FirstStep::BarzilaiBorwein {
-            remember(memory, cost);
+            own.remember(cost);
         }
         Step::Taken
     }
+
+    fn control(&self, own: &Self::State) -> f64 {
+        own.length
+    }
+
+    fn fits(&self, own: &Self::State, variables: usize) -> bool {
+        own.previous_x.len() == variables && own.previous_gradient.len() == variables
+    }
 }
 
-fn remember(memory: &mut Memory, cost: f64) {
-    if memory.recent_costs.len() == HISTORY {
-        memory.recent_costs.remove(0);
+impl ProjectedGradientState {
+    fn remember(&mut self, cost: f64) {
+        if self.recent_costs.len() == HISTORY {
+            self.recent_costs.remove(0);
+        }
+        self.recent_costs.push(cost);
     }
-    memory.recent_costs.push(cost);
-}
 
-/// sᵀs / sᵀy, if the curvature along s is positive.
-fn spectral_step(memory: &Memory) -> Option<f64> {
-    let (mut ss, mut sy) = (0.0, 0.0);
-    for j in 0..memory.x.len() {
-        let s = memory.x[j] - memory.previous_x[j];
-        let y = memory.gradient[j] - memory.previous_gradient[j];
-        ss += s * s;
-        sy += s * y;
+    /// sᵀs / sᵀy, if the curvature along s is positive.
+    fn spectral_step(&self, at: &SolverState) -> Option<f64> {
+        let (mut ss, mut sy) = (0.0, 0.0);
+        for j in 0..at.x.len() {
+            let s = at.x[j] - self.previous_x[j];
+            let y = at.gradient[j] - self.previous_gradient[j];
+            ss += s * s;
+            sy += s * y;
+        }
+        (sy > 0.0 && ss > 0.0).then(|| (ss / sy).clamp(1e-12, 1e12))
     }
-    (sy > 0.0 && ss > 0.0).then(|| (ss / sy).clamp(1e-12, 1e12))
 }

@@ -177,7 +177,7 @@ fn slow_steps(rig: &Skeleton) -> u64 {
         &start,
         &mut workspace,
         &mut |step: &kinopt::solver::Iteration<'_>| {
-            digest.doubles([step.cost, step.step, step.damping]);
+            digest.doubles([step.cost, step.step, step.control]);
             digest.doubles(step.projected_gradient);
             std::ops::ControlFlow::Continue(())
         },

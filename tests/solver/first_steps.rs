@@ -5,8 +5,8 @@
 use std::ops::ControlFlow;
 
 use kinopt::solver::{
-    Damping, FirstStep, GaussNewton, Iteration, LeastSquares, LevenbergMarquardt, Memory, Method,
-    ProjectedGradient, Stopping, minimise,
+    AnyMethod, Damping, FirstStep, GaussNewton, Iteration, LeastSquares, LevenbergMarquardt,
+    ProjectedGradient, SolverState, Stopping, minimise,
 };
 use nalgebra::{DMatrix, DVector};
 use support::random::Random;
@@ -115,15 +115,15 @@ impl Linear {
     }
 
     /// Where a method stands at first, and after one step and two, with its damping there.
-    fn steps(&mut self, method: &dyn Method) -> Vec<(DVector<f64>, f64)> {
+    fn steps(&mut self, method: &dyn AnyMethod) -> Vec<(DVector<f64>, f64)> {
         let mut seen = Vec::new();
         let mut watch = |step: &Iteration<'_>| {
-            seen.push((DVector::from_column_slice(step.x), step.damping));
+            seen.push((DVector::from_column_slice(step.x), step.control));
             ControlFlow::Continue(())
         };
         let stopping = Stopping::default().with_max_iterations(2);
         let start = self.start.clone();
-        let mut memory = Memory::default();
+        let mut memory = SolverState::default();
         minimise(
             self,
             method,

@@ -3,6 +3,7 @@
 mod contradicting_targets;
 mod drags;
 mod first_steps;
+mod from_outside;
 mod invariance;
 mod limits_hold;
 mod method_battery;

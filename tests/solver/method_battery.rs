@@ -4,8 +4,8 @@
 use std::ops::ControlFlow;
 
 use kinopt::solver::{
-    GaussNewton, Iteration, LeastSquares, Memory, Method, Outcome, Silent, Stopping, Termination,
-    minimise,
+    AnyMethod, GaussNewton, Iteration, LeastSquares, Outcome, Silent, SolverState, Stopping,
+    Termination, minimise,
 };
 use nalgebra::{DMatrix, DVector};
 use support::classics::{
@@ -18,7 +18,7 @@ use support::random::Random;
 const BEYOND: f64 = f64::INFINITY;
 
 /// Gradient descent needs its time; nothing else does.
-fn patience(method: &dyn Method) -> Stopping {
+fn patience(method: &dyn AnyMethod) -> Stopping {
     let iterations = if method.needs_jacobian() {
         1_000
     } else {
@@ -29,10 +29,10 @@ fn patience(method: &dyn Method) -> Stopping {
 
 fn search<F: Function>(
     problem: &mut Bounded<F>,
-    method: &dyn Method,
+    method: &dyn AnyMethod,
     start: &[f64],
-) -> (Memory, Outcome) {
-    let mut memory = Memory::default();
+) -> (SolverState, Outcome) {
+    let mut memory = SolverState::default();
     let (lower, upper) = (problem.lower.clone(), problem.upper.clone());
     let mut lowest = f64::INFINITY;
     let mut watch = |seen: &Iteration<'_>| {
@@ -293,7 +293,7 @@ fn gauss_newton_takes_the_shortest_step_of_a_rank_deficient_problem() {
         let inverse = matrix.clone().pseudo_inverse(1e-10).unwrap();
         let expected = &start + inverse * (&right_side - &matrix * &start);
         let mut problem = Bounded::free(Linear { matrix, right_side });
-        let mut memory = Memory::default();
+        let mut memory = SolverState::default();
         let once = Stopping::default().with_max_iterations(1);
         let method = GaussNewton::default();
         minimise(

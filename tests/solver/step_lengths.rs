@@ -87,10 +87,10 @@ fn a_large_first_step_is_halved_until_the_cost_falls() {
             if seen.index > 0 && seen.step > 0.0 {
                 // σ = first / 2^k for a whole k.
                 let mut halved = first;
-                while halved > seen.damping {
+                while halved > seen.control {
                     halved *= 0.5;
                 }
-                assert_eq!(halved, seen.damping);
+                assert_eq!(halved, seen.control);
             }
             ControlFlow::Continue(())
         };

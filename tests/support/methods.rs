@@ -2,10 +2,10 @@
 
 use kinopt::Solver;
 use kinopt::solver::{
-    Damping, FirstStep, GaussNewton, LevenbergMarquardt, Method, ProjectedGradient,
+    AnyMethod, Damping, FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient,
 };
 
-pub fn methods() -> Vec<Box<dyn Method>> {
+pub fn methods() -> Vec<Box<dyn AnyMethod>> {
     vec![
         Box::new(LevenbergMarquardt::new(Damping::GainRatio)),
         Box::new(LevenbergMarquardt::new(Damping::ErrorProportional)),

@@ -6,7 +6,7 @@ use kinopt::model::{FrameId, Limits, Model, ModelError, ParameterMap};
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::scalar::Scalar;
 use kinopt::skeleton::{Bone, Skeleton};
-use kinopt::solver::{LeastSquares, Memory, Outcome, Silent, Stopping, Termination, minimise};
+use kinopt::solver::{LeastSquares, Outcome, Silent, SolverState, Stopping, Termination, minimise};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LocalJacobian, Point, Quantity, Residual, Rows};
 use nalgebra::DMatrix;
@@ -98,7 +98,7 @@ fn search(lower: &[f64], upper: &[f64], start: &[f64]) -> Vec<(Outcome, Vec<f64>
             lower: lower.to_vec(),
             upper: upper.to_vec(),
         };
-        let mut memory = Memory::default();
+        let mut memory = SolverState::default();
         let stopping = Stopping::default();
         let outcome = minimise(
             &mut problem,

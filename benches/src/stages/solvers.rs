@@ -8,8 +8,8 @@ use std::hint::black_box;
 use kinopt::Problem;
 use kinopt::problem::Evaluation;
 use kinopt::solver::{
-    Damping, FirstStep, GaussNewton, LevenbergMarquardt, Memory, Method, ProjectedGradient, Silent,
-    Stopping, minimise,
+    Damping, FirstStep, GaussNewton, LevenbergMarquardt, Method, ProjectedGradient, Silent,
+    SolverState, Stopping, minimise,
 };
 use kinopt::task::Point;
 
@@ -52,7 +52,7 @@ fn search(method: impl Method + 'static) -> Result<Run, Box<dyn Error>> {
     problem.parameters().reduce(&start, &mut x);
     let stopping = Stopping::default().with_max_iterations(ITERATIONS);
     let mut scratch = problem.scratch();
-    let mut memory = Memory::default();
+    let mut memory = SolverState::default();
     let mut run = move || {
         let mut evaluation = Evaluation::new(&problem, &mut scratch);
         let outcome = minimise(

@@ -24,7 +24,7 @@ impl Observe<MethodState> for Watch {
             "  iteration {:2}: cost {:10.3e}, damping {:10.3e}, projected gradient {}",
             state.get_iter(),
             state.get_cost(),
-            number("damping").unwrap_or(f64::NAN),
+            number("control").unwrap_or(f64::NAN),
             number("projected_gradient").map_or("not needed".to_owned(), |g| format!("{g:.3e}")),
         );
         match self.fails_at {

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::cholesky;
 use super::dense::{add_scaled, dot};
+use crate::solver::SolverState;
 
 /// Solves (J_FᵀJ_F + λI) Δ = −J_Fᵀ r over the free columns F; with fewer rows than free columns
 /// through (J_F J_Fᵀ + λI) y = −r, Δ = J_Fᵀ y, which is the same Δ.
@@ -39,13 +40,22 @@ impl DampedNormal {
         self.gram_is_fresh = false;
     }
 
+    /// Writes the damped step over the free variables where a search stands.
+    pub(in crate::solver) fn step(&mut self, at: &mut SolverState, damping: f64) {
+        let SolverState {
+            residual,
+            jacobian,
+            free,
+            step,
+            ..
+        } = at;
+        step.fill(0.0);
+        self.factorise(jacobian, free, damping);
+        self.solve(jacobian, free, residual, step);
+    }
+
     /// Factorises the damped system over the free columns.
-    pub(in crate::solver) fn factorise(
-        &mut self,
-        jacobian: &DMatrix<f64>,
-        free: &[usize],
-        damping: f64,
-    ) {
+    fn factorise(&mut self, jacobian: &DMatrix<f64>, free: &[usize], damping: f64) {
         let rows = jacobian.nrows();
         let order = rows.min(free.len());
         if !self.gram_is_fresh {
@@ -68,7 +78,7 @@ impl DampedNormal {
 
     /// Writes the Δ of `residual` at the free variables of `step`, after
     /// [`factorise`](Self::factorise) with the same Jacobian and free columns.
-    pub(in crate::solver) fn solve(
+    fn solve(
         &mut self,
         jacobian: &DMatrix<f64>,
         free: &[usize],

@@ -22,8 +22,8 @@ use kinopt::argmin_bridge::{
 };
 use kinopt::ik::{Restarts, Solution};
 use kinopt::solver::{
-    Damping, FirstStep, GaussNewton, LevenbergMarquardt, Memory, Method, ProjectedGradient, Silent,
-    Stopping, Termination, minimise,
+    Damping, FirstStep, GaussNewton, LevenbergMarquardt, Method, ProjectedGradient, Silent,
+    SolverState, Stopping, Termination, minimise,
 };
 use kinopt::task::{Posture, Quantity, Task};
 use kinopt::{Problem, Solver};
@@ -46,14 +46,14 @@ fn within_limits(problem: &Problem, q: &[f64]) -> bool {
 /// What one of our methods must do under the executor, whichever it is.
 fn runs_the_same<M>(method: M)
 where
-    M: Method + Clone + Serialize + DeserializeOwned,
+    M: Method<State: Serialize + DeserializeOwned> + Clone + Serialize + DeserializeOwned,
 {
     let stopping = Stopping::default().with_max_iterations(60);
     for problem in [reachable(), held_by_limits(), two_tips()] {
         let mut bounded = BoundedProblem::new(&problem);
         let start = bounded.start(&START).unwrap();
 
-        let mut memory = Memory::default();
+        let mut memory = SolverState::default();
         let alone = minimise(
             &mut bounded,
             &method,
@@ -89,7 +89,7 @@ struct Interruption(usize);
 
 impl Observe<MethodState> for Interruption {
     fn observe_iter(&mut self, state: &MethodState, seen: &KV) -> Result<(), Error> {
-        assert!(seen.get("damping").and_then(|v| v.get_float()).unwrap() > 0.0);
+        assert!(seen.get("control").and_then(|v| v.get_float()).unwrap() > 0.0);
         if state.get_iter() as usize >= self.0 {
             return Err(Error::msg("interrupted"));
         }
@@ -104,7 +104,7 @@ fn interrupted_and_resumed<M>(
     at: usize,
 ) -> Solution
 where
-    M: Method + Clone + Serialize + DeserializeOwned,
+    M: Method<State: Serialize + DeserializeOwned> + Clone + Serialize + DeserializeOwned,
 {
     let name = format!(
         "kinopt-{}-{}-{at}",

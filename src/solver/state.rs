@@ -1,19 +1,13 @@
-//! The memory of one search, reused from search to search.
+//! Where one search stands: x and what is known there. Its memory is used from search to search.
 
+use std::any::Any;
 use std::ops::AddAssign;
 
 use nalgebra::DMatrix;
 
 use super::LeastSquares;
 use super::active_set::{list_free, project, projected_gradient_norm};
-use super::curvature::{Curvature, Differences};
-use super::linear::{CompleteOrthogonal, CurvedNormal, DampedNormal, add_scaled, dot};
-
-/// How many past costs a search may remember.
-pub(super) const MOST_RECENT_COSTS: usize = 10;
-
-/// A step that changes the cost by no more than this share of it has hardly changed it.
-const FLAT: f64 = 1e-13;
+use super::linear::dot;
 
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,44 +29,30 @@ impl AddAssign for Counts {
     }
 }
 
-/// Where a search stands, and room for its next step.
+/// Where a search stands, and room for its next step. What a method remembers is its
+/// [own](super::Method::State).
 #[derive(Clone, Debug)]
-pub struct Memory {
+pub struct SolverState {
     pub(super) x: Vec<f64>,
     pub(super) residual: Vec<f64>,
     pub(super) cost: f64,
     pub(super) gradient: Vec<f64>,
     pub(super) jacobian: DMatrix<f64>,
-    /// Largest column norm of the last Jacobian.
     pub(super) column_norm: f64,
     pub(super) free: Vec<usize>,
+    pub(super) step: Vec<f64>,
     pub(super) trial: Vec<f64>,
     pub(super) trial_residual: Vec<f64>,
-    pub(super) step: Vec<f64>,
-    pub(super) damping: f64,
-    /// By how much a refused step raises λ (Nielsen's ν).
-    pub(super) damping_growth: f64,
-    /// μ in λ = μ · cost.
-    pub(super) damping_per_cost: f64,
-    /// Δ, while the trials of a line search overwrite `step`.
-    pub(super) direction: Vec<f64>,
+    pub(super) trial_cost: f64,
     /// How many steps in a row have hardly changed the cost.
     pub(super) flat_steps: usize,
-    pub(super) previous_x: Vec<f64>,
-    pub(super) previous_gradient: Vec<f64>,
-    /// Costs of the last steps, newest last, for searches that may climb for a while.
-    pub(super) recent_costs: Vec<f64>,
     pub(super) best_x: Vec<f64>,
     pub(super) best_cost: f64,
-    pub(super) normal: DampedNormal,
-    pub(super) curvature: Curvature,
-    pub(super) differences: Differences,
-    pub(super) curved: CurvedNormal,
-    pub(super) orthogonal: CompleteOrthogonal,
     pub(super) counts: Counts,
+    pub(super) room: MethodRoom,
 }
 
-impl Default for Memory {
+impl Default for SolverState {
     fn default() -> Self {
         Self {
             x: Vec::new(),
@@ -82,30 +62,45 @@ impl Default for Memory {
             jacobian: DMatrix::zeros(0, 0),
             column_norm: 0.0,
             free: Vec::new(),
+            step: Vec::new(),
             trial: Vec::new(),
             trial_residual: Vec::new(),
-            step: Vec::new(),
-            damping: 0.0,
-            damping_growth: 0.0,
-            damping_per_cost: 0.0,
-            direction: Vec::new(),
+            trial_cost: f64::INFINITY,
             flat_steps: 0,
-            previous_x: Vec::new(),
-            previous_gradient: Vec::new(),
-            recent_costs: Vec::new(),
             best_x: Vec::new(),
             best_cost: f64::INFINITY,
-            normal: DampedNormal::default(),
-            curvature: Curvature::default(),
-            differences: Differences::default(),
-            curved: CurvedNormal::default(),
-            orthogonal: CompleteOrthogonal::default(),
             counts: Counts::default(),
+            room: MethodRoom::default(),
         }
     }
 }
 
-impl Memory {
+/// The states of methods between searches, one of a type: room that the next search takes again.
+#[derive(Debug, Default)]
+pub(super) struct MethodRoom(Vec<Box<dyn Any + Send + Sync>>);
+
+impl MethodRoom {
+    /// The last search's state of this type, or a new one.
+    pub(super) fn take<S: Any + Default>(&mut self) -> Box<S> {
+        let last = self.0.iter().position(|state| state.is::<S>());
+        let last = last.and_then(|at| self.0.swap_remove(at).downcast().ok());
+        last.unwrap_or_default()
+    }
+
+    /// Keeps a state for the next search.
+    pub(super) fn keep<S: Any + Send + Sync>(&mut self, state: Box<S>) {
+        self.0.push(state);
+    }
+}
+
+impl Clone for MethodRoom {
+    /// Empty: what is kept is room, not knowledge.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl SolverState {
     /// Where the search stands.
     #[must_use]
     pub fn x(&self) -> &[f64] {
@@ -130,15 +125,34 @@ impl Memory {
         &self.gradient
     }
 
-    /// J where it was taken last.
-    pub(crate) fn jacobian(&self) -> &DMatrix<f64> {
+    /// J where it was taken last: at x, for methods that need it.
+    #[must_use]
+    pub fn jacobian(&self) -> &DMatrix<f64> {
         &self.jacobian
     }
 
-    /// λ for Levenberg-Marquardt, the step length σ or α for the others.
+    /// The largest norm of a column of J.
     #[must_use]
-    pub fn damping(&self) -> f64 {
-        self.damping
+    pub fn column_norm(&self) -> f64 {
+        self.column_norm
+    }
+
+    /// The variables that are free to move at x: all but those on a bound whose gradient pushes outward.
+    #[must_use]
+    pub fn free(&self) -> &[usize] {
+        &self.free
+    }
+
+    /// The last step.
+    #[must_use]
+    pub fn step(&self) -> &[f64] {
+        &self.step
+    }
+
+    /// r of the last [trial](super::Iterate::evaluate_trial).
+    #[must_use]
+    pub fn trial_residual(&self) -> &[f64] {
+        &self.trial_residual
     }
 
     /// Evaluations so far in this search.
@@ -156,9 +170,6 @@ impl Memory {
             &mut self.gradient,
             &mut self.trial,
             &mut self.step,
-            &mut self.direction,
-            &mut self.previous_x,
-            &mut self.previous_gradient,
             &mut self.best_x,
         ] {
             vector.clear();
@@ -173,17 +184,7 @@ impl Memory {
         }
         self.free.clear();
         self.free.reserve(n);
-        self.recent_costs.clear();
-        self.recent_costs.reserve(MOST_RECENT_COSTS);
-        self.normal.reserve(m, n);
-        self.curvature.reset(n);
-        self.differences.reserve(m, n);
-        self.curved.reserve(m, n);
-        self.orthogonal.reserve(m, n);
         self.counts = Counts::default();
-        self.damping = 0.0;
-        self.damping_growth = 0.0;
-        self.damping_per_cost = 0.0;
         self.flat_steps = 0;
 
         for (own, &given) in self.x.iter_mut().zip(start) {
@@ -201,11 +202,10 @@ impl Memory {
     }
 
     /// Evaluates the Jacobian at x, and with it what it decides: the gradient, the largest column
-    /// norm and the free variables. The factorisation of the last one is forgotten.
+    /// norm and the free variables.
     pub(super) fn differentiate(&mut self, problem: &mut dyn LeastSquares) {
         problem.jacobian(&self.x, &mut self.jacobian);
         self.counts.jacobians += 1;
-        self.normal.forget();
         let residual = std::mem::take(&mut self.residual);
         self.take_slope(&residual);
         self.residual = residual;
@@ -289,55 +289,6 @@ impl Memory {
         }
         let scale = self.column_norm;
         self.projected_step_norm(scale * scale, problem) * scale / length
-    }
-
-    /// Projects `trial`, evaluates it and returns its cost; `step` becomes trial − x, after
-    /// projection.
-    pub(super) fn evaluate_trial(&mut self, problem: &mut dyn LeastSquares) -> f64 {
-        self.project_trial(problem);
-        self.evaluate_projected_trial(problem)
-    }
-
-    /// Projects `trial` and makes `step` what is left of the way there.
-    pub(super) fn project_trial(&mut self, problem: &dyn LeastSquares) {
-        project(&mut self.trial, problem.lower(), problem.upper());
-        for ((step, &trial), &x) in self.step.iter_mut().zip(&self.trial).zip(&self.x) {
-            *step = trial - x;
-        }
-    }
-
-    /// Evaluates `trial`, which is within the bounds, and returns its cost.
-    pub(super) fn evaluate_projected_trial(&mut self, problem: &mut dyn LeastSquares) -> f64 {
-        problem.residual(&self.trial, &mut self.trial_residual);
-        self.counts.residuals += 1;
-        half_squared(&self.trial_residual)
-    }
-
-    /// Makes the trial the place where the search stands.
-    pub(super) fn accept_trial(&mut self, cost: f64) {
-        std::mem::swap(&mut self.x, &mut self.trial);
-        std::mem::swap(&mut self.residual, &mut self.trial_residual);
-        let flat = (self.cost - cost).abs() <= FLAT * self.cost;
-        self.flat_steps = if flat { self.flat_steps + 1 } else { 0 };
-        self.cost = cost;
-        if cost < self.best_cost {
-            self.best_cost = cost;
-            self.best_x.copy_from_slice(&self.x);
-        }
-    }
-
-    /// ½‖r + J Δ‖² for the step Δ: what the linear model promises.
-    pub(super) fn model_cost(&mut self) -> f64 {
-        let predicted = &mut self.trial_residual;
-        predicted.copy_from_slice(&self.residual);
-        let rows = predicted.len();
-        let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
-        for (&step, column) in self.step.iter().zip(columns) {
-            if step != 0.0 {
-                add_scaled(predicted, step, column);
-            }
-        }
-        half_squared(predicted)
     }
 
     /// ‖Δ‖∞ of the last step.

@@ -1,13 +1,14 @@
 //! Searches that compare solutions: the nearest, and several that differ.
 
-use super::QueryError;
-use super::answer::Query;
+use std::time::Instant;
+
 use super::options::Search;
 use super::query::Arm;
-use super::workspace::{Errors, Workspace};
+use super::report::Reply;
+use super::workspace::Workspace;
+use super::{QueryError, workspace::Errors};
 use crate::ik::Solution;
 use crate::lanes::{self, Outcome};
-use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
@@ -35,20 +36,26 @@ impl Arm {
         };
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &target, start)?;
-        let query = self.query(&target, start);
+        let deadline = self.deadline();
         self.with_workspace(|workspace| {
             workspace.aim(&target);
             self.open_window(workspace, start);
-            let ended = self.gather(workspace, &query);
+            let ended = self.gather(workspace, &target, start, deadline);
             self.distinct(workspace, k, distance, ended)
         })
     }
 
     /// Runs attempts and sorts those that reach by their distance from the start. Whether all were
     /// run, or the clock cut them short.
-    pub(super) fn gather(&self, workspace: &mut Workspace, query: &Query<'_>) -> Termination {
+    pub(super) fn gather(
+        &self,
+        workspace: &mut Workspace,
+        target: &Placement<f64>,
+        start: &[f64],
+        deadline: Option<Instant>,
+    ) -> Termination {
         let n = self.joint_count();
-        let wanted = self.attempts_at(query.target);
+        let wanted = self.attempts_at(target);
         let budget = self
             .options
             .iterations
@@ -58,15 +65,20 @@ impl Arm {
         let mut first = 0;
         while first < wanted && spent(&workspace.outcomes) < budget {
             let count = GROUP.min(wanted - first);
-            match self.lanes_within(&workspace.windowed) {
-                None => self.attempts_by_core(workspace, query, first, count),
+            match &self.lanes {
+                None => self.attempts_by_core(workspace, start, first, count, deadline),
                 Some(lanes) => {
+                    let windowed = workspace.windowed.as_ref();
+                    let lanes = match windowed {
+                        Some(windowed) if self.options.max_move.is_some() => windowed,
+                        _ => lanes,
+                    };
                     let end = (first + count) as usize;
                     workspace.found.resize(end * n, 0.0);
                     workspace.outcomes.resize(end, Outcome::default());
                     lanes.run_attempts_checked(
-                        query.target,
-                        query.start,
+                        target,
+                        start,
                         lanes::Search::Start,
                         first,
                         &mut workspace.found[first as usize * n..],
@@ -75,7 +87,7 @@ impl Arm {
                 }
             }
             first += count;
-            if query.is_late() {
+            if deadline.is_some_and(|at| Instant::now() >= at) {
                 break;
             }
         }
@@ -92,7 +104,7 @@ impl Arm {
         workspace
             .order
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if query.is_late() && first < wanted {
+        if deadline.is_some_and(|at| Instant::now() >= at) && first < wanted {
             Termination::TimeLimit
         } else {
             Termination::Reached
@@ -104,19 +116,14 @@ impl Arm {
     pub(super) fn nearest(
         &self,
         workspace: &mut Workspace,
-        query: &Query<'_>,
-        ended: Termination,
-    ) -> Found {
+        mut ended: Termination,
+        deadline: Option<Instant>,
+    ) -> Reply {
         let n = self.joint_count();
-        let mut found = Found {
-            termination: ended,
-            iterations: spent(&workspace.outcomes),
-            attempts: workspace.outcomes.len(),
-            ..Found::default()
-        };
+        let (iterations, attempts) = (spent(&workspace.outcomes), workspace.outcomes.len());
         let Some(&(_, place)) = workspace.order.first() else {
             // None reached: the start's own end, and the best of all.
-            let cost = |outcome: &Outcome| self.cost(Errors::of(outcome));
+            let cost = |o: &Outcome| self.cost(o.position_error, o.orientation_error);
             let costs = workspace.outcomes.iter().map(cost).enumerate();
             let best = costs
                 .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -125,14 +132,18 @@ impl Arm {
             workspace
                 .best
                 .copy_from_slice(&workspace.found[best * n..(best + 1) * n]);
-            found.number = best;
-            self.judge(workspace, &mut found);
-            return found;
+            return Reply {
+                errors: workspace.judge_x(),
+                termination: ended,
+                iterations,
+                attempts,
+                winner: Some(best as u32),
+            };
         };
         workspace
             .x
             .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
-        found.number = place;
+        let mut winner = place;
         let goal = self.options.goal;
         if n > goal.rows() || goal.has_room() {
             let mut best = f64::INFINITY;
@@ -140,27 +151,32 @@ impl Arm {
             let reference = std::mem::take(&mut workspace.start);
             let refined = workspace.order.len().min(REFINED);
             for turn in 0..refined {
-                if turn > 0 && query.is_late() {
-                    found.termination = Termination::TimeLimit;
+                if turn > 0 && deadline.is_some_and(|at| Instant::now() >= at) {
+                    ended = Termination::TimeLimit;
                     break;
                 }
                 let place = workspace.order[turn].1;
                 workspace
                     .x
                     .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
-                self.descend(workspace, &reference, query.deadline);
+                self.descend(workspace, &reference, deadline);
                 let distance = self.distance(&workspace.x, &reference);
                 if distance < best {
                     best = distance;
-                    found.number = place;
+                    winner = place;
                     workspace.best.copy_from_slice(&workspace.x);
                 }
             }
             workspace.start = reference;
             workspace.x.copy_from_slice(&workspace.best);
         }
-        self.judge(workspace, &mut found);
-        found
+        Reply {
+            errors: workspace.judge_x(),
+            termination: ended,
+            iterations,
+            attempts,
+            winner: Some(winner as u32),
+        }
     }
 
     /// Of the solutions gathered, the first k that are far enough from those before. `ended` says
@@ -187,11 +203,18 @@ impl Arm {
             let outcome = &workspace.outcomes[place];
             let mut solution = Solution::default();
             solution.q.extend_from_slice(q);
-            let found = Found {
+            let reply = Reply {
+                errors: Errors {
+                    position: outcome.position_error,
+                    orientation: outcome.orientation_error,
+                    reached: true,
+                },
                 termination: ended,
-                ..self.found_by(outcome)
+                iterations: outcome.iterations as usize,
+                attempts: 1,
+                winner: outcome.winner,
             };
-            self.tell(&found, Errors::of(outcome), &mut solution);
+            self.report(&reply, &mut solution);
             chosen.push(solution);
         }
         chosen

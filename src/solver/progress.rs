@@ -1,7 +1,7 @@
-//! The course of one search in single steps: what the loop here and executors of others share.
+//! The progress of one search in single steps: what the loop here and executors of others share.
 
-use super::memory::has_bounds_for_all;
-use super::{LeastSquares, Memory, Method, Step, Stopping, Termination};
+use super::state::has_bounds_for_all;
+use super::{Iterate, LeastSquares, Method, SolverState, Step, Stopping, Termination};
 
 /// After so many steps in a row that hardly change the cost no further one makes sense.
 const FLAT_STEPS: usize = 5;
@@ -10,9 +10,9 @@ const FLAT_STEPS: usize = 5;
 /// curvatures of size c, a step wins g²/2c, which must be more than ε of the cost to be seen.
 const ROUNDED: f64 = 1e-7;
 
-/// How far a search has come; where it stands is in the memory.
+/// How far a search has come; where it stands is in the state.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search {
+pub(crate) struct Progress {
     /// Steps tried, accepted or not.
     pub(crate) iterations: usize,
     /// ‖proj(x − g) − x‖∞; `None` where x is good enough to need no derivatives.
@@ -22,15 +22,15 @@ pub(crate) struct Search {
     last_step: Step,
 }
 
-impl Search {
+impl Progress {
     /// Stands at the projected `start`. `None` for a start of the wrong length or not finite, and for
     /// a problem that lacks bounds.
     pub(crate) fn start(
         problem: &mut dyn LeastSquares,
         start: &[f64],
-        memory: &mut Memory,
+        state: &mut SolverState,
     ) -> Option<Self> {
-        memory.start_at(problem, start);
+        state.start_at(problem, start);
         let usable = start.len() == problem.variables()
             && start.iter().all(|v| v.is_finite())
             && has_bounds_for_all(problem);
@@ -55,60 +55,66 @@ impl Search {
 
     /// Takes the derivatives at x, unless they are there or x is good enough without. Returns
     /// false where the cost is not a finite number.
-    pub(crate) fn look(
+    pub(crate) fn look<M: Method>(
         &mut self,
         problem: &mut dyn LeastSquares,
-        method: &dyn Method,
-        memory: &mut Memory,
+        method: &M,
+        own: &mut M::State,
+        state: &mut SolverState,
     ) -> bool {
-        if !memory.cost.is_finite() {
+        if !state.cost.is_finite() {
             return false;
         }
         self.projected_gradient = None;
-        if problem.stops_when_reached() && problem.is_reached(&memory.residual) {
+        if problem.stops_when_reached() && problem.is_reached(&state.residual) {
             return true;
         }
         if self.iterations == 0 {
             // Its size scales the gradient test, also for methods that use gradients only.
-            memory.differentiate(problem);
-            method.begin(memory);
+            state.differentiate(problem);
+            method.begin(own, state);
         } else if self.last_step == Step::Taken && method.needs_jacobian() {
-            memory.differentiate(problem);
+            state.differentiate(problem);
         } else if self.last_step == Step::Taken {
-            memory.differentiate_cost(problem);
+            state.differentiate_cost(problem);
         }
-        self.projected_gradient = Some(memory.projected_gradient_norm(problem));
-        self.stationarity = memory.stationarity(problem);
+        self.projected_gradient = Some(state.projected_gradient_norm(problem));
+        self.stationarity = state.stationarity(problem);
         true
     }
 
     /// Whether the search ends where it stands.
-    pub(crate) fn judge(&self, memory: &Memory, stopping: &Stopping) -> Option<Termination> {
+    pub(crate) fn judge(&self, state: &SolverState, stopping: &Stopping) -> Option<Termination> {
         match self.projected_gradient {
             None => Some(Termination::Reached),
             Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
             Some(_) if self.stationarity <= stopping.gradient_tolerance => {
                 Some(Termination::Stationary)
             }
-            Some(_) if memory.flat_steps >= FLAT_STEPS => Some(self.out_of_steps()),
+            Some(_) if state.flat_steps >= FLAT_STEPS => Some(self.out_of_steps()),
             Some(_) => None,
         }
     }
 
     /// Tries one step; returns a termination where no further one makes sense.
-    pub(crate) fn step(
+    pub(crate) fn step<M: Method>(
         &mut self,
         problem: &mut dyn LeastSquares,
-        method: &dyn Method,
-        memory: &mut Memory,
+        method: &M,
+        own: &mut M::State,
+        state: &mut SolverState,
         stopping: &Stopping,
     ) -> Option<Termination> {
-        self.last_step = method.step(problem, memory);
+        let mut iterate = Iterate {
+            problem: &mut *problem,
+            at: &mut *state,
+        };
+        self.last_step = method.step(own, &mut iterate);
         self.iterations += 1;
-        let negligible = memory.step_is_negligible(stopping.step_tolerance);
+        let negligible = state.step_is_negligible(stopping.step_tolerance);
         let reached = self.last_step == Step::Taken
             && problem.stops_when_reached()
-            && problem.is_reached(&memory.residual);
+            && problem.is_reached(&state.residual);
         let ends = self.last_step == Step::Stuck || (negligible && !reached);
         ends.then(|| self.out_of_steps())
     }
@@ -123,9 +129,9 @@ impl Search {
     }
 
     /// ‖Δ‖∞ of the last step, 0 for a refused one and before the first.
-    pub(crate) fn step_norm(&self, memory: &Memory) -> f64 {
+    pub(crate) fn step_norm(&self, state: &SolverState) -> f64 {
         match self.last_step {
-            Step::Taken if self.iterations > 0 => memory.step_norm(),
+            Step::Taken if self.iterations > 0 => state.step_norm(),
             _ => 0.0,
         }
     }

@@ -1,0 +1,110 @@
+//! What a method may ask and do where a search stands.
+
+use std::fmt;
+use std::ops::Deref;
+
+use super::active_set::project;
+use super::linear::add_scaled;
+use super::state::half_squared;
+use super::{LeastSquares, SolverState};
+
+/// A step that changes the cost by no more than this share of it has hardly changed it.
+const FLAT: f64 = 1e-13;
+
+/// The place where a search stands, as a method sees it: reads like its [`SolverState`], knows the
+/// bounds, and tries steps.
+///
+/// A method writes its step Δ, projects it into the bounds, evaluates the trial x + Δ there, and accepts
+/// it or not.
+pub struct Iterate<'a> {
+    pub(super) problem: &'a mut dyn LeastSquares,
+    pub(super) at: &'a mut SolverState,
+}
+
+impl fmt::Debug for Iterate<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Iterate").field(&self.at).finish()
+    }
+}
+
+impl Deref for Iterate<'_> {
+    type Target = SolverState;
+
+    fn deref(&self) -> &SolverState {
+        self.at
+    }
+}
+
+impl Iterate<'_> {
+    /// Lower bounds of x.
+    #[must_use]
+    pub fn lower(&self) -> &[f64] {
+        self.problem.lower()
+    }
+
+    /// Upper bounds of x.
+    #[must_use]
+    pub fn upper(&self) -> &[f64] {
+        self.problem.upper()
+    }
+
+    /// The step Δ, to write; it still holds the last one.
+    pub fn step_mut(&mut self) -> &mut [f64] {
+        &mut self.at.step
+    }
+
+    /// Projects the trial x + Δ into the bounds, and makes Δ what is left of the way there.
+    pub fn project_step(&mut self) {
+        let SolverState { x, step, trial, .. } = &mut *self.at;
+        for ((trial, &x), &step) in trial.iter_mut().zip(&*x).zip(&*step) {
+            *trial = x + step;
+        }
+        project(trial, self.problem.lower(), self.problem.upper());
+        for ((step, &trial), &x) in step.iter_mut().zip(&*trial).zip(&*x) {
+            *step = trial - x;
+        }
+    }
+
+    /// ½‖r + J Δ‖²: what the linear model promises of the step. Overwrites the trial's residual.
+    pub fn model_cost(&mut self) -> f64 {
+        let SolverState {
+            residual,
+            jacobian,
+            step,
+            trial_residual: predicted,
+            ..
+        } = &mut *self.at;
+        predicted.copy_from_slice(residual);
+        let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
+        for (&step, column) in step.iter().zip(columns) {
+            if step != 0.0 {
+                add_scaled(predicted, step, column);
+            }
+        }
+        half_squared(predicted)
+    }
+
+    /// Evaluates the projected trial and returns its cost.
+    pub fn evaluate_trial(&mut self) -> f64 {
+        let at = &mut *self.at;
+        self.problem.residual(&at.trial, &mut at.trial_residual);
+        at.counts.residuals += 1;
+        at.trial_cost = half_squared(&at.trial_residual);
+        at.trial_cost
+    }
+
+    /// Makes the evaluated trial the place where the search stands. Derivatives are taken anew before the
+    /// next step.
+    pub fn accept(&mut self) {
+        let at = &mut *self.at;
+        std::mem::swap(&mut at.x, &mut at.trial);
+        std::mem::swap(&mut at.residual, &mut at.trial_residual);
+        let flat = (at.cost - at.trial_cost).abs() <= FLAT * at.cost;
+        at.flat_steps = if flat { at.flat_steps + 1 } else { 0 };
+        at.cost = at.trial_cost;
+        if at.cost < at.best_cost {
+            at.best_cost = at.cost;
+            at.best_x.copy_from_slice(&at.x);
+        }
+    }
+}
