@@ -133,15 +133,14 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let consequence = "the frames are those of the numbers as given";
     loaded.note_outside_limits(&q, consequence);
     loaded.note_loose_followers(&q, consequence);
-    if json {
-        return output::json(&Document {
-            q: &q,
-            joints: loaded.documented_joints(),
-            frames: &frames,
-            notes: loaded.notes(),
-        });
-    }
-    output::result(&frames.text(LengthFormat::of_size(loaded.size())))
+    let document = || Document {
+        q: &q,
+        joints: loaded.documented_joints(),
+        frames: &frames,
+        notes: loaded.notes(),
+    };
+    let text = || frames.text(LengthFormat::of_size(loaded.size()));
+    output::result(json, document, text)
 }
 
 fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
@@ -165,12 +164,12 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
         None => animated.armature.rest().clone(),
     };
     let frames = animated.frame_report(&arguments.frames, arguments.base.as_deref(), &pose)?;
-    if json {
-        let time = arguments.time;
-        let frames = &frames;
-        return output::json(&AnimatedDocument { time, frames });
-    }
-    output::result(&frames.text(LengthFormat::of_size(animated.size()?)))
+    let document = || AnimatedDocument {
+        time: arguments.time,
+        frames: &frames,
+    };
+    let lengths = LengthFormat::of_size(animated.size()?);
+    output::result(json, document, || frames.text(lengths))
 }
 
 fn playback(arguments: &Arguments) -> Playback {

@@ -63,7 +63,6 @@ pub(crate) fn bone(rig: &Rig, name: &str) -> Option<BoneId> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use kinopt::Skeleton;
-    use kinopt::animation::EulerClip;
     use kinopt::model::Limits;
     use kinopt::skeleton::Bone;
     use kinopt::spatial::Placement;
@@ -81,23 +80,7 @@ mod tests {
         // The last one is named after another's number.
         let bones = ["hip", "arm/left", "bone/0"].map(bone).to_vec();
         let skeleton = Skeleton::new("named", bones).unwrap();
-        LoadedModel {
-            file: "named.json".to_owned(),
-            model: skeleton.model().clone(),
-            rig: Some(Box::new(Rig {
-                skeleton,
-                mesh: None,
-                weights: None,
-                clip: EulerClip::default(),
-                constrained: Vec::new(),
-                notes: Vec::new(),
-            })),
-            scene: None,
-            capture: None,
-            robot: None,
-            held: None,
-            tool: None,
-        }
+        LoadedModel::of_skeleton("named.json".to_owned(), skeleton)
     }
 
     #[test]

@@ -4,7 +4,7 @@ use kinopt::spatial::{Placement, Quaternion};
 use serde::{Serialize, Serializer};
 
 use crate::number_format::{LengthFormat, six_digits};
-use crate::table::{Align, Table};
+use crate::table::Table;
 
 /// One frame's placement in the world, or in another frame.
 #[derive(Debug, Serialize)]
@@ -72,32 +72,18 @@ impl FrameReport {
     /// An aligned table.
     pub(crate) fn text(&self, format: LengthFormat) -> String {
         let rigs = self.0.iter().any(|(_, placement)| placement.tip.is_some());
-        let [x, y, z] = [
-            ("x", Align::Right),
-            ("y", Align::Right),
-            ("z", Align::Right),
-        ];
-        let rest = ["qw", "qx", "qy", "qz"].map(|name| (name, Align::Right));
-        let tip = ["tip x", "tip y", "tip z"].map(|name| (name, Align::Right));
-        let [qw, qx, qy, qz] = rest;
-        let [tip_x, tip_y, tip_z] = tip;
-        let frame = ("frame", Align::Left);
-        let mut table = if rigs {
-            Table::new([frame, x, y, z, qw, qx, qy, qz, tip_x, tip_y, tip_z])
-        } else {
-            Table::new([frame, x, y, z, qw, qx, qy, qz])
+        let tip = match rigs {
+            true => "| >tip x | >tip y | >tip z",
+            false => "",
         };
+        let columns = format!("frame | >x | >y | >z | >qw | >qx | >qy | >qz {tip}");
+        let mut table = Table::new(&columns);
         for (name, placement) in &self.0 {
-            let [x, y, z] = format.vector(placement.position);
-            let [qw, qx, qy, qz] = placement.quaternion.map(six_digits);
-            let name = name.clone();
-            match placement.tip {
-                Some(tip) => {
-                    let [tip_x, tip_y, tip_z] = format.vector(tip);
-                    table.row([name, x, y, z, qw, qx, qy, qz, tip_x, tip_y, tip_z]);
-                }
-                None => table.row([name, x, y, z, qw, qx, qy, qz]),
-            }
+            let mut row = vec![name.clone()];
+            row.extend(format.vector(placement.position));
+            row.extend(placement.quaternion.map(six_digits));
+            row.extend(placement.tip.into_iter().flat_map(|tip| format.vector(tip)));
+            table.row(row);
         }
         table.text()
     }

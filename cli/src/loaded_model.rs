@@ -8,7 +8,7 @@ use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointId, JointKind, Limits, ParameterMap, Source};
 use kinopt::robot::Robot;
-use kinopt::skeleton::BoneId;
+use kinopt::skeleton::{BoneId, Skeleton};
 
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
@@ -98,16 +98,7 @@ impl LoadedModel {
                 for note in &rig.notes {
                     output::message(&format!("{file}: {note}"));
                 }
-                Ok(Self {
-                    file,
-                    model: rig.skeleton.model().clone(),
-                    rig: Some(Box::new(rig)),
-                    scene: None,
-                    capture: None,
-                    robot: None,
-                    held: None,
-                    tool: None,
-                })
+                Ok(Self::of_rig(file, rig))
             }
             "urdf" => Ok(Self::of_robot(file, options.read(path)?)),
             "" => Err(Failure::new(format!(
@@ -153,32 +144,51 @@ impl LoadedModel {
             notes,
         });
         Ok(Self {
-            file,
-            model: skeleton.model().clone(),
-            rig: Some(Box::new(Rig {
-                skeleton,
-                mesh: None,
-                weights: None,
-                clip: EulerClip::default(),
-                constrained: Vec::new(),
-                notes: Vec::new(),
-            })),
             scene,
             capture: capture.map(Box::new),
-            robot: None,
-            held: None,
-            tool: None,
+            ..Self::of_skeleton(file, skeleton)
         })
     }
 
+    /// Bones without a mesh, keyframes or pins.
+    pub(crate) fn of_skeleton(file: String, skeleton: Skeleton) -> Self {
+        let rig = Rig {
+            skeleton,
+            mesh: None,
+            weights: None,
+            clip: EulerClip::default(),
+            constrained: Vec::new(),
+            notes: Vec::new(),
+        };
+        Self::of_rig(file, rig)
+    }
+
+    fn of_rig(file: String, rig: Rig) -> Self {
+        let model = rig.skeleton.model().clone();
+        let rig = Some(Box::new(rig));
+        Self {
+            rig,
+            ..Self::of_model(file, model)
+        }
+    }
+
     fn of_robot(file: String, robot: Robot) -> Self {
+        let model = robot.model().clone();
+        let robot = Some(Box::new(robot));
+        Self {
+            robot,
+            ..Self::of_model(file, model)
+        }
+    }
+
+    fn of_model(file: String, model: Model) -> Self {
         Self {
             file,
-            model: robot.model().clone(),
+            model,
             rig: None,
             scene: None,
             capture: None,
-            robot: Some(Box::new(robot)),
+            robot: None,
             held: None,
             tool: None,
         }

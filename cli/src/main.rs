@@ -85,8 +85,7 @@ struct Command {
     ///
     /// Default: text for people. For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z]. What is in degrees is
     /// called so.
-    #[arg(long, global = true,
-          help_heading = help_headings::OUTPUT)]
+    #[arg(long, global = true, help_heading = help_headings::OUTPUT)]
     json: bool,
 }
 

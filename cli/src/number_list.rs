@@ -32,14 +32,16 @@ impl Numbers {
 
 /// As [`parse`], with exactly N numbers between N − 1 commas.
 pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f64; N], String> {
-    let numbers = text
-        .split(',')
-        .map(|word| number(word.trim()))
-        .collect::<Result<Vec<_>, _>>()?;
+    let numbers = between_commas(text)?;
     let given = numbers.len();
     numbers
         .try_into()
         .map_err(|_| format!("{what} takes {N} numbers separated by commas, not {given}"))
+}
+
+/// Numbers between commas, none left out.
+pub(crate) fn between_commas(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',').map(|word| number(word.trim())).collect()
 }
 
 /// One finite number, at most [`LARGEST`].

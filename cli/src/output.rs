@@ -6,15 +6,16 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
 
-/// Prints a result as one JSON document on one line.
-pub(crate) fn json(document: &impl Serialize) -> Outcome<()> {
-    let mut text = serde_json::to_string(document)?;
-    text.push('\n');
-    result(&text)
-}
-
-/// Prints a result for people.
-pub(crate) fn result(text: &str) -> Outcome<()> {
+/// Prints a result: where `json` as one document on one line, else as text for people.
+pub(crate) fn result<D: Serialize>(
+    json: bool,
+    document: impl FnOnce() -> D,
+    text: impl FnOnce() -> String,
+) -> Outcome<()> {
+    let text = match json {
+        true => serde_json::to_string(&document())? + "\n",
+        false => text(),
+    };
     let mut out = std::io::stdout().lock();
     let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
     written.map_err(|error| match error.kind() {

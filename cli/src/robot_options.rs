@@ -6,7 +6,7 @@ use clap::Args;
 use kinopt::robot::Robot;
 
 use crate::failure::{Failure, Outcome};
-use crate::help_headings;
+use crate::help_headings::MODEL;
 use crate::output;
 
 /// Options of every subcommand that takes a robot.
@@ -17,14 +17,12 @@ pub(crate) struct RobotOptions {
     /// Limits out of order are exchanged, a joint without <limit> is held at 0, of an element given
     /// twice the first counts, and so on. Each repair is told on standard error; `kinopt info --json`
     /// lists them under "repairs".
-    #[arg(long,
-          help_heading = help_headings::MODEL, hide_short_help = true)]
+    #[arg(long, help_heading = MODEL, hide_short_help = true)]
     lenient: bool,
 
     /// Keep a robot's joints also within the soft limits of its file (<safety_controller>). Default:
     /// only within <limit>.
-    #[arg(long,
-          help_heading = help_headings::MODEL, hide_short_help = true)]
+    #[arg(long, help_heading = MODEL, hide_short_help = true)]
     soft_limits: bool,
 }
 

@@ -1,28 +1,35 @@
 //! Text in aligned columns.
 
-/// On which side a column's text is filled up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Align {
-    Left,
-    Right,
+/// Lines of a name and what there is to say of it.
+pub(crate) fn lines<'n>(lines: impl IntoIterator<Item = (&'n str, String)>) -> String {
+    let lines = lines.into_iter();
+    lines
+        .map(|(name, line)| format!("{name:<10}{line}\n"))
+        .collect()
 }
 
 /// Rows under a header; every column as wide as its widest cell.
 #[derive(Debug)]
 pub(crate) struct Table {
-    alignments: Vec<Align>,
+    /// Which columns are filled up on the left.
+    right: Vec<bool>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub(crate) fn new<const N: usize>(columns: [(&str, Align); N]) -> Self {
-        Self {
-            alignments: columns.iter().map(|(_, align)| *align).collect(),
-            rows: vec![columns.iter().map(|(name, _)| (*name).to_owned()).collect()],
-        }
+    /// The columns' names between bars; `>` before a name fills the column up on the left.
+    pub(crate) fn new(columns: &str) -> Self {
+        let columns = columns.split('|').map(str::trim);
+        let aligned = columns.map(|name| match name.strip_prefix('>') {
+            Some(name) => (true, name.to_owned()),
+            None => (false, name.to_owned()),
+        });
+        let (right, names) = aligned.unzip();
+        let rows = vec![names];
+        Self { right, rows }
     }
 
-    pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
+    pub(crate) fn row(&mut self, cells: impl Into<Vec<String>>) {
         self.rows.push(cells.into());
     }
 
@@ -35,15 +42,14 @@ impl Table {
             let cells = self.rows.iter().filter_map(|row| row.get(column));
             cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
         };
-        let widths: Vec<usize> = (0..self.alignments.len()).map(width).collect();
+        let widths: Vec<usize> = (0..self.right.len()).map(width).collect();
         let mut text = String::new();
         for row in &self.rows {
             let mut line = String::new();
-            for ((cell, &width), align) in row.iter().zip(&widths).zip(&self.alignments) {
-                line.push_str("  ");
-                line.push_str(&match align {
-                    Align::Left => format!("{cell:<width$}"),
-                    Align::Right => format!("{cell:>width$}"),
+            for ((cell, &width), right) in row.iter().zip(&widths).zip(&self.right) {
+                line.push_str(&match right {
+                    false => format!("  {cell:<width$}"),
+                    true => format!("  {cell:>width$}"),
                 });
             }
             text.push_str(line.trim_end());
@@ -59,7 +65,7 @@ mod tests {
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {
-        let mut table = Table::new([("name", Align::Left), ("value", Align::Right)]);
+        let mut table = Table::new("name | >value");
         assert_eq!(table.text(), "");
         table.row(["a".into(), "-10.25".into()]);
         table.row(["längere".into(), "1".into()]);

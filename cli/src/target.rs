@@ -2,7 +2,7 @@
 
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 
-use crate::number_list::{number, parse_exactly};
+use crate::number_list::{between_commas, number, parse_exactly};
 
 /// How far a typed quaternion's length may be from 1; it is normalised.
 const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
@@ -11,9 +11,10 @@ const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Target {
     pub(crate) frame: String,
-    pub(crate) position: [f64; 3],
-    /// Unit quaternion, w first.
-    pub(crate) quaternion: Option<[f64; 4]>,
+    /// Where the frame should stand; unturned where only its position is given.
+    pub(crate) placement: Placement<f64>,
+    /// Whether its orientation is given.
+    pub(crate) turns: bool,
 }
 
 /// `FRAME=ex,ey,ez:mx,my,mz`.
@@ -27,56 +28,35 @@ pub(crate) struct RayTarget {
 impl Target {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let (frame, numbers) = split(text, "FRAME=x,y,z or FRAME=x,y,z,qw,qx,qy,qz")?;
-        let count = numbers.split(',').count();
-        if count != 3 && count != 7 {
-            return Err(format!(
-                "a target takes 3 numbers (x,y,z) or 7 (x,y,z,qw,qx,qy,qz), not {count}"
-            ));
-        }
-        if count == 3 {
-            return Ok(Self {
-                frame,
-                position: parse_exactly(numbers, "a position")?,
-                quaternion: None,
-            });
-        }
-        let [x, y, z, qw, qx, qy, qz] = parse_exactly(numbers, "a pose")?;
+        let (placement, turns) = placement(&between_commas(numbers)?)?;
         Ok(Self {
             frame,
-            position: [x, y, z],
-            quaternion: Some(normalised([qw, qx, qy, qz])?),
+            placement,
+            turns,
         })
-    }
-
-    /// Where the frame should stand; unturned where only its position is given.
-    pub(crate) fn placement(&self) -> Placement<f64> {
-        placement(self.position, self.quaternion)
     }
 }
 
 /// `x,y,z` or `x,y,z,qw,qx,qy,qz`.
 pub(crate) fn parse_placement(text: &str) -> Result<Placement<f64>, String> {
-    match text.split(',').count() {
-        3 => Ok(placement(parse_exactly(text, "a position")?, None)),
-        7 => {
-            let [x, y, z, qw, qx, qy, qz] = parse_exactly(text, "a placement")?;
-            let quaternion = normalised([qw, qx, qy, qz])?;
-            Ok(placement([x, y, z], Some(quaternion)))
-        }
-        count => Err(format!(
-            "a placement takes 3 numbers (x,y,z) or 7 (x,y,z,qw,qx,qy,qz), not {count}"
-        )),
-    }
+    Ok(placement(&between_commas(text)?)?.0)
 }
 
-/// A placement of a position and, where there is one, a unit quaternion, w first.
-pub(crate) fn placement(position: [f64; 3], quaternion: Option<[f64; 4]>) -> Placement<f64> {
-    let [w, x, y, z] = quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]);
-    let turn = Quaternion {
-        w,
-        v: Vector3::new(x, y, z),
-    };
-    Placement::new(turn.to_matrix(), Vector3::from(position))
+/// The placement of a position and, where there is one, a quaternion, w first; and whether there is.
+pub(crate) fn placement(numbers: &[f64]) -> Result<(Placement<f64>, bool), String> {
+    match *numbers {
+        [x, y, z] => Ok((Placement::translation(Vector3::new(x, y, z)), false)),
+        [x, y, z, qw, qx, qy, qz] => {
+            let [w, i, j, k] = normalised([qw, qx, qy, qz])?;
+            let v = Vector3::new(i, j, k);
+            let rotation = Quaternion { w, v }.to_matrix();
+            Ok((Placement::new(rotation, Vector3::new(x, y, z)), true))
+        }
+        _ => Err(format!(
+            "a placement takes 3 numbers (x,y,z) or 7 (x,y,z,qw,qx,qy,qz), not {}",
+            numbers.len()
+        )),
+    }
 }
 
 impl RayTarget {
@@ -112,7 +92,7 @@ fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
 }
 
 /// A quaternion, w first, of length 1; one that is far from that is an error.
-pub(crate) fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
+fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
     if (length - 1.0).abs() <= QUATERNION_LENGTH_WITHIN {
         return Ok(quaternion.map(|c| c / length));
@@ -157,13 +137,13 @@ mod tests {
     fn points_and_poses() {
         let target = Target::parse("left=hand=1,-2.5,3e-1").unwrap();
         assert_eq!(target.frame, "left=hand");
-        assert_eq!(target.position, [1.0, -2.5, 0.3]);
-        assert_eq!(target.quaternion, None);
+        let at = Placement::translation(Vector3::new(1.0, -2.5, 0.3));
+        assert_eq!((target.placement, target.turns), (at, false));
         let pose = Target::parse("a=0,0,0,0.7071,0,0.7071,0").unwrap();
         let half = 0.5_f64.sqrt();
-        let [w, x, y, z] = pose.quaternion.unwrap();
-        assert!((w - half).abs() < 1e-12 && (y - half).abs() < 1e-12);
-        assert_eq!([x, z], [0.0, 0.0]);
+        let Quaternion { w, v } = Quaternion::from_matrix(&pose.placement.rotation);
+        assert!((w - half).abs() < 1e-12 && (v.y - half).abs() < 1e-12);
+        assert!(v.x.abs() < 1e-12 && v.z.abs() < 1e-12 && pose.turns);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use crate::failure::{Failure, Outcome};
 use crate::json_file;
 use crate::number_list::LARGEST;
-use crate::target::{normalised, placement};
+use crate::target::placement;
 
 /// What a file of targets says.
 #[derive(Debug)]
@@ -49,7 +49,8 @@ impl TargetsFile {
             ));
         }
         let targets = rows.iter().enumerate().map(|(index, row)| {
-            target(row).map_err(|problem| format!("targets[{index}]: {problem}"))
+            let target = placement(row).map_err(|problem| format!("targets[{index}]: {problem}"));
+            target.map(|(target, _)| target)
         });
         let targets = targets.collect::<Result<Vec<_>, _>>()?;
         let joint_names = optional(document, "joint_names", names)?;
@@ -92,17 +93,6 @@ fn optional<T>(
     match document.get(key) {
         None | Some(Value::Null) => Ok(None),
         Some(value) => read(value, key).map(Some),
-    }
-}
-
-fn target(row: &[f64]) -> Result<Placement<f64>, String> {
-    match *row {
-        [x, y, z] => Ok(placement([x, y, z], None)),
-        [x, y, z, qw, qx, qy, qz] => {
-            let quaternion = normalised([qw, qx, qy, qz])?;
-            Ok(placement([x, y, z], Some(quaternion)))
-        }
-        _ => Err("takes 3 numbers or 7".to_owned()),
     }
 }
 

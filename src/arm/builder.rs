@@ -72,7 +72,7 @@ impl<'a, F: Into<FrameRef<'a>>> From<F> for Base<'a> {
 /// wrong. Frames and joints are given by id or by name.
 ///
 /// Options that have one number a joint take them base to tip, for the free joints only, in the
-/// order of [`Arm::joints`].
+/// order of [`joints`](Self::joints). Options without a value by default also take an `Option`.
 #[derive(Clone, Debug)]
 pub struct ArmBuilder<'m> {
     model: &'m Model,
@@ -217,8 +217,8 @@ impl ArmBuilder<'_> {
     /// target is out of reach; positive. Default: a quarter of the arm's length, so that answers do
     /// not depend on the unit of length.
     #[must_use]
-    pub fn with_metres_per_radian(mut self, metres: f64) -> Self {
-        self.metres_per_radian = Some(metres);
+    pub fn with_metres_per_radian(mut self, metres: impl Into<Option<f64>>) -> Self {
+        self.metres_per_radian = metres.into();
         self
     }
 
@@ -269,16 +269,16 @@ impl ArmBuilder<'_> {
     /// [`with_iterations`](Self::with_iterations) or a time limit ends them first. Default: 200, and no
     /// attempt begins after 2 600 iterations.
     #[must_use]
-    pub fn with_attempts(mut self, attempts: u32) -> Self {
-        self.attempts = Some(attempts);
+    pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) -> Self {
+        self.attempts = attempts.into();
         self
     }
 
     /// No attempt begins after so many iterations of all attempts of a query together, at least 1.
     /// Default: none where [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
     #[must_use]
-    pub fn with_iterations(mut self, iterations: u32) -> Self {
-        self.iterations = Some(iterations);
+    pub fn with_iterations(mut self, iterations: impl Into<Option<u32>>) -> Self {
+        self.iterations = iterations.into();
         self
     }
 
@@ -306,8 +306,8 @@ impl ArmBuilder<'_> {
     /// A wall-clock limit for each query, looked at between lock-step iterations. Answers then
     /// depend on the machine. Default: none.
     #[must_use]
-    pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = Some(limit);
+    pub fn with_time_limit(mut self, limit: impl Into<Option<Duration>>) -> Self {
+        self.time_limit = limit.into();
         self
     }
 

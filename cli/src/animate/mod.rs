@@ -186,19 +186,17 @@ fn write_frames(
         countdown.one_more();
     }
     countdown.finish();
-    if json {
-        let frames = files.iter().map(|(time, file)| FrameDocument {
-            time: *time,
-            file: file.path().to_string_lossy(),
-        });
-        return output::json(&Document {
-            frames: frames.collect(),
-            vertices,
-            skinning: arguments.skinning.name(),
-            notes,
-        });
-    }
-    output::result(&text(&files, vertices))
+    let frames = files.iter().map(|(time, file)| FrameDocument {
+        time: *time,
+        file: file.path().to_string_lossy(),
+    });
+    let document = || Document {
+        frames: frames.collect(),
+        vertices,
+        skinning: arguments.skinning.name(),
+        notes,
+    };
+    output::result(json, document, || text(&files, vertices))
 }
 
 /// The times in seconds and where their meshes go. Makes the folder of frames.

@@ -14,7 +14,7 @@ use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::table::{Align, Table};
+use crate::table::Table;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let interrupt = Interrupt::listen()?;
@@ -59,11 +59,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             "interrupted: {done} of {all} problems are done and written"
         ));
     }
-    if json {
-        output::json(&document(&results, arguments))
-    } else {
-        output::result(&text(&results, arguments))
-    }
+    let text = || text(&results, arguments);
+    output::result(json, || document(&results, arguments), text)
 }
 
 fn compare(bench: &mut Bench<'_>, interrupt: &Interrupt) -> Outcome<Results> {
@@ -104,12 +101,7 @@ fn document(results: &Results, arguments: &Arguments) -> serde_json::Value {
 }
 
 fn text(results: &Results, arguments: &Arguments) -> String {
-    let mut table = Table::new([
-        ("solver", Align::Left),
-        ("derivatives", Align::Left),
-        ("solved", Align::Right),
-        ("median µs", Align::Right),
-    ]);
+    let mut table = Table::new("solver | derivatives | >solved | >median µs");
     let mut notes = String::new();
     for run in &results.runs {
         if let Some(why) = &run.sat_out {

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::animated_armature::{AnimatedArmature, CapturedFrames};
 use crate::failure::Outcome;
 use crate::number_format::LengthFormat;
-use crate::table::{Align, Table};
+use crate::table::{self, Table};
 
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
@@ -184,10 +184,7 @@ pub(super) fn text(document: &Document) -> String {
     for note in document.notes {
         lines.push(("note", note.clone()));
     }
-    let mut text = String::new();
-    for (name, line) in lines {
-        text.push_str(&format!("{name:<10}{line}\n"));
-    }
+    let mut text = table::lines(lines);
     text.push_str("\nbones\n");
     text.push_str(&bone_table(document, lengths));
     text
@@ -213,15 +210,7 @@ fn mesh_line(mesh: &MeshDocument) -> String {
 }
 
 fn bone_table(document: &Document, lengths: LengthFormat) -> String {
-    let (left, right) = (Align::Left, Align::Right);
-    let mut table = Table::new([
-        ("name", left),
-        ("parent", left),
-        ("rest x", right),
-        ("y", right),
-        ("z", right),
-        ("", left),
-    ]);
+    let mut table = Table::new("name | parent | >rest x | >y | >z | ");
     for bone in &document.bones {
         let [x, y, z] = lengths.vector(bone.rest_position);
         let channels = bone.channels.as_ref();

@@ -41,23 +41,14 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    if AnimatedArmature::is_at(&arguments.model) {
-        arguments
-            .robot
-            .refuse(&arguments.model.display().to_string())?;
-        let animated = AnimatedArmature::read(&arguments.model)?;
+    let Arguments { model, robot } = arguments;
+    if AnimatedArmature::is_at(model) {
+        robot.refuse(&model.display().to_string())?;
+        let animated = AnimatedArmature::read(model)?;
         let document = animation::document(&animated)?;
-        return if json {
-            output::json(&document)
-        } else {
-            output::result(&animation::text(&document))
-        };
+        return output::result(json, || &document, || animation::text(&document));
     }
-    let loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
+    let loaded = LoadedModel::read(model, robot)?;
     let document = document::document(&loaded);
-    if json {
-        output::json(&document)
-    } else {
-        output::result(&text::text(&loaded, &document))
-    }
+    output::result(json, || &document, || text::text(&loaded, &document))
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{six_digits, three_digits};
-use crate::table::{Align, Table};
+use crate::table::Table;
 
 #[derive(Serialize)]
 pub(super) struct RobotDocument<'a> {
@@ -144,33 +144,10 @@ fn link_on(robot: &Robot, joint: Option<JointId>) -> Option<&str> {
 
 /// Every link indented below the one it hangs on, and the joint between the two.
 pub(super) fn tree(robot: &Robot) -> String {
-    let (left, right) = (Align::Left, Align::Right);
-    let mut table = Table::new([
-        ("link", left),
-        ("joint", left),
-        ("kind", left),
-        ("axis", left),
-        ("lower", right),
-        ("upper", right),
-        ("speed", right),
-        ("effort", right),
-        ("q", right),
-        ("", left),
-    ]);
+    let mut table =
+        Table::new("link | joint | kind | axis | >lower | >upper | >speed | >effort | >q | ");
     let root = link_on(robot, None).unwrap_or("").to_owned();
-    let blank = String::new;
-    table.row([
-        root,
-        blank(),
-        blank(),
-        blank(),
-        blank(),
-        blank(),
-        blank(),
-        blank(),
-        blank(),
-        blank(),
-    ]);
+    table.row([root]);
     // Depth first by a stack, as a file may hang a thousand links in a row.
     let mut stack: Vec<(JointId, usize)> = Vec::new();
     let push_children = |stack: &mut Vec<(JointId, usize)>, parent: Option<JointId>, depth| {

@@ -4,7 +4,7 @@ use super::document::{Document, KeyframesDocument, RigDocument};
 use super::robot::{self, LinkDocument};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits, three_digits};
-use crate::table::{Align, Table};
+use crate::table::{self, Table};
 
 /// The document as text with aligned tables.
 pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
@@ -45,10 +45,7 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
         let mass = robot.mass.map(|mass| format!("{} kg", three_digits(mass)));
         lines.push(("mass", mass.unwrap_or_else(|| "none".to_owned())));
     }
-    let mut text = String::new();
-    for (name, line) in lines {
-        text.push_str(&format!("{name:<10}{line}\n"));
-    }
+    let mut text = table::lines(lines);
     if let Some(robot) = &loaded.robot {
         text.push_str("\ntree\n");
         text.push_str(&robot::tree(robot));
@@ -109,23 +106,11 @@ fn rig_lines(rig: &RigDocument) -> Vec<(&'static str, String)> {
 }
 
 fn joint_table(document: &Document) -> String {
-    let (left, right) = (Align::Left, Align::Right);
     let slides = document.joints.iter().any(|j| j.kind == "prismatic");
-    let (lower, upper) = if slides {
-        ("lower (rad or m)", "upper (rad or m)")
-    } else {
-        ("lower (rad)", "upper (rad)")
-    };
-    let mut table = Table::new([
-        ("q", right),
-        ("name", left),
-        ("kind", left),
-        ("lower (deg)", right),
-        ("upper (deg)", right),
-        (lower, right),
-        (upper, right),
-        ("", left),
-    ]);
+    let unit = if slides { "rad or m" } else { "rad" };
+    let mut table = Table::new(&format!(
+        ">q | name | kind | >lower (deg) | >upper (deg) | >lower ({unit}) | >upper ({unit}) | "
+    ));
     let shown = |limit: Option<f64>, format: fn(f64) -> String| {
         limit.map_or_else(|| "-".to_owned(), format)
     };
@@ -147,18 +132,8 @@ fn joint_table(document: &Document) -> String {
 }
 
 fn bone_table(rig: &RigDocument, lengths: LengthFormat) -> String {
-    let (left, right) = (Align::Left, Align::Right);
-    let mut table = Table::new([
-        ("name", left),
-        ("parent", left),
-        ("length", right),
-        ("rest tail x", right),
-        ("y", right),
-        ("z", right),
-        ("rest tip x", right),
-        ("y", right),
-        ("z", right),
-    ]);
+    let mut table =
+        Table::new("name | parent | >length | >rest tail x | >y | >z | >rest tip x | >y | >z");
     for bone in &rig.bones {
         let [tail_x, tail_y, tail_z] = lengths.vector(bone.rest_tail);
         let [tip_x, tip_y, tip_z] = lengths.vector(bone.rest_tip);

@@ -11,7 +11,7 @@ use crate::failure::{Failure, Outcome};
 use crate::number_format::three_digits;
 use crate::number_list::Numbers;
 use crate::output;
-use crate::table::{Align, Table};
+use crate::table::Table;
 
 #[cfg(feature = "charts")]
 mod picture;
@@ -55,12 +55,12 @@ fn picture_file(text: &str) -> Result<PathBuf, String> {
 }
 
 #[derive(Serialize)]
-struct Document {
+struct Document<'a> {
     radius: f64,
     length: f64,
     blended_share: f64,
     vertices: usize,
-    twists: Vec<Row>,
+    twists: &'a [Row],
 }
 
 #[derive(Serialize)]
@@ -102,18 +102,14 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         })
     });
     let rows = rows.collect::<Outcome<Vec<Row>>>()?;
-    let text = table(&rows);
-    if json {
-        output::json(&Document {
-            radius: subject.tube.radius,
-            length: subject.tube.length,
-            blended_share: subject.tube.blended_share,
-            vertices: subject.rest.positions().len(),
-            twists: rows,
-        })?;
-    } else {
-        output::result(&text)?;
-    }
+    let document = || Document {
+        radius: subject.tube.radius,
+        length: subject.tube.length,
+        blended_share: subject.tube.blended_share,
+        vertices: subject.rest.positions().len(),
+        twists: &rows,
+    };
+    output::result(json, document, || table(&rows))?;
     #[cfg(feature = "charts")]
     if let Some(path) = &arguments.out {
         let furthest = twists
@@ -126,13 +122,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 }
 
 fn table(rows: &[Row]) -> String {
-    let mut table = Table::new([
-        ("twist, °", Align::Right),
-        ("volume lbs, %", Align::Right),
-        ("dqs, %", Align::Right),
-        ("waist lbs, %", Align::Right),
-        ("dqs, %", Align::Right),
-    ]);
+    let mut table = Table::new(">twist, ° | >volume lbs, % | >dqs, % | >waist lbs, % | >dqs, %");
     let percent = |share: f64| three_digits(100.0 * share);
     for row in rows {
         table.row([

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use kinopt::arm::{Axis, Search};
 
 use super::interval::Interval;
-use crate::help_headings;
+use crate::help_headings::{FOLLOWING, PREFERENCES, SEARCH, TARGETS};
 use crate::number_list::{self, Numbers};
 
 /// How far apart distinct solutions are unless said otherwise, in radians (or metres) of joint
@@ -26,8 +26,7 @@ pub(crate) struct ArmArguments {
     /// moves; `distinct:K`: up to K, nearest first, that are more than 0.5 (radians and metres)
     /// apart, or more than D with `distinct:K,D`.
     #[arg(long, value_name = "start|first|nearest|distinct:K", value_parser = search,
-          conflicts_with_all = METHOD,
-          help_heading = help_headings::SEARCH)]
+          conflicts_with_all = METHOD, help_heading = SEARCH)]
     pub(super) search: Option<Search>,
 
     /// How far each joint may move from the start, in radians (--degrees) and metres: one number,
@@ -35,8 +34,8 @@ pub(crate) struct ArmArguments {
     ///
     /// One number a joint goes by all moving joints in the order of `kinopt info`, or by the free
     /// joints from base to tip.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, conflicts_with_all = GENERAL,
-          help_heading = help_headings::SEARCH, hide_short_help = true)]
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some,
+          conflicts_with_all = GENERAL, help_heading = SEARCH, hide_short_help = true)]
     pub(super) max_move: Option<Numbers>,
 
     /// A configuration to come close to where the target leaves room, in radians (--degrees) and
@@ -44,15 +43,14 @@ pub(crate) struct ArmArguments {
     ///
     /// Numbers as for --max-move. It goes with the searches start and first.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some,
-          conflicts_with_all = GENERAL,
-          help_heading = help_headings::PREFERENCES, hide_short_help = true)]
+          conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) posture: Option<Numbers>,
 
     /// An axis of the tip's frame about which it may turn freely (a drill, a suction cup). Robots
     /// only. Default: none.
     #[arg(long, value_name = "AXIS", value_enum,
           conflicts_with_all = ["position_only", "solver", "jacobian", "max_iterations", "rays"],
-          help_heading = help_headings::TARGETS, hide_short_help = true)]
+          help_heading = TARGETS, hide_short_help = true)]
     pub(super) free_axis: Option<FreeAxis>,
 
     /// Room on axes of the target's frame, separated by commas: in metres along x, y, z, in radians
@@ -63,21 +61,20 @@ pub(crate) struct ArmArguments {
     /// has the axes of --base.
     #[arg(long = "interval", value_name = "AXIS=WIDTH,…", value_delimiter = ',',
           allow_hyphen_values = true, value_parser = Interval::parse, conflicts_with_all = GENERAL,
-          help_heading = help_headings::TARGETS, hide_short_help = true)]
+          help_heading = TARGETS, hide_short_help = true)]
     pub(super) intervals: Vec<Interval>,
 
     /// What a radian or metre of each joint weighs where answers are compared (--search nearest and
     /// distinct, --posture): numbers above 0 as for --max-move. Robots only. Default: 1 for each.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, conflicts_with_all = GENERAL,
-          help_heading = help_headings::PREFERENCES, hide_short_help = true)]
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some,
+          conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) joint_weights: Option<Numbers>,
 
     /// Answer a miss by the best place anywhere.
     ///
     /// A robot's path whose branch ends goes on by a jump. Default: a miss stays near the start, a path on
     /// its branch.
-    #[arg(long, conflicts_with_all = METHOD,
-          help_heading = help_headings::SEARCH)]
+    #[arg(long, conflicts_with_all = METHOD, help_heading = SEARCH)]
     pub(super) global_search_on_miss: bool,
 
     /// Follow --targets as a servo does: one a tick, so many ticks a second.
@@ -87,23 +84,20 @@ pub(crate) struct ArmArguments {
     /// at last (JSON: every tick's q, velocity, errors and what held which joint). --fail-on-miss counts
     /// the last target.
     #[arg(long, value_name = "HZ", value_parser = number_list::positive,
-          conflicts_with_all = ["solver", "jacobian", "max_iterations", "rays", "targets", "track", "batch",
-                                "threads", "search", "max_move", "time_limit", "attempts", "restarts",
-                                "global_search_on_miss"],
-          help_heading = help_headings::FOLLOWING)]
+          conflicts_with_all = ["solver", "jacobian", "max_iterations", "rays", "targets", "track", "batch", "threads", "search", "max_move", "time_limit", "attempts", "restarts", "global_search_on_miss"],
+          help_heading = FOLLOWING)]
     pub(super) servo: Option<f64>,
 
     /// How fast each joint may move while --servo follows, in radians (--degrees) or metres a second:
     /// numbers as for --max-move. Default: as the robot's file says.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some,
-          help_heading = help_headings::FOLLOWING, hide_short_help = true)]
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = FOLLOWING,
+          hide_short_help = true)]
     pub(super) velocity_limits: Option<Numbers>,
 
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
     /// quarter of the arm's length.
     #[arg(long, value_name = "METRES", value_parser = number_list::positive,
-          conflicts_with_all = GENERAL,
-          help_heading = help_headings::PREFERENCES, hide_short_help = true)]
+          conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) metres_per_radian: Option<f64>,
 }
 

@@ -56,8 +56,20 @@ impl<'a> ArmBackend<'a> {
         let base = goals.base.as_deref().map(frame).transpose()?;
         let tip = frame(&target.name)?;
         let (goal, shift) = goal(arguments, target)?;
-        let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip);
-        let builder = with_options(held(builder, loaded), arguments).with_goal(goal);
+        let (options, tool) = (&arguments.arm, arguments.chain.tool);
+        let (length, angle) = arguments.tolerances(loaded);
+        let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
+            .with_tool(tool.unwrap_or_else(Placement::identity))
+            .with_goal(goal)
+            .with_search(options.search.unwrap_or_default())
+            .with_global_search_on_miss(options.global_search_on_miss)
+            .with_seed(arguments.rng_seed)
+            .with_position_tolerance(length)
+            .with_orientation_tolerance(angle)
+            .with_metres_per_radian(options.metres_per_radian)
+            .with_attempts(arguments.attempts())
+            .with_time_limit(arguments.time_limit);
+        let builder = held(builder, loaded);
         let joints = builder.joints()?;
         let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
         let columns = loaded.columns_of(coordinates.collect());
@@ -65,7 +77,7 @@ impl<'a> ArmBackend<'a> {
         Ok(Self {
             loaded,
             arm: builder.build()?,
-            search: arguments.arm.search.unwrap_or_default(),
+            search: options.search.unwrap_or_default(),
             shift,
             columns,
             tasks: [TaskName {
@@ -271,33 +283,6 @@ fn held<'m>(mut builder: ArmBuilder<'m>, loaded: &LoadedModel) -> ArmBuilder<'m>
         if let Some((joints, q)) = &held.only {
             builder = builder.with_only(joints, q);
         }
-    }
-    builder
-}
-
-/// The options that do not go by joints.
-fn with_options<'m>(mut builder: ArmBuilder<'m>, arguments: &Arguments) -> ArmBuilder<'m> {
-    let options = &arguments.arm;
-    builder = builder
-        .with_search(options.search.unwrap_or_default())
-        .with_global_search_on_miss(options.global_search_on_miss)
-        .with_seed(arguments.rng_seed);
-    if let Some(tolerance) = arguments.tolerance {
-        builder = builder
-            .with_position_tolerance(tolerance)
-            .with_orientation_tolerance(tolerance);
-    }
-    if let Some(attempts) = arguments.attempts() {
-        builder = builder.with_attempts(attempts);
-    }
-    if let Some(limit) = arguments.time_limit {
-        builder = builder.with_time_limit(limit);
-    }
-    if let Some(tool) = &arguments.chain.tool {
-        builder = builder.with_tool(tool);
-    }
-    if let Some(metres) = options.metres_per_radian {
-        builder = builder.with_metres_per_radian(metres);
     }
     builder
 }

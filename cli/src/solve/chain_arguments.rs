@@ -8,7 +8,7 @@ use kinopt::spatial::Placement;
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::{self, BareName};
 use crate::held_joints::HeldJoints;
-use crate::help_headings;
+use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
 use crate::number_list;
 use crate::target;
@@ -20,16 +20,14 @@ pub(crate) struct ChainArguments {
     ///
     /// Values are in radians (--degrees) or metres. Joints are named as `kinopt info` lists them; in a rig or scene a bone's name stands for all
     /// its angles, and then takes no value. Repeat it for several. Default: none.
-    #[arg(long = "lock", value_name = "JOINT[=VALUE]", value_parser = Lock::parse,
-          help_heading = help_headings::MODEL)]
+    #[arg(long = "lock", value_name = "JOINT[=VALUE]", value_parser = Lock::parse, help_heading = MODEL)]
     lock: Vec<Lock>,
 
     /// Let only these joints move.
     ///
     /// By name, separated by commas (in a rig or scene also bones); every other one is held where --start
     /// has it, whatever a file's starts say. Default: all move.
-    #[arg(long = "only", value_name = "JOINT,…", value_delimiter = ',',
-          help_heading = help_headings::MODEL)]
+    #[arg(long = "only", value_name = "JOINT,…", value_delimiter = ',', help_heading = MODEL)]
     only: Vec<String>,
 
     /// A tool on the frame that the target is for.
@@ -37,8 +35,7 @@ pub(crate) struct ChainArguments {
     /// Where it stands in that frame, in metres (rigs: their own unit), and how it is turned. For one
     /// --target, or for --targets. Default: none.
     #[arg(long, value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
-          value_parser = target::parse_placement,
-          help_heading = help_headings::MODEL)]
+          value_parser = target::parse_placement, help_heading = MODEL)]
     pub(super) tool: Option<Placement<f64>>,
 }
 

@@ -38,7 +38,7 @@ impl<'a> Goals<'a> {
         let Some(path) = arguments.file.as_deref() else {
             let targets = arguments.targets.iter().map(|target| TargetFrame {
                 name: target.frame.clone(),
-                turns: turns(target.quaternion.is_some()),
+                turns: turns(target.turns),
             });
             return Ok(Self {
                 arguments,
@@ -94,7 +94,7 @@ impl<'a> Goals<'a> {
         let columns = backend.columns();
         let arguments = self.arguments;
         let Some((path, file)) = &self.file else {
-            let targets = arguments.targets.iter().map(|target| target.placement());
+            let targets = arguments.targets.iter().map(|target| target.placement);
             return Ok(vec![Query {
                 targets: targets.collect(),
                 start: arguments.start(loaded, columns)?,

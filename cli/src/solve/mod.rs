@@ -15,6 +15,7 @@ mod many;
 mod out_file;
 mod query;
 mod report;
+mod settings;
 mod weights;
 
 pub(crate) use arguments::Arguments;
@@ -92,11 +93,8 @@ fn one<B: QueryBackend>(
         tasks: backend.tasks(),
         idle: backend.idle_coordinates(),
     };
-    if json {
-        output::json(&report.whole_document(notes))?;
-    } else {
-        output::result(&report.text(arguments.degrees))?;
-    }
+    let text = || report.text(arguments.degrees);
+    output::result(json, || report.whole_document(notes), text)?;
     if let Some(path) = written {
         output::message(&format!("wrote {}", path.display()));
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::query::{Answer, Settled, TaskName, Way};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits};
-use crate::table::{Align, Table};
+use crate::table::Table;
 
 /// An answer and what was asked.
 #[derive(Clone, Copy)]
@@ -205,33 +205,21 @@ impl<'a> Report<'a> {
     }
 
     fn task_table(&self) -> String {
-        let position = format!("position error ({})", self.loaded.length_unit());
-        let turns = self
-            .answer
-            .solution
-            .tasks()
-            .any(|task| task.orientation_error().is_some());
-        let (left, right) = (Align::Left, Align::Right);
-        let mut table = if turns {
-            Table::new([
-                ("task", left),
-                (&position, right),
-                ("orientation error (rad)", right),
-                ("reached", left),
-            ])
-        } else {
-            Table::new([("task", left), (&position, right), ("reached", left)])
+        let solution = &self.answer.solution;
+        let turns = solution.tasks().any(|t| t.orientation_error().is_some());
+        let orientation = match turns {
+            true => "| >orientation error (rad)",
+            false => "",
         };
+        let unit = self.loaded.length_unit();
+        let columns = format!("task | >position error ({unit}) {orientation} | reached");
+        let mut table = Table::new(&columns);
         let error = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), magnitude);
-        for task in self.answer.solution.tasks() {
-            let name = task.name.to_owned();
-            let position = error(task.position_error());
-            let reached = if task.reached { "yes" } else { "no" }.to_owned();
-            if turns {
-                table.row([name, position, error(task.orientation_error()), reached]);
-            } else {
-                table.row([name, position, reached]);
-            }
+        for task in solution.tasks() {
+            let mut row = vec![task.name.to_owned(), error(task.position_error())];
+            row.extend(turns.then(|| error(task.orientation_error())));
+            row.push(if task.reached { "yes" } else { "no" }.to_owned());
+            table.row(row);
         }
         table.text()
     }
@@ -240,13 +228,8 @@ impl<'a> Report<'a> {
         let unit = if degrees { "degrees" } else { "radians" };
         // Lengths stay lengths, so only a model that slides needs the second unit.
         let slides = self.loaded.is_angle().any(|is_angle| !is_angle);
-        let value = if slides {
-            format!("{unit} or metres")
-        } else {
-            unit.to_owned()
-        };
-        let (left, right) = (Align::Left, Align::Right);
-        let mut table = Table::new([("joint", left), (&value, right), ("", left)]);
+        let or_metres = if slides { " or metres" } else { "" };
+        let mut table = Table::new(&format!("joint | >{unit}{or_metres} | "));
         let model = &self.loaded.model;
         let coordinates = model.moving_joints().iter().zip(&self.answer.q);
         let coordinates = coordinates.zip(self.loaded.is_angle()).zip(model.limits());

@@ -21,11 +21,7 @@ pub(super) fn run(
     json: bool,
 ) -> Outcome<()> {
     let outcomes = answer(arguments, backend, queries)?;
-    if json {
-        output::json(&outcomes.document(loaded))?;
-    } else {
-        output::result(&outcomes.text(loaded))?;
-    }
+    output::result(json, || outcomes.document(loaded), || outcomes.text(loaded))?;
     let answers = &outcomes.answers;
     let missed = answers.iter().filter(|answer| !answer.solution.reached);
     arguments.told_misses(missed.count(), answers.len())

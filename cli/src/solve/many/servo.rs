@@ -66,11 +66,7 @@ pub(in super::super) fn run(
     json: bool,
 ) -> Outcome<()> {
     let document = follow(loaded, backend, arguments, queries, ticks_a_second)?;
-    if json {
-        output::json(&document)?;
-    } else {
-        output::result(&document.text())?;
-    }
+    output::result(json, || &document, || document.text())?;
     let last = document.ticks.last();
     let missed = last.is_some_and(|tick| tick.status != ServoStatus::OnTarget);
     arguments.told_misses(usize::from(missed), 1)

@@ -1,0 +1,172 @@
+//! What the arguments mean for solvers and for a model.
+
+use kinopt::Solver;
+use kinopt::arm::Search;
+use kinopt::ik::Restarts;
+use kinopt::problem::Derivatives;
+use kinopt::robot::Robot;
+use kinopt::solver::Stopping;
+
+use super::arguments::Arguments;
+use crate::failure::{Failure, Outcome};
+use crate::joint_columns::JointColumns;
+use crate::loaded_model::{LoadedModel, Moment};
+use crate::method_choice;
+use crate::target::Start;
+
+fn count(count: u32) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
+impl Arguments {
+    /// When a figure is as the search finds it.
+    pub(super) fn moment(&self) -> Option<Moment<'_>> {
+        let clip = self.clip.as_deref();
+        self.time.map(|time| Moment { time, clip })
+    }
+
+    /// How many attempts at most, as typed.
+    pub(super) fn attempts(&self) -> Option<u32> {
+        self.attempts
+            .or_else(|| self.restarts.map(|restarts| restarts.saturating_add(1)))
+    }
+
+    /// Whether a figure settles from where it stands before anything is searched for.
+    pub(super) fn settles(&self) -> bool {
+        let plain = self.solver.is_none() && self.max_iterations.is_none();
+        plain && self.arm.search != Some(Search::First)
+    }
+
+    /// The derivatives of the general solvers.
+    pub(super) fn derivatives(&self) -> Derivatives {
+        self.jacobian.map(Derivatives::from).unwrap_or_default()
+    }
+
+    /// A length in metres (rigs: their own unit), and radians.
+    pub(super) fn tolerances(&self, loaded: &LoadedModel) -> (f64, f64) {
+        match self.tolerance {
+            Some(tolerance) => (tolerance, tolerance),
+            None => loaded.default_tolerances(),
+        }
+    }
+
+    /// The limits of the general solver's attempts.
+    pub(super) fn stopping(&self) -> Stopping {
+        let mut stopping = Stopping::default();
+        if let Some(iterations) = self.max_iterations {
+            stopping = stopping.with_max_iterations(count(iterations));
+        }
+        match self.time_limit {
+            Some(limit) => stopping.with_time_limit(limit),
+            None => stopping,
+        }
+    }
+
+    /// The general solver with its limits.
+    pub(super) fn general_solver(&self) -> Solver {
+        let mut restarts = Restarts::default().with_seed(self.rng_seed);
+        if let Some(attempts) = self.attempts() {
+            restarts = restarts.with_attempts(count(attempts));
+        }
+        let solver = match &self.solver {
+            Some(name) => method_choice::solver(name),
+            None => Solver::default(),
+        };
+        solver
+            .with_stopping(self.stopping())
+            .with_restarts(restarts)
+    }
+
+    /// The robot whose arm answers, or none for the general solvers.
+    ///
+    /// # Errors
+    /// An option that only the arm understands where it does not answer.
+    pub(super) fn arm_of<'l>(&self, loaded: &'l LoadedModel) -> Outcome<Option<&'l Robot>> {
+        // clap's `requires` would not ask for an option that another forbids.
+        if self.arm.velocity_limits.is_some() && self.arm.servo.is_none() {
+            return Err(Failure::usage("--velocity-limits is for --servo"));
+        }
+        let general =
+            self.solver.is_some() || self.jacobian.is_some() || self.max_iterations.is_some();
+        let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
+        match (&loaded.robot, self.arm.given(loaded.rig.is_some())) {
+            (Some(_), _) if one_frame && !general && !self.weights.is_empty() => {
+                Err(Failure::usage(
+                    "--weight is for several targets or held tips; beside a single target's position \
+                     --metres-per-radian weighs its orientation",
+                ))
+            }
+            (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
+            (_, None) => Ok(None),
+            (None, Some("--search")) => Err(Failure::usage(format!(
+                "--search of a {} is start or first; the others are for robots",
+                loaded.kind()
+            ))),
+            (None, Some(option)) => Err(Failure::usage(format!(
+                "{option} is for robots, and {} is a {}",
+                loaded.file,
+                loaded.kind()
+            ))),
+            (Some(_), Some(option)) => Err(Failure::usage(format!(
+                "{option} is for one --target or for --targets, not for {} targets at once",
+                self.targets.len()
+            ))),
+        }
+    }
+
+    /// Holds the joints that are not to move.
+    pub(super) fn hold(&self, loaded: &mut LoadedModel) -> Outcome<()> {
+        if !self.chain.holds() {
+            return Ok(());
+        }
+        let all = loaded.model.degrees_of_freedom();
+        let start = match &self.start {
+            // Numbers for an arm's own joints say nothing of the others.
+            Start::Numbers(numbers) if loaded.robot.is_some() && numbers.len() != all => {
+                loaded.rest()
+            }
+            _ => self.start(loaded, None)?,
+        };
+        let held = self.chain.held(loaded, &start, self.degrees)?;
+        loaded.held = Some(Box::new(held));
+        Ok(())
+    }
+
+    /// Ends with a code of its own where --fail-on-miss wants it and targets were missed.
+    pub(super) fn told_misses(&self, missed: usize, targets: usize) -> Outcome<()> {
+        if missed == 0 || !self.fail_on_miss {
+            return Ok(());
+        }
+        let what = match targets {
+            1 => "the target was missed".to_owned(),
+            _ => format!("{missed} of {targets} targets were missed"),
+        };
+        Err(Failure::Missed(what))
+    }
+
+    /// Where the search starts, within the limits; `arm` has the columns of an arm's own joints, which
+    /// may be typed alone.
+    pub(super) fn start(
+        &self,
+        loaded: &LoadedModel,
+        arm: Option<JointColumns>,
+    ) -> Outcome<Vec<f64>> {
+        let start = match &self.start {
+            Start::Rest => return Ok(loaded.rest()),
+            Start::Random => loaded.model.random_configuration(self.rng_seed),
+            Start::Numbers(numbers) => {
+                let columns = arm.filter(|columns| {
+                    numbers.len() == columns.width()
+                        && numbers.len() != loaded.model.degrees_of_freedom()
+                });
+                let typed = match columns {
+                    Some(columns) => columns.typed(numbers, self.degrees),
+                    None => loaded.typed_configuration(numbers, self.degrees, "--start")?,
+                };
+                loaded.note_outside_limits(&typed, "the search starts within them");
+                typed
+            }
+        };
+        Ok(loaded.within_limits(&start))
+    }
+}
