@@ -3,25 +3,46 @@
 use std::time::Instant;
 
 use super::QueryError;
-use super::follower::LONG_STEP;
 use super::options::Search;
 use super::query::Arm;
-use super::report::Reply;
-use super::settle::Settling;
 use super::workspace::{Errors, Workspace};
-use crate::ik::Solution;
-use crate::lanes;
+use crate::ik::{RowsReport, Solution};
+use crate::lanes::{self, Outcome, PoseSolver};
 use crate::problem::Anchor;
-use crate::solver::Termination;
+use crate::scalar::elementary;
+use crate::search::Found;
+use crate::solver::{Counts, Termination};
 use crate::spatial::{Placement, Vector3};
+use crate::task::Quantity;
 
 /// Iterations after which the start's own end and the engine's best are first handed to the core,
 /// whose damping by gain ratio comes through narrow valleys that the engine's does not.
 pub(super) const QUICK: u32 = 600;
-/// Short steps from the start to a place near it.
-const NEAR_STEPS: usize = 100;
+
+/// A question that is checked.
+#[derive(Clone, Copy)]
+pub(super) struct Query<'a> {
+    pub(super) target: &'a Placement<f64>,
+    pub(super) start: &'a [f64],
+    pub(super) deadline: Option<Instant>,
+}
+
+impl Query<'_> {
+    pub(super) fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|at| Instant::now() >= at)
+    }
+}
 
 impl Arm {
+    /// A question that begins now.
+    pub(super) fn query<'a>(&self, target: &'a Placement<f64>, start: &'a [f64]) -> Query<'a> {
+        Query {
+            target,
+            start,
+            deadline: self.deadline(),
+        }
+    }
+
     /// Whether the lane engine's answer to a question is the arm's, if it reaches.
     pub(super) fn is_plain(&self) -> bool {
         let options = &self.options;
@@ -30,7 +51,7 @@ impl Arm {
 
     /// Whether the end of the start's own way is all that is asked of a target: no attempt can reach it, and
     /// none but that one counts then.
-    fn asks_for_own_way(&self, target: &Placement<f64>) -> bool {
+    pub(super) fn asks_for_own_way(&self, target: &Placement<f64>) -> bool {
         let options = &self.options;
         if options.attempts_asked || options.leaps_on_miss() || !options.goal.is_exact_in_position()
         {
@@ -51,36 +72,65 @@ impl Arm {
         }
     }
 
-    /// Answers a question that is checked.
+    /// The lane engine, within the bounds of moves where these are bounded.
+    pub(super) fn lanes_within<'a>(
+        &'a self,
+        within_moves: &'a Option<PoseSolver>,
+    ) -> Option<&'a PoseSolver> {
+        match within_moves {
+            Some(_) if self.options.max_move.is_some() => within_moves.as_ref(),
+            _ => self.lanes.as_ref(),
+        }
+    }
+
+    /// Attempts of the lane engine at a question, from the first to before the last.
+    pub(super) fn lane_query<'a>(
+        &self,
+        query: &Query<'a>,
+        attempts: (u32, u32),
+        budget: u32,
+    ) -> lanes::Query<'a> {
+        lanes::Query {
+            target: query.target,
+            start: query.start,
+            search: self.options.search.lanes(),
+            attempts,
+            budget,
+            deadline: query.deadline,
+        }
+    }
+
+    fn first_attempts<'a>(&self, query: &Query<'a>) -> lanes::Query<'a> {
+        let attempts = self.attempts_at(query.target);
+        self.lane_query(query, (0, attempts), self.options.budget().min(QUICK))
+    }
+
+    /// Answers a question; what its attempts came to, and the errors where that is.
     pub(super) fn answer(
         &self,
-        target: &Placement<f64>,
-        start: &[f64],
+        query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Result<Reply, QueryError> {
-        let deadline = self.deadline();
+    ) -> Result<(Found, Errors), QueryError> {
         let (Some(lanes), true) = (&self.lanes, self.is_plain()) else {
-            return self.with_workspace(|workspace| {
-                self.answer_at(workspace, target, start, deadline, solution)
-            });
+            return self.with_workspace(|workspace| self.answer_at(workspace, query, solution));
         };
         let n = self.joint_count();
         // The second half is for the best of all, where the start's own attempt misses.
         solution.q.resize(2 * n, 0.0);
         let (q, best) = solution.q.split_at_mut(n);
-        let query = self.first_attempts(target, start, deadline);
         let mut answer = lanes::Answer {
             q,
             best,
             best_attempt: 0,
         };
-        let outcome = lanes.race(&query, false, &mut answer);
+        let outcome = lanes.race(&self.first_attempts(query), false, &mut answer);
         let best_attempt = answer.best_attempt;
-        let mut reply = Reply::of(&outcome);
+        let mut found = self.found_by(&outcome);
         if outcome.reached {
             solution.q.truncate(n);
-            self.report(&reply, solution);
-            return Ok(reply);
+            let errors = Errors::of(&outcome);
+            self.tell(&found, errors, solution);
+            return Ok((found, errors));
         }
         self.with_workspace(|workspace| {
             let (own, best) = solution.q.split_at(n);
@@ -89,286 +139,160 @@ impl Arm {
                 Search::First => own,
                 _ => best,
             });
-            reply.winner = Some(best_attempt);
-            workspace.aim(target);
-            self.open_window(workspace, start);
-            self.finish(workspace, target, start, &mut reply, deadline);
-            self.report_workspace(&reply, workspace, solution);
-            reply
+            found.number = best_attempt as usize;
+            workspace.aim(query.target);
+            self.open_window(workspace, query.start);
+            self.finish(workspace, query, &mut found);
+            self.tell_place(&found, workspace, solution);
+            (found, workspace.errors)
         })
-    }
-
-    /// The engine's first attempts at a question.
-    fn first_attempts<'a>(
-        &self,
-        target: &'a Placement<f64>,
-        start: &'a [f64],
-        deadline: Option<Instant>,
-    ) -> lanes::Query<'a> {
-        lanes::Query {
-            target,
-            start,
-            search: self.options.search.lanes(),
-            attempts: (0, self.attempts_at(target)),
-            budget: self.options.budget().min(QUICK),
-            deadline,
-        }
     }
 
     /// Answers with a workspace: bounded moves, searches that compare, postures, chains with followers.
     fn answer_at(
         &self,
         workspace: &mut Workspace,
-        target: &Placement<f64>,
-        start: &[f64],
-        deadline: Option<Instant>,
+        query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Reply {
-        workspace.aim(target);
-        self.open_window(workspace, start);
-        let mut reply = if self.options.search.compares() {
-            let ended = self.gather(workspace, target, start, deadline);
-            self.nearest(workspace, ended, deadline)
+    ) -> (Found, Errors) {
+        workspace.aim(query.target);
+        self.open_window(workspace, query.start);
+        let mut found = if self.options.search.compares() {
+            let ended = self.gather(workspace, query);
+            self.nearest(workspace, query, ended)
+        } else if self.lanes.is_some() {
+            self.search_by_lanes(workspace, query)
         } else {
-            self.one_search(workspace, target, start, deadline)
+            self.search_by_core(workspace, query)
         };
-        self.finish(workspace, target, start, &mut reply, deadline);
-        if let (true, Some(posture)) = (reply.errors.reached, &self.options.posture) {
-            self.descend(workspace, posture, deadline);
-            reply.errors = workspace.judge_x();
+        self.finish(workspace, query, &mut found);
+        if let (true, Some(posture)) = (found.reached, &self.options.posture) {
+            self.descend(workspace, posture, query.deadline);
+            self.judge(workspace, &mut found);
         }
-        self.report_workspace(&reply, workspace, solution);
-        reply
+        self.tell_place(&found, workspace, solution);
+        (found, workspace.errors)
     }
 
-    /// The engine's or the core's own search, into the workspace's x; after a miss that is where the
-    /// start's own attempt ended, and the workspace's best is the best of all: the reply's winner.
-    fn one_search(
-        &self,
-        workspace: &mut Workspace,
-        target: &Placement<f64>,
-        start: &[f64],
-        deadline: Option<Instant>,
-    ) -> Reply {
-        let Some(lanes) = &self.lanes else {
-            let reply = self.search_by_core(workspace, start, deadline);
-            if !reply.errors.reached {
-                workspace.best.copy_from_slice(&workspace.x);
-                workspace.x.copy_from_slice(&workspace.start);
-            }
-            return reply;
-        };
+    /// The engine's own search, into the workspace's x; after a miss that is where the start's own attempt
+    /// ended, and the workspace's best is the best of all, of the number that is found.
+    fn search_by_lanes(&self, workspace: &mut Workspace, query: &Query<'_>) -> Found {
         let Workspace {
             windowed, x, best, ..
         } = workspace;
-        let mut query = self.first_attempts(target, start, deadline);
-        let mut lone = false;
-        let lanes = match windowed {
-            Some(windowed) if self.options.max_move.is_some() => {
-                // Within bounded moves the start's own way is tried to its end before others are.
-                query.attempts.1 = 1;
-                lone = true;
-                windowed
-            }
-            _ => lanes,
+        let mut first = self.first_attempts(query);
+        // Within bounded moves the start's own way is tried to its end before others are.
+        let lone = self.options.max_move.is_some();
+        if lone {
+            first.attempts.1 = 1;
+        }
+        let Some(lanes) = self.lanes_within(windowed) else {
+            return Found::default();
         };
         let mut answer = lanes::Answer {
             q: x,
             best,
             best_attempt: 0,
         };
-        let outcome = lanes.race(&query, lone, &mut answer);
+        let outcome = lanes.race(&first, lone, &mut answer);
         let best_attempt = answer.best_attempt;
         if self.options.search == Search::First {
             best.copy_from_slice(x);
         }
-        Reply {
-            winner: outcome.winner.or(Some(best_attempt)),
-            ..Reply::of(&outcome)
+        workspace.errors = Errors::of(&outcome);
+        Found {
+            number: outcome.winner.unwrap_or(best_attempt) as usize,
+            ..self.found_by(&outcome)
         }
     }
 
-    /// Takes a miss to the place where nothing near is better: first the start's own way, whose end is
-    /// in the workspace's x, then, for a target that it does not reach, the best of all attempts and
-    /// the attempts that are left. A target that none reaches is answered by the start's own end,
-    /// unless the arm searches everywhere on a miss.
-    pub(super) fn finish(
+    /// What the lane engine's attempts came to. Those that miss were given up where they stalled.
+    pub(super) fn found_by(&self, outcome: &Outcome) -> Found {
+        Found {
+            termination: match outcome.reached {
+                true => Termination::Reached,
+                false => Termination::Stalled,
+            },
+            number: outcome.winner.unwrap_or(0) as usize,
+            cost: self.cost(Errors::of(outcome)),
+            reached: outcome.reached,
+            iterations: outcome.iterations as usize,
+            attempts: outcome.attempts as usize,
+            ..Found::default()
+        }
+    }
+
+    /// Takes the errors at the workspace's x as those of what is found.
+    pub(super) fn judge(&self, workspace: &mut Workspace, found: &mut Found) {
+        let errors = workspace.judge_x();
+        (found.cost, found.reached) = (self.cost(errors), errors.reached);
+    }
+
+    /// Half the squared errors, a radian weighing as much as so many metres.
+    pub(super) fn cost(&self, errors: Errors) -> f64 {
+        // Goals that leave room are solved in chords.
+        let turned = match self.options.goal.is_full_pose() {
+            true => errors.orientation,
+            false => 2.0 * elementary::sin(0.5 * errors.orientation),
+        };
+        let turned = turned * self.options.metres_per_radian;
+        0.5 * (errors.position * errors.position + turned * turned)
+    }
+
+    /// Fills everything in but `q` and what is in the way of a miss.
+    pub(super) fn tell(&self, found: &Found, errors: Errors, solution: &mut Solution) {
+        let options = &self.options;
+        let metres = RowsReport::of_goal(
+            Quantity::Metres,
+            errors.position,
+            options.position_tolerance,
+        );
+        let turned = options.orientation_tolerance;
+        let radians = RowsReport::of_goal(Quantity::Radians, errors.orientation, turned);
+        let metres = options.goal.has_position().then_some(metres);
+        let radians = options.goal.has_orientation().then_some(radians);
+        solution.tell_errors(&self.names, metres.into_iter().chain(radians));
+        solution.cost = found.cost;
+        solution.tell(&Found {
+            // An iteration takes a residual and a Jacobian, in the lanes as in the core.
+            counts: Counts {
+                residuals: found.iterations,
+                jacobians: found.iterations,
+                gradients: 0,
+            },
+            projected_gradient: None,
+            agreeing: 0,
+            ..*found
+        });
+    }
+
+    /// Fills everything in from the workspace's configuration, naming what is in the way of a miss.
+    pub(super) fn tell_place(
         &self,
+        found: &Found,
         workspace: &mut Workspace,
-        target: &Placement<f64>,
-        start: &[f64],
-        reply: &mut Reply,
-        deadline: Option<Instant>,
+        solution: &mut Solution,
     ) {
-        if reply.errors.reached {
-            return;
-        }
-        let late = || deadline.is_some_and(|at| Instant::now() >= at);
-        let best = reply.winner;
-        // Under `First` the own end is the best of all.
-        reply.winner = match self.options.search {
-            Search::First => best,
-            _ => Some(0),
-        };
-        let mut termination = self.settle(workspace, reply, deadline);
-        if !reply.errors.reached && !self.asks_for_own_way(target) && !late() {
-            let own = reply.errors;
-            // Taken out and put back, so that nothing is allocated.
-            let mut kept = std::mem::take(&mut workspace.kept);
-            kept.copy_from_slice(&workspace.x);
-            reply.winner = best;
-            let other = self.search_elsewhere(workspace, target, start, reply, deadline);
-            let lower = |errors: Errors, than: Errors| self.cost_of(errors) < self.cost_of(than);
-            if reply.errors.reached || self.options.leaps_on_miss() && lower(reply.errors, own) {
-                termination = other;
-            } else {
-                reply.errors = own;
-                workspace.x.copy_from_slice(&kept);
-            }
-            workspace.kept = kept;
-        }
-        if !reply.errors.reached {
-            reply.winner = None;
-            if self.options.search != Search::First && !self.options.leaps_on_miss() && !late() {
-                termination = self
-                    .stay_near(workspace, reply, deadline)
-                    .unwrap_or(termination);
-            }
-        }
-        reply.termination = self.ended(reply.errors, termination, late());
-    }
-
-    /// Replaces an end far from the start by the nearest place that short steps from the start lead to, if that
-    /// is near: an attempt's long steps may have led past it. How that ended.
-    fn stay_near(
-        &self,
-        workspace: &mut Workspace,
-        reply: &mut Reply,
-        deadline: Option<Instant>,
-    ) -> Option<Termination> {
-        let moved = |workspace: &Workspace| self.longest_move(&workspace.start, &workspace.x).1;
-        if moved(workspace) <= LONG_STEP {
-            return None;
-        }
-        // Taken out and put back, so that nothing is allocated.
-        let mut other = std::mem::take(&mut workspace.kept);
-        other.copy_from_slice(&workspace.x);
-        workspace.x.copy_from_slice(&workspace.start);
-        let how = Settling {
-            steps: NEAR_STEPS,
-            anchor: 0.0,
-            deadline,
-        };
-        let (_, steps) = workspace.settle_near(&how);
-        reply.iterations += steps;
-        let near = moved(workspace) <= LONG_STEP;
-        let mut ended = None;
-        if near {
-            other.copy_from_slice(&workspace.x);
-            let (termination, iterations) = workspace.settle(deadline);
-            reply.iterations += iterations;
-            ended = Some(termination);
-        }
-        if moved(workspace) > LONG_STEP {
-            workspace.x.copy_from_slice(&other);
-        }
-        workspace.kept = other;
-        if near {
-            reply.errors = workspace.judge_x();
-        }
-        ended
-    }
-
-    /// How a question ended that was taken to its end.
-    pub(super) fn ended(
-        &self,
-        errors: Errors,
-        termination: Termination,
-        late: bool,
-    ) -> Termination {
-        if errors.reached {
-            Termination::Reached
-        } else if late {
-            Termination::TimeLimit
-        } else if self.options.max_move.is_some() {
-            Termination::CannotContinue
-        } else {
-            // A hair's breadth short of the tolerance is not reached.
-            match termination {
-                Termination::Reached => Termination::SmallStep,
-                other => other,
-            }
+        solution.q.clear();
+        solution.q.extend_from_slice(&workspace.x);
+        self.tell(found, workspace.errors, solution);
+        if !solution.reached {
+            let negligible = workspace.take_slope();
+            let (x, question) = (&workspace.x, workspace.question.ask());
+            solution.tell_limits(question, x, &workspace.gradient, negligible);
+            solution.projected_gradient = Some(workspace.projected_gradient(x));
+            solution.find_beyond(question);
         }
     }
+}
 
-    /// Settles from the workspace's best, then runs the attempts that are left and settles from their
-    /// best; the lower of the two ends is in x and in the reply.
-    fn search_elsewhere(
-        &self,
-        workspace: &mut Workspace,
-        target: &Placement<f64>,
-        start: &[f64],
-        reply: &mut Reply,
-        deadline: Option<Instant>,
-    ) -> Termination {
-        workspace.x.copy_from_slice(&workspace.best);
-        let termination = self.settle(workspace, reply, deadline);
-        let Some(lanes) = &self.lanes else {
-            return termination;
-        };
-        let first = u32::try_from(reply.attempts).unwrap_or(u32::MAX);
-        let spent = u32::try_from(reply.iterations).unwrap_or(u32::MAX);
-        let query = lanes::Query {
-            target,
-            start,
-            search: self.options.search.lanes(),
-            attempts: (first, self.options.attempts),
-            budget: self.options.budget().saturating_sub(spent.min(QUICK)),
-            deadline,
-        };
-        let late = deadline.is_some_and(|at| Instant::now() >= at);
-        if reply.errors.reached || late || first >= query.attempts.1 || query.budget == 0 {
-            return termination;
+impl Errors {
+    /// Of the lane engine's answer.
+    pub(super) fn of(outcome: &Outcome) -> Self {
+        Self {
+            position: outcome.position_error,
+            orientation: outcome.orientation_error,
+            reached: outcome.reached,
         }
-        let Workspace {
-            windowed, trial, ..
-        } = &mut *workspace;
-        let lanes = match windowed {
-            Some(windowed) if self.options.max_move.is_some() => windowed,
-            _ => lanes,
-        };
-        let mut answer = lanes::Answer::of(trial);
-        let more = lanes.race(&query, false, &mut answer);
-        let best_attempt = answer.best_attempt;
-        reply.iterations += more.iterations as usize;
-        reply.attempts += more.attempts as usize;
-        if more.reached {
-            workspace.x.copy_from_slice(&workspace.trial);
-            reply.errors = Reply::of(&more).errors;
-            reply.winner = more.winner;
-        } else if self.cost(more.position_error, more.orientation_error)
-            < self.cost_of(reply.errors)
-        {
-            workspace.x.copy_from_slice(&workspace.trial);
-            reply.winner = Some(best_attempt);
-            return self.settle(workspace, reply, deadline);
-        }
-        termination
-    }
-
-    pub(super) fn cost_of(&self, errors: Errors) -> f64 {
-        self.cost(errors.position, errors.orientation)
-    }
-
-    fn settle(
-        &self,
-        workspace: &mut Workspace,
-        reply: &mut Reply,
-        deadline: Option<Instant>,
-    ) -> Termination {
-        let (termination, iterations) = workspace.settle(deadline);
-        reply.iterations += iterations;
-        reply.errors = workspace.judge_x();
-        termination
     }
 }

@@ -2,10 +2,11 @@
 
 use super::answer::QUICK;
 use super::query::Arm;
-use super::report::Reply;
+use super::workspace::Errors;
 use super::{Outcome, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
+use crate::search::Found;
 use crate::spatial::Placement;
 
 /// Questions that are handed to the lanes together: enough to keep them filled.
@@ -141,7 +142,7 @@ impl Arm {
         let queries = || targets.iter().zip(starts.chunks(n));
         let (Some(lanes), true) = (&self.lanes, self.batches_by_lanes()) else {
             for ((target, start), solution) in queries().zip(solutions) {
-                self.answer(target, start, solution)?;
+                self.answer(&self.query(target, start), solution)?;
             }
             return Ok(());
         };
@@ -152,9 +153,9 @@ impl Arm {
         for ((target, start), ((q, outcome), solution)) in queries().zip(answers) {
             if outcome.reached {
                 solution.q.extend_from_slice(q);
-                self.report(&Reply::of(outcome), solution);
+                self.tell(&self.found_by(outcome), Errors::of(outcome), solution);
             } else {
-                self.answer(target, start, solution)?;
+                self.answer(&self.query(target, start), solution)?;
             }
         }
         Ok(())
@@ -194,9 +195,9 @@ impl Arm {
             if by_lanes && outcome.reached {
                 continue;
             }
-            let reply = self.answer(target, start, &mut solution)?;
+            let (found, errors) = self.answer(&self.query(target, start), &mut solution)?;
             q.copy_from_slice(&solution.q);
-            *outcome = outcome_of(&reply);
+            *outcome = outcome_of(&found, errors);
         }
         self.with_workspace(|workspace| workspace.spare = solution)
     }
@@ -223,14 +224,14 @@ impl Arm {
     }
 }
 
-fn outcome_of(reply: &Reply) -> Outcome {
+fn outcome_of(found: &Found, errors: Errors) -> Outcome {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     Outcome {
-        reached: reply.errors.reached,
-        position_error: reply.errors.position,
-        orientation_error: reply.errors.orientation,
-        iterations: count(reply.iterations),
-        attempts: count(reply.attempts),
-        winner: reply.winner,
+        reached: found.reached,
+        position_error: errors.position,
+        orientation_error: errors.orientation,
+        iterations: count(found.iterations),
+        attempts: count(found.attempts),
+        winner: found.reached.then(|| count(found.number)),
     }
 }

@@ -8,7 +8,7 @@
 use super::QueryError;
 use super::branch::Branch;
 use super::query::Arm;
-use super::report::Reply;
+use super::workspace::Errors;
 use crate::ik::Solution;
 use crate::spatial::Placement;
 
@@ -193,7 +193,7 @@ impl Follower<'_> {
         let arm = self.arm;
         let continuous = arm.go_far(&target, &self.q, solution)?;
         if !continuous {
-            arm.answer(&target, &self.q, solution)?;
+            arm.answer(&arm.query(&target, &self.q), solution)?;
         }
         Ok(self.take(&target, solution, continuous))
     }
@@ -225,7 +225,7 @@ impl Follower<'_> {
         let outcome = lanes.own_attempt(target, &self.seed, arm.deadline(), &mut solution.q);
         let kept = outcome.reached && arm.longest_move(&self.q, &solution.q).1 <= LONG_STEP;
         if kept {
-            arm.report(&Reply::of(&outcome), solution);
+            arm.tell(&arm.found_by(&outcome), Errors::of(&outcome), solution);
         }
         kept
     }

@@ -185,7 +185,7 @@ impl Arm {
         let target = base_from_tool.into();
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &target, start)?;
-        self.answer(&target, start, solution)?;
+        self.answer(&self.query(&target, start), solution)?;
         Ok(())
     }
 

@@ -4,11 +4,11 @@ use super::QueryError;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
 use super::query::Arm;
-use super::report::Reply;
 use super::settle::Settling;
 use super::workspace::Workspace;
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
+use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
@@ -48,21 +48,20 @@ impl Arm {
                 deadline,
             };
             let (termination, iterations) = workspace.settle_near(&how);
-            let mut errors = workspace.judge_x();
-            if let (true, Some(posture)) = (errors.reached, &self.options.posture) {
-                self.descend(workspace, posture, deadline);
-                errors = workspace.judge_x();
-            }
-            branch.arrive(self, workspace, errors.reached);
-            let late = termination == Termination::TimeLimit;
-            let reply = Reply {
-                errors,
-                termination: self.ended(errors, termination, late),
+            let mut found = Found {
+                termination,
                 iterations,
                 attempts: 1,
-                winner: errors.reached.then_some(0),
+                ..Found::default()
             };
-            self.report_workspace(&reply, workspace, solution);
+            self.judge(workspace, &mut found);
+            if let (true, Some(posture)) = (found.reached, &self.options.posture) {
+                self.descend(workspace, posture, deadline);
+                self.judge(workspace, &mut found);
+            }
+            branch.arrive(self, workspace, found.reached);
+            found.termination = self.ended(&found, termination == Termination::TimeLimit);
+            self.tell_place(&found, workspace, solution);
         })
     }
 
@@ -83,14 +82,14 @@ impl Arm {
                 return false;
             };
             workspace.aim(target);
-            let reply = Reply {
-                errors: workspace.judge_x(),
+            let mut found = Found {
                 termination: Termination::Reached,
                 iterations,
                 attempts: 1,
-                winner: Some(0),
+                ..Found::default()
             };
-            self.report_workspace(&reply, workspace, solution);
+            self.judge(workspace, &mut found);
+            self.tell_place(&found, workspace, solution);
             solution.reached
         })
     }
@@ -102,20 +101,20 @@ impl Arm {
         from: &[f64],
         solution: &mut Solution,
     ) -> Result<(), QueryError> {
-        self.answer(target, from, solution)?;
+        self.answer(&self.query(target, from), solution)?;
         if !(solution.reached && self.follows_by_lanes()) {
             return Ok(());
         }
         // The start's own attempt may have led far away.
-        let deadline = self.deadline();
+        let query = self.query(target, from);
         self.with_workspace(|workspace| {
             workspace.aim(target);
             self.open_window(workspace, from);
-            self.gather(workspace, target, from, deadline);
-            let reply = self.nearest(workspace, Termination::Reached, deadline);
-            let found = self.distance(&solution.q, &workspace.start);
-            if reply.errors.reached && self.distance(&workspace.x, &workspace.start) < found {
-                self.report_workspace(&reply, workspace, solution);
+            self.gather(workspace, &query);
+            let found = self.nearest(workspace, &query, Termination::Reached);
+            let known = self.distance(&solution.q, &workspace.start);
+            if found.reached && self.distance(&workspace.x, &workspace.start) < known {
+                self.tell_place(&found, workspace, solution);
             }
         })
     }
@@ -130,11 +129,11 @@ impl Arm {
         if !self.follows_by_lanes() {
             return Ok(Vec::new());
         }
-        let deadline = self.deadline();
+        let query = self.query(target, from);
         self.with_workspace(|workspace| {
             workspace.aim(target);
             self.open_window(workspace, from);
-            self.gather(workspace, target, from, deadline);
+            self.gather(workspace, &query);
             self.distinct(workspace, count, LONG_STEP, Termination::Reached)
         })
     }

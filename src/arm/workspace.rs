@@ -7,13 +7,15 @@ use nalgebra::DMatrix;
 use super::options::Options;
 use super::pose_question::PoseQuestion;
 use super::serial::Serial;
-use crate::ik::{self, Solution, Solver};
+use crate::ik::{Minimiser, Solution};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::{Outcome, PoseSolver};
 use crate::model::{JointKind, Source};
-use crate::problem::{Evaluation, ProblemError, Scratch};
+use crate::problem::{Evaluation, ProblemError, Scratch, Share};
+use crate::search::{Engine, Search};
 use crate::solver::{
-    AnyMethod, LeastSquares, LevenbergMarquardt, Silent, SolverState, Stopping, Termination,
+    AnyMethod, LeastSquares, LevenbergMarquardt, Observer, Silent, SolverState, Stopping,
+    Termination, negligible_slope,
 };
 use crate::spatial::{Placement, resolved, rounding};
 
@@ -40,9 +42,8 @@ pub(super) struct Workspace {
     pub(super) question: PoseQuestion,
     scratch: Scratch,
     pub(super) memory: SolverState,
-    pub(super) core: ik::Workspace,
-    /// The core's solver, cloned for a question's own limits without allocating.
-    pub(super) solver: Solver,
+    /// Of the core's attempts.
+    pub(super) search: Search,
     /// A batch's misses are explained in here.
     pub(super) spare: Solution,
     /// The lane engine with bounds of the question's own, where moves are bounded.
@@ -50,6 +51,8 @@ pub(super) struct Workspace {
     /// The start within the bounds, and the configuration to be returned.
     pub(super) start: Vec<f64>,
     pub(super) x: Vec<f64>,
+    /// Of x, where it was judged last.
+    pub(super) errors: Errors,
     pub(super) trial: Vec<f64>,
     pub(super) projected: Vec<f64>,
     pub(super) wanted: Vec<f64>,
@@ -100,12 +103,12 @@ impl Workspace {
         Ok(Self {
             scratch: problem.scratch(),
             memory: SolverState::default(),
-            core: ik::Workspace::new(),
-            solver: Solver::default(),
+            search: Search::default(),
             spare: Solution::default(),
             windowed: None,
             start: vec![0.0; n],
             x: vec![0.0; n],
+            errors: Errors::default(),
             trial: vec![0.0; n],
             projected: vec![0.0; n],
             wanted: vec![0.0; n],
@@ -156,9 +159,9 @@ impl Workspace {
     /// As [`judge`](Self::judge), of the workspace's own x.
     pub(super) fn judge_x(&mut self) -> Errors {
         let x = std::mem::take(&mut self.x);
-        let errors = self.judge(&x);
+        self.errors = self.judge(&x);
         self.x = x;
-        errors
+        self.errors
     }
 
     /// What a weighted residual means.
@@ -223,30 +226,68 @@ impl Workspace {
         Evaluation::new(self.question.ask(), &mut self.scratch).jacobian(x, &mut self.jacobian);
     }
 
-    /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt. Where
-    /// nothing is finite x stays.
-    pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
-        self.settle_within(None, deadline)
+    /// Takes the gradient at the workspace's own x; the slope that counts as none there, by the core's measure.
+    pub(super) fn take_slope(&mut self) -> f64 {
+        let x = std::mem::take(&mut self.x);
+        let residual = self.linearise(&x);
+        self.x = x;
+        for (slope, column) in self.gradient.iter_mut().zip(self.jacobian.column_iter()) {
+            *slope = column.iter().zip(&residual).map(|(j, r)| j * r).sum();
+        }
+        let cost = 0.5 * residual.iter().map(|v| v * v).sum::<f64>();
+        let columns = self.jacobian.column_iter().map(|column| column.norm());
+        negligible_slope(columns.fold(0.0, f64::max), cost, &stopping())
     }
 
-    /// As [`settle`](Self::settle), given up after so many steps without halving the cost.
+    /// ‖proj(x − g) − x‖∞ by the gradient that is here.
+    pub(super) fn projected_gradient(&self, x: &[f64]) -> f64 {
+        let bounds = self.question.lower.iter().zip(&self.question.upper);
+        let moves = x.iter().zip(&self.gradient).zip(bounds);
+        let moves =
+            moves.map(|((x, g), (lower, upper))| ((x - g).max(*lower).min(*upper) - x).abs());
+        moves.fold(0.0, f64::max)
+    }
+
+    /// A method of the core at work on the question.
+    pub(super) fn engine<'a>(
+        &'a mut self,
+        method: &'a dyn AnyMethod,
+        deadline: Option<Instant>,
+        observer: &'a mut dyn Observer,
+    ) -> Minimiser<'a> {
+        Minimiser {
+            question: self.question.ask(),
+            share: Share::All,
+            method,
+            deadline,
+            observer,
+            scratch: &mut self.scratch,
+            memory: &mut self.memory,
+        }
+    }
+
+    /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt; why and after how
+    /// many steps it ended. Where nothing is finite x stays.
+    pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
+        self.settle_within(&stopping(), deadline)
+    }
+
+    /// As [`settle`](Self::settle), within other limits.
     pub(super) fn settle_within(
         &mut self,
-        patience: Option<usize>,
+        stopping: &Stopping,
         deadline: Option<Instant>,
     ) -> (Termination, usize) {
-        let outcome = LevenbergMarquardt::default().minimise(
-            &mut Evaluation::new(self.question.ask(), &mut self.scratch),
-            &self.x,
-            &stopping().with_patience(patience),
-            deadline,
-            &mut Silent,
-            &mut self.memory,
-        );
-        if outcome.termination != Termination::NonFinite {
+        let x = std::mem::take(&mut self.x);
+        let method = LevenbergMarquardt::default();
+        let attempt = self
+            .engine(&method, deadline, &mut Silent)
+            .attempt(&x, stopping);
+        self.x = x;
+        if attempt.termination != Termination::NonFinite {
             self.x.copy_from_slice(self.memory.x());
         }
-        (outcome.termination, outcome.iterations)
+        (attempt.termination, attempt.iterations)
     }
 
     /// The target.

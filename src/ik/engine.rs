@@ -7,15 +7,15 @@ use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, SolverState, Stopping};
 
 /// A method at work on one question.
-pub(super) struct Minimiser<'a> {
-    pub(super) question: Question<'a>,
+pub(crate) struct Minimiser<'a> {
+    pub(crate) question: Question<'a>,
     /// What of it is minimised.
-    pub(super) share: Share,
-    pub(super) method: &'a dyn AnyMethod,
-    pub(super) deadline: Option<Instant>,
-    pub(super) observer: &'a mut dyn Observer,
-    pub(super) scratch: &'a mut Scratch,
-    pub(super) memory: &'a mut SolverState,
+    pub(crate) share: Share,
+    pub(crate) method: &'a dyn AnyMethod,
+    pub(crate) deadline: Option<Instant>,
+    pub(crate) observer: &'a mut dyn Observer,
+    pub(crate) scratch: &'a mut Scratch,
+    pub(crate) memory: &'a mut SolverState,
 }
 
 impl Engine for Minimiser<'_> {

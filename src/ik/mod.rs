@@ -12,5 +12,6 @@ pub use crate::search::{
     ActiveLimit, BoundKind, Restarts, RowsReport, Side, Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, Leap};
+pub(crate) use engine::Minimiser;
 pub use solver::Solver;
 pub use workspace::Workspace;

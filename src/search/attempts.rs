@@ -34,6 +34,8 @@ pub(crate) struct Attempt {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
     pub(crate) termination: Termination,
+    /// The last attempt that it took, from 0.
+    pub(crate) number: usize,
     pub(crate) cost: f64,
     pub(crate) reached: bool,
     pub(crate) projected_gradient: Option<f64>,
@@ -50,6 +52,7 @@ impl Default for Found {
     fn default() -> Self {
         Self {
             termination: Termination::NonFinite,
+            number: 0,
             cost: f64::INFINITY,
             reached: false,
             projected_gradient: None,
@@ -58,6 +61,32 @@ impl Default for Found {
             counts: Counts::default(),
             agreeing: 0,
         }
+    }
+}
+
+impl Found {
+    /// Takes further attempts into account; whether one of those counts from now on.
+    pub(crate) fn go_on_with(&mut self, more: &Self) -> bool {
+        let better = more.reached || self.attempts == 0 || more.cost < self.cost;
+        let all = (
+            self.iterations + more.iterations,
+            self.attempts + more.attempts,
+        );
+        if better {
+            let number = self.attempts + more.number;
+            *self = Self { number, ..*more };
+        }
+        (self.iterations, self.attempts) = all;
+        better
+    }
+
+    /// Returns to the attempt that counted earlier; all that were made are counted still.
+    pub(crate) fn fall_back_to(&mut self, earlier: &Self) {
+        *self = Self {
+            iterations: self.iterations,
+            attempts: self.attempts,
+            ..*earlier
+        };
     }
 }
 

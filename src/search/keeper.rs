@@ -113,6 +113,7 @@ impl Keeper {
         if attempt.reached || kept {
             self.first_is_best &= first || trial.goes_on();
             found.termination = attempt.termination;
+            found.number = found.attempts.saturating_sub(1);
             found.projected_gradient = attempt.projected_gradient;
             (found.cost, found.reached) = (attempt.cost, attempt.reached);
             self.x.copy_from_slice(x);

@@ -1,6 +1,5 @@
 //! What a method may ask and do where a search stands.
 
-use std::fmt;
 use std::ops::Deref;
 
 use super::active_set::project;
@@ -19,12 +18,6 @@ const FLAT: f64 = 1e-13;
 pub struct Iterate<'a> {
     pub(super) problem: &'a mut dyn LeastSquares,
     pub(super) at: &'a mut SolverState,
-}
-
-impl fmt::Debug for Iterate<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Iterate").field(&self.at).finish()
-    }
 }
 
 impl Deref for Iterate<'_> {

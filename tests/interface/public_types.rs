@@ -77,12 +77,10 @@ each! { value:
     problem::ProblemBuilder<'static>, problem::Scratch, problem::Targets,
     problem::TaskId<task::Pose>, ik::ActiveLimit, ik::Restarts, ik::TaskReport,
     solver::GaussNewton, solver::LevenbergMarquardt, solver::ProjectedGradient,
-    solver::GaussNewtonState, solver::LevenbergMarquardtState, solver::ProjectedGradientState,
-    solver::SolverState, solver::Stopping, solver::Termination, geometric::Ccd, geometric::Elbow, geometric::Fabrik,
+    solver::Stopping, solver::Termination, geometric::Ccd, geometric::Elbow, geometric::Fabrik,
     geometric::TwoBone, task::Camera, task::Distance, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::Pose, task::Posture,
     task::Quantity, task::Ray, task::Role, task::Rows, task::Smoothness,
-    task::Within<task::Point>,
     arm::ArmBuilder<'static>, arm::Goal, arm::Jump, arm::ServoStatus, arm::Track,
     lanes::Chain, lanes::LaneOptions,
 }

@@ -1,14 +1,13 @@
 //! Searches that compare solutions: the nearest, and several that differ.
 
-use std::time::Instant;
-
+use super::QueryError;
+use super::answer::Query;
 use super::options::Search;
 use super::query::Arm;
-use super::report::Reply;
-use super::workspace::Workspace;
-use super::{QueryError, workspace::Errors};
+use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
 use crate::lanes::{self, Outcome};
+use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
@@ -36,26 +35,20 @@ impl Arm {
         };
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &target, start)?;
-        let deadline = self.deadline();
+        let query = self.query(&target, start);
         self.with_workspace(|workspace| {
             workspace.aim(&target);
             self.open_window(workspace, start);
-            let ended = self.gather(workspace, &target, start, deadline);
+            let ended = self.gather(workspace, &query);
             self.distinct(workspace, k, distance, ended)
         })
     }
 
     /// Runs attempts and sorts those that reach by their distance from the start. Whether all were
     /// run, or the clock cut them short.
-    pub(super) fn gather(
-        &self,
-        workspace: &mut Workspace,
-        target: &Placement<f64>,
-        start: &[f64],
-        deadline: Option<Instant>,
-    ) -> Termination {
+    pub(super) fn gather(&self, workspace: &mut Workspace, query: &Query<'_>) -> Termination {
         let n = self.joint_count();
-        let wanted = self.attempts_at(target);
+        let wanted = self.attempts_at(query.target);
         let budget = self
             .options
             .iterations
@@ -65,20 +58,15 @@ impl Arm {
         let mut first = 0;
         while first < wanted && spent(&workspace.outcomes) < budget {
             let count = GROUP.min(wanted - first);
-            match &self.lanes {
-                None => self.attempts_by_core(workspace, start, first, count, deadline),
+            match self.lanes_within(&workspace.windowed) {
+                None => self.attempts_by_core(workspace, query, first, count),
                 Some(lanes) => {
-                    let windowed = workspace.windowed.as_ref();
-                    let lanes = match windowed {
-                        Some(windowed) if self.options.max_move.is_some() => windowed,
-                        _ => lanes,
-                    };
                     let end = (first + count) as usize;
                     workspace.found.resize(end * n, 0.0);
                     workspace.outcomes.resize(end, Outcome::default());
                     lanes.run_attempts_checked(
-                        target,
-                        start,
+                        query.target,
+                        query.start,
                         lanes::Search::Start,
                         first,
                         &mut workspace.found[first as usize * n..],
@@ -87,7 +75,7 @@ impl Arm {
                 }
             }
             first += count;
-            if deadline.is_some_and(|at| Instant::now() >= at) {
+            if query.is_late() {
                 break;
             }
         }
@@ -104,7 +92,7 @@ impl Arm {
         workspace
             .order
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if deadline.is_some_and(|at| Instant::now() >= at) && first < wanted {
+        if query.is_late() && first < wanted {
             Termination::TimeLimit
         } else {
             Termination::Reached
@@ -116,14 +104,19 @@ impl Arm {
     pub(super) fn nearest(
         &self,
         workspace: &mut Workspace,
-        mut ended: Termination,
-        deadline: Option<Instant>,
-    ) -> Reply {
+        query: &Query<'_>,
+        ended: Termination,
+    ) -> Found {
         let n = self.joint_count();
-        let (iterations, attempts) = (spent(&workspace.outcomes), workspace.outcomes.len());
+        let mut found = Found {
+            termination: ended,
+            iterations: spent(&workspace.outcomes),
+            attempts: workspace.outcomes.len(),
+            ..Found::default()
+        };
         let Some(&(_, place)) = workspace.order.first() else {
             // None reached: the start's own end, and the best of all.
-            let cost = |o: &Outcome| self.cost(o.position_error, o.orientation_error);
+            let cost = |outcome: &Outcome| self.cost(Errors::of(outcome));
             let costs = workspace.outcomes.iter().map(cost).enumerate();
             let best = costs
                 .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -132,18 +125,14 @@ impl Arm {
             workspace
                 .best
                 .copy_from_slice(&workspace.found[best * n..(best + 1) * n]);
-            return Reply {
-                errors: workspace.judge_x(),
-                termination: ended,
-                iterations,
-                attempts,
-                winner: Some(best as u32),
-            };
+            found.number = best;
+            self.judge(workspace, &mut found);
+            return found;
         };
         workspace
             .x
             .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
-        let mut winner = place;
+        found.number = place;
         let goal = self.options.goal;
         if n > goal.rows() || goal.has_room() {
             let mut best = f64::INFINITY;
@@ -151,32 +140,27 @@ impl Arm {
             let reference = std::mem::take(&mut workspace.start);
             let refined = workspace.order.len().min(REFINED);
             for turn in 0..refined {
-                if turn > 0 && deadline.is_some_and(|at| Instant::now() >= at) {
-                    ended = Termination::TimeLimit;
+                if turn > 0 && query.is_late() {
+                    found.termination = Termination::TimeLimit;
                     break;
                 }
                 let place = workspace.order[turn].1;
                 workspace
                     .x
                     .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
-                self.descend(workspace, &reference, deadline);
+                self.descend(workspace, &reference, query.deadline);
                 let distance = self.distance(&workspace.x, &reference);
                 if distance < best {
                     best = distance;
-                    winner = place;
+                    found.number = place;
                     workspace.best.copy_from_slice(&workspace.x);
                 }
             }
             workspace.start = reference;
             workspace.x.copy_from_slice(&workspace.best);
         }
-        Reply {
-            errors: workspace.judge_x(),
-            termination: ended,
-            iterations,
-            attempts,
-            winner: Some(winner as u32),
-        }
+        self.judge(workspace, &mut found);
+        found
     }
 
     /// Of the solutions gathered, the first k that are far enough from those before. `ended` says
@@ -203,18 +187,11 @@ impl Arm {
             let outcome = &workspace.outcomes[place];
             let mut solution = Solution::default();
             solution.q.extend_from_slice(q);
-            let reply = Reply {
-                errors: Errors {
-                    position: outcome.position_error,
-                    orientation: outcome.orientation_error,
-                    reached: true,
-                },
+            let found = Found {
                 termination: ended,
-                iterations: outcome.iterations as usize,
-                attempts: 1,
-                winner: outcome.winner,
+                ..self.found_by(outcome)
             };
-            self.report(&reply, &mut solution);
+            self.tell(&found, Errors::of(outcome), &mut solution);
             chosen.push(solution);
         }
         chosen

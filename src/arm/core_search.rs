@@ -1,17 +1,18 @@
 //! The way of chains that the lane engine cannot express: the core's solver on the same problem.
 
 use std::f64::consts::TAU;
-use std::time::Instant;
 
+use super::answer::Query;
 use super::query::Arm;
-use super::report::Reply;
 use super::seed_table::SeedTable;
-use super::workspace::{Errors, Workspace};
+use super::workspace::{Workspace, stopping};
 use crate::ik::Restarts;
 use crate::lanes::{Outcome, reduced};
 use crate::model::JointKind;
+use crate::problem::Share;
 use crate::random::RandomStream;
-use crate::solver::{Stopping, Termination};
+use crate::search::{Found, Schedule, run};
+use crate::solver::{LevenbergMarquardt, Silent, Stopping};
 
 /// Attempts from the start and beside it before seeds are looked up.
 const OWN: usize = 2;
@@ -27,102 +28,73 @@ const AGREEING: usize = 10;
 const STEPS: usize = 2500;
 
 impl Arm {
-    /// The core's search from the workspace's start, into the workspace's x: the start's own attempts,
-    /// then the seeds whose tool stands nearest to the target, then random ones.
-    pub(super) fn search_by_core(
-        &self,
-        workspace: &mut Workspace,
-        start: &[f64],
-        deadline: Option<Instant>,
-    ) -> Reply {
-        let attempts = self.attempts_at(&workspace.target()) as usize;
-        let mut reply = self.restarts_by_core(workspace, start, attempts.min(OWN), deadline);
+    /// The core's search from the workspace's start: the start's own attempts, then the seeds whose tool
+    /// stands nearest to the target, then random ones. Where one reaches, that is in the workspace's x;
+    /// else the start is, and the best of all in its best.
+    pub(super) fn search_by_core(&self, workspace: &mut Workspace, query: &Query<'_>) -> Found {
+        let attempts = self.attempts_at(query.target) as usize;
+        let mut found = self.restart(workspace, query, attempts.min(OWN));
         // Where moves are bounded, seeds from all over the limits are far outside.
         let everywhere = self.options.max_move.is_none();
         for seeded in [true, false] {
-            let late = deadline.is_some_and(|at| Instant::now() >= at);
-            let left = attempts.saturating_sub(reply.attempts);
-            if reply.errors.reached || late || left == 0 || seeded && !everywhere {
+            let left = attempts.saturating_sub(found.attempts);
+            if found.reached || query.is_late() || left == 0 || seeded && !everywhere {
                 continue;
             }
             workspace.best.copy_from_slice(&workspace.x);
             let more = match seeded {
-                true => self.seeds_by_core(workspace, start, left.min(SEEDS), deadline),
-                false => self.restarts_by_core(workspace, start, left, deadline),
+                true => self.try_seeds(workspace, query, left.min(SEEDS)),
+                false => self.restart(workspace, query, left),
             };
-            let lower =
-                more.errors.reached || self.cost_of(more.errors) < self.cost_of(reply.errors);
-            let spent = (reply.iterations, reply.attempts);
-            if lower {
-                let winner = more.winner.unwrap_or(0) as usize + spent.1;
-                reply = more;
-                reply.winner = u32::try_from(winner).ok();
-            } else {
+            if !found.go_on_with(&more) {
                 workspace.x.copy_from_slice(&workspace.best);
-                (reply.iterations, reply.attempts) = (more.iterations, more.attempts);
             }
-            reply.iterations += spent.0;
-            reply.attempts += spent.1;
         }
-        reply
+        if !found.reached {
+            workspace.best.copy_from_slice(&workspace.x);
+            workspace.x.copy_from_slice(&workspace.start);
+        }
+        found
     }
 
     /// An attempt from each of the nearest seeds, until one reaches; the best is in x.
-    fn seeds_by_core(
-        &self,
-        workspace: &mut Workspace,
-        start: &[f64],
-        most: usize,
-        deadline: Option<Instant>,
-    ) -> Reply {
+    fn try_seeds(&self, workspace: &mut Workspace, query: &Query<'_>, most: usize) -> Found {
         self.look_up_seeds(workspace, most);
-        let rows = std::mem::take(&mut workspace.rows);
-        let mut best: Option<Reply> = None;
-        let (mut iterations, mut attempts) = (0, 0);
-        for &(_, row) in &rows {
+        let mut found = Found::default();
+        for turn in 0..workspace.rows.len() {
             if let Some(table) = self.seeds.get() {
+                let (_, row) = workspace.rows[turn];
                 workspace.x.copy_from_slice(table.seed(row));
             }
-            let (termination, steps) = workspace.settle_within(Some(PATIENCE), deadline);
-            self.unwrap_towards(start, workspace);
-            let reply = Reply {
-                errors: workspace.judge_x(),
-                termination,
-                iterations: 0,
-                attempts: 0,
-                winner: Some(attempts),
-            };
-            iterations += steps;
-            attempts += 1;
-            let lower = |best: &Reply| self.cost_of(reply.errors) < self.cost_of(best.errors);
-            if reply.errors.reached || best.as_ref().is_none_or(lower) {
+            let patient = stopping().with_patience(Some(PATIENCE));
+            if found.go_on_with(&self.attempt_by_core(workspace, query, &patient)) {
                 workspace.trial.copy_from_slice(&workspace.x);
-                best = Some(reply);
             }
-            let late = deadline.is_some_and(|at| Instant::now() >= at);
-            if reply.errors.reached || late {
+            if found.reached || query.is_late() {
                 break;
             }
         }
-        workspace.rows = rows;
-        let Workspace { x, trial, .. } = workspace;
-        x.copy_from_slice(trial);
-        let best = best.unwrap_or(Reply {
-            errors: Errors {
-                position: f64::INFINITY,
-                orientation: f64::INFINITY,
-                reached: false,
-            },
-            termination: Termination::NonFinite,
-            iterations: 0,
-            attempts: 0,
-            winner: None,
-        });
-        Reply {
+        workspace.x.copy_from_slice(&workspace.trial);
+        found
+    }
+
+    /// One attempt from the workspace's x, which is then where it ended.
+    fn attempt_by_core(
+        &self,
+        workspace: &mut Workspace,
+        query: &Query<'_>,
+        stopping: &Stopping,
+    ) -> Found {
+        let (termination, iterations) = workspace.settle_within(stopping, query.deadline);
+        self.unwrap_towards(query.start, workspace);
+        let mut found = Found {
+            termination,
             iterations,
-            attempts: attempts as usize,
-            ..best
-        }
+            attempts: 1,
+            ..Found::default()
+        };
+        self.judge(workspace, &mut found);
+        found
     }
 
     /// Writes the rows of the seeds nearest to the target into the workspace's.
@@ -143,18 +115,7 @@ impl Arm {
     }
 
     /// Attempts from the workspace's start, beside it and anywhere, into the workspace's x.
-    fn restarts_by_core(
-        &self,
-        workspace: &mut Workspace,
-        start: &[f64],
-        attempts: usize,
-        deadline: Option<Instant>,
-    ) -> Reply {
-        let mut stopping = Stopping::default();
-        if let Some(deadline) = deadline {
-            let left = deadline.saturating_duration_since(Instant::now());
-            stopping = stopping.with_time_limit(left);
-        }
+    fn restart(&self, workspace: &mut Workspace, query: &Query<'_>, attempts: usize) -> Found {
         let options = &self.options;
         let (steps, agreeing) = match (options.iterations, options.attempts_asked) {
             (Some(steps), true) => (steps as usize, usize::MAX),
@@ -167,32 +128,28 @@ impl Arm {
             .with_steps(steps)
             .with_agreeing(agreeing)
             .with_seed(options.seed);
-        let solver = workspace
-            .solver
-            .clone()
-            .with_stopping(stopping)
-            .with_restarts(restarts);
-        self.serial.map.expand(&workspace.start, &mut workspace.q);
-        let answer = solver.solve(workspace.question.ask(), &workspace.q, &mut workspace.core);
-        // The start is finite and of the right length, which is all a solver can object to.
-        let (iterations, attempts, termination) = match answer {
-            Ok(solution) => {
-                self.serial.map.reduce(&solution.q, &mut workspace.x);
-                (solution.iterations, solution.attempts, solution.termination)
-            }
-            Err(_) => {
-                workspace.x.copy_from_slice(&workspace.start);
-                (0, 0, Termination::NonFinite)
-            }
-        };
-        self.unwrap_towards(start, workspace);
-        Reply {
-            errors: workspace.judge_x(),
-            termination,
-            iterations,
-            attempts,
-            winner: u32::try_from(attempts.saturating_sub(1)).ok(),
-        }
+        let schedule = Schedule::of_searches(restarts, Stopping::default(), false);
+        // Taken out and put back, so that nothing is allocated.
+        let mut search = std::mem::take(&mut workspace.search);
+        let question = workspace.question.ask();
+        search.fit(question, Share::All);
+        search.start.copy_from_slice(&workspace.start);
+        let (method, mut silent) = (LevenbergMarquardt::default(), Silent);
+        let mut engine = workspace.engine(&method, query.deadline, &mut silent);
+        let question = engine.question;
+        let mut found = run(
+            question,
+            Share::All,
+            &schedule,
+            query.deadline,
+            &mut engine,
+            &mut search,
+        );
+        workspace.x.copy_from_slice(&search.keeper.x);
+        workspace.search = search;
+        self.unwrap_towards(query.start, workspace);
+        self.judge(workspace, &mut found);
+        found
     }
 
     /// Attempts `first`, `first + 1`, … of the core's solver, one an outcome, appended to the
@@ -200,10 +157,9 @@ impl Arm {
     pub(super) fn attempts_by_core(
         &self,
         workspace: &mut Workspace,
-        start: &[f64],
+        query: &Query<'_>,
         first: u32,
         count: u32,
-        deadline: Option<Instant>,
     ) {
         self.look_up_seeds(workspace, SEEDS.min((first + count) as usize));
         for attempt in first..first + count {
@@ -217,25 +173,21 @@ impl Arm {
                 workspace.x.copy_from_slice(table.seed(*row));
             } else if attempt > 0 {
                 let mut random = RandomStream::new(self.options.seed, u64::from(attempt));
+                let question = workspace.question.ask();
                 for (i, value) in workspace.x.iter_mut().enumerate() {
-                    let (low, high) = workspace
-                        .question
-                        .ask()
-                        .sampling_range(i, workspace.start[i]);
+                    let (low, high) = question.sampling_range(i, workspace.start[i]);
                     *value = low + (high - low) * random.unit();
                 }
             }
-            let (_, iterations) = workspace.settle(deadline);
-            self.unwrap_towards(start, workspace);
-            let errors = workspace.judge_x();
+            let found = self.attempt_by_core(workspace, query, &stopping());
             workspace.found.extend_from_slice(&workspace.x);
             workspace.outcomes.push(Outcome {
-                reached: errors.reached,
-                position_error: errors.position,
-                orientation_error: errors.orientation,
-                iterations: u32::try_from(iterations).unwrap_or(u32::MAX),
+                reached: found.reached,
+                position_error: workspace.errors.position,
+                orientation_error: workspace.errors.orientation,
+                iterations: u32::try_from(found.iterations).unwrap_or(u32::MAX),
                 attempts: 1,
-                winner: errors.reached.then_some(attempt),
+                winner: found.reached.then_some(attempt),
             });
         }
     }
