@@ -40,6 +40,7 @@ pub struct Arm {
     /// them.
     pub(super) seeds: OnceLock<SeedTable>,
     /// Memory of the slower ways, taken out while one is under way.
+    #[allow(clippy::vec_box, reason = "kilobytes, moved twice a question")]
     workspaces: Mutex<Vec<Box<Workspace>>>,
 }
 
