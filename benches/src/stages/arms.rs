@@ -67,8 +67,8 @@ fn track() -> Result<Run, Box<dyn Error>> {
 fn out_of_reach() -> Result<Run, Box<dyn Error>> {
     let arm = panda()?;
     let start = wave(&arm, 0);
-    let path = (1..=STEPS).map(|step| arm.base_from_tool(&wave(&arm, step)));
-    let path = path
+    let places = (1..=QUESTIONS).map(|k| arm.base_from_tool(&wave(&arm, k * STEPS / QUESTIONS)));
+    let path = places
         .map(|place| place.map(|place| Placement::new(place.rotation, place.translation * 5.0)));
     let path: Vec<Placement<f64>> = path.collect::<Result<_, _>>()?;
     let mut solution = Solution::default();
