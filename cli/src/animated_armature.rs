@@ -155,19 +155,12 @@ impl AnimatedArmature {
             [] => self.armature.names(),
             names => names,
         };
-        let at = |name: &str| -> Result<Placement<f64>, UnknownName> {
+        let report = FrameReport::new(names, base, |name| {
             let bone = self.armature.bone(name)?.index();
             let placement = placements.get(bone).copied();
-            Ok(placement.unwrap_or_else(Placement::identity))
-        };
-        let base_from_model = base.map(at).transpose()?.map(Placement::inverse);
-        let placed = names.iter().map(|name| {
-            let placement = at(name)?;
-            let placement = base_from_model.map_or(placement, |base| base * placement);
-            Ok((name.clone(), placement))
+            Ok((placement.unwrap_or_else(Placement::identity), None))
         });
-        let placed: Result<Vec<_>, UnknownName> = placed.collect();
-        Ok(FrameReport::of_placements(placed?))
+        report.map_err(|unknown: UnknownName| unknown.into())
     }
 
     /// The length across a scene's meshes at rest, or without any across all bones, in the file's

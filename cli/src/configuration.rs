@@ -34,17 +34,26 @@ impl LoadedModel {
         option: &str,
     ) -> Outcome<Vec<f64>> {
         self.check_length(numbers, option)?;
-        Ok(self.in_radians(numbers.to_vec(), degrees))
+        Ok(self.in_radians(numbers, degrees))
     }
 
     /// A configuration whose angles may be in degrees, in radians.
-    pub(crate) fn in_radians(&self, mut numbers: Vec<f64>, degrees: bool) -> Vec<f64> {
-        for (number, is_angle) in numbers.iter_mut().zip(self.is_angle()) {
-            if degrees && is_angle {
-                *number = number.to_radians();
-            }
-        }
-        numbers
+    fn in_radians(&self, numbers: &[f64], degrees: bool) -> Vec<f64> {
+        self.convert_angles(numbers, degrees, f64::to_radians)
+    }
+
+    /// A configuration in radians as it is shown: its angles in degrees where that is asked for.
+    pub(crate) fn shown(&self, q: &[f64], degrees: bool) -> Vec<f64> {
+        self.convert_angles(q, degrees, f64::to_degrees)
+    }
+
+    fn convert_angles(&self, q: &[f64], degrees: bool, convert: fn(f64) -> f64) -> Vec<f64> {
+        let numbers = q.iter().zip(self.is_angle());
+        let converted = numbers.map(|(&number, is_angle)| match degrees && is_angle {
+            true => convert(number),
+            false => number,
+        });
+        converted.collect()
     }
 
     /// A configuration out of a JSON file, in radians.

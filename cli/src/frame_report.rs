@@ -37,36 +37,35 @@ fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
     quaternion.map(|c| if w < 0.0 { -c + 0.0 } else { c + 0.0 })
 }
 
-impl FramePlacement {
-    pub(crate) fn of(placement: &Placement<f64>) -> Self {
-        Self {
-            position: placement.translation.to_array(),
-            quaternion: quaternion(placement),
-            tail: None,
-            tip: None,
-        }
-    }
-
-    /// With the tail and the tip of the bone whose frame it is.
-    pub(crate) fn with_ends(self, ends: Option<[[f64; 3]; 2]>) -> Self {
-        Self {
-            tail: ends.map(|[tail, _]| tail),
-            tip: ends.map(|[_, tip]| tip),
-            ..self
-        }
-    }
-}
+/// Where a frame stands, and of a bone's its tail and tip.
+pub(crate) type Placed = (Placement<f64>, Option<[Placement<f64>; 2]>);
 
 impl FrameReport {
-    pub(crate) fn new(frames: Vec<(String, FramePlacement)>) -> Self {
-        Self(frames)
-    }
-
-    /// Frames without ends.
-    pub(crate) fn of_placements(frames: Vec<(String, Placement<f64>)>) -> Self {
-        let frames = frames.into_iter();
-        let placed = frames.map(|(name, placement)| (name, FramePlacement::of(&placement)));
-        Self(placed.collect())
+    /// The named frames where `placed` says that they stand, told in the world or in the frame `base`.
+    pub(crate) fn new<E>(
+        names: &[String],
+        base: Option<&str>,
+        placed: impl Fn(&str) -> Result<Placed, E>,
+    ) -> Result<Self, E> {
+        let base = base.map(&placed).transpose()?;
+        let base_from_world = base.map(|(placement, _)| placement.inverse());
+        let in_base = |placement| match base_from_world {
+            Some(base_from_world) => base_from_world * placement,
+            None => placement,
+        };
+        let frames = names.iter().map(|name| {
+            let (placement, ends) = placed(name)?;
+            let placement = in_base(placement);
+            let ends = ends.map(|ends| ends.map(|end| in_base(end).translation.to_array()));
+            let placement = FramePlacement {
+                position: placement.translation.to_array(),
+                quaternion: quaternion(&placement),
+                tail: ends.map(|[tail, _]| tail),
+                tip: ends.map(|[_, tip]| tip),
+            };
+            Ok((name.clone(), placement))
+        });
+        Ok(Self(frames.collect::<Result<_, E>>()?))
     }
 
     /// An aligned table.

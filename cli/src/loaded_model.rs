@@ -12,7 +12,6 @@ use kinopt::skeleton::{BoneId, Skeleton};
 
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
-use crate::held_joints::HeldJoints;
 use crate::output;
 use crate::robot_options::RobotOptions;
 
@@ -44,6 +43,16 @@ pub(crate) struct LoadedModel {
     pub(crate) held: Option<Box<HeldJoints>>,
     /// A frame and the tool on it, which targets for the frame are for.
     pub(crate) tool: Option<(FrameId, FrameId)>,
+}
+
+/// The joints that a command holds.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldJoints {
+    /// Joints, each at a value in radians or metres.
+    pub(crate) locked: Vec<(JointId, f64)>,
+    /// The joints that alone may move, and a configuration that holds the others.
+    pub(crate) only: Option<(Vec<JointId>, Vec<f64>)>,
+    pub(crate) map: ParameterMap,
 }
 
 /// The bones of motion capture, at rest as the model is.
@@ -321,9 +330,14 @@ impl LoadedModel {
         self.leaders(&self.parameters())
     }
 
+    /// Which coordinates of a configuration a solver may change or the command holds.
+    pub(crate) fn leading_coordinates(&self) -> Vec<bool> {
+        self.leaders(&self.own_parameters())
+    }
+
     /// Which coordinates of a configuration would be free were they not held.
     pub(crate) fn held_coordinates(&self) -> Vec<bool> {
-        let own = self.leaders(&self.own_parameters()).into_iter();
+        let own = self.leading_coordinates().into_iter();
         let free = self.free_coordinates();
         own.zip(free).map(|(own, free)| own && !free).collect()
     }

@@ -15,7 +15,6 @@ mod failure;
 mod fk;
 mod frame_name;
 mod frame_report;
-mod held_joints;
 mod help_headings;
 mod info;
 mod interpolation_choice;

@@ -99,20 +99,10 @@ impl LoadedModel {
     /// some, and one with weights others where that is asked for, which is said.
     pub(crate) fn skin(&self, choice: Option<WeightsChoice>) -> Outcome<Skin<'_>> {
         let (file, kind) = (&self.file, self.kind());
-        let lacks = || {
-            Failure::new(format!(
-                "{file}: --out needs a mesh, and the {kind} has none"
-            ))
-        };
+        let lacks = || lacks_mesh(file, kind);
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
-        if let Some(scene) = self.scene.as_deref() {
-            if scene.meshes.is_empty() {
-                return Err(lacks());
-            }
-            if choice.is_some() {
-                let problem = format!("{file}: --skin-weights is for rigs; a scene has its own");
-                return Err(Failure::usage(problem));
-            }
+        if self.scene.is_some() {
+            let scene = with_meshes(self.scene.as_deref(), (file, kind), choice)?;
             let bridge = PoseBridge::new(&rig.skeleton);
             return Ok(Skin::Scene { scene, bridge });
         }
@@ -140,6 +130,26 @@ impl LoadedModel {
             note,
         })
     }
+}
+
+/// A scene that has meshes, whose weights are its own.
+pub(crate) fn with_meshes<'s>(
+    scene: Option<&'s Scene>,
+    (file, kind): (&str, &str),
+    choice: Option<WeightsChoice>,
+) -> Outcome<&'s Scene> {
+    if choice.is_some() {
+        let problem = format!("{file}: --skin-weights is for rigs; a {kind} has its own");
+        return Err(Failure::usage(problem));
+    }
+    let scene = scene.filter(|scene| !scene.meshes.is_empty());
+    scene.ok_or_else(|| lacks_mesh(file, kind))
+}
+
+fn lacks_mesh(file: &str, kind: &str) -> Failure {
+    Failure::new(format!(
+        "{file}: --out needs a mesh, and the {kind} has none"
+    ))
 }
 
 impl Skin<'_> {

@@ -48,6 +48,17 @@ pub(crate) fn three_digits(value: f64) -> String {
     without_minus_zero(format!("{value:.3}"))
 }
 
+/// A time given in microseconds.
+pub(crate) fn time(micros: f64) -> String {
+    if micros < 1e3 {
+        format!("{micros:.2} µs")
+    } else if micros < 1e6 {
+        format!("{:.2} ms", micros * 1e-3)
+    } else {
+        format!("{:.2} s", micros * 1e-6)
+    }
+}
+
 fn without_minus_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),

@@ -1,5 +1,7 @@
 //! Numbers as people type them: separated by commas, spaces or both.
 
+use std::time::Duration;
+
 /// Numbers beyond this are refused: with its square all that is computed of one is finite.
 pub(crate) const LARGEST: f64 = 1e150;
 
@@ -62,6 +64,15 @@ pub(crate) fn positive(word: &str) -> Result<f64, String> {
         number if number > 0.0 => Ok(number),
         _ => Err(format!("`{word}` is not above 0")),
     }
+}
+
+/// A time limit in milliseconds that a clock can hold: above zero, at most 30 years.
+pub(crate) fn milliseconds(text: &str) -> Result<Duration, String> {
+    let milliseconds = positive(text)?;
+    if milliseconds > 1e12 {
+        return Err(format!("`{text}` is above 1e12 ms"));
+    }
+    Duration::try_from_secs_f64(milliseconds * 1e-3).map_err(|error| error.to_string())
 }
 
 /// One number that is not negative.

@@ -1,6 +1,7 @@
 //! What is printed, and where: results on standard output, everything else on standard error.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -22,6 +23,12 @@ pub(crate) fn result<D: Serialize>(
         ErrorKind::BrokenPipe => Failure::ReaderGone,
         _ => Failure::new(format!("standard output cannot be written: {error}")),
     })
+}
+
+/// Makes a folder to write into, where there is none.
+pub(crate) fn make_folder(path: &Path) -> Outcome<()> {
+    std::fs::create_dir_all(path)
+        .map_err(|error| Failure::new(format!("{}: cannot be made: {error}", path.display())))
 }
 
 /// Tells people something on standard error; a closed one leaves nobody to tell.

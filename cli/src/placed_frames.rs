@@ -5,7 +5,7 @@ use kinopt::model::{FrameId, UnknownName};
 use kinopt::spatial::Placement;
 
 use crate::frame_name::BareName;
-use crate::frame_report::{FramePlacement, FrameReport};
+use crate::frame_report::FrameReport;
 use crate::loaded_model::LoadedModel;
 
 impl LoadedModel {
@@ -17,43 +17,29 @@ impl LoadedModel {
         base: Option<&str>,
         q: &[f64],
     ) -> Result<FrameReport, UnknownName> {
-        let names = match (&self.rig, names) {
-            (Some(rig), []) => rig
+        let all: Vec<String> = match &self.rig {
+            Some(rig) => rig
                 .skeleton
                 .bones()
                 .iter()
                 .map(|b| b.name.clone())
                 .collect(),
-            (None, []) => self.model.frames().iter().map(|f| f.name.clone()).collect(),
-            (_, names) => names.to_vec(),
+            None => self.model.frames().iter().map(|f| f.name.clone()).collect(),
         };
-        let wanted = names
-            .into_iter()
-            .map(|name| Ok((self.frame(&name, BareName::Tail)?, name)))
-            .collect::<Result<Vec<_>, UnknownName>>()?;
-        let base = base
-            .map(|name| self.frame(name, BareName::Tail))
-            .transpose()?;
+        let names = if names.is_empty() { &all } else { names };
         let placements = self.all_frames(q);
-        let world_from_base = base.and_then(|base| placements.get(base.index()));
-        let base_from_world = world_from_base.map(|placement| placement.inverse());
         let at = |frame: FrameId| {
-            let placement = placements.get(frame.index());
-            let placement = placement.copied().unwrap_or_else(Placement::identity);
-            match base_from_world {
-                Some(base_from_world) => base_from_world * placement,
-                None => placement,
-            }
+            let placement = placements.get(frame.index()).copied();
+            placement.unwrap_or_else(Placement::identity)
         };
-        let report = wanted.into_iter().map(|(frame, name)| {
+        FrameReport::new(names, base, |name| {
+            let frame = self.frame(name, BareName::Tail)?;
             let ends = self.rig.as_ref().and_then(|rig| {
                 let (bone, _) = rig.skeleton.bone_of_frame(frame)?;
-                Some([rig.skeleton.tail(bone), rig.skeleton.tip(bone)])
+                Some([rig.skeleton.tail(bone), rig.skeleton.tip(bone)].map(at))
             });
-            let ends = ends.map(|ends| ends.map(|end| at(end).translation.to_array()));
-            (name, FramePlacement::of(&at(frame)).with_ends(ends))
-        });
-        Ok(FrameReport::new(report.collect()))
+            Ok((at(frame), ends))
+        })
     }
 
     /// world_from_frame of every frame of the model, by index; none for a `q` of the wrong length,

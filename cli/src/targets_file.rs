@@ -6,7 +6,9 @@ use kinopt::spatial::Placement;
 use serde_json::{Map, Value};
 
 use crate::failure::{Failure, Outcome};
+use crate::joint_columns::JointColumns;
 use crate::json_file;
+use crate::loaded_model::LoadedModel;
 use crate::number_list::LARGEST;
 use crate::target::placement;
 
@@ -18,8 +20,8 @@ pub(crate) struct TargetsFile {
     /// Whether the targets have orientations.
     pub(crate) turns: bool,
     /// One row a target, all of one length.
-    pub(crate) starts: Option<Vec<Vec<f64>>>,
-    pub(crate) joint_names: Option<Vec<String>>,
+    starts: Option<Vec<Vec<f64>>>,
+    joint_names: Option<Vec<String>>,
     pub(crate) tip_link: Option<String>,
     pub(crate) base_link: Option<String>,
 }
@@ -29,6 +31,41 @@ impl TargetsFile {
         let value = json_file::read(path)?;
         let file = Self::of_value(&value);
         file.map_err(|problem| Failure::new(format!("{}: {problem}", path.display())))
+    }
+
+    /// The configurations that the starts are: of all moving joints, of those that are named, or of the
+    /// free ones from base to tip.
+    pub(crate) fn starts(
+        &self,
+        loaded: &LoadedModel,
+        base_to_tip: Option<&JointColumns>,
+    ) -> Result<Option<Vec<Vec<f64>>>, String> {
+        let Some(rows) = &self.starts else {
+            return Ok(None);
+        };
+        let width = rows.first().map_or(0, Vec::len);
+        let all = loaded.model.degrees_of_freedom();
+        let columns = match (&self.joint_names, base_to_tip) {
+            (Some(names), _) => {
+                let columns = loaded.joint_columns(names);
+                columns.map_err(|problem| format!("joint_names: {problem}"))?
+            }
+            (None, _) if width == all => loaded.columns_of((0..all).collect()),
+            (None, Some(columns)) if columns.width() == width => columns.clone(),
+            (None, columns) => {
+                let or_arm = columns.map_or_else(String::new, |columns| {
+                    let (count, names) = (columns.width(), columns.names(loaded));
+                    format!(", or {count} from base to tip: {}", names.join(", "))
+                });
+                return Err(format!(
+                    "starts[0]: has {width} numbers; without joint_names there are {all} for all \
+                     moving joints{or_arm}"
+                ));
+            }
+        };
+        Ok(Some(
+            rows.iter().map(|row| columns.configuration(row)).collect(),
+        ))
     }
 
     fn of_value(value: &Value) -> Result<Self, String> {

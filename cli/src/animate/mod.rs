@@ -2,7 +2,7 @@
 
 mod frames;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 use kinopt::animation::Playback;
@@ -17,7 +17,7 @@ use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::InterpolationChoice;
 use crate::loaded_model::LoadedModel;
-use crate::mesh_output::{MeshFile, MeshFormat};
+use crate::mesh_output::{self, MeshFile, MeshFormat};
 use crate::robot_options::RobotOptions;
 use crate::weights_choice::WeightsChoice;
 use crate::{number_list, output, skinning_choice};
@@ -144,17 +144,8 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
         );
         return Err(Failure::usage(problem));
     }
-    if arguments.skin_weights.is_some() {
-        let problem = format!("{file}: --skin-weights is for rigs; a {kind} has its own");
-        return Err(Failure::usage(problem));
-    }
     let scene = animated.scene.as_deref();
-    let scene = scene
-        .filter(|scene| !scene.meshes.is_empty())
-        .ok_or_else(|| {
-            let problem = format!("{file}: --out needs a mesh, and the {kind} has none");
-            Failure::new(problem)
-        })?;
+    let scene = mesh_output::with_meshes(scene, (file, kind), arguments.skin_weights)?;
     let clip = animated.clip(arguments.clip.as_deref())?;
     let mut posing = ScenePosing::new(scene, arguments.skinning)?;
     let span = clip.span().map(f64::from);
@@ -221,17 +212,12 @@ fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>>
         arguments.to.unwrap_or(end),
     )?;
     let format = arguments.format.unwrap_or(MeshFormat::Obj);
-    make_folder(out)?;
+    output::make_folder(out)?;
     let named = frames.iter().map(|(stem, time)| {
         let file = MeshFile::within(out, &stem, format);
         (time, file)
     });
     Ok(named.collect())
-}
-
-fn make_folder(path: &Path) -> Outcome<()> {
-    std::fs::create_dir_all(path)
-        .map_err(|error| Failure::new(format!("{}: cannot be made: {error}", path.display())))
 }
 
 fn text(files: &[(f64, MeshFile)], vertices: usize) -> String {

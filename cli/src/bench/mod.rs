@@ -28,12 +28,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         )));
     }
     // Before the work, not after it.
-    std::fs::create_dir_all(&arguments.out).map_err(|error| {
-        Failure::new(format!(
-            "{}: cannot be made: {error}",
-            arguments.out.display()
-        ))
-    })?;
+    output::make_folder(&arguments.out)?;
     let mut bench = Bench::new(&set, arguments.budget()).with_chosen(arguments.problem);
     let wanted = contenders::all().into_iter();
     bench.extend(wanted.filter(|solver| arguments.wants(solver.name())));

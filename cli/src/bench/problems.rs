@@ -111,21 +111,10 @@ fn file_starts(
     file: &TargetsFile,
     set: &ProblemSet,
 ) -> Result<Vec<Vec<f64>>, String> {
-    if let (Some(rows), None) = (&file.starts, arguments.start) {
-        let columns = match &file.joint_names {
-            Some(names) => loaded.joint_columns(names),
-            None => Ok(loaded.columns_of((0..loaded.model.degrees_of_freedom()).collect())),
-        };
-        let columns = columns.map_err(|problem| format!("joint_names: {problem}"))?;
-        let width = rows.first().map_or(0, Vec::len);
-        if width != columns.width() {
-            return Err(format!(
-                "starts[0]: has {width} numbers; without joint_names there are {} for all moving \
-                 joints",
-                columns.width()
-            ));
+    if arguments.start.is_none() {
+        if let Some(starts) = file.starts(loaded, None)? {
+            return Ok(starts);
         }
-        return Ok(rows.iter().map(|row| columns.configuration(row)).collect());
     }
     let seed = |index: usize| arguments.rng_seed.wrapping_add(index as u64);
     let start = |index| match starts(loaded, arguments) {

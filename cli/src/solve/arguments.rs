@@ -221,7 +221,7 @@ pub(crate) struct Arguments {
     ///
     /// Default: no limit. For each target of its own. Results then depend on the machine. The clock runs while solving,
     /// not while reading files.
-    #[arg(long, value_name = "MS", value_parser = milliseconds, help_heading = LIMITS)]
+    #[arg(long, value_name = "MS", value_parser = number_list::milliseconds, help_heading = LIMITS)]
     pub(super) time_limit: Option<Duration>,
 
     /// What counts as reached, in metres and radians.
@@ -266,13 +266,4 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     pub(super) robot: RobotOptions,
-}
-
-/// A time limit that a clock can hold: above zero, at most 30 years.
-fn milliseconds(text: &str) -> Result<Duration, String> {
-    let milliseconds = number_list::positive(text)?;
-    if milliseconds > 1e12 {
-        return Err(format!("`{text}` is above 1e12 ms"));
-    }
-    Duration::try_from_secs_f64(milliseconds * 1e-3).map_err(|error| error.to_string())
 }

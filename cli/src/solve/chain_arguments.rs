@@ -7,9 +7,8 @@ use kinopt::spatial::Placement;
 
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::{self, BareName};
-use crate::held_joints::HeldJoints;
 use crate::help_headings::MODEL;
-use crate::loaded_model::LoadedModel;
+use crate::loaded_model::{HeldJoints, LoadedModel};
 use crate::number_list;
 use crate::target;
 
@@ -191,8 +190,8 @@ impl LoadedModel {
     }
 
     /// The frame that a target of this name is for: the tool, where there is one on it.
-    pub(super) fn target_frame(&self, name: &str, bare: BareName) -> Result<FrameId, UnknownName> {
-        let frame = self.frame(name, bare)?;
+    pub(super) fn target_frame(&self, name: &str) -> Result<FrameId, UnknownName> {
+        let frame = self.frame(name, BareName::Tip)?;
         Ok(match self.tool {
             Some((on, tool)) if on == frame => tool,
             _ => frame,

@@ -13,9 +13,9 @@ use kinopt::{Problem, Workspace};
 use super::arguments::Arguments;
 use super::backend::{QueryBackend, microseconds};
 use super::base::{Base, TargetTask};
-use super::figure::Finder;
 use super::goals::Goals;
 use super::held::Held;
+use super::pose_finder::PoseFinder;
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use super::weights::Weights;
 use crate::failure::Outcome;
@@ -27,7 +27,7 @@ pub(super) struct GeneralBackend<'a> {
     loaded: &'a LoadedModel,
     arguments: &'a Arguments,
     goals: &'a Goals<'a>,
-    finder: Finder,
+    finder: PoseFinder,
     base: Base,
     /// Those with targets, then those with rays.
     frames: Vec<FrameId>,
@@ -40,12 +40,12 @@ pub(super) struct GeneralBackend<'a> {
 /// The memory of one thread.
 #[derive(Default)]
 pub(super) struct GeneralWorkspace {
-    stated: Option<Stated>,
+    statement: Option<Statement>,
     solver: Workspace,
 }
 
 /// The problem as it is for one start, and a body there.
-struct Stated {
+struct Statement {
     body: Drag,
     targets: Vec<TargetTask>,
     held: Vec<(FrameId, TaskId<Point>)>,
@@ -69,13 +69,13 @@ impl<'a> GeneralBackend<'a> {
             TaskName { frame, held }
         });
         let tasks = tasks.collect();
-        let felt = frames.iter().copied().chain(base.moving_frame());
-        let idle = loaded.idle_coordinates(felt);
+        let moved = frames.iter().copied().chain(base.moving_frame());
+        let idle = loaded.idle_coordinates(moved);
         Ok(Self {
             loaded,
             arguments,
             goals,
-            finder: Finder::new(loaded, arguments),
+            finder: PoseFinder::new(loaded, arguments),
             base,
             frames,
             held,
@@ -87,7 +87,7 @@ impl<'a> GeneralBackend<'a> {
 
     /// The problem for queries that start at `start`, where what is held still stays. Targets and held
     /// tips are aimed anew for every query.
-    fn state(&self, start: &[f64]) -> Outcome<Stated> {
+    fn state(&self, start: &[f64]) -> Outcome<Statement> {
         let mut builder = Problem::builder(&self.loaded.model);
         let (length, angle) = self.arguments.tolerances(self.loaded);
         builder
@@ -120,7 +120,7 @@ impl<'a> GeneralBackend<'a> {
         for posture in self.held.posture(self.loaded, start) {
             builder.add(posture);
         }
-        Ok(Stated {
+        Ok(Statement {
             body: self.finder.body(builder.build()?, start)?,
             targets,
             held,
@@ -129,7 +129,7 @@ impl<'a> GeneralBackend<'a> {
     }
 }
 
-impl Stated {
+impl Statement {
     /// Aims at the targets of a query, and holds tips where its start has them.
     fn aim(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
         for (&task, &target) in self.targets.iter().zip(&query.targets) {
@@ -157,14 +157,14 @@ impl QueryBackend for GeneralBackend<'_> {
         query: &Query,
         observer: &mut dyn Observer,
     ) -> Outcome<Answer> {
-        let kept = workspace.stated.take();
+        let kept = workspace.statement.take();
         let kept = kept.filter(|kept| !self.held.holds_still() || kept.start == query.start);
-        let stated = match kept {
-            Some(stated) => workspace.stated.insert(stated),
-            None => workspace.stated.insert(self.state(&query.start)?),
+        let statement = match kept {
+            Some(statement) => workspace.statement.insert(statement),
+            None => workspace.statement.insert(self.state(&query.start)?),
         };
-        stated.aim(self, query)?;
-        let (body, solver) = (&mut stated.body, &mut workspace.solver);
+        statement.aim(self, query)?;
+        let (body, solver) = (&mut statement.body, &mut workspace.solver);
         self.finder.find(body, &query.start, solver, observer)
     }
 
@@ -173,14 +173,14 @@ impl QueryBackend for GeneralBackend<'_> {
         let Some(first) = queries.first() else {
             return Ok(path);
         };
-        let mut stated = self.state(&first.start)?;
-        stated.aim(self, first)?;
-        let mut body = self.finder.follower(stated.body);
+        let mut statement = self.state(&first.start)?;
+        statement.aim(self, first)?;
+        let mut body = self.finder.follower(statement.body);
         let angles: Vec<bool> = self.loaded.is_angle().collect();
         let joints = self.loaded.joint_names();
         for (step, query) in queries.iter().enumerate() {
             let before = body.q().to_vec();
-            for (&task, &target) in stated.targets.iter().zip(&query.targets) {
+            for (&task, &target) in statement.targets.iter().zip(&query.targets) {
                 self.base.aim(&mut body, task, target)?;
             }
             let started = Instant::now();

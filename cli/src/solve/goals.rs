@@ -8,8 +8,6 @@ use super::arguments::Arguments;
 use super::backend::QueryBackend;
 use super::query::Query;
 use crate::failure::{Failure, Outcome};
-use crate::frame_name::BareName;
-use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::targets_file::TargetsFile;
 
@@ -66,7 +64,7 @@ impl<'a> Goals<'a> {
         let rays = self.arguments.rays.iter().map(|ray| &ray.frame);
         let frames = targets.chain(rays);
         frames
-            .map(|name| Ok((name.clone(), loaded.target_frame(name, BareName::Tip)?)))
+            .map(|name| Ok((name.clone(), loaded.target_frame(name)?)))
             .collect()
     }
 
@@ -100,23 +98,10 @@ impl<'a> Goals<'a> {
                 start: arguments.start(loaded, columns)?,
             }]);
         };
-        let starts = match &file.starts {
+        let fail = |problem| Failure::new(format!("{}: {problem}", path.display()));
+        let starts = match file.starts(loaded, columns.as_ref()).map_err(fail)? {
+            Some(starts) => starts.iter().map(|q| loaded.within_limits(q)).collect(),
             None => vec![arguments.start(loaded, columns)?; file.targets.len()],
-            Some(rows) => {
-                let width = rows.first().map_or(0, Vec::len);
-                let columns = match &file.joint_names {
-                    Some(names) => loaded
-                        .joint_columns(names)
-                        .map_err(|problem| format!("joint_names: {problem}")),
-                    None => columns_of_width(loaded, columns, width),
-                };
-                let columns = columns
-                    .map_err(|problem| Failure::new(format!("{}: {problem}", path.display())))?;
-                let configuration = |row: &Vec<f64>| columns.configuration(row);
-                rows.iter()
-                    .map(|row| loaded.within_limits(&configuration(row)))
-                    .collect()
-            }
         };
         let targets = file.targets.iter().zip(starts);
         Ok(targets
@@ -148,28 +133,4 @@ fn tip<'a>(
         "{}: has no key `tip_link`, so --tip must say which frame the targets are for{listed}",
         path.display(),
     )))
-}
-
-/// What starts without joint names hold: all moving joints, or the free ones from base to tip.
-fn columns_of_width(
-    loaded: &LoadedModel,
-    base_to_tip: Option<JointColumns>,
-    width: usize,
-) -> Result<JointColumns, String> {
-    let all = loaded.model.degrees_of_freedom();
-    if width == all {
-        return Ok(loaded.columns_of((0..all).collect()));
-    }
-    let or_base_to_tip = match base_to_tip {
-        Some(columns) if columns.width() == width => return Ok(columns),
-        Some(columns) => {
-            let (count, names) = (columns.width(), columns.names(loaded));
-            format!(", or {count} from base to tip: {}", names.join(", "))
-        }
-        None => String::new(),
-    };
-    Err(format!(
-        "starts[0]: has {width} numbers; without joint_names there are {all} for all moving \
-         joints{or_base_to_tip}"
-    ))
 }

@@ -6,13 +6,13 @@ mod arm_backend;
 mod backend;
 pub(crate) mod base;
 mod chain_arguments;
-mod figure;
 mod general_backend;
 mod goals;
 mod held;
 mod interval;
 mod many;
 mod out_file;
+mod pose_finder;
 mod query;
 mod report;
 mod settings;
@@ -98,5 +98,5 @@ fn one<B: QueryBackend>(
     if let Some(path) = written {
         output::message(&format!("wrote {}", path.display()));
     }
-    arguments.told_misses(usize::from(!answer.solution.reached), 1)
+    arguments.fail_on_misses(usize::from(!answer.solution.reached), 1)
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::query::{Answer, Settled, TaskName, Way};
 use crate::loaded_model::LoadedModel;
-use crate::number_format::{magnitude, six_digits};
+use crate::number_format::{magnitude, six_digits, time};
 use crate::table::Table;
 
 /// An answer and what was asked.
@@ -97,13 +97,13 @@ impl<'a> Report<'a> {
         let tasks = solution
             .tasks()
             .zip(self.tasks)
-            .map(|(task, asked)| TaskDocument {
+            .map(|(task, own)| TaskDocument {
                 name: task.name,
-                frame: &asked.frame,
+                frame: &own.frame,
                 position_error: task.position_error(),
                 orientation_error: task.orientation_error(),
                 reached: task.reached,
-                held: asked.held,
+                held: own.held,
             });
         let limits = solution.active_limits().map(|limit| LimitDocument {
             joint: limit.joint,
@@ -158,7 +158,7 @@ impl<'a> Report<'a> {
             );
         }
         if let Some(micros) = self.answer.micros {
-            text.push_str(&format!("\n  Solved in {}.", duration(micros)));
+            text.push_str(&format!("\n  Solved in {}.", time(micros)));
         }
         text.push_str("\n\n");
         text.push_str(&self.task_table());
@@ -176,26 +176,20 @@ impl<'a> Report<'a> {
         }
         let count = alternatives.len() + 1;
         let mut text = format!("\n{count} answers in all; the others, in the same order:\n");
-        let free = self.shown();
+        let shown = self.shown();
         for alternative in alternatives {
-            let values = alternative.iter().zip(self.loaded.is_angle()).zip(&free);
-            let shown = values
-                .filter(|(_, free)| **free)
-                .map(|((&value, angle), _)| {
-                    let converted = degrees && angle;
-                    six_digits(if converted { value.to_degrees() } else { value })
-                });
-            text.push_str(&format!("  {}\n", shown.collect::<Vec<_>>().join("  ")));
+            let values = self.loaded.shown(alternative, degrees);
+            let values = values.into_iter().zip(&shown);
+            let values = values.filter(|(_, shown)| **shown);
+            let values = values.map(|(value, _)| six_digits(value));
+            text.push_str(&format!("  {}\n", values.collect::<Vec<_>>().join("  ")));
         }
         text
     }
 
     /// Which coordinates people are told: those that may move, and those that the command holds.
     fn shown(&self) -> Vec<bool> {
-        let mut shown = self.loaded.free_coordinates();
-        for (shown, held) in shown.iter_mut().zip(self.loaded.held_coordinates()) {
-            *shown |= held;
-        }
+        let mut shown = self.loaded.leading_coordinates();
         for &idle in self.idle {
             if let Some(shown) = shown.get_mut(idle) {
                 *shown = false;
@@ -230,19 +224,14 @@ impl<'a> Report<'a> {
         let slides = self.loaded.is_angle().any(|is_angle| !is_angle);
         let or_metres = if slides { " or metres" } else { "" };
         let mut table = Table::new(&format!("joint | >{unit}{or_metres} | "));
-        let model = &self.loaded.model;
-        let coordinates = model.moving_joints().iter().zip(&self.answer.q);
-        let coordinates = coordinates.zip(self.loaded.is_angle()).zip(model.limits());
-        let told = self.shown().into_iter().zip(self.loaded.held_coordinates());
-        for ((((id, &value), is_angle), limits), (shown, held)) in coordinates.zip(told) {
-            let Some(joint) = model.joints().get(id.index()).filter(|_| shown) else {
+        let (loaded, q) = (self.loaded, &self.answer.q);
+        let values = q.iter().zip(loaded.shown(q, degrees));
+        let joints = loaded.joint_names().into_iter().zip(loaded.model.limits());
+        let shown = self.shown().into_iter().zip(loaded.held_coordinates());
+        for (((joint, limits), (&value, number)), (shown, held)) in joints.zip(values).zip(shown) {
+            if !shown {
                 continue;
-            };
-            let shown = if degrees && is_angle {
-                value.to_degrees()
-            } else {
-                value
-            };
+            }
             let note = if held {
                 "held"
             } else if value <= limits.lower {
@@ -252,7 +241,7 @@ impl<'a> Report<'a> {
             } else {
                 ""
             };
-            table.row([joint.name.clone(), six_digits(shown), note.to_owned()]);
+            table.row([joint, &six_digits(number), note].map(str::to_owned));
         }
         table.text()
     }
@@ -262,15 +251,5 @@ fn side(side: Side) -> &'static str {
     match side {
         Side::Lower => "lower",
         Side::Upper => "upper",
-    }
-}
-
-fn duration(micros: f64) -> String {
-    if micros < 1e3 {
-        format!("{micros:.0} µs")
-    } else if micros < 1e6 {
-        format!("{:.1} ms", micros * 1e-3)
-    } else {
-        format!("{:.2} s", micros * 1e-6)
     }
 }

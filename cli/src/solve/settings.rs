@@ -133,7 +133,7 @@ impl Arguments {
     }
 
     /// Ends with a code of its own where --fail-on-miss wants it and targets were missed.
-    pub(super) fn told_misses(&self, missed: usize, targets: usize) -> Outcome<()> {
+    pub(super) fn fail_on_misses(&self, missed: usize, targets: usize) -> Outcome<()> {
         if missed == 0 || !self.fail_on_miss {
             return Ok(());
         }

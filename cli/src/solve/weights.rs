@@ -3,7 +3,6 @@
 use kinopt::model::{FrameId, UnknownName};
 
 use crate::failure::{Failure, Outcome};
-use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 use crate::number_list;
 
@@ -31,17 +30,17 @@ impl FrameWeight {
 pub(super) struct Weights(Vec<(FrameId, f64)>);
 
 impl Weights {
-    /// The weights typed, each of a frame among `asked`, which the user knows by these names.
+    /// The weights typed, each of a frame among `known`, which the user knows by these names.
     pub(super) fn of(
         loaded: &LoadedModel,
         given: &[FrameWeight],
-        asked: &[(String, FrameId)],
+        known: &[(String, FrameId)],
     ) -> Outcome<Self> {
         let mut weights: Vec<(FrameId, f64)> = Vec::new();
         for FrameWeight { frame, weight } in given {
-            let id = loaded.target_frame(frame, BareName::Tip)?;
-            if !asked.iter().any(|(_, other)| *other == id) {
-                let names = asked.iter().map(|(name, _)| name.as_str());
+            let id = loaded.target_frame(frame)?;
+            if !known.iter().any(|(_, other)| *other == id) {
+                let names = known.iter().map(|(name, _)| name.as_str());
                 return Err(UnknownName::new("target, ray or held tip", frame, names).into());
             }
             if weights.iter().any(|(other, _)| *other == id) {

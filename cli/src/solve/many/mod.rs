@@ -24,7 +24,7 @@ pub(super) fn run(
     output::result(json, || outcomes.document(loaded), || outcomes.text(loaded))?;
     let answers = &outcomes.answers;
     let missed = answers.iter().filter(|answer| !answer.solution.reached);
-    arguments.told_misses(missed.count(), answers.len())
+    arguments.fail_on_misses(missed.count(), answers.len())
 }
 
 fn answer<'b>(

@@ -11,10 +11,10 @@ use super::super::arguments::Arguments;
 use super::super::arm_backend::ArmBackend;
 use super::super::backend::microseconds;
 use super::super::query::Query;
-use super::summary::{median, percentile, short_time};
+use super::summary::{median, percentile};
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
-use crate::number_format::{magnitude, six_digits};
+use crate::number_format::{magnitude, six_digits, time};
 use crate::output;
 
 /// Where the arm stands after a tick. Radians, metres and seconds.
@@ -69,7 +69,7 @@ pub(in super::super) fn run(
     output::result(json, || &document, || document.text())?;
     let last = document.ticks.last();
     let missed = last.is_some_and(|tick| tick.status != ServoStatus::OnTarget);
-    arguments.told_misses(usize::from(missed), 1)
+    arguments.fail_on_misses(usize::from(missed), 1)
 }
 
 fn follow<'a>(
@@ -150,7 +150,7 @@ impl Document<'_> {
             text.push_str(&format!("top speed {joint}: {top} of {of} a second\n"));
         }
         if let (Some(one), Some(p99)) = (summary.micros_median, summary.micros_p99) {
-            let [one, p99] = [one, p99].map(short_time);
+            let [one, p99] = [one, p99].map(time);
             text.push_str(&format!("time      median {one}, 99 % within {p99}\n"));
         }
         text

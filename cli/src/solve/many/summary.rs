@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::super::query::{Answer, LongStep, TaskName};
 use super::super::report::{self, Report};
 use crate::loaded_model::LoadedModel;
-use crate::number_format::magnitude;
+use crate::number_format::{magnitude, time};
 
 /// How many misses and jumps are explained to people.
 const EXPLAINED: usize = 3;
@@ -81,9 +81,9 @@ impl Outcomes<'_> {
     pub(super) fn text(&self, loaded: &LoadedModel) -> String {
         let summary = self.summary();
         let [one, mean] = [summary.micros_median, Some(summary.micros_mean)]
-            .map(|micros| micros.map_or_else(String::new, short_time));
+            .map(|micros| micros.map_or_else(String::new, time));
         let time = match summary.micros_p99 {
-            Some(p99) => format!("median {one}, 99 % within {}, mean {mean}", short_time(p99)),
+            Some(p99) => format!("median {one}, 99 % within {}, mean {mean}", time(p99)),
             None => format!("mean {mean} (solved together)"),
         };
         let mut text = format!(
@@ -93,21 +93,18 @@ impl Outcomes<'_> {
         if let Some(worst) = self.worst_errors(loaded) {
             text.push_str(&format!("errors    at most {worst} where solved\n"));
         }
-        text.push_str(&self.told_jumps());
+        text.push_str(&self.jumps_text());
         let misses = self.answers.iter().enumerate();
         let misses = misses.filter(|(_, answer)| !answer.solution.reached);
         let count = summary.total - summary.solved;
         if count > 0 {
             let shown = count.min(EXPLAINED);
-            text.push_str(&match count {
-                1 => "\nThe one that was missed (targets count from 0):\n".to_owned(),
-                _ if shown == count => {
-                    format!("\nThe {count} that were missed (targets count from 0):\n")
-                }
-                _ => {
-                    format!("\nThe first {shown} of {count} misses (targets count from 0):\n")
-                }
-            });
+            let which = match count {
+                1 => "The one that was missed".to_owned(),
+                _ if shown == count => format!("The {count} that were missed"),
+                _ => format!("The first {shown} of {count} misses"),
+            };
+            text.push_str(&format!("\n{which} (targets count from 0):\n"));
             for (index, answer) in misses.take(shown) {
                 let explanation = answer.solution.explain().replace('\n', "\n    ");
                 text.push_str(&format!("  target {index}: {explanation}\n"));
@@ -117,16 +114,16 @@ impl Outcomes<'_> {
     }
 
     /// Whether a path stayed in one piece.
-    fn told_jumps(&self) -> String {
+    fn jumps_text(&self) -> String {
         let Some(jumps) = &self.jumps else {
             return String::new();
         };
         let mut text = match jumps.len() {
             0 => "jumps     none: no joint moves further than 0.2 rad in a step\n".to_owned(),
-            1 => "jumps     1 step in which a joint moves further than 0.2 rad\n".to_owned(),
-            count => {
-                format!("jumps     {count} steps in which a joint moves further than 0.2 rad\n")
-            }
+            count => format!(
+                "jumps     {count} step{} in which a joint moves further than 0.2 rad\n",
+                if count == 1 { "" } else { "s" }
+            ),
         };
         for jump in jumps.iter().take(EXPLAINED) {
             text.push_str(&format!("          {}\n", jump.text()));
@@ -139,24 +136,16 @@ impl Outcomes<'_> {
 
     /// The largest errors among the answers that reached.
     fn worst_errors(&self, loaded: &LoadedModel) -> Option<String> {
-        let (mut position, mut orientation): (Option<f64>, Option<f64>) = (None, None);
-        let reached = self.answers.iter().filter(|a| a.solution.reached);
-        for task in reached.flat_map(|answer| answer.solution.tasks()) {
-            orientation = larger(orientation, task.orientation_error());
-            position = larger(position, task.position_error());
-        }
-        let position =
-            position.map(|error| format!("{} {}", magnitude(error), loaded.length_unit()));
-        let orientation = orientation.map(|error| format!("{} rad", magnitude(error)));
+        let reached = || self.answers.iter().filter(|a| a.solution.reached);
+        let tasks = || reached().flat_map(|answer| answer.solution.tasks());
+        let position = tasks().filter_map(|task| task.position_error());
+        let orientation = tasks().filter_map(|task| task.orientation_error());
+        let [position, orientation] =
+            [position.reduce(f64::max), orientation.reduce(f64::max)].map(|e| e.map(magnitude));
+        let position = position.map(|error| format!("{error} {}", loaded.length_unit()));
+        let orientation = orientation.map(|error| format!("{error} rad"));
         let errors: Vec<String> = position.into_iter().chain(orientation).collect();
         (!errors.is_empty()).then(|| errors.join(" and "))
-    }
-}
-
-fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.max(b)),
-        (a, b) => a.or(b),
     }
 }
 
@@ -174,14 +163,6 @@ pub(super) fn median(sorted: &[f64]) -> Option<f64> {
 pub(super) fn percentile(sorted: &[f64], percent: usize) -> Option<f64> {
     let rank = (sorted.len() * percent).div_ceil(100);
     sorted.get(rank.max(1) - 1).copied()
-}
-
-pub(super) fn short_time(micros: f64) -> String {
-    if micros < 1e3 {
-        format!("{micros:.2} µs")
-    } else {
-        format!("{:.2} ms", micros * 1e-3)
-    }
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ const BETTER: f64 = 1.0 - 1e-3;
 
 /// How poses are found.
 #[derive(Clone, Debug)]
-pub(super) struct Finder {
+pub(super) struct PoseFinder {
     solver: Solver,
     stopping: Stopping,
     settles: bool,
@@ -32,7 +32,7 @@ pub(super) struct Finder {
     limit: Option<Duration>,
 }
 
-impl Finder {
+impl PoseFinder {
     pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments) -> Self {
         Self {
             solver: arguments.general_solver(),
