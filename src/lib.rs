@@ -44,7 +44,15 @@
 //! Metres (a rig's own unit for rigs), radians, seconds. Right-handed, column vectors; a placement
 //! `world_from_tip` maps tip coordinates to world coordinates. Quaternions are w, x, y, z.
 //! Velocities come linear first, then angular, in world axes at the frame's own origin. `f64` for
-//! models and optimisation, `f32` for meshes.
+//! models and optimisation, `f32` for meshes. Where geometry is handed over, [`nalgebra`]'s and
+//! [`glam`]'s types convert.
+//!
+//! Numbers of a wrong length or not finite, ids of another model and settings out of range are an `Err`
+//! that names them. Shares and weights that animate (of a layer, a goal, a cross-fade) come from curves
+//! that overshoot: those are taken into [0, 1], and NaN counts as 0.
+//!
+//! What is collected takes `&mut self` and gives ids or handles; what is set takes and returns `self`,
+//! `with_…` on what is finished.
 //!
 //! # Features
 //!

@@ -12,10 +12,17 @@ fn solves(criterion: &mut Criterion) {
     let (skeleton, tips) = figure(2, 4);
     let mut builder = Problem::builder(skeleton.model());
     let rest = skeleton.model().neutral();
-    let at_rest = skeleton.pose(&rest);
+    let at_rest = skeleton.pose(&rest).expect("a pose of its own bones");
     let tasks: Vec<_> = tips
         .iter()
-        .map(|&tip| builder.add(Point::new(skeleton.tip(tip), at_rest.tip(&skeleton, tip))))
+        .map(|&tip| {
+            builder.add(Point::new(
+                skeleton.tip(tip),
+                at_rest
+                    .tip(&skeleton, tip)
+                    .expect("a pose of its own bones"),
+            ))
+        })
         .collect();
     builder.tolerance(Quantity::Metres, 1e-8 * skeleton.size());
     let problem = builder.build().expect("a valid problem");

@@ -72,12 +72,12 @@ impl BodyMiss {
     #[must_use]
     pub fn of_figure(name: &str, skeleton: &Skeleton, tips: &[BoneId]) -> Self {
         let start = crate::at_ease(skeleton);
-        let pose = skeleton.pose(&start);
+        let pose = skeleton.pose(&start).expect("a pose of its own bones");
         let size = skeleton.size();
         let problem = |far: f64| {
             let mut builder = Problem::builder(skeleton.model());
             for (k, &tip) in tips.iter().enumerate() {
-                let mut place = pose.tip(skeleton, tip);
+                let mut place = pose.tip(skeleton, tip).expect("a pose of its own bones");
                 if k == 1 {
                     place += Vector3::new(0.7, 0.5, 0.2) * (far * size);
                 }

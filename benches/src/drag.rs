@@ -26,8 +26,11 @@ pub fn drag_targets(
     q: &[f64],
     frame: u32,
 ) -> Vec<Vector3<f64>> {
-    let pose = skeleton.pose(q);
-    let mut targets: Vec<_> = tips.iter().map(|&tip| pose.tip(skeleton, tip)).collect();
+    let pose = skeleton.pose(q).expect("a pose of its own bones");
+    let mut targets: Vec<_> = tips
+        .iter()
+        .map(|&tip| pose.tip(skeleton, tip).expect("a pose of its own bones"))
+        .collect();
     let angle = f64::from(frame % 240) * std::f64::consts::TAU / 240.0;
     targets[1] += Vector3::new(-0.1 + 0.05 * angle.cos(), 0.05 * angle.sin(), 0.05);
     targets
@@ -58,15 +61,20 @@ impl DragScene {
         held: &[BoneId],
         start: Vec<f64>,
     ) -> Self {
-        let pose = skeleton.pose(&start);
+        let pose = skeleton.pose(&start).expect("a pose of its own bones");
         let others = held.iter().filter(|&&bone| bone != hand);
-        let held = others.map(|&bone| (skeleton.tip(bone), pose.tip(skeleton, bone)));
+        let held = others.map(|&bone| {
+            (
+                skeleton.tip(bone),
+                pose.tip(skeleton, bone).expect("a pose of its own bones"),
+            )
+        });
         Self {
             name: name.to_owned(),
             model: skeleton.model().clone(),
             hand: skeleton.tip(hand),
             held: held.collect(),
-            from: pose.tip(skeleton, hand),
+            from: pose.tip(skeleton, hand).expect("a pose of its own bones"),
             size: skeleton.size(),
             map: ParameterMap::free(skeleton.model()),
             postures: Vec::new(),

@@ -117,8 +117,10 @@ pub fn random_targets(
     let mut target = || {
         let within = |l: &Limits, share: f64| l.lower + (l.upper - l.lower) * share;
         let q: Vec<f64> = limits.iter().map(|l| within(l, random.unit())).collect();
-        let pose = skeleton.pose(&q);
-        tips.iter().map(|&tip| pose.tip(skeleton, tip)).collect()
+        let pose = skeleton.pose(&q).expect("a pose of its own bones");
+        tips.iter()
+            .map(|&tip| pose.tip(skeleton, tip).expect("a pose of its own bones"))
+            .collect()
     };
     (0..poses).map(|_| target()).collect()
 }

@@ -152,6 +152,9 @@ pub(crate) fn followed(map: &ParameterMap, q: &[f64]) -> Vec<f64> {
         .map(|&leader| q.get(leader).copied().unwrap_or(0.0))
         .collect();
     let mut expanded = q.to_vec();
-    map.expand(&x, &mut expanded);
-    expanded
+    // What is no configuration of the model stays as it is, for who uses it to refuse.
+    match map.expand(&x, &mut expanded) {
+        Ok(()) => expanded,
+        Err(_) => q.to_vec(),
+    }
 }

@@ -291,9 +291,12 @@ impl LoadedModel {
         let map = self.parameters();
         let mut within = q.to_vec();
         let mut x = vec![0.0; map.variables()];
-        map.reduce(q, &mut x);
-        map.expand_within_limits(&x, &mut within);
-        within
+        let read = map.reduce(q, &mut x);
+        // What is no configuration of the model stays as it is, for who uses it to refuse.
+        match read.and_then(|()| map.expand_within_limits(&x, &mut within)) {
+            Ok(()) => within,
+            Err(_) => q.to_vec(),
+        }
     }
 
     /// The link of a robot that stands in the world.

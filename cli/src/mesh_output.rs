@@ -170,7 +170,7 @@ impl Skin<'_> {
                 weights,
                 ..
             } => {
-                let pose = skeleton.pose(q);
+                let pose = skeleton.pose(q)?;
                 let transforms = pose.skinning_transforms(skeleton);
                 let transforms = transforms.map(|t| single_precision_transform(&t));
                 let transforms: Vec<_> = transforms.collect();

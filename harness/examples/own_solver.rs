@@ -1,7 +1,7 @@
 //! Your own solver beside those of this project, in a few lines.
 //!
 //! `cargo run --release -p kinopt-harness --example own_solver`
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, clippy::expect_used)]
 
 use std::ops::ControlFlow;
 
@@ -28,7 +28,8 @@ impl Adapter for CoordinateSearch {
             residual.iter().map(|r| r * r).sum::<f64>()
         };
         let mut x = vec![0.0; question.problem.variables()];
-        question.problem.parameters().reduce(question.start, &mut x);
+        let map = question.problem.parameters();
+        map.reduce(question.start, &mut x).expect("its own start");
         let (mut lowest, mut step) = (cost(&x), 0.5);
         while step > 1e-9 {
             let before = lowest;

@@ -128,7 +128,9 @@ impl<'s> Judge<'s> {
     fn cost(&mut self, question: Question<'_>, q: &[f64]) -> f64 {
         let problem = question.problem();
         let mut x = vec![0.0; problem.variables()];
-        problem.parameters().reduce(q, &mut x);
+        if problem.parameters().reduce(q, &mut x).is_err() {
+            return f64::NAN;
+        }
         self.residual.resize(problem.rows(), 0.0);
         let scratch = self.scratch.get_or_insert_with(|| problem.scratch());
         Evaluation::new(question, scratch).residual(&x, &mut self.residual);

@@ -24,7 +24,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let rig = Rig::read("models/humanoid/humanoid.json")?;
 //! let (mesh, weights) = rig.mesh.zip(rig.weights).ok_or("a rig without a skin")?;
-//! let (weights, lost) = weights.pruned(4);
+//! let (weights, lost) = weights.pruned(4)?;
 //! assert!(lost.largest_lost < 0.1);
 //! let weights = MeshWeights::from(weights);
 //! let armature = Armature::of_skeleton(&rig.skeleton);
@@ -58,7 +58,7 @@ mod state_machine;
 pub use affine::{
     Decomposition, NotFinite, PlaneDecomposition, interpolate_affine, interpolate_plane_affine,
 };
-pub use blend::{BlendError, BoneMask, Layer, LayerMode, blend_poses};
+pub use blend::{BlendError, BoneMask, Layer, LayerMode, MaskError, blend_poses};
 pub use clip::{
     Channel, ChannelError, Clip, ClipBuilder, ClipNameError, Cursor, EulerCurve, Event, Fired,
     Passage, Playback, Playhead, Property,

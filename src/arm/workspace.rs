@@ -303,7 +303,7 @@ impl Workspace {
 
     /// Where the tool stands.
     pub(super) fn base_from_tool(&mut self, serial: &Serial, x: &[f64]) -> Placement<f64> {
-        serial.map.expand(x, &mut self.q);
+        serial.map.scatter(x, &mut self.q);
         // The configuration is the model's own, so that it can be placed.
         let placements = self.kinematics.place(&self.q).unwrap_or(&[]);
         let tool = placements.get(serial.tool.index()).copied();

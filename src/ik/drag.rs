@@ -231,10 +231,10 @@ impl Drag {
     /// One of the wrong length, or one that is not finite.
     pub fn stand_at(&mut self, q: &[f64]) -> Result<(), SolveError> {
         check_start(&self.problem, q)?;
-        self.problem.parameters().reduce(q, &mut self.x);
+        self.problem.parameters().gather(q, &mut self.x);
         project(&mut self.x, self.problem.lower(), self.problem.upper());
         let map = self.problem.parameters();
-        map.expand_within_limits(&self.x, &mut self.q);
+        map.scatter_within_limits(&self.x, &mut self.q);
         self.misses = 0;
         Ok(())
     }
@@ -263,7 +263,7 @@ impl Drag {
             // The bounds of the frame are done with.
             let [from, _] = &mut self.around;
             from.copy_from_slice(&self.x);
-            map.reduce(&self.q, &mut self.x);
+            map.gather(&self.q, &mut self.x);
             let moves = self.x.iter().zip(from).zip(&self.unit);
             let moves = moves.map(|((to, from), unit)| (to - *from).abs() / unit);
             self.moved = moves.fold(0.0, f64::max);
@@ -299,7 +299,7 @@ impl Drag {
         // Into the other's memory, which has the right size after the first time.
         let start = &mut self.trial.search.start;
         start.resize(self.x.len(), 0.0);
-        map.reduce(from, start);
+        map.gather(from, start);
         let mut random = RandomStream::new(0, self.misses as u64);
         // First towards the middle of the joints' ranges, which is where both sides of a symmetric body bend
         // alike, then anywhere.
@@ -320,7 +320,7 @@ impl Drag {
             }
         }
         project(start, &self.around[0], &self.around[1]);
-        map.expand_within_limits(start, &mut self.q);
+        map.scatter_within_limits(start, &mut self.q);
         let question = near(&self.problem, &self.targets, &self.around);
         solve(&self.nudged, question, &self.q, &mut self.trial);
         self.take_trial();
@@ -342,7 +342,7 @@ impl Drag {
             return;
         }
         let map = self.problem.parameters();
-        map.reduce(&self.workspace.solution.q, &mut self.around[0]);
+        map.gather(&self.workspace.solution.q, &mut self.around[0]);
         let moves = self.around[0].iter().zip(&self.x).zip(&self.unit);
         let moves = moves.map(|((to, from), unit)| (to - from).abs() / unit);
         let furthest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));

@@ -127,7 +127,7 @@ impl Solver {
         check_start(problem, start)?;
         let mut scratch = workspace.fit(question);
         let map = problem.parameters();
-        map.reduce(start, &mut workspace.search.start);
+        map.gather(start, &mut workspace.search.start);
 
         let share = problem.search_share();
         // Where preferences are traded the minimum is the goal, and a stall is on the way to it.

@@ -1,4 +1,4 @@
-//! The public door to forward kinematics: where frames stand for a configuration.
+//! Where the frames of a model stand for a configuration, checked.
 
 use thiserror::Error;
 
@@ -40,6 +40,14 @@ pub enum KinematicsError {
         given: usize,
         /// Numbers needed: degrees of freedom, or the parameter map's variables.
         expected: usize,
+    },
+    /// A number that is NaN or infinite.
+    #[error("number {index} of those that place the frames of `{model}` is not finite")]
+    NotFinite {
+        /// The model.
+        model: String,
+        /// Which number, from 0: a coordinate, or a variable of the parameter map.
+        index: usize,
     },
 }
 
@@ -112,7 +120,8 @@ impl<S: Scalar> ForwardKinematics<S> {
         }
     }
 
-    fn compile(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
+    /// For ids and a map of this model.
+    pub(crate) fn compile(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
         let tree = Tree::new(model, map, frames);
         Self {
             model: model.name().to_owned(),
@@ -129,10 +138,10 @@ impl<S: Scalar> ForwardKinematics<S> {
     }
 
     /// world_from_frame of each frame, in the order asked for, at the configuration `q` (radians
-    /// and metres, within limits or not; NaN gives NaN).
+    /// and metres, within limits or not).
     ///
     /// # Errors
-    /// A wrong number of numbers.
+    /// A wrong number of numbers, or one that is not finite.
     pub fn place(&mut self, q: &[S]) -> Result<&[Placement<S>], KinematicsError> {
         if q.len() != self.tree.variables() {
             return Err(KinematicsError::Length {
@@ -141,8 +150,18 @@ impl<S: Scalar> ForwardKinematics<S> {
                 expected: self.tree.variables(),
             });
         }
+        if let Some(index) = q.iter().position(|value| !value.is_finite()) {
+            return Err(KinematicsError::NotFinite {
+                model: self.model.clone(),
+                index,
+            });
+        }
         self.tree.forward(q, &mut self.state);
         Ok(self.state.frames())
+    }
+
+    pub(super) fn parts(&self) -> (&Tree, &TreeState<S>) {
+        (&self.tree, &self.state)
     }
 
     /// What the last [`place`](Self::place) found; identities before the first.

@@ -1,11 +1,13 @@
 //! From configurations to placements, and their derivatives.
 //!
-//! [`ForwardKinematics`] places the frames of a model. Inside, a tree is a model compiled for one
+//! [`ForwardKinematics`] places the frames of a model, a [`Jacobian`] (of one frame:
+//! [`frame_jacobian`]) says how they move. Inside, a tree is a model compiled for one
 //! purpose: the joints that move the frames asked for, with everything constant folded in. Who
 //! compiles one has checked ids and sizes, so its loops need not.
 
 mod forward;
 mod geometric_jacobian;
+mod jacobian;
 mod joint_axis;
 mod reverse;
 mod state;
@@ -13,6 +15,7 @@ mod tree;
 
 pub use forward::{ForwardKinematics, KinematicsError};
 pub(crate) use geometric_jacobian::Partials;
+pub use jacobian::{Jacobian, frame_jacobian};
 pub(crate) use joint_axis::JointAxis;
 pub(crate) use reverse::{Wrench, Wrenches};
 pub(crate) use state::TreeState;

@@ -81,6 +81,11 @@ impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
     type Mask = LaneMask<L>;
 
     #[inline(always)]
+    fn is_finite(self) -> bool {
+        self.0.iter().all(|value| value.is_finite())
+    }
+
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         Self([value; L])
     }

@@ -116,6 +116,26 @@ pub enum ModelError {
         /// Upper limit.
         upper: f64,
     },
+    /// Too few or too many numbers.
+    #[error("{what} has {expected} numbers, {given} were given")]
+    Length {
+        /// "a configuration of this model", "the variables of this map", …
+        what: &'static str,
+        /// Numbers given.
+        given: usize,
+        /// Numbers needed.
+        expected: usize,
+    },
+    /// One of several numbers that is not finite.
+    #[error("number {index} of {what} is {value}, which is not a finite number")]
+    BadNumber {
+        /// As of [`Length`](Self::Length).
+        what: &'static str,
+        /// Which, from 0.
+        index: usize,
+        /// The number.
+        value: f64,
+    },
     /// Coupled joints whose limits leave no common value.
     #[error("joint `{joint}` and the joints that follow it have no value within all limits")]
     EmptyRange {

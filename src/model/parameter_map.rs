@@ -151,10 +151,53 @@ impl ParameterMap {
     }
 
     /// Writes q = S x + s₀. Shapes: `x` [`variables`](Self::variables), `q` the model's degrees of
-    /// freedom; a shorter `q` takes what it has room for, and what reads a variable that `x` lacks
-    /// is NaN.
+    /// freedom.
+    ///
+    /// # Errors
+    /// A slice of another length, or a variable that is not finite.
+    pub fn expand(&self, x: &[f64], q: &mut [f64]) -> Result<(), ModelError> {
+        self.check(x, q.len())?;
+        self.scatter(x, q);
+        Ok(())
+    }
+
+    /// As [`expand`](Self::expand), then clamps a follower that rounding took past its own limit.
+    ///
+    /// # Errors
+    /// As [`expand`](Self::expand).
+    pub fn expand_within_limits(&self, x: &[f64], q: &mut [f64]) -> Result<(), ModelError> {
+        self.check(x, q.len())?;
+        self.scatter_within_limits(x, q);
+        Ok(())
+    }
+
+    /// Reads the variables out of a configuration and clamps them into their bounds; the values of
+    /// locked and following coordinates are not looked at. Shapes: `q` the model's degrees of
+    /// freedom, `x` [`variables`](Self::variables).
+    ///
+    /// # Errors
+    /// A slice of another length, or a value to read that is NaN.
+    pub fn reduce(&self, q: &[f64], x: &mut [f64]) -> Result<(), ModelError> {
+        check_length(CONFIGURATION, q.len(), self.sources.len())?;
+        check_length(VARIABLES, x.len(), self.variables())?;
+        if let Some(&index) = self.leaders.iter().find(|&&leader| q[leader].is_nan()) {
+            let (what, value) = (CONFIGURATION, q[index]);
+            return Err(ModelError::BadNumber { what, index, value });
+        }
+        self.gather(q, x);
+        Ok(())
+    }
+
+    fn check(&self, x: &[f64], coordinates: usize) -> Result<(), ModelError> {
+        check_length(VARIABLES, x.len(), self.variables())?;
+        check_length(CONFIGURATION, coordinates, self.sources.len())?;
+        check_numbers(VARIABLES, x)
+    }
+
+    /// [`expand`](Self::expand) where lengths are known: a shorter `q` takes what it has room for, and
+    /// what reads a variable that `x` lacks is NaN.
     #[inline]
-    pub fn expand<S: Scalar>(&self, x: &[S], q: &mut [S]) {
+    pub(crate) fn scatter<S: Scalar>(&self, x: &[S], q: &mut [S]) {
         for (value, source) in q.iter_mut().zip(&self.sources) {
             *value = match *source {
                 Source::Constant(constant) => S::constant(constant),
@@ -170,23 +213,51 @@ impl ParameterMap {
         }
     }
 
-    /// As [`expand`](Self::expand), then clamps a follower that rounding took past its own limit.
-    pub fn expand_within_limits(&self, x: &[f64], q: &mut [f64]) {
-        self.expand(x, q);
+    pub(crate) fn scatter_within_limits(&self, x: &[f64], q: &mut [f64]) {
+        self.scatter(x, q);
         for (value, limits) in q.iter_mut().zip(&self.limits) {
             *value = limits.clamp(*value);
         }
     }
 
-    /// Reads the variables out of a configuration and clamps them into their bounds; the values of
-    /// locked and following coordinates are not looked at. Shapes: `q` the model's degrees of
-    /// freedom, `x` [`variables`](Self::variables); a variable whose coordinate `q` lacks is NaN.
-    pub fn reduce(&self, q: &[f64], x: &mut [f64]) {
+    /// [`reduce`](Self::reduce) where lengths are known; NaN stays NaN.
+    pub(crate) fn gather(&self, q: &[f64], x: &mut [f64]) {
         let bounds = self.lower.iter().zip(&self.upper);
         for ((value, &leader), (&lower, &upper)) in x.iter_mut().zip(&self.leaders).zip(bounds) {
             let given = q.get(leader).copied().unwrap_or(f64::NAN);
             *value = Limits::new(lower, upper).clamp(given);
         }
+    }
+}
+
+/// One number for each degree of freedom, all finite.
+pub(crate) fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ModelError> {
+    check_length(CONFIGURATION, q.len(), model.degrees_of_freedom())?;
+    check_numbers(CONFIGURATION, q)
+}
+
+const CONFIGURATION: &str = "a configuration of this model";
+const VARIABLES: &str = "the variables of this map";
+
+fn check_length(what: &'static str, given: usize, expected: usize) -> Result<(), ModelError> {
+    match given == expected {
+        true => Ok(()),
+        false => Err(ModelError::Length {
+            what,
+            given,
+            expected,
+        }),
+    }
+}
+
+fn check_numbers(what: &'static str, numbers: &[f64]) -> Result<(), ModelError> {
+    match numbers.iter().position(|number| !number.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(ModelError::BadNumber {
+            what,
+            index,
+            value: numbers[index],
+        }),
     }
 }
 
@@ -250,7 +321,8 @@ impl ParameterMapBuilder<'_> {
     }
 
     /// Frees only the given joints: every other joint that was free is locked at its value in `q`
-    /// (shape: degrees of freedom; a missing value counts as 0), clamped into its limits.
+    /// (shape: degrees of freedom; [`build`](Self::build) refuses another length and what is not finite),
+    /// clamped into its limits.
     #[must_use]
     pub fn only(mut self, joints: &[JointId], q: &[f64]) -> Self {
         let mut keep = vec![false; self.roles.len()];
@@ -259,10 +331,11 @@ impl ParameterMapBuilder<'_> {
                 keep[coordinate] = true;
             }
         }
+        self = self.checked(q);
         let limits = &self.limits;
         for (coordinate, role) in self.roles.iter_mut().enumerate() {
             if *role == Role::Free && !keep[coordinate] {
-                let value = q.get(coordinate).copied().unwrap_or(0.0);
+                let value = q.get(coordinate).copied().unwrap_or(f64::NAN);
                 *role = Role::Locked(limits[coordinate].clamp(value));
             }
         }
@@ -343,6 +416,14 @@ impl ParameterMapBuilder<'_> {
             lower: bounds.iter().map(|b| b.lower).collect(),
             upper: bounds.iter().map(|b| b.upper).collect(),
         })
+    }
+
+    /// Notes a configuration that is not one of the model's, for [`build`](Self::build) to refuse.
+    pub(crate) fn checked(mut self, q: &[f64]) -> Self {
+        if let Err(problem) = check_configuration(self.model, q) {
+            self.problem.get_or_insert(problem);
+        }
+        self
     }
 
     /// Gives a role by name, which happens once for each.

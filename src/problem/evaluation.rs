@@ -146,7 +146,7 @@ impl<'a> Evaluation<'a> {
         if scratch.at != x {
             scratch.at.copy_from_slice(x);
             self.question.tree().forward(x, &mut scratch.state);
-            self.question.problem.map.expand(x, &mut scratch.q);
+            self.question.problem.map.scatter(x, &mut scratch.q);
         }
     }
 
@@ -302,7 +302,7 @@ impl<'a> Evaluation<'a> {
                 };
             }
             question.tree().forward(&pass.x, &mut pass.state);
-            problem.map.expand(&pass.x, &mut pass.q);
+            problem.map.scatter(&pass.x, &mut pass.q);
             for (index, task, task_rows) in problem.tasks_of(share) {
                 let all = pass.state.frames();
                 let DualScratch {

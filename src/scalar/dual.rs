@@ -134,6 +134,11 @@ impl<const N: usize> Scalar for Dual<N> {
     type Mask = bool;
 
     #[inline(always)]
+    fn is_finite(self) -> bool {
+        self.value.is_finite()
+    }
+
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         Self {
             value,

@@ -98,6 +98,9 @@ pub trait Scalar:
     /// `yes` where the mask is set, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
+    /// Whether its value is neither NaN nor infinite, in every lane.
+    fn is_finite(self) -> bool;
+
     /// The constant 0.
     #[inline(always)]
     fn zero() -> Self {
@@ -180,5 +183,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
     }
 }

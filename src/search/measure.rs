@@ -44,7 +44,7 @@ impl Solution {
         let End { question, x, .. } = *end;
         let problem = question.problem;
         self.q.resize(problem.degrees_of_freedom(), 0.0);
-        problem.parameters().expand_within_limits(x, &mut self.q);
+        problem.parameters().scatter_within_limits(x, &mut self.q);
         self.cost = half_squared(end.residual);
         let errors = problem.errors(Share::All, end.residual);
         self.tell_errors(

@@ -29,7 +29,7 @@ pub(crate) fn variables_at(question: Question<'_>, q: &[f64]) -> Result<Vec<f64>
     let problem = question.problem;
     check_start(problem, q)?;
     let mut x = vec![0.0; problem.variables()];
-    problem.parameters().reduce(q, &mut x);
+    problem.parameters().gather(q, &mut x);
     project(&mut x, question.lower(), question.upper());
     Ok(x)
 }

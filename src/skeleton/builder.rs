@@ -20,7 +20,7 @@ use super::{Bone, BoneId, Skeleton, SkeletonError};
 /// let upper = builder.add(bone("upper arm", None, 0.0));
 /// let fore = builder.add(bone("forearm", Some(upper), 0.3));
 /// let skeleton = builder.build()?;
-/// assert_eq!(skeleton.pose(&[0.0; 6]).tip(&skeleton, fore).x, 0.6);
+/// assert_eq!(skeleton.pose(&[0.0; 6])?.tip(&skeleton, fore)?.x, 0.6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

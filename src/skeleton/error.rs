@@ -42,6 +42,14 @@ pub enum SkeletonError {
         /// What is wrong with it.
         problem: &'static str,
     },
+    /// A bone of another skeleton.
+    #[error("bone number {bone} was asked for, but there are {bones}")]
+    ForeignBone {
+        /// The position that the id stands for.
+        bone: usize,
+        /// How many bones there are.
+        bones: usize,
+    },
     /// Two bones of one name.
     #[error("bone name `{name}` is used twice")]
     DuplicateName {

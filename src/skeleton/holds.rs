@@ -149,10 +149,11 @@ impl Skeleton {
 
 impl Holds {
     /// The angles that are free: those of the skeleton but the trunk's, which stay as in `q` (stacked
-    /// angles, radians; missing ones count as 0), and the back's little.
+    /// angles, radians), and the back's little.
     ///
     /// # Errors
-    /// Angles of the trunk or the back beyond their limits.
+    /// Another number of angles, one that is not finite, or those of the trunk or the back beyond their
+    /// limits.
     pub fn parameters(&self, skeleton: &Skeleton, q: &[f64]) -> Result<ParameterMap, ModelError> {
         let map = ParameterMap::builder(skeleton.model());
         self.narrow(map, skeleton, q).build()
@@ -166,6 +167,7 @@ impl Holds {
         skeleton: &Skeleton,
         q: &[f64],
     ) -> ParameterMapBuilder<'m> {
+        map = map.checked(q);
         let model = skeleton.model();
         let at = |joint| {
             let at = model.coordinate(joint).and_then(|at| q.get(at));

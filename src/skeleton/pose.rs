@@ -1,15 +1,9 @@
 //! A skeleton in a pose: where each bone went, and the transforms that carry skin along.
 
-use super::{BoneId, Skeleton};
-use crate::kinematics::{Tree, TreeState};
+use super::{BoneId, Skeleton, SkeletonError};
+use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, ParameterMap};
 use crate::spatial::{Placement, Vector3};
-
-const NOWHERE: Vector3<f64> = Vector3 {
-    x: f64::NAN,
-    y: f64::NAN,
-    z: f64::NAN,
-};
 
 /// Where every bone of a skeleton stands in one pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,21 +13,27 @@ pub struct BonePlacements {
 }
 
 impl BonePlacements {
-    /// A bone's tail in the pose; NaN for a bone that is not in it.
-    #[must_use]
-    pub fn tail(&self, bone: BoneId) -> Vector3<f64> {
-        let posed = self.model_from_bone.get(bone.index());
-        posed.map_or(NOWHERE, |posed| posed.translation)
+    /// A bone's tail in the pose.
+    ///
+    /// # Errors
+    /// A bone that is not in it.
+    pub fn tail(&self, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
+        Ok(self.of(bone)?.translation)
     }
 
-    /// A bone's tip in the pose of its skeleton; NaN for a bone that is not in both.
-    #[must_use]
-    pub fn tip(&self, skeleton: &Skeleton, bone: BoneId) -> Vector3<f64> {
+    /// A bone's tip in the pose of its skeleton.
+    ///
+    /// # Errors
+    /// A bone that is not in both.
+    pub fn tip(&self, skeleton: &Skeleton, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
+        let own = skeleton.bones().get(bone.index());
+        let own = own.ok_or_else(|| foreign(bone, skeleton.bones().len()))?;
+        Ok(self.of(bone)?.apply(Vector3::new(own.length, 0.0, 0.0)))
+    }
+
+    fn of(&self, bone: BoneId) -> Result<&Placement<f64>, SkeletonError> {
         let posed = self.model_from_bone.get(bone.index());
-        match (posed, skeleton.bones().get(bone.index())) {
-            (Some(posed), Some(bone)) => posed.apply(Vector3::new(bone.length, 0.0, 0.0)),
-            _ => NOWHERE,
-        }
+        posed.ok_or_else(|| foreign(bone, self.model_from_bone.len()))
     }
 
     /// The same pose with the root placed generally in a larger scene: W_i → P W_i, and so T_i → P T_i
@@ -59,12 +59,10 @@ impl BonePlacements {
     }
 }
 
-/// Poses one skeleton again and again: the compiled tree of all its bones and its memory.
+/// Poses one skeleton again and again, in memory of its own.
 #[derive(Clone, Debug)]
 pub struct Posing {
-    tree: Tree,
-    state: TreeState<f64>,
-    angles: usize,
+    kinematics: ForwardKinematics,
     placements: BonePlacements,
 }
 
@@ -74,42 +72,41 @@ impl Posing {
     pub fn new(skeleton: &Skeleton) -> Self {
         let map = ParameterMap::identity(skeleton.model());
         let frames: Vec<FrameId> = skeleton.bone_ids().map(|b| skeleton.tail(b)).collect();
-        let tree = Tree::new(skeleton.model(), &map, &frames);
-        let state = TreeState::new(&tree);
+        let kinematics = ForwardKinematics::compile(skeleton.model(), &map, &frames);
         let placements = BonePlacements {
-            model_from_bone: state.frames().to_vec(),
+            model_from_bone: kinematics.placements().to_vec(),
         };
         Self {
-            tree,
-            state,
-            angles: skeleton.angles(),
+            kinematics,
             placements,
         }
     }
 
-    /// Where the bones stand for the stacked angles `q`, in radians. Missing angles count as 0.
-    pub fn pose(&mut self, q: &[f64]) -> &BonePlacements {
-        if q.len() >= self.angles {
-            self.tree.forward(q, &mut self.state);
-        } else {
-            let mut padded = q.to_vec();
-            padded.resize(self.angles, 0.0);
-            self.tree.forward(&padded, &mut self.state);
-        }
-        self.placements
-            .model_from_bone
-            .copy_from_slice(self.state.frames());
-        &self.placements
+    /// Where the bones stand for the stacked angles `q`, in radians.
+    ///
+    /// # Errors
+    /// Another number of angles than the skeleton has, or one that is not finite.
+    pub fn pose(&mut self, q: &[f64]) -> Result<&BonePlacements, KinematicsError> {
+        let placed = self.kinematics.place(q)?;
+        self.placements.model_from_bone.copy_from_slice(placed);
+        Ok(&self.placements)
     }
 }
 
 impl Skeleton {
     /// Where the bones stand for the stacked angles `q`, in radians. [`Posing`] does the same
     /// without allocating each time.
-    #[must_use]
-    pub fn pose(&self, q: &[f64]) -> BonePlacements {
+    ///
+    /// # Errors
+    /// As [`Posing::pose`].
+    pub fn pose(&self, q: &[f64]) -> Result<BonePlacements, KinematicsError> {
         let mut posing = Posing::new(self);
-        posing.pose(q);
-        posing.placements
+        posing.pose(q)?;
+        Ok(posing.placements)
     }
+}
+
+fn foreign(bone: BoneId, bones: usize) -> SkeletonError {
+    let bone = bone.index();
+    SkeletonError::ForeignBone { bone, bones }
 }

@@ -1,6 +1,6 @@
 //! Fewer influences a vertex.
 
-use super::{Influence, SkinWeights};
+use super::{Influence, SkinWeights, WeightsError};
 
 /// What [`SkinWeights::pruned`] dropped. Weights are shares of a vertex's motion, 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,10 +16,13 @@ pub struct Pruning {
 impl SkinWeights {
     /// The `most` influences of each vertex with the largest weights (of equal ones those of the lowest
     /// bones), divided by their sum, and what was lost. Vertices with fewer keep theirs to the bit.
-    /// `most` counts as at least 1.
-    #[must_use]
-    pub fn pruned(&self, most: usize) -> (Self, Pruning) {
-        let most = most.max(1);
+    ///
+    /// # Errors
+    /// [`WeightsError::NoneKept`] for a `most` of 0.
+    pub fn pruned(&self, most: usize) -> Result<(Self, Pruning), WeightsError> {
+        if most == 0 {
+            return Err(WeightsError::NoneKept);
+        }
         let mut pruning = Pruning::default();
         let (mut rows, mut sum_lost) = (Vec::with_capacity(self.vertex_count()), 0.0);
         for influences in self.iter() {
@@ -43,7 +46,7 @@ impl SkinWeights {
         if !rows.is_empty() {
             pruning.mean_lost = sum_lost / rows.len() as f64;
         }
-        (self.with_rows(&rows), pruning)
+        Ok((self.with_rows(&rows), pruning))
     }
 
     fn with_rows(&self, rows: &[Vec<Influence>]) -> Self {

@@ -30,7 +30,7 @@ fn drag() -> Drag {
     let at_rest = rig.tip(&transforms, rig.tips[0]);
     let mut builder = Problem::builder(model);
     let task = builder.add(Point::new(rig.skeleton.tip(rig.tips[0]), at_rest));
-    let held = rig.skeleton.pose(&rest).model_from_bone[rig.tips[1].index()];
+    let held = rig.skeleton.pose(&rest).unwrap().model_from_bone[rig.tips[1].index()];
     builder.add(Pose::new(rig.skeleton.tail(rig.tips[1]), held));
     let gaze = na::Vector3::x();
     builder.add(LookAt::new(

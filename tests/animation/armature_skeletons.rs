@@ -51,12 +51,15 @@ fn both_stand_at_the_same_places() {
                 .map(|_| random.random_range(-1.0..1.0) * turn)
                 .collect();
             bridge.pose_of(&q, &mut pose);
-            let placed = skeleton.pose(&q);
+            let placed = skeleton.pose(&q).unwrap();
             for (bone, ours) in skeleton.bone_ids().zip(places(&armature, &pose)) {
-                let apart =
-                    ours.translation.as_dvec3() - glam::DVec3::from(placed.tail(bone).to_array());
+                let apart = ours.translation.as_dvec3()
+                    - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
                 assert!(apart.length() < 1e-4, "{apart}");
-                assert_eq!(placed.tail(bone), placed.tip(&skeleton, bone));
+                assert_eq!(
+                    placed.tail(bone).unwrap(),
+                    placed.tip(&skeleton, bone).unwrap()
+                );
             }
         }
         // Scales and translations are left alone.
@@ -77,7 +80,7 @@ fn a_hand_is_dragged() {
         let q: Vec<f64> = (0..skeleton.angles())
             .map(|_| random.random_range(-1.0..1.0))
             .collect();
-        let target = skeleton.pose(&q).tip(&skeleton, hand);
+        let target = skeleton.pose(&q).unwrap().tip(&skeleton, hand).unwrap();
         layer.set_goal(hand, target, 1.0).unwrap();
         let mut pose = armature.rest().clone();
         assert!(layer.apply(&mut pose).unwrap().unwrap().reached);
@@ -146,9 +149,10 @@ fn a_figure_rests_in_a_pose_of_its_own() {
         assert!((*rest_from_model * *model_from_rest).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
     }
     let skeleton = posed.skeleton("one", |_| FREE).unwrap();
-    let placed = skeleton.pose(&vec![0.0; skeleton.angles()]);
+    let placed = skeleton.pose(&vec![0.0; skeleton.angles()]).unwrap();
     for (bone, place) in skeleton.bone_ids().zip(&expected) {
-        let apart = place.translation.as_dvec3() - glam::DVec3::from(placed.tail(bone).to_array());
+        let apart =
+            place.translation.as_dvec3() - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
         assert!(apart.length() < 1e-5);
     }
     let other = Armature::new(Vec::new(), Vec::new()).unwrap();

@@ -337,9 +337,13 @@ fn a_rig_s_keyframes_stand_where_its_angles_do() {
                 .unwrap();
             armature.local_to_model(&pose, &mut model).unwrap();
             euler.sample(time, Playback::Hold, &mut q).unwrap();
-            let posed = skeleton.pose(&q);
+            let posed = skeleton.pose(&q).unwrap();
             for (bone, model) in skeleton.bone_ids().zip(&model) {
-                let tip = posed.tip(&skeleton, bone).to_array().map(|x| x as f32);
+                let tip = posed
+                    .tip(&skeleton, bone)
+                    .unwrap()
+                    .to_array()
+                    .map(|x| x as f32);
                 let along = Vec3A::X * skeleton.bones()[bone.index()].length as f32;
                 let off = (model.transform_point3a(along) - Vec3A::from(tip)).length();
                 assert!(off < 1e-4, "{off}");

@@ -55,8 +55,11 @@ fn a_mask_leaves_out_what_it_leaves_out() {
     let single = armature.bone("bone 0").unwrap();
     let mask = BoneMask::none(&armature)
         .with_subtree(&armature, root, 1.0)
+        .unwrap()
         .with_bone(single, 0.5)
-        .with_morph_target(armature.morph_target("frown").unwrap(), 1.0);
+        .unwrap()
+        .with_morph_target(armature.morph_target("frown").unwrap(), 1.0)
+        .unwrap();
     let under = |index: usize| {
         let mut next = armature.bone_at(index);
         while let Some(bone) = next {

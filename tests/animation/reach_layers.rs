@@ -28,9 +28,15 @@ fn angles_and_local_rotations_are_the_same_pose() {
         bridge.pose_of(&q, &mut pose);
         let mut model = vec![Affine3A::IDENTITY; armature.bones()];
         armature.local_to_model(&pose, &mut model).unwrap();
-        let posed = skeleton.pose(&q);
+        let posed = skeleton.pose(&q).unwrap();
         for (bone, model) in skeleton.bone_ids().zip(&model) {
-            let tip = Vec3::from(posed.tip(&skeleton, bone).to_array().map(|x| x as f32));
+            let tip = Vec3::from(
+                posed
+                    .tip(&skeleton, bone)
+                    .unwrap()
+                    .to_array()
+                    .map(|x| x as f32),
+            );
             let along = Vec3::X * skeleton.bones()[bone.index()].length as f32;
             assert!((model.transform_point3(along) - tip).length() < 2e-4);
         }
@@ -97,7 +103,11 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
         let weights = [1.0, 0.5];
         let wanted = [0, 1].map(|k| {
             let [from, to] = [&pose, &there].map(|pose| tip(&armature, &rig, pose, tips[k]));
-            let target = skeleton.pose(&goal).tip(skeleton, tips[k]);
+            let target = skeleton
+                .pose(&goal)
+                .unwrap()
+                .tip(skeleton, tips[k])
+                .unwrap();
             layer.set_goal(tips[k], target, weights[k]).unwrap();
             from + (to - from) * weights[k] as f32
         });
@@ -205,7 +215,9 @@ fn what_cannot_be_reached_for_is_refused_or_left_alone() {
     let armature = Armature::of_skeleton(skeleton);
     let target = skeleton
         .pose(&skeleton.model().neutral())
-        .tip(skeleton, bone);
+        .unwrap()
+        .tip(skeleton, bone)
+        .unwrap();
 
     // A pose of another armature.
     let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();

@@ -85,7 +85,11 @@ fn a_bone_s_angles_are_xzx_from_the_last_to_the_first() {
     };
     let skeleton = Skeleton::new("one bone", vec![bone]).unwrap();
     let [first, bend, second] = [0.7, -1.1, 0.4];
-    let posed = skeleton.pose(&[first, bend, second]).model_from_bone[0].rotation;
+    let posed = skeleton
+        .pose(&[first, bend, second])
+        .unwrap()
+        .model_from_bone[0]
+        .rotation;
     let ours = EulerOrder::Xzx.to_matrix([second, bend, first]);
     for (column, ours) in [posed.x, posed.y, posed.z]
         .iter()

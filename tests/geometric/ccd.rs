@@ -146,14 +146,20 @@ fn tips_of_the_shipped_rigs() {
         let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
         let (mut reached, mut asked) = (0, 0);
         for seed in 0..60 {
-            let pose = skeleton.pose(&model.random_configuration(seed));
+            let pose = skeleton.pose(&model.random_configuration(seed)).unwrap();
             let bone = rig.constrained[seed as usize % tips];
-            let target = pose.tip(skeleton, bone);
+            let target = pose.tip(skeleton, bone).unwrap();
             let mut builder = Problem::builder(model);
             builder.add(Point::new(skeleton.tip(bone), target));
             let problem = builder.build().unwrap();
             let solution = Ccd::default().solve(&problem, &model.neutral()).unwrap();
-            let missed = (skeleton.pose(&solution.q).tip(skeleton, bone) - target).norm();
+            let missed = (skeleton
+                .pose(&solution.q)
+                .unwrap()
+                .tip(skeleton, bone)
+                .unwrap()
+                - target)
+                .norm();
             let told = solution.tasks().next().unwrap().position_error().unwrap();
             assert!((told - missed).abs() < 1e-12);
             assert_eq!(solution.reached, missed <= 1e-6);
@@ -174,10 +180,13 @@ fn five_tips_of_the_humanoid() {
     for seed in 0..10 {
         let far = model.random_configuration(seed);
         let goal = far.iter().zip(&neutral).map(|(f, n)| n + 0.3 * (f - n));
-        let pose = skeleton.pose(&goal.collect::<Vec<f64>>());
+        let pose = skeleton.pose(&goal.collect::<Vec<f64>>()).unwrap();
         let mut builder = Problem::builder(model);
         for &tip in &rig.constrained {
-            builder.add(Point::new(skeleton.tip(tip), pose.tip(skeleton, tip)));
+            builder.add(Point::new(
+                skeleton.tip(tip),
+                pose.tip(skeleton, tip).unwrap(),
+            ));
         }
         builder.tolerance(Quantity::Metres, 1e-3);
         let problem = builder.build().unwrap();

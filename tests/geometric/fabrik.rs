@@ -198,13 +198,19 @@ fn a_hand_of_the_humanoid() {
     let hand = skeleton.bone("left_hand").unwrap();
     let mut reached = 0;
     for seed in 0..10 {
-        let pose = skeleton.pose(&model.random_configuration(seed));
-        let target = pose.tip(skeleton, hand);
+        let pose = skeleton.pose(&model.random_configuration(seed)).unwrap();
+        let target = pose.tip(skeleton, hand).unwrap();
         let mut builder = Problem::builder(model);
         builder.add(Point::new(skeleton.tip(hand), target));
         let problem = builder.build().unwrap();
         let solution = Fabrik::default().solve(&problem, &model.neutral()).unwrap();
-        let missed = (skeleton.pose(&solution.q).tip(skeleton, hand) - target).norm();
+        let missed = (skeleton
+            .pose(&solution.q)
+            .unwrap()
+            .tip(skeleton, hand)
+            .unwrap()
+            - target)
+            .norm();
         assert_eq!(solution.reached, missed <= 1e-6);
         reached += usize::from(solution.reached);
     }
@@ -221,18 +227,21 @@ fn five_tips_of_the_humanoid_come_nearer() {
     for seed in 0..5 {
         let far = model.random_configuration(seed);
         let goal = far.iter().zip(&neutral).map(|(f, n)| n + 0.3 * (f - n));
-        let pose = skeleton.pose(&goal.collect::<Vec<f64>>());
+        let pose = skeleton.pose(&goal.collect::<Vec<f64>>()).unwrap();
         let mut builder = Problem::builder(model);
         for &tip in tips {
-            builder.add(Point::new(skeleton.tip(tip), pose.tip(skeleton, tip)));
+            builder.add(Point::new(
+                skeleton.tip(tip),
+                pose.tip(skeleton, tip).unwrap(),
+            ));
         }
         let solver = Fabrik::default().with_restarts(Restarts::none());
         let solution = solver.solve(&builder.build().unwrap(), &neutral).unwrap();
         let missed = |q: &[f64]| {
-            let at = skeleton.pose(q);
+            let at = skeleton.pose(q).unwrap();
             let misses = tips
                 .iter()
-                .map(|&t| at.tip(skeleton, t) - pose.tip(skeleton, t));
+                .map(|&t| at.tip(skeleton, t).unwrap() - pose.tip(skeleton, t).unwrap());
             misses.map(|miss| miss.norm_squared()).sum::<f64>().sqrt()
         };
         assert!(missed(&solution.q) < 0.5 * missed(&neutral), "{seed}");

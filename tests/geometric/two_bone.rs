@@ -182,19 +182,25 @@ fn a_limb_of_a_rig_follows_its_pole() {
     {
         let [upper, lower] = limb.map(|name| skeleton.bone(name).unwrap());
         let goal = model.random_configuration(seed);
-        let pose = skeleton.pose(&goal);
+        let pose = skeleton.pose(&goal).unwrap();
         let joints = [skeleton.joints(upper), skeleton.joints(lower)].concat();
         let map = ParameterMap::builder(model).only(&joints, &goal);
         let mut builder = Problem::builder(model);
         builder.parameters(map.build().unwrap());
-        builder.add(Point::new(skeleton.tip(lower), pose.tip(skeleton, lower)));
+        builder.add(Point::new(
+            skeleton.tip(lower),
+            pose.tip(skeleton, lower).unwrap(),
+        ));
         let problem = builder.build().unwrap();
-        let elbow = pose.tail(lower);
+        let elbow = pose.tail(lower).unwrap();
         let start = model.random_configuration(seed + 1000);
         let solver = TwoBone::new(Elbow::Towards(elbow));
         let solution = solver.solve(&problem, &start).unwrap();
-        let found = skeleton.pose(&solution.q);
-        assert!((found.tail(lower) - elbow).norm() < 1e-6, "{limb:?} {seed}");
+        let found = skeleton.pose(&solution.q).unwrap();
+        assert!(
+            (found.tail(lower).unwrap() - elbow).norm() < 1e-6,
+            "{limb:?} {seed}"
+        );
         assert!(solution.reached, "{limb:?} {seed}: {}", solution.explain());
         assert!(solution.q.iter().zip(&limits).all(|(&v, l)| l.contains(v)));
     }

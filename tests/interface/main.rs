@@ -1,3 +1,4 @@
 //! Promises of the whole interface: what all public types can do, and one policy for wrong input.
 
 mod public_types;
+mod wrong_numbers;

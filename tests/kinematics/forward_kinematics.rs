@@ -43,7 +43,7 @@ fn some_frames_of_a_tree_under_every_map() {
             let x = expected.variables(&mut random);
             let q = expected.expand(&x);
             let mut own_q = vec![f64::NAN; q.len()];
-            expected.map.expand(&x, &mut own_q);
+            expected.map.expand(&x, &mut own_q).unwrap();
             for (own, right) in own_q.iter().zip(&q) {
                 assert!((own - right).abs() < 1e-14, "{}", expected.name);
             }
@@ -121,8 +121,7 @@ fn angles_of_any_size_turn_as_far_as_they_say() {
         }
     }
     let nan = vec![f64::NAN; tree.model.degrees_of_freedom()];
-    let placed = kinematics.place(&nan).unwrap();
-    assert!(placed.iter().any(|frame| frame.translation.x.is_nan()));
+    assert!(kinematics.place(&nan).is_err());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod canonical_bones;
 mod forward_kinematics;
+mod frame_jacobians;
 mod holds;
 mod kinematic_jacobian;
 mod model_reach;

@@ -9,11 +9,10 @@ use support::planar_arm;
 fn what_is_not_freed_is_held_within_its_limits() {
     let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
     let joints = model.moving_joints();
-    let map = ParameterMap::builder(&model).only(&[joints[2]], &[-3.0, 0.5, 9.0]);
+    let map = ParameterMap::builder(&model).only(&[joints[2]], &[-3.0, 0.5, 9.0, 0.0]);
     let map = map.build().unwrap();
     let mut q = [f64::NAN; 4];
-    map.expand(&[0.7], &mut q);
-    // The last was not given: zero.
+    map.expand(&[0.7], &mut q).unwrap();
     assert_eq!(q, [-1.0, 0.5, 0.7, 0.0]);
 }
 
@@ -44,6 +43,6 @@ fn what_is_reduced_is_within_its_bounds() {
     let model = planar_arm(&[1.0; 3], Some((-1.0, 2.0)));
     let map = ParameterMap::identity(&model);
     let mut x = [0.0; 3];
-    map.reduce(&[9.0, -9.0, 0.5], &mut x);
+    map.reduce(&[9.0, -9.0, 0.5], &mut x).unwrap();
     assert_eq!(x, [2.0, -1.0, 0.5]);
 }

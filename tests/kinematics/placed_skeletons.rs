@@ -30,7 +30,10 @@ fn skinning_transforms_begin_with_the_root_s() {
         let in_scene = placement(&root);
         let placed = rig.skeleton.placed(in_scene).unwrap();
         // By placing the pose; and by placing the skeleton, with the mesh left as it was modelled.
-        let poses = [rig.skeleton.pose(&q).placed(in_scene), placed.pose(&q)];
+        let poses = [
+            rig.skeleton.pose(&q).unwrap().placed(in_scene),
+            placed.pose(&q).unwrap(),
+        ];
         for pose in &poses {
             let ours: Vec<_> = pose.skinning_transforms(&rig.skeleton).collect();
             assert_eq!(ours.len(), expected.len());
@@ -40,8 +43,8 @@ fn skinning_transforms_begin_with_the_root_s() {
         }
         for bone in rig.skeleton.bone_ids() {
             let tips = [
-                poses[0].tip(&rig.skeleton, bone),
-                poses[1].tip(&placed, bone),
+                poses[0].tip(&rig.skeleton, bone).unwrap(),
+                poses[1].tip(&placed, bone).unwrap(),
             ];
             let carried = root * na::Point3::from(rig.tip(&rig.transforms(&q), bone));
             for tip in tips {
@@ -58,7 +61,7 @@ fn what_a_joint_does_composes_with_whatever_is_above_it() {
     let mut random = Random::new(4);
     let q = configuration_of(rig.skeleton.model(), &mut random);
     let own = |q: &[f64], bone: usize, parent: usize| {
-        let pose = rig.skeleton.pose(q);
+        let pose = rig.skeleton.pose(q).unwrap();
         let all: Vec<Placement<f64>> = pose.skinning_transforms(&rig.skeleton).collect();
         all[parent].inverse() * all[bone]
     };

@@ -74,3 +74,62 @@ fn what_is_not_rigid_is_refused() {
     let large = DAffine3::from_scale(DVec3::splat(1.0 + 1e-5));
     assert!(Placement::try_from(large).is_err());
 }
+
+#[test]
+fn vectors_and_rotations_of_either_crate() {
+    let [x, y, z] = [0.25, -1.5, 3.0];
+    let own = Vector3::new(x, y, z);
+    let glams = DVec3::new(x, y, z);
+    let theirs = nalgebra::Vector3::new(x, y, z);
+    assert_eq!(Vector3::from(glams), own);
+    assert_eq!(Vector3::from(glams.as_vec3()), own);
+    assert_eq!(Vector3::from(glam::Vec3A::from(glams.as_vec3())), own);
+    assert_eq!(Vector3::from(theirs), own);
+    assert_eq!(Vector3::from(nalgebra::Point3::from(theirs)), own);
+    assert_eq!(DVec3::from(own), glams);
+    assert_eq!(nalgebra::Point3::from(own), nalgebra::Point3::from(theirs));
+
+    let mut random = Random::new(8);
+    let off = |a: Matrix3<f64>, b: Matrix3<f64>| {
+        let [a, b] = [a, b].map(|rotation| Placement::new(rotation, Vector3::zero()));
+        apart(&a, &b)
+    };
+    for _ in 0..200 {
+        let turn = any(&mut random).rotation;
+        let theirs = nalgebra::Matrix3::from(turn);
+        let by_matrix = nalgebra::Rotation3::from_matrix_unchecked(theirs);
+        let quaternion = nalgebra::UnitQuaternion::from_rotation_matrix(&by_matrix);
+        let glams = glam::DMat3::from(turn);
+        let glams_quaternion = glam::DQuat::from_mat3(&glams);
+        assert_eq!(Matrix3::from(theirs), turn);
+        assert_eq!(Matrix3::from(by_matrix), turn);
+        assert_eq!(Matrix3::from(glams), turn);
+        assert!(off(quaternion.into(), turn) < 1e-14);
+        assert!(off(glams_quaternion.into(), turn) < 1e-14);
+        assert!(off(glams_quaternion.as_quat().into(), turn) < 1e-6);
+        let place = Placement::from(quaternion);
+        assert!(apart(&place, &Placement::new(turn, Vector3::zero())) < 1e-14);
+    }
+}
+
+#[test]
+fn builders_take_either_crates_types() {
+    use kinopt::model::{Limits, Model};
+    let mut models = Vec::new();
+    let limits = Limits::new(-1.0, 1.0);
+    let mut builder = Model::builder("one arm");
+    let joint = builder.revolute("joint", None, Isometry3::identity(), DVec3::Z, limits);
+    builder.frame(
+        "tip",
+        Some(joint),
+        nalgebra::Translation3::new(0.5, 0.0, 0.0),
+    );
+    models.push(builder.build().unwrap());
+    let mut builder = Model::builder("one arm");
+    let axis = nalgebra::Vector3::z_axis();
+    let joint = builder.revolute("joint", None, Placement::identity(), axis, limits);
+    builder.frame("tip", Some(joint), Vector3::new(0.5, 0.0, 0.0));
+    models.push(builder.build().unwrap());
+    assert_eq!(models[0].joints(), models[1].joints());
+    assert_eq!(models[0].frames(), models[1].frames());
+}

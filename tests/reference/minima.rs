@@ -84,7 +84,10 @@ fn measure(problem: &Problem, x: &[f64]) -> Measured {
 
 fn solve(statement: &Statement, problem: &Problem) -> Solution {
     let mut start = vec![0.0; problem.degrees_of_freedom()];
-    problem.parameters().expand(&statement.start, &mut start);
+    problem
+        .parameters()
+        .expand(&statement.start, &mut start)
+        .unwrap();
     // By default a miss is not searched for the last per mille.
     let restarts = Restarts::default().with_agreeing(3);
     let solver = Solver::default().with_restarts(restarts);
@@ -93,7 +96,7 @@ fn solve(statement: &Statement, problem: &Problem) -> Solution {
 
 fn variables(problem: &Problem, q: &[f64]) -> Vec<f64> {
     let mut x = vec![0.0; problem.variables()];
-    problem.parameters().reduce(q, &mut x);
+    problem.parameters().reduce(q, &mut x).unwrap();
     x
 }
 

@@ -173,7 +173,7 @@ fn skins(rig: &Rig) -> [u64; 2] {
     let mut bind = AutomaticWeights::default();
     bind.smoothing_steps = 2;
     let weights = bind.for_skeleton(mesh, &rig.skeleton).unwrap();
-    let packed = PackedWeights::new(&weights.pruned(4).0).unwrap();
+    let packed = PackedWeights::new(&weights.pruned(4).unwrap().0).unwrap();
     let mut random = Random::new(4);
     let transforms: Vec<Affine3A> = (0..weights.bone_count())
         .map(|_| {

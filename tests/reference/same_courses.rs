@@ -125,8 +125,8 @@ fn to_the_end() -> [u64; 2] {
     for case in 0..8 {
         let q = configuration_of(model, &mut random);
         let (mut x, mut own) = (vec![0.0; map.variables()], q.clone());
-        map.reduce(&q, &mut x);
-        map.expand_within_limits(&x, &mut own);
+        map.reduce(&q, &mut x).unwrap();
+        map.expand_within_limits(&x, &mut own).unwrap();
         let at = places(model, &own);
         let far = if case % 2 == 0 { 0.0 } else { 0.5 };
         let mut tasks = Problem::builder(model);

@@ -28,7 +28,7 @@ fn rig(entry: &Value) -> Rig {
 }
 
 fn transforms(rig: &Rig, pose: &Value) -> Vec<Affine3A> {
-    let placements = rig.skeleton.pose(&numbers(&pose["q"]));
+    let placements = rig.skeleton.pose(&numbers(&pose["q"])).unwrap();
     let transforms = placements.skinning_transforms(&rig.skeleton);
     transforms.map(|t| single_precision_transform(&t)).collect()
 }

@@ -209,13 +209,13 @@ fn the_right_side_mirrors_the_left() {
                 mirrored[3 * index..3 * index + 3].fill(0.0);
             }
         }
-        let placements = rig.skeleton.pose(&mirrored);
+        let placements = rig.skeleton.pose(&mirrored).unwrap();
         for id in rig.skeleton.bone_ids() {
             let name = &bones[id.index()].name;
             if let Some(side) = name.strip_prefix("left_") {
                 let right = rig.skeleton.bone(&format!("right_{side}")).unwrap();
-                let left = mirror(placements.tip(&rig.skeleton, id));
-                let right = placements.tip(&rig.skeleton, right).to_array();
+                let left = mirror(placements.tip(&rig.skeleton, id).unwrap());
+                let right = placements.tip(&rig.skeleton, right).unwrap().to_array();
                 let apart = left.iter().zip(right).map(|(l, r)| (l - r).abs());
                 assert!(apart.fold(0.0, f64::max) < 1e-12, "{name}");
             }
@@ -231,9 +231,9 @@ fn any_pose_within_the_limits_puts_the_tips_within_reach() {
         let size = rig.skeleton.size();
         for _ in 0..1000 {
             let q = random_angles(&rig, &mut state);
-            let placements = rig.skeleton.pose(&q);
+            let placements = rig.skeleton.pose(&q).unwrap();
             for &bone in &rig.constrained {
-                let tip = placements.tip(&rig.skeleton, bone).to_array();
+                let tip = placements.tip(&rig.skeleton, bone).unwrap().to_array();
                 assert!(tip.iter().all(|x| x.abs() < 2.0 * size), "{name}: {tip:?}");
             }
         }

@@ -143,7 +143,7 @@ fn four_influences_tear_no_crease() {
         own.for_segments(&mesh, &bones).unwrap()
     };
     let all = with(64);
-    let (plain, _) = all.pruned(4);
+    let (plain, _) = all.pruned(4).unwrap();
     // What the cut adds to the steps along edges.
     let added = |own: &SkinWeights| {
         let change = own.to_table() - all.to_table();

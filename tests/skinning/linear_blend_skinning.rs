@@ -178,6 +178,7 @@ fn a_posed_chain_carries_its_skin() {
     let rest = mesh(&mut numbers, 200, 1.0);
     let single: Vec<Affine3A> = skeleton
         .pose(&q)
+        .unwrap()
         .skinning_transforms(&skeleton)
         .map(|t| single_precision_transform(&t))
         .collect();

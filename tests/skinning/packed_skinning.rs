@@ -156,7 +156,7 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
             influences: 5
         }
     );
-    let packed = PackedWeights::new(&six.pruned(4).0).unwrap();
+    let packed = PackedWeights::new(&six.pruned(4).unwrap().0).unwrap();
     assert_eq!((packed.vertex_count(), packed.bone_count()), (12, BONES));
 
     let mut builder = SkinWeights::builder(1, 65_537);

@@ -15,7 +15,7 @@ fn a_hand_drawn_too_far_while_the_other_tips_hold() {
     let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
     let model = rig.skeleton.model();
     let rest = model.neutral();
-    let pose = rig.skeleton.pose(&rest);
+    let pose = rig.skeleton.pose(&rest).unwrap();
     let limits: Vec<_> = model.limits().collect();
     for target in [
         [5.0, 5.0, 5.0],
@@ -29,7 +29,7 @@ fn a_hand_drawn_too_far_while_the_other_tips_hold() {
         let mut tips = vec![(hand, target)];
         for name in ["head", "right_hand", "left_foot", "right_foot"] {
             let bone = rig.skeleton.bone(name).unwrap();
-            let at = pose.tip(&rig.skeleton, bone);
+            let at = pose.tip(&rig.skeleton, bone).unwrap();
             tips.push((bone, [at.x, at.y, at.z]));
         }
         for &(bone, at) in &tips {
@@ -50,9 +50,9 @@ fn a_hand_drawn_too_far_while_the_other_tips_hold() {
 
         // By the tips' places alone: no small move of any angle within its limits helps.
         let cost = |q: &[f64]| -> f64 {
-            let posed = rig.skeleton.pose(q);
+            let posed = rig.skeleton.pose(q).unwrap();
             let misses = tips.iter().map(|&(bone, at)| {
-                let p = posed.tip(&rig.skeleton, bone);
+                let p = posed.tip(&rig.skeleton, bone).unwrap();
                 (p.x - at[0]).powi(2) + (p.y - at[1]).powi(2) + (p.z - at[2]).powi(2)
             });
             0.5 * misses.sum::<f64>()
@@ -76,14 +76,14 @@ fn what_a_curved_step_promises_is_curved() {
     let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
     let model = rig.skeleton.model();
     let rest = model.neutral();
-    let pose = rig.skeleton.pose(&rest);
+    let pose = rig.skeleton.pose(&rest).unwrap();
     let mut random = Random::new(1);
     let mut steps = 0;
     for _ in 0..20 {
         let mut builder = Problem::builder(model);
         for name in ["left_hand", "head", "right_hand", "left_foot", "right_foot"] {
             let bone = rig.skeleton.bone(name).unwrap();
-            let (at, off) = (pose.tip(&rig.skeleton, bone), random.vector(0.6));
+            let (at, off) = (pose.tip(&rig.skeleton, bone).unwrap(), random.vector(0.6));
             let wanted = [at.x + off.x, at.y + off.y, at.z + off.z];
             builder.add(Point::new(rig.skeleton.tip(bone), wanted));
         }

@@ -24,11 +24,16 @@ fn drag(rig: &RandomRig, start: &[f64]) -> (Drag, TaskId<Point>, Vector3<f64>) {
     let (skeleton, size) = (&rig.skeleton, rig.skeleton.size());
     let mut builder = Problem::builder(skeleton.model());
     builder.tolerance(Quantity::Metres, 1e-6 * size);
-    let pose = skeleton.pose(start);
+    let pose = skeleton.pose(start).unwrap();
     let tasks: Vec<_> = (rig.tips.iter())
-        .map(|&tip| builder.add(Point::new(skeleton.tip(tip), pose.tip(skeleton, tip))))
+        .map(|&tip| {
+            builder.add(Point::new(
+                skeleton.tip(tip),
+                pose.tip(skeleton, tip).unwrap(),
+            ))
+        })
         .collect();
-    let from = pose.tip(skeleton, rig.tips[1]);
+    let from = pose.tip(skeleton, rig.tips[1]).unwrap();
     let drag = Drag::new(builder.build().unwrap(), start).unwrap();
     (drag, tasks[1], from)
 }

@@ -43,7 +43,7 @@ pub(crate) fn linearised(problem: &Problem, x: &[f64]) -> (DVector<f64>, DMatrix
 /// nalgebra's singular values, Newton's steps with halvings.
 pub(crate) fn left_over(goals: &Problem, pulls: &Problem, q: &[f64]) -> f64 {
     let mut x = vec![0.0; goals.variables()];
-    goals.parameters().reduce(q, &mut x);
+    goals.parameters().reduce(q, &mut x).unwrap();
     let (_, held) = linearised(goals, &x);
     let (residual, jacobian) = linearised(pulls, &x);
     let slope = jacobian.transpose() * residual;
@@ -79,7 +79,7 @@ pub(crate) fn left_over(goals: &Problem, pulls: &Problem, q: &[f64]) -> f64 {
 
 pub(crate) fn within_limits(problem: &Problem, q: &[f64]) -> bool {
     let mut x = vec![0.0; problem.variables()];
-    problem.parameters().reduce(q, &mut x);
+    problem.parameters().reduce(q, &mut x).unwrap();
     let bounds = problem.lower().iter().zip(problem.upper());
     x.iter().zip(bounds).all(|(x, (l, u))| l <= x && x <= u)
 }

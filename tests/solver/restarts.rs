@@ -221,9 +221,9 @@ fn a_miss_costs_no_more_than_a_few_attempts() {
         let rig = support::bones::RandomRig::new(seed);
         let model = rig.skeleton.model();
         let mut builder = Problem::builder(model);
-        let at_ease = rig.skeleton.pose(&model.neutral());
+        let at_ease = rig.skeleton.pose(&model.neutral()).unwrap();
         for (k, &tip) in rig.tips.iter().enumerate() {
-            let place = at_ease.tip(&rig.skeleton, tip);
+            let place = at_ease.tip(&rig.skeleton, tip).unwrap();
             let far = if k == 1 { 3.0 } else { 0.0 };
             let aside = kinopt::spatial::Vector3::new(far, 0.5 * far, 0.2 * far);
             builder.add(Point::new(rig.skeleton.tip(tip), place + aside));

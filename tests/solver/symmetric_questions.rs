@@ -20,13 +20,16 @@ fn humanoid() -> Rig {
 /// All tips held, and the tasks of the two hands.
 fn problem(rig: &Rig, start: &[f64]) -> (Problem, [TaskId<Point>; 2]) {
     let skeleton = &rig.skeleton;
-    let pose = skeleton.pose(start);
+    let pose = skeleton.pose(start).unwrap();
     let mut builder = Problem::builder(skeleton.model());
     builder.tolerance(Quantity::Metres, 1e-8);
     let hands = ["left_hand", "right_hand"].map(|name| skeleton.bone(name).unwrap());
     let tasks = hands.map(|hand| builder.add(Point::new(skeleton.tip(hand), [0.0; 3])));
     for &held in rig.constrained.iter().filter(|held| !hands.contains(held)) {
-        builder.add(Point::new(skeleton.tip(held), pose.tip(skeleton, held)));
+        builder.add(Point::new(
+            skeleton.tip(held),
+            pose.tip(skeleton, held).unwrap(),
+        ));
     }
     (builder.build().unwrap(), tasks)
 }
@@ -37,7 +40,7 @@ fn mirrored(p: Vector3<f64>) -> Vector3<f64> {
 
 /// How far the left side is from the mirrored right one.
 fn lopsided(skeleton: &Skeleton, q: &[f64]) -> f64 {
-    let pose = skeleton.pose(q);
+    let pose = skeleton.pose(q).unwrap();
     let bones = skeleton.bones().iter().map(|bone| {
         let other = match bone.name.strip_prefix("left_") {
             Some(rest) => format!("right_{rest}"),
@@ -47,8 +50,11 @@ fn lopsided(skeleton: &Skeleton, q: &[f64]) -> f64 {
             return 0.0;
         }
         let [here, there] = [bone.name.as_str(), &other].map(|name| skeleton.bone(name).unwrap());
-        let ends = [pose.tail(here), pose.tip(skeleton, here)];
-        let others = [pose.tail(there), pose.tip(skeleton, there)];
+        let ends = [pose.tail(here).unwrap(), pose.tip(skeleton, here).unwrap()];
+        let others = [
+            pose.tail(there).unwrap(),
+            pose.tip(skeleton, there).unwrap(),
+        ];
         let apart = ends
             .into_iter()
             .zip(others)

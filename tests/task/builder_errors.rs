@@ -207,7 +207,13 @@ fn parameter_maps() {
     names(twice, &["`wrist`", "coupled twice"]);
     // One of each is said in order, and what `only` holds may be moved afterwards.
     assert!(coupled.lock(wrist, 0.1).build().is_ok());
-    assert!(map().only(&[elbow], &[]).lock(wrist, 0.1).build().is_ok());
+    assert!(
+        map()
+            .only(&[elbow], &[0.0; 2])
+            .lock(wrist, 0.1)
+            .build()
+            .is_ok()
+    );
     names(map().lock(foreign_joint(), 0.0).build(), &["`arm`"]);
     names(map().lock(wrist, 0.7).build(), &["`wrist`", "0.7", "0.5"]);
     names(map().lock(wrist, NAN).build(), &["`wrist`", "NaN"]);
@@ -265,7 +271,7 @@ fn problems() {
     };
     names(Problem::builder(&model).build(), &["no task", "`arm`"]);
     let locked = ParameterMap::builder(&model)
-        .only(&[], &[])
+        .only(&[], &[0.0; 2])
         .build()
         .unwrap();
     names(

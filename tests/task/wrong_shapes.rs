@@ -5,7 +5,7 @@
 use kinopt::model::{FrameId, Limits, Model, ModelError, ParameterMap};
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::scalar::Scalar;
-use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::skeleton::{Bone, Skeleton, SkeletonError};
 use kinopt::solver::{LeastSquares, Outcome, Silent, SolverState, Stopping, Termination, minimise};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LocalJacobian, Point, Quantity, Residual, Rows};
@@ -19,22 +19,6 @@ fn problem() -> Problem {
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(tip, [0.6, 0.4, 0.0]));
     builder.build().unwrap()
-}
-
-#[test]
-fn parameter_maps_give_nan_for_what_is_missing() {
-    let model = planar_arm(&[0.5, 0.4, 0.3], None);
-    let map = ParameterMap::identity(&model);
-    let mut q = [7.0; 3];
-    map.expand(&[1.0], &mut q);
-    assert_eq!(q[0], 1.0);
-    assert!(q[1].is_nan() && q[2].is_nan());
-    let mut x = [7.0; 3];
-    map.reduce(&[1.0, 2.0], &mut x);
-    assert_eq!(x[..2], [1.0, 2.0]);
-    assert!(x[2].is_nan());
-    map.expand_within_limits(&[], &mut q);
-    map.reduce(&[], &mut [0.0; 9]);
 }
 
 #[test]
@@ -187,7 +171,7 @@ fn derivatives_of_what_is_not_read_have_no_room() {
 }
 
 #[test]
-fn bones_of_another_skeleton_are_nowhere() {
+fn bones_of_another_skeleton_are_refused() {
     let bone = |name: &str, parent| Bone {
         name: name.to_owned(),
         parent,
@@ -198,9 +182,11 @@ fn bones_of_another_skeleton_are_nowhere() {
     let one = Skeleton::new("one", vec![bone("a", None)]).unwrap();
     let two = Skeleton::new("two", vec![bone("a", None), bone("b", None)]).unwrap();
     let foreign = two.bone("b").unwrap();
-    let pose = one.pose(&[0.0; 3]);
-    assert!(pose.tail(foreign).x.is_nan() && pose.tip(&one, foreign).x.is_nan());
-    assert!(pose.tip(&two, foreign).x.is_nan());
+    let pose = one.pose(&[0.0; 3]).unwrap();
+    let refused = SkeletonError::ForeignBone { bone: 1, bones: 1 };
+    assert_eq!(pose.tail(foreign).unwrap_err(), refused);
+    assert_eq!(pose.tip(&one, foreign).unwrap_err(), refused);
+    assert_eq!(pose.tip(&two, foreign).unwrap_err(), refused);
 }
 
 #[test]

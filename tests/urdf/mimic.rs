@@ -33,7 +33,7 @@ fn followers_of_followers_compose() {
     let map = robot.map();
     assert_eq!(map.variables(), 1);
     let mut q = [0.0; 3];
-    map.expand(&[0.25], &mut q);
+    map.expand(&[0.25], &mut q).unwrap();
     // b = -2a + 0.5 = 0; c = 3b - 1 = -1.
     assert_eq!(q, [-1.0, 0.0, 0.25]);
 }
@@ -50,7 +50,7 @@ fn each_follower_narrows_the_range_of_the_leader() {
     assert!((lower[0] + 0.25).abs() < 1e-15 && (upper[0] - 0.2).abs() < 1e-15);
     for x in [lower[0], upper[0]] {
         let mut q = [0.0; 3];
-        robot.map().expand_within_limits(&[x], &mut q);
+        robot.map().expand_within_limits(&[x], &mut q).unwrap();
         for (value, limits) in q.iter().zip(robot.model().limits()) {
             assert!(limits.contains(*value));
         }
@@ -65,6 +65,6 @@ fn a_locked_leader_locks_its_followers() {
     let map = robot.parameters().lock(leader, 0.5).build().unwrap();
     assert_eq!(map.variables(), 0);
     let mut q = [0.0; 3];
-    map.expand(&[], &mut q);
+    map.expand(&[], &mut q).unwrap();
     assert_eq!(q, [1.5, 1.0, 0.5]);
 }

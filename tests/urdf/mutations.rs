@@ -165,9 +165,9 @@ fn assert_sound(robot: &Robot) {
         assert!(lower <= upper);
     }
     let mut x = vec![0.0; map.variables()];
-    map.reduce(&model.neutral(), &mut x);
+    map.reduce(&model.neutral(), &mut x).unwrap();
     let mut q = vec![0.0; model.degrees_of_freedom()];
-    map.expand_within_limits(&x, &mut q);
+    map.expand_within_limits(&x, &mut q).unwrap();
     for (value, limits) in q.iter().zip(model.limits()) {
         assert!(limits.contains(*value), "{value} outside {limits:?}");
     }

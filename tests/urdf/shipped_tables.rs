@@ -46,7 +46,7 @@ fn configurations(robot: &Robot) -> Vec<Vec<f64>> {
                 })
                 .collect();
             let mut q = vec![0.0; robot.model().degrees_of_freedom()];
-            map.expand(&x, &mut q);
+            map.expand(&x, &mut q).unwrap();
             q
         })
         .collect()

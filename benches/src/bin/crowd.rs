@@ -182,8 +182,11 @@ fn reach_by(
     let easy = at_ease(skeleton);
     let mut posed = Armature::of_skeleton(skeleton).rest().clone();
     bridge.pose_of(&easy, &mut posed);
-    let at = skeleton.pose(&easy);
-    let tips: Vec<_> = hands.iter().map(|&hand| at.tip(skeleton, hand)).collect();
+    let at = skeleton.pose(&easy).expect("its own pose");
+    let tips: Vec<_> = hands
+        .iter()
+        .map(|&hand| at.tip(skeleton, hand).expect("its own hand"))
+        .collect();
     let mut layer = ReachLayer::new(skeleton, hands, solver).expect("a valid problem");
     let mut pose = posed.clone();
     let (mut least, mut reached, mut iterations) = (Duration::MAX, 0, 0);

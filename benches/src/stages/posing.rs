@@ -139,7 +139,7 @@ fn skin(blend: Blend) -> Result<Run, Box<dyn Error>> {
     }
     let weights = weights.build()?;
     let packed = PackedWeights::new(&weights)?;
-    let pose = skeleton.pose(&at_ease(&skeleton));
+    let pose = skeleton.pose(&at_ease(&skeleton))?;
     let transforms: Vec<_> = pose
         .skinning_transforms(&skeleton)
         .map(|transform| single_precision_transform(&transform))

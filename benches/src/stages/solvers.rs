@@ -49,7 +49,7 @@ fn search(method: impl Method + 'static) -> Result<Run, Box<dyn Error>> {
     let problem = builder.build()?;
     let start = at_ease(&skeleton);
     let mut x = vec![0.0; problem.variables()];
-    problem.parameters().reduce(&start, &mut x);
+    problem.parameters().reduce(&start, &mut x)?;
     let stopping = Stopping::default().with_max_iterations(ITERATIONS);
     let mut scratch = problem.scratch();
     let mut memory = SolverState::default();

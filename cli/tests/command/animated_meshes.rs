@@ -11,7 +11,7 @@ fn expected(time: f64, playback: Playback) -> Vec<Vec3> {
     let rig = rig();
     let mut q = vec![0.0; rig.skeleton.angles()];
     rig.clip.sample(time, playback, &mut q).unwrap();
-    let pose = rig.skeleton.pose(&q);
+    let pose = rig.skeleton.pose(&q).unwrap();
     let transforms: Vec<_> = pose.skinning_transforms(&rig.skeleton).collect();
     // Every vertex of this rig follows one bone: 1 and 2 on the left, 3 and 4 on the right.
     let bone = |p: &Vec3| match (p.x < 0.0, p.x.abs() < 2.0) {

@@ -34,8 +34,8 @@ impl Seeded {
         let map = self.robot.map();
         let mut q = self.robot.model().random_configuration(seed);
         let mut x = vec![0.0; map.variables()];
-        map.reduce(&q, &mut x);
-        map.expand_within_limits(&x, &mut q);
+        map.reduce(&q, &mut x).unwrap();
+        map.expand_within_limits(&x, &mut q).unwrap();
         q
     }
 

@@ -213,19 +213,24 @@ impl ProblemSet {
         self.within_limits(&self.model.random_configuration(seed))
     }
 
-    /// The configuration moved into the limits; followers follow, locked joints stay.
+    /// The configuration moved into the limits; followers follow, locked joints stay. NaN for what is no
+    /// configuration of the model.
     #[must_use]
     pub fn within_limits(&self, q: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; self.map.variables()];
-        self.map.reduce(q, &mut x);
-        self.configuration(&x)
+        match self.map.reduce(q, &mut x) {
+            Ok(()) => self.configuration(&x),
+            Err(_) => vec![f64::NAN; self.model.degrees_of_freedom()],
+        }
     }
 
-    /// The configuration of variables, moved into the limits.
+    /// The configuration of variables, moved into the limits. NaN for what are no variables of the map.
     #[must_use]
     pub fn configuration(&self, x: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; self.model.degrees_of_freedom()];
-        self.map.expand_within_limits(x, &mut q);
-        q
+        match self.map.expand_within_limits(x, &mut q) {
+            Ok(()) => q,
+            Err(_) => vec![f64::NAN; q.len()],
+        }
     }
 }

@@ -31,14 +31,14 @@ fn drag(rig: &Rig, place: [f64; 3]) -> Result<Vec<f64>, Failure> {
     let armature = Armature::of_skeleton(&rig.skeleton);
     let skeleton = armature.skeleton("bare", |_| [Limits::UNBOUNDED; 3])?;
     let rest = skeleton.model().neutral();
-    let pose = skeleton.pose(&rest);
+    let pose = skeleton.pose(&rest)?;
     let hand = skeleton.bone("left_hand")?;
     let holds = skeleton.holds(&[hand]);
     let mut tasks = Problem::builder(skeleton.model());
     tasks.parameters(holds.parameters(&skeleton, &rest)?);
     tasks.add(Point::new(skeleton.tip(hand), place));
     for &end in &holds.ends {
-        tasks.add(Point::new(skeleton.tip(end), pose.tip(&skeleton, end)));
+        tasks.add(Point::new(skeleton.tip(end), pose.tip(&skeleton, end)?));
     }
     for posture in holds.postures(&skeleton, &rest) {
         tasks.add(posture);
@@ -69,7 +69,7 @@ pub(crate) fn dragged(rig: &Rig, path: &Path) -> Result<(), Failure> {
     let view = View::new(centre + DVec3::new(7.5, -0.6, 1.0), centre, 2.45);
     let mut image = render(&scene, &view, SIZE, 3);
     for (q, target, place) in figures {
-        draw_bones(&mut image, &view, rig, &q, place);
+        draw_bones(&mut image, &view, rig, &q, place)?;
         if let Some(target) = target {
             ring(&mut image, &view, DVec3::from(target) + place);
         }

@@ -100,22 +100,29 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
     let centre = DVec3::new(0.0, -0.4, 0.97);
     let view = View::new(centre + DVec3::new(6.2, -1.3, 1.1), centre, 2.2);
     let mut image = render(&scene, &view, SIZE, 3);
-    draw_bones(&mut image, &view, rig, &rest, beside);
-    draw_bones(&mut image, &view, rig, &posed, here);
+    draw_bones(&mut image, &view, rig, &rest, beside)?;
+    draw_bones(&mut image, &view, rig, &posed, here)?;
     for (_, target) in TARGETS {
         ring(&mut image, &view, DVec3::from(target) + here);
     }
     image.write(path)
 }
 
-pub(crate) fn draw_bones(image: &mut Image, view: &View, rig: &Rig, q: &[f64], place: DVec3) {
-    let placements = rig.skeleton.pose(q);
+pub(crate) fn draw_bones(
+    image: &mut Image,
+    view: &View,
+    rig: &Rig,
+    q: &[f64],
+    place: DVec3,
+) -> Result<(), Failure> {
+    let placements = rig.skeleton.pose(q)?;
     for bone in rig.skeleton.bone_ids() {
-        let ends = [placements.tail(bone), placements.tip(&rig.skeleton, bone)];
-        let ends = ends.map(|p| DVec3::from_array(p.to_array()) + place);
+        let ends = [placements.tail(bone)?, placements.tip(&rig.skeleton, bone)?];
+        let ends = ends.map(|p| DVec3::from(p) + place);
         view.line(image, ends, 0.008, linear(BONE), 0.55);
         view.line(image, [ends[0]; 2], 0.024, linear(BONE), 0.8);
     }
+    Ok(())
 }
 
 /// A ring around a target and a dot on it.

@@ -18,7 +18,7 @@ pub(crate) fn add_posed(
     let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
         return Err("the rig has no skin".into());
     };
-    let placements = rig.skeleton.pose(q);
+    let placements = rig.skeleton.pose(q)?;
     let transforms = placements.skinning_transforms(&rig.skeleton);
     let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
     let skin = SkinningMethod::LinearBlend.mesh(mesh, weights, &transforms)?;

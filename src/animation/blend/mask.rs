@@ -3,6 +3,35 @@
 use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::skeleton::BoneId;
 
+/// Why a mask cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MaskError {
+    /// A bone or morph target of another armature.
+    #[error("{what} {index} does not exist; there are {count}")]
+    Unknown {
+        /// "bone" or "morph target".
+        what: &'static str,
+        /// Which, from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A share that is not within [0, 1].
+    #[error("{what} {index}: the share {share} is not within [0, 1]")]
+    BadShare {
+        /// "bone" or "morph target".
+        what: &'static str,
+        /// Which, from 0.
+        index: usize,
+        /// The share.
+        share: f32,
+    },
+    /// An armature with another number of bones.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+}
+
 /// A share within [0, 1] for each bone and each morph target of an armature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoneMask {
@@ -30,41 +59,47 @@ impl BoneMask {
         }
     }
 
-    /// Sets one bone's share, taken into [0, 1]; NaN counts as 0. A bone of another armature, which
-    /// this one does not have, changes nothing.
-    #[must_use]
-    pub fn with_bone(mut self, bone: BoneId, share: f32) -> Self {
-        if let Some(own) = self.bones.get_mut(bone.index()) {
-            *own = within(share);
-        }
-        self
+    /// Sets one bone's share.
+    ///
+    /// # Errors
+    /// A bone of another armature, or a share that is not within [0, 1].
+    pub fn with_bone(mut self, bone: BoneId, share: f32) -> Result<Self, MaskError> {
+        set(&mut self.bones, "bone", bone.index(), share)?;
+        Ok(self)
     }
 
     /// Sets the share of a bone and of all that hang on it.
-    #[must_use]
-    pub fn with_subtree(mut self, armature: &Armature, root: BoneId, share: f32) -> Self {
+    ///
+    /// # Errors
+    /// As [`with_bone`](Self::with_bone); an armature of another size.
+    pub fn with_subtree(
+        mut self,
+        armature: &Armature,
+        root: BoneId,
+        share: f32,
+    ) -> Result<Self, MaskError> {
+        set(&mut self.bones, "bone", root.index(), share)?;
+        SizeMismatch::check("bones in the mask", self.bones.len(), armature.bones())?;
         let mut inside = vec![false; armature.bones()];
+        inside[root.index()] = true;
+        // Parents come first, so theirs is decided already.
         for index in root.index()..armature.bones() {
-            let parent = armature
-                .bone_at(index)
-                .and_then(|bone| armature.parent(bone));
-            // Parents come first, so theirs is decided already.
-            inside[index] = index == root.index() || parent.is_some_and(|p| inside[p.index()]);
+            let parent = armature.parent(BoneId::new(index));
+            inside[index] |= parent.is_some_and(|parent| inside[parent.index()]);
             if inside[index] {
-                self = self.with_bone(BoneId::new(index), share);
+                self.bones[index] = share;
             }
         }
-        self
+        Ok(self)
     }
 
-    /// Sets one morph target's share, taken into [0, 1]; NaN counts as 0. A target that the armature
-    /// does not have changes nothing.
-    #[must_use]
-    pub fn with_morph_target(mut self, target: usize, share: f32) -> Self {
-        if let Some(own) = self.morph_targets.get_mut(target) {
-            *own = within(share);
-        }
-        self
+    /// Sets one morph target's share.
+    ///
+    /// # Errors
+    /// A target that the armature does not have, or a share that is not within [0, 1].
+    pub fn with_morph_target(mut self, target: usize, share: f32) -> Result<Self, MaskError> {
+        set(&mut self.morph_targets, "morph target", target, share)?;
+        Ok(self)
     }
 
     /// The bones' shares.
@@ -88,6 +123,17 @@ impl BoneMask {
             targets,
         )
     }
+}
+
+fn set(shares: &mut [f32], what: &'static str, index: usize, share: f32) -> Result<(), MaskError> {
+    let count = shares.len();
+    let own = shares.get_mut(index);
+    let own = own.ok_or(MaskError::Unknown { what, index, count })?;
+    if !(0.0..=1.0).contains(&share) {
+        return Err(MaskError::BadShare { what, index, share });
+    }
+    *own = share;
+    Ok(())
 }
 
 /// The nearest number within [0, 1]; 0 for NaN.

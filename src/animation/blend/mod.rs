@@ -7,6 +7,6 @@ mod slerp_weights;
 mod weighted;
 
 pub use layer::{Layer, LayerMode};
-pub use mask::BoneMask;
 pub(super) use mask::within;
+pub use mask::{BoneMask, MaskError};
 pub use weighted::{BlendError, blend_poses};

@@ -85,18 +85,12 @@ impl ReachLayer {
         solver: Solver,
     ) -> Result<Self, ProblemError> {
         let rest = skeleton.model().neutral();
-        let at_rest = skeleton.pose(&rest);
         let mut builder = Problem::builder(skeleton.model());
-        let effectors = once(tips).map(|bone| {
-            // Without a place of a stranger's, the builder says that it is one.
-            let own = skeleton.bones().get(bone.index());
-            let target = own.map_or(Vector3::zero(), |_| at_rest.tip(skeleton, bone));
-            Effector {
-                bone,
-                task: builder.add(Point::new(skeleton.tip(bone), target)),
-                target,
-                weight: 0.0,
-            }
+        let effectors = once(tips).map(|bone| Effector {
+            bone,
+            task: builder.add(Point::new(skeleton.tip(bone), Vector3::zero())),
+            target: Vector3::zero(),
+            weight: 0.0,
         });
         let effectors = effectors.collect();
         let turned = once(held).map(|bone| Held::new(skeleton, bone, &mut builder));

@@ -4,6 +4,7 @@ use glam::Affine3A;
 
 use super::Rig;
 use crate::animation::{Armature, Pose, SizeMismatch};
+use crate::kinematics::KinematicsError;
 use crate::mesh::TriangleMesh;
 use crate::skeleton::{Posing, Skeleton};
 use crate::skinning::{
@@ -35,7 +36,10 @@ pub enum RigPosingError {
     /// The file has no weights, and none can be made.
     #[error("the rig has no skin weights, and none can be made up: {0}")]
     Weights(AutomaticWeightsError),
-    /// A configuration or a pose of other bones.
+    /// A configuration of other bones, or one that is not finite.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// A pose of other bones.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
     /// The skin and its transforms.
@@ -98,8 +102,7 @@ impl RigPosing<'_> {
     /// # Errors
     /// Another number of angles, or a number that is not finite.
     pub fn mesh(&mut self, q: &[f64]) -> Result<TriangleMesh, RigPosingError> {
-        SizeMismatch::check("angles", q.len(), self.skeleton.angles())?;
-        let pose = self.posing.pose(q);
+        let pose = self.posing.pose(q)?;
         self.posed_from_rest.clear();
         let transforms = pose.skinning_transforms(self.skeleton);
         let transforms = transforms.map(|transform| single_precision_transform(&transform));

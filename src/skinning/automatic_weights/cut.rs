@@ -33,7 +33,7 @@ impl Strongest {
     pub(super) fn new(points: usize, most: usize) -> Self {
         Self {
             rows: vec![Row::new(); points],
-            most: most.max(1),
+            most,
         }
     }
 

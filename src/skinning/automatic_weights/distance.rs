@@ -35,7 +35,7 @@ pub struct AutomaticWeights {
     pub falloff: f64,
     /// How often weights are evened out over the mesh's edges.
     pub smoothing_steps: u32,
-    /// The most influences a vertex keeps; 0 counts as 1. Four take the packed path, and steeper steps
+    /// The most influences a vertex keeps, at least 1. Four take the packed path, and steeper steps
     /// where many bones are near: palms, shoulders.
     pub most: usize,
 }
@@ -55,7 +55,7 @@ impl AutomaticWeights {
     /// Weights for a skeleton's bones at rest, in the mesh's own frame and unit.
     ///
     /// # Errors
-    /// The skeleton has no bones, or the falloff is not above 0.
+    /// The skeleton has no bones, the falloff is not above 0, or no influence may stay.
     pub fn for_skeleton(
         &self,
         mesh: &TriangleMesh,
@@ -67,13 +67,13 @@ impl AutomaticWeights {
     /// Weights for bones given as [tail, tip]; a bone without length is a point.
     ///
     /// # Errors
-    /// There are no bones, an end is not finite, or the falloff is not above 0.
+    /// There are no bones, an end is not finite, the falloff is not above 0, or no influence may stay.
     pub fn for_segments(
         &self,
         mesh: &TriangleMesh,
         segments: &[[DVec3; 2]],
     ) -> Result<SkinWeights, AutomaticWeightsError> {
-        segments::check(segments)?;
+        segments::check(segments, self.most)?;
         if !(self.falloff > 0.0 && self.falloff.is_finite()) {
             return Err(AutomaticWeightsError::Falloff(self.falloff));
         }

@@ -15,6 +15,9 @@ pub enum AutomaticWeightsError {
     /// The heat that bones give is not a number above 0.
     #[error("a heat of {0} is not a finite number above 0")]
     Heat(f64),
+    /// No influence may stay.
+    #[error("a vertex must keep at least one influence")]
+    NoInfluences,
     /// A bone's end is NaN or infinite.
     #[error("bone {bone}: an end of it is not finite")]
     NonFiniteBone {

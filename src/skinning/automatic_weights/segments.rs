@@ -17,8 +17,11 @@ pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
         .collect()
 }
 
-/// There are bones, and all their ends are finite.
-pub(super) fn check(segments: &[Segment]) -> Result<(), AutomaticWeightsError> {
+/// There are bones, all their ends are finite, and vertices may keep influences.
+pub(super) fn check(segments: &[Segment], most: usize) -> Result<(), AutomaticWeightsError> {
+    if most == 0 {
+        return Err(AutomaticWeightsError::NoInfluences);
+    }
     let broken = |[tail, tip]: &Segment| !(tail.is_finite() && tip.is_finite());
     match segments.iter().position(broken) {
         Some(bone) => Err(AutomaticWeightsError::NonFiniteBone { bone }),

@@ -77,6 +77,9 @@ pub enum WeightsError {
         /// How many it has.
         influences: usize,
     },
+    /// Pruning would leave no influence.
+    #[error("a vertex must keep at least one influence")]
+    NoneKept,
     /// Packed weights number bones with 16 bits.
     #[error("{bones} bones, where packed weights have numbers for 65536")]
     TooManyBones {

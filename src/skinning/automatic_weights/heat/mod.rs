@@ -49,7 +49,7 @@ const LEAST: f64 = 1e-4;
 pub struct HeatWeights {
     /// c: how much heat bones give; larger is stiffer. Above 0.
     pub heat: f64,
-    /// The most influences a vertex keeps; 0 counts as 1. Four take the packed path, and steeper steps
+    /// The most influences a vertex keeps, at least 1. Four take the packed path, and steeper steps
     /// where many bones are near: palms, shoulders.
     pub most: usize,
 }
@@ -65,7 +65,7 @@ impl HeatWeights {
     /// Weights for a skeleton's bones at rest, in the mesh's own frame and unit.
     ///
     /// # Errors
-    /// The skeleton has no bones, or the heat is not above 0.
+    /// The skeleton has no bones, the heat is not above 0, or no influence may stay.
     pub fn for_skeleton(
         &self,
         mesh: &TriangleMesh,
@@ -84,7 +84,7 @@ impl HeatWeights {
         mesh: &TriangleMesh,
         segments: &[[DVec3; 2]],
     ) -> Result<SkinWeights, AutomaticWeightsError> {
-        segments::check(segments)?;
+        segments::check(segments, self.most)?;
         if !(self.heat > 0.0 && self.heat.is_finite()) {
             return Err(AutomaticWeightsError::Heat(self.heat));
         }

@@ -1,0 +1,105 @@
+//! The Jacobian of frames, as robotics has it: six rows a frame, a column a coordinate.
+
+use nalgebra::{DMatrix, Matrix6xX};
+
+use super::{ForwardKinematics, KinematicsError, Partials};
+use crate::model::{FrameId, Model};
+use crate::spatial::{Placement, Vector3};
+
+const STILL: Vector3<f64> = Vector3 {
+    x: 0.0,
+    y: 0.0,
+    z: 0.0,
+};
+
+/// The Jacobian of frames of one model, again and again in memory of its own: after it is made, nothing
+/// is allocated.
+///
+/// Rows 6k to 6k + 5 are of frame k: its velocity (m/s, of its own origin) and then its angular velocity
+/// (rad/s), both in world axes, for a rate of 1 of each coordinate. So column j is (z × (x − p), z) for a
+/// revolute joint with world axis z through p and a frame at x, (z, 0) for a prismatic one, and 0 for a
+/// joint that does not carry the frame (Siciliano et al. 2009, "Robotics", eq. 3.30). It is Pinocchio's
+/// `LOCAL_WORLD_ALIGNED`.
+#[derive(Clone, Debug)]
+pub struct Jacobian {
+    kinematics: ForwardKinematics,
+    matrix: DMatrix<f64>,
+}
+
+impl Jacobian {
+    /// For the frames, and the configurations or variables, of compiled kinematics.
+    #[must_use]
+    pub fn new(kinematics: ForwardKinematics) -> Self {
+        let rows = 6 * kinematics.placements().len();
+        Self {
+            matrix: DMatrix::zeros(rows, kinematics.variables()),
+            kinematics,
+        }
+    }
+
+    /// J at a configuration (radians and metres): 6 × frames rows, a column a coordinate, or a variable
+    /// where the kinematics are [under](ForwardKinematics::under) a parameter map.
+    ///
+    /// # Errors
+    /// As [`ForwardKinematics::place`].
+    pub fn at(&mut self, q: &[f64]) -> Result<&DMatrix<f64>, KinematicsError> {
+        self.kinematics.place(q)?;
+        self.matrix.fill(0.0);
+        let (tree, state) = self.kinematics.parts();
+        let [x, y, z] = Vector3::UNITS;
+        let (linear, angular) = (
+            [x, y, z, STILL, STILL, STILL],
+            [STILL, STILL, STILL, x, y, z],
+        );
+        for frame in 0..state.frames().len() {
+            let partials = Partials {
+                frame,
+                first_row: 6 * frame,
+                linear: &linear,
+                angular: &angular,
+            };
+            tree.add_geometric_jacobian(state, &partials, &mut self.matrix);
+        }
+        Ok(&self.matrix)
+    }
+
+    /// Where the frames stood at the last [`at`](Self::at); identities before the first.
+    #[must_use]
+    pub fn placements(&self) -> &[Placement<f64>] {
+        self.kinematics.placements()
+    }
+}
+
+/// The Jacobian of one frame at a configuration `q` (radians and metres): linear rows first, then
+/// angular, in world axes at the frame's origin; a column a degree of freedom. [`Jacobian`] does the same
+/// without compiling and allocating each time, and for several frames.
+///
+/// ```
+/// use kinopt::kinematics::frame_jacobian;
+/// use kinopt::model::{Limits, Model};
+/// use kinopt::nalgebra::{Vector3, vector};
+///
+/// let mut builder = Model::builder("two links");
+/// let (link, free) = (Vector3::x(), Limits::UNBOUNDED);
+/// let shoulder = builder.revolute("shoulder", None, Vector3::zeros(), Vector3::z(), free);
+/// let elbow = builder.revolute("elbow", Some(shoulder), link, Vector3::z(), free);
+/// let tip = builder.frame("tip", Some(elbow), link);
+/// let model = builder.build()?;
+///
+/// // Stretched along x, the tip goes along y: 2 m/s by the shoulder, 1 m/s by the elbow.
+/// let jacobian = frame_jacobian(&model, tip, &[0.0, 0.0])?;
+/// assert_eq!(jacobian.column(0), vector![0.0, 2.0, 0.0, 0.0, 0.0, 1.0]);
+/// assert_eq!(jacobian.column(1), vector![0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// An id beyond the model's frames, a wrong number of numbers, or one that is not finite.
+pub fn frame_jacobian(
+    model: &Model,
+    frame: FrameId,
+    q: &[f64],
+) -> Result<Matrix6xX<f64>, KinematicsError> {
+    let mut jacobian = Jacobian::new(ForwardKinematics::of_frames(model, &[frame])?);
+    Ok(Matrix6xX::from_column_slice(jacobian.at(q)?.as_slice()))
+}

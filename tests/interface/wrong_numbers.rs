@@ -1,0 +1,194 @@
+//! Promise: numbers of another length than a call takes, or that are not finite, are an `Err` that says
+//! so, everywhere: none is dropped, filled up, taken for 0 or carried along.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::error::Error;
+
+use kinopt::animation::{Armature, BoneMask, EulerClip, Playback, Pose};
+use kinopt::kinematics::{ForwardKinematics, Jacobian, frame_jacobian};
+use kinopt::mesh::TriangleMesh;
+use kinopt::model::{Limits, Model, ParameterMap};
+use kinopt::skeleton::{Bone, Posing, Skeleton};
+use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, SkinningMethod};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::{Problem, Solver};
+use support::planar_arm;
+
+type Outcome = Result<(), Box<dyn Error>>;
+
+fn skeleton() -> Skeleton {
+    let mut builder = Skeleton::builder("two bones");
+    let mut parent = None;
+    for (name, at) in [("upper", 0.0), ("fore", 0.3)] {
+        parent = Some(builder.add(Bone {
+            name: name.to_owned(),
+            parent,
+            length: 0.3,
+            model_from_rest: Placement::translation(Vector3::new(at, 0.0, 0.0)),
+            limits: [Limits::new(-2.0, 2.0); 3],
+        }));
+    }
+    builder.build().unwrap()
+}
+
+fn triangle() -> TriangleMesh {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(glam::Vec3::from);
+    TriangleMesh::new(corners.to_vec(), Vec::new(), vec![[0, 1, 2]]).unwrap()
+}
+
+fn solve(model: &Model, q: &[f64]) -> Outcome {
+    let mut tasks = Problem::builder(model);
+    tasks.add(kinopt::task::Point::new(model.frame("tip")?, [0.1; 3]));
+    Solver::default().solve_once(&tasks.build()?, q)?;
+    Ok(())
+}
+
+/// What takes a configuration of a model of three joints.
+fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
+    let model = planar_arm(&[0.5, 0.4, 0.3], None);
+    let map = ParameterMap::identity(&model);
+    let tip = model.frame("tip").unwrap();
+    let [first, ..] = *model.moving_joints() else {
+        unreachable!()
+    };
+    let mut room = [0.0; 3];
+    let mut kinematics = ForwardKinematics::new(&model);
+    let only = ParameterMap::builder(&model).only(&[first], q).build();
+    vec![
+        ("place", kinematics.place(q).map(drop).map_err(Into::into)),
+        (
+            "at",
+            Jacobian::new(kinematics)
+                .at(q)
+                .map(drop)
+                .map_err(Into::into),
+        ),
+        (
+            "frame_jacobian",
+            frame_jacobian(&model, tip, q).map(drop).map_err(Into::into),
+        ),
+        ("expand", map.expand(q, &mut room).map_err(Into::into)),
+        (
+            "expand_within_limits",
+            map.expand_within_limits(q, &mut room).map_err(Into::into),
+        ),
+        ("reduce", map.reduce(q, &mut room).map_err(Into::into)),
+        ("only", only.map(drop).map_err(Into::into)),
+        ("solve", solve(&model, q)),
+    ]
+}
+
+/// What takes the stacked angles of a skeleton of two bones.
+fn of_angles(q: &[f64]) -> Vec<(&'static str, Outcome)> {
+    let skeleton = skeleton();
+    let holds = skeleton.holds(&[]);
+    vec![
+        ("pose", skeleton.pose(q).map(drop).map_err(Into::into)),
+        (
+            "posing",
+            Posing::new(&skeleton).pose(q).map(drop).map_err(Into::into),
+        ),
+        (
+            "holds",
+            holds.parameters(&skeleton, q).map(drop).map_err(Into::into),
+        ),
+    ]
+}
+
+#[test]
+fn configurations() {
+    for (name, right) in of_a_configuration(&[0.1, 0.2, 0.3]) {
+        assert!(right.is_ok(), "{name}: {right:?}");
+    }
+    for (name, right) in of_angles(&[0.1; 6]) {
+        assert!(right.is_ok(), "{name}: {right:?}");
+    }
+    let wrong: [&[f64]; 4] = [&[], &[0.1, 0.2], &[0.1; 4], &[0.1, f64::NAN, 0.3]];
+    for q in wrong {
+        for (name, refused) in of_a_configuration(q) {
+            let told = refused.expect_err(name).to_string();
+            let said = if q.len() == 3 { "finite" } else { "3" };
+            assert!(told.contains(said), "{name}: {told}");
+        }
+    }
+    let mut odd = [0.1; 6];
+    odd[4] = f64::NAN;
+    let wrong: [&[f64]; 4] = [&[], &[0.1; 5], &[0.1; 7], &odd];
+    for q in wrong {
+        for (name, refused) in of_angles(q) {
+            let told = refused.expect_err(name).to_string();
+            let said = if q.len() == 6 { "finite" } else { "6" };
+            assert!(told.contains(said), "{name}: {told}");
+        }
+    }
+}
+
+#[test]
+fn room_for_a_configuration() {
+    let map = ParameterMap::identity(&planar_arm(&[0.5, 0.4, 0.3], None));
+    for length in [0, 2, 4] {
+        let mut room = vec![7.0; length];
+        assert!(map.expand(&[0.0; 3], &mut room).is_err());
+        assert!(map.expand_within_limits(&[0.0; 3], &mut room).is_err());
+        assert!(map.reduce(&[0.0; 3], &mut room).is_err());
+        assert!(room.iter().all(|value| *value == 7.0), "it was written to");
+    }
+}
+
+#[test]
+fn poses_and_masks() {
+    let armature = Armature::of_skeleton(&skeleton());
+    let other = Armature::new(Vec::new(), Vec::new()).unwrap();
+    let mut pose: Pose = armature.rest().clone();
+    assert!(pose.cross_fade(other.rest(), 0.5).is_err());
+    assert!(
+        armature
+            .local_to_model(other.rest(), &mut Vec::new())
+            .is_err()
+    );
+    assert!(armature.skinning_transforms(&[], &mut Vec::new()).is_err());
+
+    let fore = armature.bone("fore").unwrap();
+    let mask = || BoneMask::none(&armature);
+    assert!(mask().with_bone(fore, 0.5).is_ok());
+    assert!(BoneMask::none(&other).with_bone(fore, 0.5).is_err());
+    assert!(
+        BoneMask::none(&other)
+            .with_subtree(&armature, fore, 0.5)
+            .is_err()
+    );
+    assert!(mask().with_morph_target(0, 0.5).is_err());
+    for share in [-0.1, 1.1, f32::NAN] {
+        assert!(mask().with_bone(fore, share).is_err());
+        assert!(mask().with_subtree(&armature, fore, share).is_err());
+    }
+}
+
+#[test]
+fn keyframes() {
+    let clip = EulerClip::default();
+    assert!(
+        clip.sample(f64::NAN, Playback::Hold, &mut [0.0; 6])
+            .is_err()
+    );
+}
+
+#[test]
+fn weights_of_skin() {
+    let (mesh, skeleton) = (triangle(), skeleton());
+    let mut by_distance = AutomaticWeights::default();
+    by_distance.most = 0;
+    assert!(by_distance.for_skeleton(&mesh, &skeleton).is_err());
+    let mut by_heat = HeatWeights::default();
+    by_heat.most = 0;
+    assert!(by_heat.for_skeleton(&mesh, &skeleton).is_err());
+
+    let mut builder = SkinWeights::builder(3, 2);
+    for vertex in 0..3 {
+        builder.add(vertex, 0, 1.0).unwrap();
+    }
+    let weights = builder.build().unwrap();
+    assert!(weights.pruned(0).is_err());
+    let method = SkinningMethod::LinearBlend;
+    assert!(method.mesh(&mesh, &weights, &[]).is_err());
+}
