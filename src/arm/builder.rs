@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use super::coordinates::Coordinates;
-use super::options::{ATTEMPTS, LIMIT_AVOIDANCE, Options, Search, metres_per_radian};
+use super::mechanism::Mechanism;
+use super::options::{ATTEMPTS, Options, Search, metres_per_radian};
 use super::query::Arm;
 use super::route::{self, Part};
 use super::serial::{Serial, source_of};
@@ -13,45 +14,8 @@ use crate::model::{
     FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, ParameterMapBuilder, Source,
     UnknownName,
 };
-use crate::robot::{Mimic, Robot};
+use crate::robot::Mimic;
 use crate::spatial::Placement;
-
-/// What an arm can be made of: a [`Model`], or a [`Robot`] with joints that follow others.
-pub trait Mechanism {
-    /// The joints and frames.
-    fn model(&self) -> &Model;
-    /// The joints that follow others.
-    fn followers(&self) -> &[Mimic];
-    /// The speed a joint is allowed, radians or metres a second; none known for a bare model.
-    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
-        let _ = joint;
-        None
-    }
-}
-
-impl Mechanism for Model {
-    fn model(&self) -> &Model {
-        self
-    }
-
-    fn followers(&self) -> &[Mimic] {
-        &[]
-    }
-}
-
-impl Mechanism for Robot {
-    fn model(&self) -> &Model {
-        self.model()
-    }
-
-    fn followers(&self) -> &[Mimic] {
-        self.mimics()
-    }
-
-    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
-        Self::velocity_limit(self, joint)
-    }
-}
 
 /// Where an arm begins: the frame that targets are given in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,20 +51,8 @@ pub struct ArmBuilder<'m> {
     tip_from_tool: Placement<f64>,
     locked: Vec<(JointId, f64)>,
     only: Option<(Vec<JointId>, Vec<f64>)>,
-    position_tolerance: f64,
-    orientation_tolerance: f64,
-    metres_per_radian: Option<f64>,
-    goal: Goal,
-    search: Search,
     weights: Option<Vec<f64>>,
-    max_move: Option<Vec<f64>>,
-    posture: Option<Vec<f64>>,
-    attempts: Option<u32>,
-    iterations: Option<u32>,
-    leaps: bool,
-    limit_avoidance: f64,
-    time_limit: Option<Duration>,
-    seed: u64,
+    options: Options,
     atlas: bool,
 }
 
@@ -143,20 +95,8 @@ impl Arm {
             tip_from_tool: Placement::identity(),
             locked: Vec::new(),
             only: None,
-            position_tolerance: 1e-6,
-            orientation_tolerance: 1e-6,
-            metres_per_radian: None,
-            goal: Goal::pose(),
-            search: Search::Start,
             weights: None,
-            max_move: None,
-            posture: None,
-            attempts: None,
-            iterations: None,
-            leaps: false,
-            limit_avoidance: LIMIT_AVOIDANCE,
-            time_limit: None,
-            seed: 0,
+            options: Options::default(),
             atlas: true,
         }
     }
@@ -202,14 +142,14 @@ impl ArmBuilder<'_> {
     /// How far the tool may be from its target, metres; positive. Default 1e-6.
     #[must_use]
     pub fn with_position_tolerance(mut self, metres: f64) -> Self {
-        self.position_tolerance = metres;
+        self.options.position_tolerance = metres;
         self
     }
 
     /// How far the tool may be turned from its target, radians; positive. Default 1e-6.
     #[must_use]
     pub fn with_orientation_tolerance(mut self, radians: f64) -> Self {
-        self.orientation_tolerance = radians;
+        self.options.orientation_tolerance = radians;
         self
     }
 
@@ -218,21 +158,21 @@ impl ArmBuilder<'_> {
     /// not depend on the unit of length.
     #[must_use]
     pub fn with_metres_per_radian(mut self, metres: impl Into<Option<f64>>) -> Self {
-        self.metres_per_radian = metres.into();
+        self.options.given_metres_per_radian = metres.into();
         self
     }
 
     /// Which components of the pose count, and how exactly. Default: the full pose.
     #[must_use]
     pub fn with_goal(mut self, goal: Goal) -> Self {
-        self.goal = goal;
+        self.options.goal = goal;
         self
     }
 
     /// Which of several solutions is wanted. Default [`Search::Start`].
     #[must_use]
     pub fn with_search(mut self, search: Search) -> Self {
-        self.search = search;
+        self.options.search = search;
         self
     }
 
@@ -251,7 +191,7 @@ impl ArmBuilder<'_> {
     /// start's own way. Default: no bound.
     #[must_use]
     pub fn with_max_move(mut self, max_move: &[f64]) -> Self {
-        self.max_move = Some(max_move.to_vec());
+        self.options.max_move = Some(max_move.to_vec());
         self
     }
 
@@ -261,7 +201,7 @@ impl ArmBuilder<'_> {
     /// `First`. Default: none.
     #[must_use]
     pub fn with_posture(mut self, q_preferred: &[f64]) -> Self {
-        self.posture = Some(q_preferred.to_vec());
+        self.options.posture = Some(q_preferred.to_vec());
         self
     }
 
@@ -270,7 +210,9 @@ impl ArmBuilder<'_> {
     /// attempt begins after 2 600 iterations.
     #[must_use]
     pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) -> Self {
-        self.attempts = attempts.into();
+        let attempts = attempts.into();
+        self.options.attempts = attempts.unwrap_or(ATTEMPTS);
+        self.options.attempts_asked = attempts.is_some();
         self
     }
 
@@ -278,7 +220,7 @@ impl ArmBuilder<'_> {
     /// Default: none where [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
     #[must_use]
     pub fn with_iterations(mut self, iterations: impl Into<Option<u32>>) -> Self {
-        self.iterations = iterations.into();
+        self.options.iterations = iterations.into();
         self
     }
 
@@ -288,7 +230,7 @@ impl ArmBuilder<'_> {
     /// [`Search::First`] has no start to stay near and always takes the best. Default false.
     #[must_use]
     pub fn with_global_search_on_miss(mut self, everywhere: bool) -> Self {
-        self.leaps = everywhere;
+        self.options.leaps = everywhere;
         self
     }
 
@@ -299,7 +241,7 @@ impl ArmBuilder<'_> {
     /// outer 5 % is drawn out of it. At least 0; 0 leaves limits to the posture. Default 4.
     #[must_use]
     pub fn with_limit_avoidance(mut self, radians: f64) -> Self {
-        self.limit_avoidance = radians;
+        self.options.limit_avoidance = radians;
         self
     }
 
@@ -307,14 +249,14 @@ impl ArmBuilder<'_> {
     /// depend on the machine. Default: none.
     #[must_use]
     pub fn with_time_limit(mut self, limit: impl Into<Option<Duration>>) -> Self {
-        self.time_limit = limit.into();
+        self.options.time_limit = limit.into();
         self
     }
 
     /// The seed of everything random: attempt i starts from (seed, i). Default 0.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
+        self.options.seed = seed;
         self
     }
 
@@ -404,105 +346,21 @@ impl ArmBuilder<'_> {
         Ok(map.build()?)
     }
 
+    /// The options, checked, with what goes by the arm's length and number of joints.
     fn options(&self, serial: &Serial) -> Result<Options, ArmError> {
-        let positive = "a positive finite number";
-        let reach = serial.model.reach();
-        let metres_per_radian = self
-            .metres_per_radian
-            .unwrap_or_else(|| metres_per_radian(reach));
-        for (option, value) in [
-            ("position_tolerance", self.position_tolerance),
-            ("orientation_tolerance", self.orientation_tolerance),
-            ("metres_per_radian", metres_per_radian),
-        ] {
-            check(option, value, value > 0.0 && value.is_finite(), positive)?;
+        let mut options = self.options.clone();
+        let given = options.given_metres_per_radian;
+        options.metres_per_radian =
+            given.unwrap_or_else(|| metres_per_radian(serial.model.reach()));
+        let ones = || vec![1.0; serial.joints.len()];
+        options.weights = self.weights.clone().unwrap_or_else(ones);
+        let name = |id: &JointId| self.model.joints()[id.index()].name.as_str();
+        options.check(&serial.joints.iter().map(name).collect::<Vec<_>>())?;
+        let bounds = serial.map.lower().iter().zip(serial.map.upper());
+        for (value, (lower, upper)) in options.posture.iter_mut().flatten().zip(bounds) {
+            *value = value.max(*lower).min(*upper);
         }
-        check_goal(&self.goal)?;
-        for (option, value) in [("attempts", self.attempts), ("iterations", self.iterations)] {
-            check(option, 0.0, value != Some(0), "at least 1")?;
-        }
-        let rate = self.limit_avoidance;
-        let fine = rate >= 0.0 && rate.is_finite();
-        check(
-            "limit_avoidance",
-            rate,
-            fine,
-            "a finite number of at least 0",
-        )?;
-        if let Search::Distinct { k, distance } = self.search {
-            check("distinct k", k as f64, k > 0, "at least 1")?;
-            let fine = distance >= 0.0 && distance.is_finite();
-            check(
-                "distinct distance",
-                distance,
-                fine,
-                "a finite number of at least 0",
-            )?;
-        }
-        let n = serial.joints.len();
-        let names = || {
-            let name = |id: &JointId| self.model.joints()[id.index()].name.clone();
-            serial.joints.iter().map(name).collect()
-        };
-        let one_a_joint = |option, values: &[f64]| match values.len() == n {
-            true => Ok(()),
-            false => Err(ArmError::JointCount {
-                option,
-                given: values.len(),
-                joints: names(),
-            }),
-        };
-        let weights = self.weights.clone().unwrap_or_else(|| vec![1.0; n]);
-        one_a_joint("joint_weights", &weights)?;
-        for &value in &weights {
-            check(
-                "joint_weights",
-                value,
-                value > 0.0 && value.is_finite(),
-                positive,
-            )?;
-        }
-        if let Some(moves) = &self.max_move {
-            one_a_joint("max_move", moves)?;
-            for &value in moves {
-                check("max_move", value, value >= 0.0, "numbers of at least 0")?;
-            }
-        }
-        let mut posture = self.posture.clone();
-        if let Some(posture) = &mut posture {
-            one_a_joint("posture", posture)?;
-            for (value, (lower, upper)) in posture
-                .iter_mut()
-                .zip(serial.map.lower().iter().zip(serial.map.upper()))
-            {
-                check("posture", *value, value.is_finite(), "finite numbers")?;
-                *value = value.max(*lower).min(*upper);
-            }
-            if self.search.compares() {
-                return Err(ArmError::Conflict(
-                    "a posture goes with the searches `Start` and `First`: `Nearest` and `Distinct` \
-                     use the null space themselves",
-                ));
-            }
-        }
-        Ok(Options {
-            position_tolerance: self.position_tolerance,
-            orientation_tolerance: self.orientation_tolerance,
-            metres_per_radian,
-            given_metres_per_radian: self.metres_per_radian,
-            goal: self.goal,
-            search: self.search,
-            weights,
-            max_move: self.max_move.clone(),
-            posture,
-            attempts: self.attempts.unwrap_or(ATTEMPTS),
-            iterations: self.iterations,
-            attempts_asked: self.attempts.is_some(),
-            leaps: self.leaps,
-            limit_avoidance: self.limit_avoidance,
-            time_limit: self.time_limit,
-            seed: self.seed,
-        })
+        Ok(options)
     }
 
     fn lane_options(&self, options: &Options) -> LaneOptions {
@@ -524,31 +382,4 @@ impl ArmBuilder<'_> {
 pub(super) fn check_tool(tip_from_tool: &Placement<f64>) -> Result<(), ArmError> {
     let rigid = tip_from_tool.check_rigid(1e-6);
     rigid.map_err(ArmError::Tool)
-}
-
-/// Whether a goal asks for something.
-pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
-    if let Some((_, value)) = goal.bad_half_width() {
-        let allowed = "half widths are numbers of at least 0";
-        check("goal", value, false, allowed)?;
-    }
-    let counts = goal.has_position() || goal.has_orientation();
-    check("goal", f64::INFINITY, counts, "some component must count")
-}
-
-fn check(
-    option: &'static str,
-    value: f64,
-    fine: bool,
-    allowed: &'static str,
-) -> Result<(), ArmError> {
-    if fine {
-        Ok(())
-    } else {
-        Err(ArmError::Option {
-            option,
-            value,
-            allowed,
-        })
-    }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::Goal;
+use super::{ArmError, Goal};
 
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,7 +50,7 @@ impl Search {
 pub(super) const ATTEMPTS: u32 = 200;
 const ITERATIONS: u32 = 2600;
 /// How strongly joints are drawn away from their limits while following.
-pub(super) const LIMIT_AVOIDANCE: f64 = 4.0;
+const LIMIT_AVOIDANCE: f64 = 4.0;
 /// A radian counts as much as this share of the arm's reach.
 const RADIAN_PER_REACH: f64 = 0.25;
 
@@ -63,7 +63,17 @@ pub(super) fn metres_per_radian(reach: f64) -> f64 {
     }
 }
 
-/// All options, checked.
+/// Numbers that an option may be, and what they are called.
+type Range = (fn(f64) -> bool, &'static str);
+
+const POSITIVE: Range = (|v| v > 0.0 && v.is_finite(), "a positive finite number");
+const NOT_NEGATIVE: Range = (
+    |v| v >= 0.0 && v.is_finite(),
+    "a finite number of at least 0",
+);
+const AT_LEAST_ONE: Range = (|v| v >= 1.0, "at least 1");
+
+/// All options.
 #[derive(Clone, Debug)]
 pub(super) struct Options {
     pub(super) position_tolerance: f64,
@@ -89,7 +99,73 @@ pub(super) struct Options {
     pub(super) seed: u64,
 }
 
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            position_tolerance: 1e-6,
+            orientation_tolerance: 1e-6,
+            metres_per_radian: 1.0,
+            given_metres_per_radian: None,
+            goal: Goal::pose(),
+            search: Search::Start,
+            weights: Vec::new(),
+            max_move: None,
+            posture: None,
+            attempts: ATTEMPTS,
+            iterations: None,
+            attempts_asked: false,
+            leaps: false,
+            limit_avoidance: LIMIT_AVOIDANCE,
+            time_limit: None,
+            seed: 0,
+        }
+    }
+}
+
 impl Options {
+    /// Whether every option is within its range, and those with one number a joint have one for each of
+    /// these.
+    pub(super) fn check(&self, joints: &[&str]) -> Result<(), ArmError> {
+        for (option, value) in [
+            ("position_tolerance", self.position_tolerance),
+            ("orientation_tolerance", self.orientation_tolerance),
+            ("metres_per_radian", self.metres_per_radian),
+        ] {
+            check(option, &[value], POSITIVE)?;
+        }
+        check_goal(&self.goal)?;
+        check("attempts", &[self.attempts.into()], AT_LEAST_ONE)?;
+        let iterations = self.iterations.map_or(1.0, f64::from);
+        check("iterations", &[iterations], AT_LEAST_ONE)?;
+        check("limit_avoidance", &[self.limit_avoidance], NOT_NEGATIVE)?;
+        if let Search::Distinct { k, distance } = self.search {
+            check("distinct k", &[k as f64], AT_LEAST_ONE)?;
+            check("distinct distance", &[distance], NOT_NEGATIVE)?;
+        }
+        let one_a_joint = |option, values: &[f64], range| match values.len() == joints.len() {
+            true => check(option, values, range),
+            false => Err(ArmError::JointCount {
+                option,
+                given: values.len(),
+                joints: joints.iter().map(|&name| name.to_owned()).collect(),
+            }),
+        };
+        one_a_joint("joint_weights", &self.weights, POSITIVE)?;
+        if let Some(moves) = &self.max_move {
+            one_a_joint("max_move", moves, (|v| v >= 0.0, "numbers of at least 0"))?;
+        }
+        if let Some(posture) = &self.posture {
+            one_a_joint("posture", posture, (f64::is_finite, "finite numbers"))?;
+            if self.search.compares() {
+                return Err(ArmError::Conflict(
+                    "a posture goes with the searches `Start` and `First`: `Nearest` and `Distinct` \
+                     use the null space themselves",
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Iterations of all attempts together after which none begins.
     pub(super) fn budget(&self) -> u32 {
         match self.iterations {
@@ -102,5 +178,32 @@ impl Options {
     /// Whether a miss is answered by the best of all attempts, wherever that is.
     pub(super) fn leaps_on_miss(&self) -> bool {
         self.leaps || self.search == Search::First
+    }
+}
+
+/// Whether a goal asks for something.
+pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
+    if let Some((_, value)) = goal.bad_half_width() {
+        let allowed = "half widths are numbers of at least 0";
+        return check("goal", &[value], (|_| false, allowed));
+    }
+    match goal.has_position() || goal.has_orientation() {
+        true => Ok(()),
+        false => check(
+            "goal",
+            &[f64::INFINITY],
+            (|_| false, "some component must count"),
+        ),
+    }
+}
+
+fn check(option: &'static str, values: &[f64], (fine, allowed): Range) -> Result<(), ArmError> {
+    match values.iter().find(|value| !fine(**value)) {
+        None => Ok(()),
+        Some(&value) => Err(ArmError::Option {
+            option,
+            value,
+            allowed,
+        }),
     }
 }

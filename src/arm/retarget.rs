@@ -1,7 +1,7 @@
 //! Another tool or another goal for an arm that stands: its seed atlas is kept.
 
-use super::builder::{check_goal, check_tool};
-use super::options::{Options, metres_per_radian};
+use super::builder::check_tool;
+use super::options::{Options, check_goal, metres_per_radian};
 use super::query::Arm;
 use super::serial::Serial;
 use super::{ArmError, Goal};

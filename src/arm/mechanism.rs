@@ -1,0 +1,41 @@
+//! What arms are made of.
+
+use crate::model::{JointId, Model};
+use crate::robot::{Mimic, Robot};
+
+/// What an arm can be made of: a [`Model`], or a [`Robot`] with joints that follow others.
+pub trait Mechanism {
+    /// The joints and frames.
+    fn model(&self) -> &Model;
+    /// The joints that follow others.
+    fn followers(&self) -> &[Mimic];
+    /// The speed a joint is allowed, radians or metres a second; none known for a bare model.
+    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
+        let _ = joint;
+        None
+    }
+}
+
+impl Mechanism for Model {
+    fn model(&self) -> &Model {
+        self
+    }
+
+    fn followers(&self) -> &[Mimic] {
+        &[]
+    }
+}
+
+impl Mechanism for Robot {
+    fn model(&self) -> &Model {
+        self.model()
+    }
+
+    fn followers(&self) -> &[Mimic] {
+        self.mimics()
+    }
+
+    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
+        Self::velocity_limit(self, joint)
+    }
+}
