@@ -36,22 +36,21 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     prepared: &Prepared,
     work: Work<'_>,
 ) {
-    let mut batch = Batch::<L>::new(prepared, work);
-    let mut group = Group::<V, N>::new(batch.n);
+    let mut batch = Batch::<V, L, N>::new(stages, prepared, work);
     // At first every lane is done with nothing.
     let (mut over, mut ended) = ((1u32 << L) - 1, Ended::none());
     loop {
         while over != 0 {
             let lane = over.trailing_zeros() as usize;
             over &= over - 1;
-            if batch.end_attempt(stages, &group, lane, &ended) {
-                batch.begin_attempt(stages, &mut group, lane);
+            if batch.end_attempt(lane, &ended) {
+                batch.begin_attempt(lane);
             }
         }
         if batch.active == 0 {
             return;
         }
-        ended = (stages.step)(&mut group, &prepared.links, &prepared.settings);
+        ended = (stages.step)(&mut batch.group, &prepared.links, &prepared.settings);
         over = batch.age(&ended);
     }
 }
@@ -71,11 +70,11 @@ struct Job<'a> {
 }
 
 /// The queries of a batch under way, in L lanes.
-struct Batch<'a, const L: usize> {
+struct Batch<'a, V, const L: usize, const N: usize> {
+    stages: &'a Stages<V, N>,
     prepared: &'a Prepared,
     work: Work<'a>,
-    /// Number of joints.
-    n: usize,
+    group: Group<V, N>,
     /// The next result to work on.
     next: usize,
     jobs: [Option<Job<'a>>; L],
@@ -86,13 +85,14 @@ struct Batch<'a, const L: usize> {
     q: [f64; MAX_JOINTS],
 }
 
-impl<'a, const L: usize> Batch<'a, L> {
+impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new(prepared: &'a Prepared, work: Work<'a>) -> Self {
+    fn new(stages: &'a Stages<V, N>, prepared: &'a Prepared, work: Work<'a>) -> Self {
         Self {
+            stages,
             prepared,
             work,
-            n: prepared.links.links.len(),
+            group: Group::new(prepared.joints()),
             next: 0,
             jobs: [const { None }; L],
             seeds: std::array::from_fn(|_| QuerySeeds::new()),
@@ -114,7 +114,7 @@ impl<'a, const L: usize> Batch<'a, L> {
             return None;
         }
         self.next += 1;
-        let (target, n) = (&work.targets[source], self.n);
+        let (target, n) = (&work.targets[source], self.prepared.joints());
         let (links, settings) = (&self.prepared.links, &self.prepared.settings);
         Some(Job {
             index,
@@ -140,12 +140,7 @@ impl<'a, const L: usize> Batch<'a, L> {
 
     /// Starts the next attempt of a lane's job, or of the next job where that is done.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn begin_attempt<V: LaneScalar, const N: usize>(
-        &mut self,
-        stages: &Stages<V, N>,
-        group: &mut Group<V, N>,
-        lane: usize,
-    ) {
+    fn begin_attempt(&mut self, lane: usize) {
         if self.jobs[lane].is_none() {
             self.jobs[lane] = self.take_job();
             self.seeds[lane].forget();
@@ -154,7 +149,7 @@ impl<'a, const L: usize> Batch<'a, L> {
             self.active &= !(1 << lane);
             return;
         };
-        (stages.seed)(
+        (self.stages.seed)(
             &mut self.seeds[lane],
             self.prepared,
             &job.query,
@@ -162,7 +157,8 @@ impl<'a, const L: usize> Batch<'a, L> {
             job.attempt,
             &mut self.q,
         );
-        group.load(lane, &job.goal_from_first, &self.q, &self.prepared.settings);
+        self.group
+            .load(lane, &job.goal_from_first, &self.q, &self.prepared.settings);
         self.active |= 1 << lane;
     }
 
@@ -182,14 +178,8 @@ impl<'a, const L: usize> Batch<'a, L> {
     /// Ends the attempt of a lane, unless the point that it is closing on is not there yet; whether the lane is
     /// free for another.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn end_attempt<V: LaneScalar, const N: usize>(
-        &mut self,
-        stages: &Stages<V, N>,
-        group: &Group<V, N>,
-        lane: usize,
-        ended: &Ended,
-    ) -> bool {
-        let (prepared, n) = (self.prepared, self.n);
+    fn end_attempt(&mut self, lane: usize, ended: &Ended) -> bool {
+        let (prepared, n) = (self.prepared, self.prepared.joints());
         let options = &prepared.options;
         let Some(job) = &mut self.jobs[lane] else {
             return true;
@@ -199,9 +189,9 @@ impl<'a, const L: usize> Batch<'a, L> {
         let mut errors = None;
         if !reached && ended.closing >> lane & 1 != 0 {
             let point = &mut self.q[..n];
-            group.next_point(lane, point);
+            self.group.next_point(lane, point);
             unwrap_towards(prepared, job.query.start, point);
-            let (close, found) = (stages.judge)(prepared, &job.goal_from_first, point);
+            let (close, found) = (self.stages.judge)(prepared, &job.goal_from_first, point);
             if close {
                 reached = true;
                 errors = Some(found);
@@ -214,11 +204,11 @@ impl<'a, const L: usize> Batch<'a, L> {
         // is kept even where costs overflow.
         let kept = match self.work.search {
             Search::Start => job.ended == 0,
-            Search::First => job.ended == 0 || group.cost(lane) < job.best_cost,
+            Search::First => job.ended == 0 || self.group.cost(lane) < job.best_cost,
         };
         if errors.is_none() && (reached || kept) {
-            job.best_cost = group.cost(lane);
-            group.point(lane, q);
+            job.best_cost = self.group.cost(lane);
+            self.group.point(lane, q);
         }
         job.iterations += job.age;
         job.age = 0;
@@ -229,21 +219,15 @@ impl<'a, const L: usize> Batch<'a, L> {
             || job.ended >= self.work.attempts
             || job.iterations >= options.total_iterations;
         if over {
-            self.finish(stages, lane, reached, errors);
+            self.finish(lane, reached, errors);
         }
         true
     }
 
     /// Ends the job of a lane, whose last attempt may have reached with errors that are known.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<V: LaneScalar, const N: usize>(
-        &mut self,
-        stages: &Stages<V, N>,
-        lane: usize,
-        won: bool,
-        errors: Option<Errors>,
-    ) {
-        let (prepared, n) = (self.prepared, self.n);
+    fn finish(&mut self, lane: usize, won: bool, errors: Option<Errors>) {
+        let (prepared, n) = (self.prepared, self.prepared.joints());
         let Some(job) = self.jobs[lane].take() else {
             return;
         };
@@ -252,7 +236,7 @@ impl<'a, const L: usize> Batch<'a, L> {
             Some(errors) => (won, errors),
             None => {
                 unwrap_towards(prepared, job.query.start, q);
-                (stages.judge)(prepared, &job.goal_from_first, q)
+                (self.stages.judge)(prepared, &job.goal_from_first, q)
             }
         };
         prepared.links.to_metres(q);

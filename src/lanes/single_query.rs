@@ -69,39 +69,37 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
     lone: bool,
     answer: &mut Answer<'_>,
 ) -> Outcome {
-    let mut race = Race::new(prepared, query);
-    let mut group = Group::<V, N>::new(race.n);
+    let mut race = Race::new(stages, prepared, query, answer);
     let mut lanes = if lone { 1 } else { V::WIDTH };
     loop {
-        race.fill(stages, &mut group, lanes);
+        race.fill(lanes);
         if race.active == 0 {
             break;
         }
-        let ended = (stages.step)(&mut group, &prepared.links, &prepared.settings);
-        let failed = race.age(&ended, V::WIDTH);
+        let ended = (stages.step)(&mut race.group, &prepared.links, &prepared.settings);
+        let failed = race.age(&ended);
         let close = (ended.reached | ended.closing) & race.active;
         let mut over = close | failed;
         while over != 0 {
             let lane = over.trailing_zeros() as usize;
+            let bit = 1 << lane;
             over &= over - 1;
-            let won = close >> lane & 1 != 0
-                && race.may_win(lane)
-                && race.wins(stages, &group, lane, &ended, answer);
-            if won || failed >> lane & 1 != 0 {
-                race.active &= !(1 << lane);
+            let won = close & bit != 0 && race.may_win(lane) && race.wins(lane, &ended);
+            if won || failed & bit != 0 {
+                race.active &= !bit;
             }
-            if !won && failed >> lane & 1 != 0 && race.winner.is_none() {
-                race.keep_miss(&group, lane, answer);
+            if !won && failed & bit != 0 && race.winner.is_none() {
+                race.keep_miss(lane);
             }
         }
-        if race.is_decided(V::WIDTH) {
+        if race.is_decided() {
             break;
         }
         // A lone attempt has the lanes to itself until it ends.
         let alone = lone && race.winner.is_none() && race.active != 0;
         lanes = if alone { 1 } else { V::WIDTH.min(MAX_LANES) };
     }
-    race.outcome(stages, answer)
+    race.outcome()
 }
 
 /// A lane that reached.
@@ -112,12 +110,13 @@ struct Winner {
 }
 
 /// The attempts of one query under way.
-struct Race<'a> {
+struct Race<'a, 'b, V, const N: usize> {
+    stages: &'a Stages<V, N>,
     prepared: &'a Prepared,
     query: &'a Query<'a>,
+    answer: &'a mut Answer<'b>,
     goal_from_first: Placement<f64>,
-    /// Number of joints.
-    n: usize,
+    group: Group<V, N>,
     seeds: QuerySeeds,
     /// A configuration on its way into or out of a lane.
     q: [f64; MAX_JOINTS],
@@ -130,20 +129,33 @@ struct Race<'a> {
     next: u32,
     iterations: u32,
     late: bool,
+    /// Whether the lowest attempt that reaches wins, and whether the start's own is among them.
+    by_number: bool,
+    has_own: bool,
     /// Cost and attempt of the best miss so far.
     best: Option<(f64, u32)>,
     winner: Option<Winner>,
 }
 
-impl<'a> Race<'a> {
+// All is inlined into functions that are compiled for an instruction set, and without closures: one that is
+// not inlined would be compiled without it.
+impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new(prepared: &'a Prepared, query: &'a Query<'a>) -> Self {
+    fn new(
+        stages: &'a Stages<V, N>,
+        prepared: &'a Prepared,
+        query: &'a Query<'a>,
+        answer: &'a mut Answer<'b>,
+    ) -> Self {
         let links = &prepared.links;
+        let by_number = query.search == Search::Start;
         Self {
+            stages,
             prepared,
             query,
+            answer,
             goal_from_first: links.goal_from_first(query.target, prepared.settings.weighted),
-            n: links.links.len(),
+            group: Group::new(links.links.len()),
             seeds: QuerySeeds::new(),
             q: [0.0; MAX_JOINTS],
             attempt: [0; MAX_LANES],
@@ -152,47 +164,33 @@ impl<'a> Race<'a> {
             next: query.attempts.0,
             iterations: 0,
             late: false,
+            by_number,
+            has_own: by_number && query.attempts.0 == 0,
             best: None,
             winner: None,
         }
     }
 
-    /// Whether the lowest attempt that reaches wins.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn by_number(&self) -> bool {
-        self.query.search == Search::Start
-    }
-
-    /// Whether the start's own attempt is among these.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn has_own(&self) -> bool {
-        self.by_number() && self.query.attempts.0 == 0
-    }
-
     /// Gives the lanes that are free the next attempts, while there are any to make.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fill<V: LaneScalar, const N: usize>(
-        &mut self,
-        stages: &Stages<V, N>,
-        group: &mut Group<V, N>,
-        lanes: usize,
-    ) {
-        let (first, end) = self.query.attempts;
+    fn fill(&mut self, lanes: usize) {
+        let (
+            Self {
+                prepared, query, ..
+            },
+            goal,
+        ) = (&*self, self.goal_from_first);
+        let (prepared, query) = (*prepared, *query);
+        let (first, end) = query.attempts;
         for lane in 0..lanes {
             if self.active >> lane & 1 == 0
                 && self.next < end
                 && self.winner.is_none()
                 && !self.late
-                && self.iterations < self.query.budget.max(1)
+                && self.iterations < query.budget.max(1)
             {
-                (stages.seed)(
-                    &mut self.seeds,
-                    self.prepared,
-                    self.query,
-                    &self.goal_from_first,
-                    self.next,
-                    &mut self.q,
-                );
+                let (seeds, q) = (&mut self.seeds, &mut self.q);
+                (self.stages.seed)(seeds, prepared, query, &goal, self.next, q);
                 // Before the first step all lanes take harmless numbers.
                 let last = if self.next == first {
                     V::WIDTH
@@ -200,8 +198,7 @@ impl<'a> Race<'a> {
                     lane + 1
                 };
                 for lane in lane..last {
-                    let settings = &self.prepared.settings;
-                    group.load(lane, &self.goal_from_first, &self.q, settings);
+                    self.group.load(lane, &goal, q, &prepared.settings);
                 }
                 (self.attempt[lane], self.age[lane]) = (self.next, 0);
                 self.active |= 1 << lane;
@@ -212,15 +209,14 @@ impl<'a> Race<'a> {
 
     /// Counts a step of all lanes; those that give up.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn age(&mut self, ended: &Ended, width: usize) -> u32 {
+    fn age(&mut self, ended: &Ended) -> u32 {
         self.iterations += self.active.count_ones();
-        // No closure here: one that is not inlined would be compiled without the vector features.
         self.late = match self.query.deadline {
             Some(deadline) => Instant::now() >= deadline,
             None => false,
         };
         let mut spent = if self.late { u32::MAX } else { 0 };
-        for (lane, age) in self.age.iter_mut().enumerate().take(width) {
+        for (lane, age) in self.age.iter_mut().enumerate().take(V::WIDTH) {
             *age += 1;
             spent |= u32::from(*age >= self.prepared.options.iterations) << lane;
         }
@@ -233,31 +229,24 @@ impl<'a> Race<'a> {
         let (attempt, age) = (self.attempt[lane], self.age[lane]);
         match &self.winner {
             None => true,
-            Some(winner) if self.by_number() => attempt < winner.attempt,
+            Some(winner) if self.by_number => attempt < winner.attempt,
             Some(winner) => (age, attempt) < (winner.iterations, winner.attempt),
         }
     }
 
     /// Judges the point of a lane that is close to the goal; whether it reaches, and so is the winner.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn wins<V: LaneScalar, const N: usize>(
-        &mut self,
-        stages: &Stages<V, N>,
-        group: &Group<V, N>,
-        lane: usize,
-        ended: &Ended,
-        answer: &mut Answer<'_>,
-    ) -> bool {
+    fn wins(&mut self, lane: usize, ended: &Ended) -> bool {
+        let q = &mut self.q[..self.prepared.links.links.len()];
         if ended.reached >> lane & 1 != 0 {
-            group.point(lane, &mut self.q);
+            self.group.point(lane, q);
         } else {
-            group.next_point(lane, &mut self.q);
+            self.group.next_point(lane, q);
         }
-        let q = &mut self.q[..self.n];
         unwrap_towards(self.prepared, self.query.start, q);
-        let (reached, errors) = (stages.judge)(self.prepared, &self.goal_from_first, q);
+        let (reached, errors) = (self.stages.judge)(self.prepared, &self.goal_from_first, q);
         if reached {
-            answer.q.copy_from_slice(q);
+            self.answer.q.copy_from_slice(q);
             self.winner = Some(Winner {
                 attempt: self.attempt[lane],
                 iterations: self.age[lane],
@@ -269,12 +258,8 @@ impl<'a> Race<'a> {
 
     /// Keeps what an attempt came to that gave up, if it is the best of all or the start's own.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn keep_miss<V: LaneScalar, const N: usize>(
-        &mut self,
-        group: &Group<V, N>,
-        lane: usize,
-        answer: &mut Answer<'_>,
-    ) {
+    fn keep_miss(&mut self, lane: usize) {
+        let Self { group, answer, .. } = self;
         let (cost, attempt) = (group.cost(lane), self.attempt[lane]);
         // Costs that overflow are all alike: the lowest attempt, the start itself, is kept.
         let better = match self.best {
@@ -284,47 +269,45 @@ impl<'a> Race<'a> {
         if better {
             self.best = Some((cost, attempt));
             answer.best_attempt = attempt;
-            match self.has_own() {
+            match self.has_own {
                 true => group.point(lane, answer.best),
                 false => group.point(lane, answer.q),
             }
         }
-        if self.has_own() && attempt == 0 {
+        if self.has_own && attempt == 0 {
             group.point(lane, answer.q);
         }
     }
 
     /// Whether no attempt under way can win any more.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn is_decided(&self, width: usize) -> bool {
+    fn is_decided(&self) -> bool {
         let Some(winner) = &self.winner else {
             return false;
         };
-        let mut decided = true;
-        for lane in 0..width {
+        for lane in 0..V::WIDTH {
             let lower = self.active >> lane & 1 != 0 && self.attempt[lane] < winner.attempt;
-            decided &= !(self.by_number() && lower);
+            if self.by_number && lower {
+                return false;
+            }
         }
-        decided
+        true
     }
 
-    /// What the race came to; the configurations that are answered are in metres from here on.
+    /// What the race came to; what is answered is in metres from here on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn outcome<V: LaneScalar, const N: usize>(
-        &mut self,
-        stages: &Stages<V, N>,
-        answer: &mut Answer<'_>,
-    ) -> Outcome {
-        let (prepared, start) = (self.prepared, self.query.start);
-        let (reached, errors, winner) = match &self.winner {
+    fn outcome(self) -> Outcome {
+        let (prepared, start, answer) = (self.prepared, self.query.start, self.answer);
+        let (reached, errors, winner) = match self.winner {
             Some(winner) => (true, winner.errors, Some(winner.attempt)),
             None => {
-                if self.has_own() {
+                if self.has_own {
                     unwrap_towards(prepared, start, answer.best);
                     prepared.links.to_metres(answer.best);
                 }
                 unwrap_towards(prepared, start, answer.q);
-                let (reached, errors) = (stages.judge)(prepared, &self.goal_from_first, answer.q);
+                let judge = self.stages.judge;
+                let (reached, errors) = judge(prepared, &self.goal_from_first, answer.q);
                 (reached, errors, None)
             }
         };
