@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, Outcome, Search};
+use kinopt::arm::{Arm, PoseOutcome, Search};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
@@ -110,7 +110,7 @@ fn robot(file: &str, base: &str, tip: &str) {
         drop(solutions);
     }
     println!("  first, batch of solutions: {fastest:.3} us a pose");
-    let (mut q, mut outcomes) = (vec![0.0; n * POSES], vec![Outcome::default(); POSES]);
+    let (mut q, mut outcomes) = (vec![0.0; n * POSES], vec![PoseOutcome::default(); POSES]);
     let mut fastest = f64::INFINITY;
     for _ in 0..7 {
         let begun = Instant::now();

@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use kinopt::lanes::{Chain, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, panda, target, ur5};
 
@@ -42,8 +42,8 @@ fn poses(name: &str, chain: &Chain) {
         .collect();
     let starts: Vec<f64> = (0..POSES).flat_map(|_| draw(&mut random)).collect();
     let mut q = vec![0.0; n * POSES];
-    let mut outcomes = vec![Outcome::default(); POSES];
-    for search in [Search::First, Search::Start] {
+    let mut outcomes = vec![PoseOutcome::default(); POSES];
+    for search in [Prefer::First, Prefer::Start] {
         let mut best = vec![f64::INFINITY; POSES];
         for _ in 0..5 {
             for (k, goal) in goals.iter().enumerate() {
@@ -93,7 +93,7 @@ fn path(chain: &Chain) {
     };
     let goals: Vec<Placement<f64>> = (0..POSES).map(|k| target(chain, &at(k))).collect();
     let mut q = vec![0.0; n * POSES];
-    let mut outcomes = vec![Outcome::default(); POSES];
+    let mut outcomes = vec![PoseOutcome::default(); POSES];
     let mut fastest = f64::INFINITY;
     for _ in 0..15 {
         let begun = Instant::now();

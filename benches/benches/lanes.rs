@@ -7,7 +7,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use kinopt::arm::{self, Arm};
 use kinopt::ik::Solution;
-use kinopt::lanes::{Chain, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::robot::Robot;
 use kinopt_benches::{ArmPoses, Sequence, chain, random_poses, smooth_path};
 
@@ -36,7 +36,7 @@ fn front_door(group: &mut BenchmarkGroup<WallTime>, arm: &Arm, ask: &ArmPoses, w
         });
     });
     let mut q = vec![0.0; joints * POSES];
-    let mut outcomes = vec![Outcome::default(); POSES];
+    let mut outcomes = vec![PoseOutcome::default(); POSES];
     group.throughput(Throughput::Elements(POSES as u64));
     group.bench_function(format!("batch of 2000, {words}"), |bencher| {
         bencher.iter(|| {
@@ -54,8 +54,8 @@ fn engine(
 ) {
     let joints = solver.joints();
     let mut q = vec![0.0; joints * POSES];
-    let mut outcomes = vec![Outcome::default(); POSES];
-    for (search, words) in [(Search::First, FIRST), (Search::Start, START)] {
+    let mut outcomes = vec![PoseOutcome::default(); POSES];
+    for (search, words) in [(Prefer::First, FIRST), (Prefer::Start, START)] {
         let mut next = 0;
         group.throughput(Throughput::Elements(1));
         group.bench_function(format!("engine, one query, {words}"), |bencher| {
@@ -95,10 +95,10 @@ fn iterations(group: &mut BenchmarkGroup<WallTime>, chain: &Chain, ask: &ArmPose
     };
     let solver = PoseSolver::new(chain, options).expect("valid options");
     let mut q = vec![0.0; solver.joints() * POSES];
-    let mut outcomes = vec![Outcome::default(); POSES];
-    let mut attempt = |outcomes: &mut [Outcome]| {
+    let mut outcomes = vec![PoseOutcome::default(); POSES];
+    let mut attempt = |outcomes: &mut [PoseOutcome]| {
         solver
-            .solve_batch(&ask.targets, &ask.starts, Search::Start, &mut q, outcomes)
+            .solve_batch(&ask.targets, &ask.starts, Prefer::Start, &mut q, outcomes)
             .expect("a valid batch");
     };
     attempt(&mut outcomes);

@@ -1,7 +1,6 @@
 //! Arms read from URDF as chains of the lane engine, and poses they can reach.
 
 use kinopt::lanes::{Chain, ChainJoint, JointKind};
-use kinopt::model;
 use kinopt::robot::Robot;
 use kinopt::spatial::Placement;
 
@@ -27,15 +26,13 @@ pub fn chain(robot: &Robot, base: &str, tip: &str) -> Result<Chain, Box<dyn std:
     let mut last_from_here = base.joint_from_frame.inverse();
     for joint in path.into_iter().rev() {
         last_from_here = last_from_here * joint.parent_from_joint;
-        let kind = match joint.kind {
-            model::JointKind::Fixed => continue,
-            model::JointKind::Prismatic => JointKind::Prismatic,
-            _ => JointKind::Revolute,
-        };
+        if joint.kind == JointKind::Fixed {
+            continue;
+        }
         joints.push(ChainJoint {
             parent_from_joint: std::mem::replace(&mut last_from_here, Placement::identity()),
             axis: joint.axis,
-            kind,
+            kind: joint.kind,
             lower: joint.limits.lower,
             upper: joint.limits.upper,
         });

@@ -6,7 +6,7 @@ use argmin::core::{
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use super::course::{Course, Running};
+use super::executor_search::{ExecutorSearch, Running};
 use crate::solver::{LeastSquares, Method, Progress, SolverState, Stopping, Termination};
 
 /// The state in which our methods run: parameters x, gradient Jᵀr and residuals r.
@@ -35,7 +35,7 @@ pub struct ExecutorMethod<M: Method> {
     method: M,
     gradient_tolerance: f64,
     step_tolerance: f64,
-    course: Course<M::State>,
+    search: ExecutorSearch<M::State>,
     /// How the search ended, if it has.
     ended: Option<Termination>,
 }
@@ -49,7 +49,7 @@ impl<M: Method> ExecutorMethod<M> {
             method,
             gradient_tolerance: stopping.gradient_tolerance(),
             step_tolerance: stopping.step_tolerance(),
-            course: Course::default(),
+            search: ExecutorSearch::default(),
             ended: None,
         }
     }
@@ -94,7 +94,7 @@ impl<M: Method> ExecutorMethod<M> {
             progress,
             state: at,
             own,
-        } = self.course.running(least_squares, method)?;
+        } = self.search.running(least_squares, method)?;
         if !progress.look(least_squares, method, own, at) {
             self.ended = Some(Termination::NonFinite);
         } else if self.ended.is_none() {
@@ -153,7 +153,7 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
                 least_squares.variables()
             ),
         })?;
-        self.course = Course::Running(Box::new(Running {
+        self.search = ExecutorSearch::Running(Box::new(Running {
             progress,
             state: at,
             own,
@@ -174,7 +174,7 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
             progress,
             state: at,
             own,
-        } = self.course.running(least_squares, method)?;
+        } = self.search.running(least_squares, method)?;
         self.ended = progress.step(least_squares, method, own, at, &stopping);
         self.look(problem, state)
     }

@@ -44,9 +44,9 @@
 
 mod bounded_problem;
 mod bounds_transform;
-mod course;
 mod error;
 mod executor_method;
+mod executor_search;
 mod pool;
 mod solution;
 mod unbounded_problem;

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use super::QueryError;
+use super::arm::Arm;
 use super::options::Search;
-use super::query::Arm;
 use super::workspace::{Errors, Workspace};
 use crate::ik::{RowsReport, Solution};
-use crate::lanes::{self, Outcome, PoseSolver};
+use crate::lanes::{self, PoseOutcome, PoseSolver};
 use crate::problem::Anchor;
 use crate::scalar::elementary;
 use crate::search::Found;
@@ -75,10 +75,10 @@ impl Arm {
     /// The lane engine, within the bounds of moves where these are bounded.
     pub(super) fn lanes_within<'a>(
         &'a self,
-        within_moves: &'a Option<PoseSolver>,
+        bounded: &'a Option<PoseSolver>,
     ) -> Option<&'a PoseSolver> {
-        match within_moves {
-            Some(_) if self.options.max_move.is_some() => within_moves.as_ref(),
+        match bounded {
+            Some(_) if self.options.max_move.is_some() => bounded.as_ref(),
             _ => self.lanes.as_ref(),
         }
     }
@@ -141,7 +141,7 @@ impl Arm {
             });
             found.number = best_attempt as usize;
             workspace.aim(query.target);
-            self.open_window(workspace, query.start);
+            self.bound_moves(workspace, query.start);
             self.finish(workspace, query, &mut found);
             self.tell_place(&found, workspace, solution);
             (found, workspace.errors)
@@ -156,7 +156,7 @@ impl Arm {
         solution: &mut Solution,
     ) -> (Found, Errors) {
         workspace.aim(query.target);
-        self.open_window(workspace, query.start);
+        self.bound_moves(workspace, query.start);
         let mut found = if self.options.search.compares() {
             let ended = self.gather(workspace, query);
             self.nearest(workspace, query, ended)
@@ -178,7 +178,10 @@ impl Arm {
     /// ended, and the workspace's best is the best of all, of the number that is found.
     fn search_by_lanes(&self, workspace: &mut Workspace, query: &Query<'_>) -> Found {
         let Workspace {
-            windowed, x, best, ..
+            bounded_lanes,
+            x,
+            best,
+            ..
         } = workspace;
         let mut first = self.first_attempts(query);
         // Within bounded moves the start's own way is tried to its end before others are.
@@ -186,7 +189,7 @@ impl Arm {
         if lone {
             first.attempts.1 = 1;
         }
-        let Some(lanes) = self.lanes_within(windowed) else {
+        let Some(lanes) = self.lanes_within(bounded_lanes) else {
             return Found::default();
         };
         let mut answer = lanes::Answer {
@@ -207,7 +210,7 @@ impl Arm {
     }
 
     /// What the lane engine's attempts came to. Those that miss were given up where they stalled.
-    pub(super) fn found_by(&self, outcome: &Outcome) -> Found {
+    pub(super) fn found_by(&self, outcome: &PoseOutcome) -> Found {
         Found {
             termination: match outcome.reached {
                 true => Termination::Reached,
@@ -288,7 +291,7 @@ impl Arm {
 
 impl Errors {
     /// Of the lane engine's answer.
-    pub(super) fn of(outcome: &Outcome) -> Self {
+    pub(super) fn of(outcome: &PoseOutcome) -> Self {
         Self {
             position: outcome.position_error,
             orientation: outcome.orientation_error,

@@ -1,9 +1,9 @@
 //! Many questions at once.
 
 use super::answer::QUICK;
-use super::query::Arm;
+use super::arm::Arm;
 use super::workspace::Errors;
-use super::{Outcome, QueryError};
+use super::{PoseOutcome, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
 use crate::search::Found;
@@ -72,7 +72,7 @@ impl Arm {
         base_from_tools: &[Placement<f64>],
         starts: &[f64],
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
         self.check_batch_into(base_from_tools, starts, q, outcomes)?;
         self.outcomes_of_chunk(base_from_tools, starts, q, outcomes)
@@ -89,7 +89,7 @@ impl Arm {
         base_from_tools: &[Placement<f64>],
         starts: &[f64],
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
         use rayon::prelude::*;
         self.check_batch_into(base_from_tools, starts, q, outcomes)?;
@@ -147,7 +147,7 @@ impl Arm {
             return Ok(());
         };
         let mut q = vec![0.0; n * targets.len()];
-        let mut outcomes = vec![Outcome::default(); targets.len()];
+        let mut outcomes = vec![PoseOutcome::default(); targets.len()];
         self.run_together(lanes, targets, starts, &mut q, &mut outcomes);
         let answers = q.chunks(n).zip(&outcomes).zip(solutions);
         for ((target, start), ((q, outcome), solution)) in queries().zip(answers) {
@@ -167,7 +167,7 @@ impl Arm {
         targets: &[Placement<f64>],
         starts: &[f64],
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) {
         let attempts = self.options.attempts.min(TOGETHER);
         let search = self.options.search.lanes();
@@ -179,7 +179,7 @@ impl Arm {
         targets: &[Placement<f64>],
         starts: &[f64],
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
         let n = self.joint_count();
         let by_lanes = match (&self.lanes, self.batches_by_lanes()) {
@@ -207,7 +207,7 @@ impl Arm {
         targets: &[Placement<f64>],
         starts: &[f64],
         q: &[f64],
-        outcomes: &[Outcome],
+        outcomes: &[PoseOutcome],
     ) -> Result<(), QueryError> {
         self.check_batch(targets, starts)?;
         self.check_length("q", q.len(), self.joint_count() * targets.len())?;
@@ -224,9 +224,9 @@ impl Arm {
     }
 }
 
-fn outcome_of(found: &Found, errors: Errors) -> Outcome {
+fn outcome_of(found: &Found, errors: Errors) -> PoseOutcome {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
-    Outcome {
+    PoseOutcome {
         reached: found.reached,
         position_error: errors.position,
         orientation_error: errors.orientation,

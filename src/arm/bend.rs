@@ -7,7 +7,7 @@
 
 use nalgebra::Vector6;
 
-use super::query::Arm;
+use super::arm::Arm;
 use super::workspace::Workspace;
 
 /// How far to its side a stretched arm leans where a step begins, radians, and how many times as far as the place

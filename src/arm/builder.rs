@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
+use super::arm::Arm;
 use super::coordinates::Coordinates;
+use super::kinematic_path::{self, Part};
 use super::mechanism::Mechanism;
 use super::options::{ATTEMPTS, Options, Search, metres_per_radian};
-use super::query::Arm;
-use super::route::{self, Part};
 use super::serial::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
@@ -303,7 +303,7 @@ impl ArmBuilder<'_> {
         let (base, tip) = (self.base.clone()?, self.tip.clone()?);
         let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
         let name = (base.map_or("world", frame), frame(tip));
-        Ok((route::parts(self.model, base, tip), name))
+        Ok((kinematic_path::parts(self.model, base, tip), name))
     }
 
     /// The velocity limit of each free joint: its own, and those of the joints that follow it.

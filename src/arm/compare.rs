@@ -2,11 +2,11 @@
 
 use super::QueryError;
 use super::answer::Query;
+use super::arm::Arm;
 use super::options::Search;
-use super::query::Arm;
 use super::workspace::{Errors, Workspace};
 use crate::ik::Solution;
-use crate::lanes::{self, Outcome};
+use crate::lanes::{self, PoseOutcome};
 use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::Placement;
@@ -38,7 +38,7 @@ impl Arm {
         let query = self.query(&target, start);
         self.with_workspace(|workspace| {
             workspace.aim(&target);
-            self.open_window(workspace, start);
+            self.bound_moves(workspace, start);
             let ended = self.gather(workspace, &query);
             self.distinct(workspace, k, distance, ended)
         })
@@ -58,16 +58,16 @@ impl Arm {
         let mut first = 0;
         while first < wanted && spent(&workspace.outcomes) < budget {
             let count = GROUP.min(wanted - first);
-            match self.lanes_within(&workspace.windowed) {
+            match self.lanes_within(&workspace.bounded_lanes) {
                 None => self.attempts_by_core(workspace, query, first, count),
                 Some(lanes) => {
                     let end = (first + count) as usize;
                     workspace.found.resize(end * n, 0.0);
-                    workspace.outcomes.resize(end, Outcome::default());
+                    workspace.outcomes.resize(end, PoseOutcome::default());
                     lanes.run_attempts_checked(
                         query.target,
                         query.start,
-                        lanes::Search::Start,
+                        lanes::Prefer::Start,
                         first,
                         &mut workspace.found[first as usize * n..],
                         &mut workspace.outcomes[first as usize..],
@@ -116,7 +116,7 @@ impl Arm {
         };
         let Some(&(_, place)) = workspace.order.first() else {
             // None reached: the start's own end, and the best of all.
-            let cost = |outcome: &Outcome| self.cost(Errors::of(outcome));
+            let cost = |outcome: &PoseOutcome| self.cost(Errors::of(outcome));
             let costs = workspace.outcomes.iter().map(cost).enumerate();
             let best = costs
                 .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -208,6 +208,6 @@ impl Arm {
 }
 
 /// Iterations of all attempts together.
-fn spent(outcomes: &[Outcome]) -> usize {
+fn spent(outcomes: &[PoseOutcome]) -> usize {
     outcomes.iter().map(|o| o.iterations as usize).sum()
 }

@@ -1,7 +1,7 @@
 //! Between the arm's numbers and a configuration of the whole model.
 
 use super::QueryError;
-use super::query::Arm;
+use super::arm::Arm;
 use crate::Buffer;
 use crate::model::Source;
 

@@ -1,6 +1,6 @@
 //! Which coordinates of the model an arm moves or holds.
 
-use super::route::Part;
+use super::kinematic_path::Part;
 use super::serial::{Serial, source_of};
 use crate::model::{JointId, Limits, Model, ParameterMap, Source};
 

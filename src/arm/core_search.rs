@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::answer::Query;
-use super::query::Arm;
+use super::arm::Arm;
 use super::seed_table::SeedTable;
 use super::workspace::{Workspace, stopping};
 use crate::ik::Restarts;
-use crate::lanes::{Outcome, reduced};
+use crate::lanes::{PoseOutcome, reduced};
 use crate::model::JointKind;
 use crate::problem::Share;
 use crate::random::RandomStream;
@@ -181,7 +181,7 @@ impl Arm {
             }
             let found = self.attempt_by_core(workspace, query, &stopping());
             workspace.found.extend_from_slice(&workspace.x);
-            workspace.outcomes.push(Outcome {
+            workspace.outcomes.push(PoseOutcome {
                 reached: found.reached,
                 position_error: workspace.errors.position,
                 orientation_error: workspace.errors.orientation,

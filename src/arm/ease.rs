@@ -7,12 +7,12 @@
 //! null space (Liégeois 1977, "Automatic supervisory control of the configuration and behavior of
 //! multibody mechanisms"). So where an arm stands depends on its target and not on the way that it came.
 
+use super::arm::Arm;
 use super::bend::Bend;
 use super::null_space::Factor;
-use super::query::Arm;
 use super::workspace::Workspace;
 
-/// The share of a joint's half range from which on its limit is felt.
+/// The share of a joint's half range from which on its limit pulls.
 const MIDDLE: f64 = 0.6;
 /// The share of a joint's half range that a posture of ease stays within.
 const OFF_LIMITS: f64 = 0.95;
@@ -153,6 +153,6 @@ fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
 fn place(q: f64, lower: f64, upper: f64) -> Option<(f64, f64)> {
     let half = 0.5 * (upper - lower);
     let from_middle = q - lower - half;
-    let felt = half > 0.0 && half.is_finite() && from_middle.abs() > MIDDLE * half;
-    felt.then(|| (from_middle / half, half))
+    let near_limit = half > 0.0 && half.is_finite() && from_middle.abs() > MIDDLE * half;
+    near_limit.then(|| (from_middle / half, half))
 }

@@ -6,8 +6,8 @@
 //! goes to [ease](super::ease) instead. The solver corrects the pose.
 
 use super::QueryError;
+use super::arm::Arm;
 use super::branch::Branch;
-use super::query::Arm;
 use super::workspace::Errors;
 use crate::ik::Solution;
 use crate::spatial::Placement;
@@ -295,7 +295,7 @@ impl Follower<'_> {
         // Without memory for it the motion is left; the step itself will say so.
         let _ = arm.with_workspace(|workspace| {
             workspace.aim(target);
-            arm.open_limits(workspace);
+            arm.bound_by_limits(workspace);
             workspace.take_twists(arm, q);
             let free = workspace.factor_freely(q);
             match &free {

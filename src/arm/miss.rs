@@ -1,9 +1,9 @@
 //! What is done where the first attempts at a question miss.
 
 use super::answer::{QUICK, Query};
+use super::arm::Arm;
 use super::follower::LONG_STEP;
 use super::options::Search;
-use super::query::Arm;
 use super::settle::Settling;
 use super::workspace::{Errors, Workspace};
 use crate::lanes;
@@ -106,7 +106,7 @@ impl Arm {
     fn search_elsewhere(&self, workspace: &mut Workspace, query: &Query<'_>, found: &mut Found) {
         workspace.x.copy_from_slice(&workspace.best);
         self.settle(workspace, query, found);
-        let Some(lanes) = self.lanes_within(&workspace.windowed) else {
+        let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
             return;
         };
         let first = u32::try_from(found.attempts).unwrap_or(u32::MAX);

@@ -23,6 +23,8 @@
 //! ```
 
 mod answer;
+#[allow(clippy::module_inception, reason = "it is the arm itself")]
+mod arm;
 mod batch;
 mod bend;
 mod branch;
@@ -34,31 +36,30 @@ mod core_search;
 mod ease;
 mod error;
 mod follower;
+mod kinematic_path;
 mod mechanism;
 mod miss;
+mod move_bounds;
 mod null_space;
 mod options;
 mod pose_question;
-mod query;
-mod refine;
-mod rescue;
 mod retarget;
-mod route;
 mod seed_table;
 mod serial;
 mod servo;
 mod settle;
+mod substeps;
+mod toward_posture;
 mod track;
-mod window;
 mod workspace;
 
-pub use crate::lanes::Outcome;
+pub use crate::lanes::PoseOutcome;
 pub use crate::task::{Axis, Goal};
+pub use arm::Arm;
 pub use builder::{ArmBuilder, Base};
 pub use error::{ArmError, QueryError};
 pub use follower::{Follower, Jump};
 pub use mechanism::Mechanism;
 pub use options::Search;
-pub use query::Arm;
 pub use servo::{HeldBy, Servo, ServoStatus, ServoStep};
 pub use track::Track;

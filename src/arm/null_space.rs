@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
-use super::query::Arm;
+use super::arm::Arm;
 use super::workspace::Workspace;
 
 /// What is added to J Jᵀ, as a share of its trace, so that it can be factored.

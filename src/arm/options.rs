@@ -33,10 +33,10 @@ pub enum Search {
 
 impl Search {
     /// The engine's search, for one attempt after another.
-    pub(super) fn lanes(self) -> crate::lanes::Search {
+    pub(super) fn lanes(self) -> crate::lanes::Prefer {
         match self {
-            Self::First => crate::lanes::Search::First,
-            _ => crate::lanes::Search::Start,
+            Self::First => crate::lanes::Prefer::First,
+            _ => crate::lanes::Prefer::Start,
         }
     }
 

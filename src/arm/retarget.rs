@@ -1,8 +1,8 @@
 //! Another tool or another goal for an arm that stands: its seed atlas is kept.
 
+use super::arm::Arm;
 use super::builder::check_tool;
 use super::options::{Options, check_goal, metres_per_radian};
-use super::query::Arm;
 use super::serial::Serial;
 use super::{ArmError, Goal};
 use crate::lanes::LaneOptions;

@@ -1,13 +1,12 @@
 //! The arm as a model of its own: a serial chain from base to tool, constants folded.
 
 use super::ArmError;
-use super::route::Part;
-use crate::lanes::{self, Chain, ChainJoint};
+use super::kinematic_path::Part;
+use crate::lanes::{Chain, ChainJoint};
 use crate::model::{
     FrameId, Joint, JointId, JointKind, Limits, Model, ModelBuilder, ParameterMap, Source,
 };
-use crate::scalar::elementary;
-use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::spatial::Placement;
 
 /// Name of the frame that solving looks at.
 pub(super) const TOOL: &str = "tool";
@@ -141,7 +140,7 @@ impl Assembly<'_> {
         };
         match source_of(self.full, coordinate) {
             Source::Constant(value) => {
-                let motion = motion(joint.kind, axis, value);
+                let motion = joint.kind.motion(axis, value);
                 self.extent += motion.translation.norm();
                 self.way = self.way * motion;
             }
@@ -173,10 +172,7 @@ impl Assembly<'_> {
                 self.chain.push(ChainJoint {
                     parent_from_joint: self.way,
                     axis,
-                    kind: match joint.kind {
-                        JointKind::Prismatic => lanes::JointKind::Prismatic,
-                        _ => lanes::JointKind::Revolute,
-                    },
+                    kind: joint.kind,
                     lower: limits.lower,
                     upper: limits.upper,
                 });
@@ -259,16 +255,5 @@ fn kind_within(kind: JointKind, limits: &Limits) -> JointKind {
     match kind {
         JointKind::Continuous if *limits != Limits::UNBOUNDED => JointKind::Revolute,
         kind => kind,
-    }
-}
-
-pub(super) fn motion(kind: JointKind, axis: Vector3<f64>, value: f64) -> Placement<f64> {
-    match kind {
-        JointKind::Fixed => Placement::identity(),
-        JointKind::Prismatic => Placement::translation(axis * value),
-        JointKind::Revolute | JointKind::Continuous => Placement::new(
-            Matrix3::rotation(axis, elementary::sin_cos(value)),
-            Vector3::zero(),
-        ),
     }
 }

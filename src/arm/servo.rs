@@ -6,12 +6,12 @@
 //! and damped least-squares methods"); where the target rests it fades, so that the arm comes to rest at the
 //! nearest place and not on a long way there. A tick begins where the arm's [branch](super::branch) leads.
 
+use super::arm::Arm;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
+use super::move_bounds::within;
 use super::pose_question::PoseQuestion;
-use super::query::Arm;
 use super::settle::Settling;
-use super::window::within;
 use super::workspace::{Errors, Workspace};
 use super::{ArmError, QueryError};
 use crate::ik::Side;
@@ -226,7 +226,7 @@ impl Servo<'_> {
         let target = base_from_tool.into();
         self.arm.check_query(0, &target, &self.q)?;
         self.workspace.aim(&target);
-        self.open_tick();
+        self.bound_tick();
         let rests = self.target.replace(target) == Some(target);
         self.branch.take_target(rests);
         self.fill_seed(rests);
@@ -264,7 +264,7 @@ impl Servo<'_> {
     }
 
     /// The box of a tick: joint limits and velocity limits.
-    fn open_tick(&mut self) {
+    fn bound_tick(&mut self) {
         let arm = self.arm;
         let map = &arm.serial.map;
         let PoseQuestion { lower, upper, .. } = &mut self.workspace.question;

@@ -1,13 +1,13 @@
 //! Whole paths, on one branch from end to end where there is one.
 
 use super::QueryError;
+use super::arm::Arm;
 use super::follower::{Follower, Jump, LONG_STEP};
-use super::query::Arm;
 use crate::ik::Solution;
 use crate::spatial::Placement;
 
 /// How many solutions beyond the end of a branch are tried as places to come from.
-const LANDINGS: usize = 16;
+const OTHER_SOLUTIONS: usize = 16;
 /// How strongly the way back is drawn to the way known, one after another: radians of each joint a
 /// radian of path. A strong pull meets sooner, a weak one keeps clear of limits.
 const PULLS: [f64; 3] = [0.3, 0.1, 0.03];
@@ -87,11 +87,12 @@ impl Arm {
         let Some(last) = step.checked_sub(1) else {
             return Ok(false);
         };
-        let others = self.landings(&targets[step], &track.solutions[last].q, LANDINGS)?;
+        let others =
+            self.other_solutions(&targets[step], &track.solutions[last].q, OTHER_SOLUTIONS)?;
         let first = Some(track.solutions[step].clone()).filter(|first| first.reached);
         for pull in PULLS {
-            for landing in first.iter().chain(&others) {
-                let way = self.way_back(targets, step, landing, pull, track, back_left)?;
+            for other in first.iter().chain(&others) {
+                let way = self.way_back(targets, step, other, pull, track, back_left)?;
                 if let Some(way) = way {
                     let meeting = step - way.len();
                     track.solutions.truncate(meeting + 1);
@@ -104,19 +105,19 @@ impl Arm {
         Ok(false)
     }
 
-    /// The steps from `landing` back to where they meet the track; none if they do not.
+    /// The steps from `other` back to where they meet the track; none if they do not.
     fn way_back(
         &self,
         targets: &[Placement<f64>],
         step: usize,
-        landing: &Solution,
+        other: &Solution,
         pull: f64,
         track: &Track,
         back_left: &mut usize,
     ) -> Result<Option<Vec<Solution>>, QueryError> {
-        let mut follower = self.follower(&landing.q)?;
-        follower.stand_at(&targets[step], &landing.q);
-        let mut way = vec![landing.clone()];
+        let mut follower = self.follower(&other.q)?;
+        follower.stand_at(&targets[step], &other.q);
+        let mut way = vec![other.clone()];
         for (target, known) in targets.iter().zip(&track.solutions).take(step).rev() {
             if *back_left == 0 {
                 break;

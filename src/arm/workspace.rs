@@ -9,10 +9,10 @@ use super::pose_question::PoseQuestion;
 use super::serial::Serial;
 use crate::ik::{Minimiser, Solution};
 use crate::kinematics::ForwardKinematics;
-use crate::lanes::{Outcome, PoseSolver};
+use crate::lanes::{PoseOutcome, PoseSolver};
 use crate::model::{JointKind, Source};
 use crate::problem::{Evaluation, ProblemError, Scratch, Share};
-use crate::search::{Engine, Search};
+use crate::search::{Attempts, Engine};
 use crate::solver::{
     AnyMethod, LeastSquares, LevenbergMarquardt, Observer, Silent, SolverState, Stopping,
     Termination, negligible_slope,
@@ -43,11 +43,11 @@ pub(super) struct Workspace {
     scratch: Scratch,
     pub(super) memory: SolverState,
     /// Of the core's attempts.
-    pub(super) search: Search,
+    pub(super) search: Attempts,
     /// A batch's misses are explained in here.
     pub(super) spare: Solution,
     /// The lane engine with bounds of the question's own, where moves are bounded.
-    pub(super) windowed: Option<PoseSolver>,
+    pub(super) bounded_lanes: Option<PoseSolver>,
     /// The start within the bounds, and the configuration to be returned.
     pub(super) start: Vec<f64>,
     pub(super) x: Vec<f64>,
@@ -77,7 +77,7 @@ pub(super) struct Workspace {
     pub(super) gradient: Vec<f64>,
     /// Configurations found, one after another, and what is known of each.
     pub(super) found: Vec<f64>,
-    pub(super) outcomes: Vec<Outcome>,
+    pub(super) outcomes: Vec<PoseOutcome>,
     /// (distance from the start, place in `found`).
     pub(super) order: Vec<(f64, usize)>,
     /// The same of a chain's seeds.
@@ -103,9 +103,9 @@ impl Workspace {
         Ok(Self {
             scratch: problem.scratch(),
             memory: SolverState::default(),
-            search: Search::default(),
+            search: Attempts::default(),
             spare: Solution::default(),
-            windowed: None,
+            bounded_lanes: None,
             start: vec![0.0; n],
             x: vec![0.0; n],
             errors: Errors::default(),

@@ -1,6 +1,6 @@
 //! FABRIK: forward and backward reaching on points, then the joints that come nearest.
 
-use super::fit::Fit;
+use super::fit::JointFit;
 use super::goal::goals;
 use super::layout::joint_points;
 use super::linkage::{Linkage, Pin, Span, lay_straight};
@@ -71,7 +71,7 @@ impl Geometric for Fabrik {
             linkage: joint_points.linkage(),
             pins: joint_points.pins().to_vec(),
             points: joint_points.rest().to_vec(),
-            fit: Fit::new(question, joint_points),
+            fit: JointFit::new(question, joint_points),
         };
         sweeps::solve(question, start, self.limits, &mut passes, observer)
     }
@@ -81,7 +81,7 @@ struct Passes<'a> {
     linkage: Linkage,
     pins: Vec<Pin>,
     points: Vec<Vector3<f64>>,
-    fit: Fit<'a>,
+    fit: JointFit<'a>,
 }
 
 impl Sweep for Passes<'_> {

@@ -16,7 +16,7 @@ const CYCLES: usize = 4;
 const ROUNDING: f64 = 1e-14;
 
 /// A problem's joints following points.
-pub(super) struct Fit<'a> {
+pub(super) struct JointFit<'a> {
     question: Question<'a>,
     joint_points: JointPoints,
     /// By point: the point that its bone turns about.
@@ -28,7 +28,7 @@ pub(super) struct Fit<'a> {
     state: TreeState<f64>,
 }
 
-impl<'a> Fit<'a> {
+impl<'a> JointFit<'a> {
     pub(super) fn new(question: Question<'a>, joint_points: JointPoints) -> Self {
         let tree = question.tree();
         let linkage = joint_points.linkage();

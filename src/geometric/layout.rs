@@ -28,7 +28,7 @@ pub(super) fn joint_points(
             joint: question.problem.names().variables[variable].clone(),
         });
     }
-    let mut layout = Layout::new(question);
+    let mut layout = PointLayout::new(question);
     let mut pins = Vec::new();
     for goal in goals {
         let Some(place) = goal.place else {
@@ -59,7 +59,7 @@ pub(super) fn joint_points(
 }
 
 /// The layout in the making.
-struct Layout<'a> {
+struct PointLayout<'a> {
     question: Question<'a>,
     state: TreeState<f64>,
     same: f64,
@@ -70,7 +70,7 @@ struct Layout<'a> {
     points: Vec<Carried>,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> PointLayout<'a> {
     fn new(question: Question<'a>) -> Self {
         let tree = question.tree();
         let bounds = question.lower().iter().zip(question.upper());

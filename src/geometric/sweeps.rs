@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::GeometricError;
 use crate::ik::{Restarts, Solution};
 use crate::problem::{Evaluation, Question, Scratch, Share};
-use crate::search::{Attempt, End, Engine, Schedule, Search, run, variables_at};
+use crate::search::{Attempt, Attempts, End, Engine, Schedule, run, variables_at};
 use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, SolverState, Stopping, Termination, half_squared,
     project,
@@ -60,7 +60,7 @@ pub(super) fn solve(
     observer: &mut dyn Observer,
 ) -> Result<Solution, GeometricError> {
     let Limits { stopping, restarts } = limits;
-    let mut search = Search::default();
+    let mut search = Attempts::default();
     search.fit(question, Share::All);
     search.start = variables_at(question, start)?;
     let deadline = stopping.deadline();

@@ -1,6 +1,6 @@
 //! The analytic solution for a limb of two bones.
 
-use super::fit::Fit;
+use super::fit::JointFit;
 use super::goal::goals;
 use super::joint_points::Group;
 use super::layout::joint_points;
@@ -75,7 +75,7 @@ impl Geometric for TwoBone {
             });
         };
         let wanted = points.rest().to_vec();
-        let fit = Fit::new(question, points);
+        let fit = JointFit::new(question, points);
         let mut limb = Limb {
             elbow: self.elbow,
             lengths: [upper, lower],
@@ -112,7 +112,7 @@ struct Limb<'a> {
     bend: Option<usize>,
     /// The joints at the root, with the bent limb as one body.
     shoulder: Group,
-    fit: Fit<'a>,
+    fit: JointFit<'a>,
 }
 
 impl Limb<'_> {

@@ -315,7 +315,7 @@ impl Drag {
                 true => 0.0,
                 false => drawn,
             };
-            if self.problem.is_felt(j) {
+            if self.problem.moves_a_task(j) {
                 *value += self.unit[j] * NUDGE * aside;
             }
         }

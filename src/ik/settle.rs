@@ -13,14 +13,14 @@ const CREEPING: usize = 2;
 
 /// What some frames came to.
 #[derive(Clone, Copy, Debug, Default)]
-struct Course {
+struct Frames {
     frames: usize,
     iterations: usize,
     counts: Counts,
     ended: Ended,
 }
 
-impl std::ops::AddAssign for Course {
+impl std::ops::AddAssign for Frames {
     fn add_assign(&mut self, next: Self) {
         self.frames += next.frames;
         self.iterations += next.iterations;
@@ -42,7 +42,7 @@ enum Ended {
 }
 
 /// A way that was left for another one.
-struct Left {
+struct Standing {
     x: Vec<f64>,
     q: Vec<f64>,
     misses: usize,
@@ -64,24 +64,24 @@ impl Drag {
         let mut all = self.stride(frames, true, &late);
         if !self.solution().reached && !late() {
             let (strides, creeping) = (all.frames, all.ended == Ended::Creeping);
-            let mut first = self.leave();
+            let mut first = self.standing();
             (self.x, self.q) = start;
             self.misses = 0;
             all += self.go_on(frames, &late, |drag, _| drag.rests().then_some(Ended::Done));
             if !self.solution().reached {
-                let second = self.leave();
+                let second = self.standing();
                 if creeping && !late() {
                     // Neither way is short: the first one to its end after all.
                     self.stand(first);
                     all += self.stride(frames - strides, false, &late);
-                    first = self.leave();
+                    first = self.standing();
                 }
                 let nearer = second.cost < BETTER * first.cost;
                 let back = first.solution.reached || !nearer;
                 self.stand(if back { first } else { second });
             }
         }
-        self.tell(all)
+        self.total(all)
     }
 
     /// Goes on to the targets as they are now, in steps of a frame, at most so many: until they are reached
@@ -99,15 +99,15 @@ impl Drag {
             let flat = drag.is_cut() && drag.workspace.searched_cost() >= BETTER * last_cost;
             (there || flat).then_some(Ended::Done)
         });
-        self.tell(all)
+        self.total(all)
     }
 
     /// Frames whose joints move as far as their limits let them, until the body rests, or where that is
     /// asked for creeps.
-    fn stride(&mut self, frames: usize, up_to_creeping: bool, late: &dyn Fn() -> bool) -> Course {
+    fn stride(&mut self, frames: usize, up_to_creeping: bool, late: &dyn Fn() -> bool) -> Frames {
         let max_move = std::mem::replace(&mut self.max_move, f64::INFINITY);
         let mut creeping = 0;
-        let course = self.go_on(frames, late, |drag, last_cost| {
+        let done = self.go_on(frames, late, |drag, last_cost| {
             let slow = drag.is_cut() && drag.workspace.searched_cost() > CREEPS * last_cost;
             creeping = if slow { creeping + 1 } else { 0 };
             match drag.rests() {
@@ -116,7 +116,7 @@ impl Drag {
             }
         });
         self.max_move = max_move;
-        course
+        done
     }
 
     /// Frames until they are ended by what is asked of each with the cost before it, or it is late.
@@ -125,16 +125,16 @@ impl Drag {
         frames: usize,
         late: &dyn Fn() -> bool,
         mut ended: impl FnMut(&Self, f64) -> Option<Ended>,
-    ) -> Course {
-        let (mut course, mut last_cost) = (Course::default(), f64::INFINITY);
+    ) -> Frames {
+        let (mut done, mut last_cost) = (Frames::default(), f64::INFINITY);
         for _ in 0..frames {
             self.advance();
             let solution = self.solution();
-            course.frames += 1;
-            course.iterations += solution.iterations;
-            course.counts += solution.counts;
+            done.frames += 1;
+            done.iterations += solution.iterations;
+            done.counts += solution.counts;
             if let Some(ended) = ended(self, last_cost) {
-                course.ended = ended;
+                done.ended = ended;
                 break;
             }
             if late() {
@@ -142,7 +142,7 @@ impl Drag {
             }
             last_cost = self.workspace.searched_cost();
         }
-        course
+        done
     }
 
     /// Whether the last frame was cut at its steps before it reached.
@@ -152,8 +152,8 @@ impl Drag {
     }
 
     /// Keeps where the body stands, to come back to it.
-    fn leave(&self) -> Left {
-        Left {
+    fn standing(&self) -> Standing {
+        Standing {
             x: self.x.clone(),
             q: self.q.clone(),
             misses: self.misses,
@@ -162,13 +162,13 @@ impl Drag {
         }
     }
 
-    fn stand(&mut self, left: Left) {
+    fn stand(&mut self, left: Standing) {
         (self.x, self.q, self.misses) = (left.x, left.q, left.misses);
         self.workspace.solution = left.solution;
     }
 
     /// The last frame's solution, as that of all of them.
-    fn tell(&mut self, all: Course) -> &Solution {
+    fn total(&mut self, all: Frames) -> &Solution {
         let Workspace { solution, .. } = &mut self.workspace;
         (solution.iterations, solution.counts) = (all.iterations, all.counts);
         (solution.attempts, solution.agreeing) = (1, solution.agreeing.min(1));

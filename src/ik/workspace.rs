@@ -3,7 +3,7 @@
 use super::Solution;
 use super::refine::{Limits, Refinement, Start};
 use crate::problem::{Evaluation, Question, Scratch, Share};
-use crate::search::{End, Found, Pulls, Search};
+use crate::search::{Attempts, End, Found, Pulls};
 use crate::solver::{LeastSquares, Observer, SolverState, Stopping, half_squared};
 
 /// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
@@ -12,7 +12,7 @@ use crate::solver::{LeastSquares, Observer, SolverState, Stopping, half_squared}
 pub struct Workspace {
     pub(super) memory: SolverState,
     pub(super) scratch: Option<Scratch>,
-    pub(super) search: Search,
+    pub(super) search: Attempts,
     /// Of all tasks.
     whole_residual: Vec<f64>,
     refinement: Refinement,

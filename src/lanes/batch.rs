@@ -5,7 +5,7 @@ use super::group::Group;
 use super::judge::Errors;
 use super::lane::LaneScalar;
 use super::lm_step::Ended;
-use super::options::{Outcome, Search};
+use super::options::{PoseOutcome, Prefer};
 use super::prepared::Prepared;
 use super::seeds::QuerySeeds;
 use super::single_query::Query;
@@ -19,13 +19,13 @@ pub(crate) struct Work<'a> {
     pub(crate) targets: &'a [Placement<f64>],
     /// One start a target, joint values one after another.
     pub(crate) starts: &'a [f64],
-    pub(crate) search: Search,
+    pub(crate) search: Prefer,
     /// Run only this attempt and those that follow it, one a result, of the single target.
     pub(crate) attempts_from: Option<u32>,
     /// Most attempts of one query.
     pub(crate) attempts: u32,
     pub(crate) q: &'a mut [f64],
-    pub(crate) outcomes: &'a mut [Outcome],
+    pub(crate) outcomes: &'a mut [PoseOutcome],
 }
 
 /// Runs the attempts of each query one after another in one lane, so that what a query gives depends
@@ -203,8 +203,8 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         // A miss keeps the start's own end where that counts, else the best. The first attempt
         // is kept even where costs overflow.
         let kept = match self.work.search {
-            Search::Start => job.ended == 0,
-            Search::First => job.ended == 0 || self.group.cost(lane) < job.best_cost,
+            Prefer::Start => job.ended == 0,
+            Prefer::First => job.ended == 0 || self.group.cost(lane) < job.best_cost,
         };
         if errors.is_none() && (reached || kept) {
             job.best_cost = self.group.cost(lane);
@@ -240,7 +240,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             }
         };
         prepared.links.to_metres(q);
-        self.work.outcomes[job.index] = Outcome {
+        self.work.outcomes[job.index] = PoseOutcome {
             reached,
             position_error: errors.position,
             orientation_error: errors.orientation,

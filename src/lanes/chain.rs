@@ -1,21 +1,12 @@
 //! The input: a serial chain of moving joints from a base to a tip.
 
-use crate::scalar::elementary;
+use crate::model::JointKind;
 use crate::spatial::{Placement, Vector3};
 
 use super::trigonometry::MAX_ANGLE;
 
 /// The largest number of moving joints a [`Chain`] can have.
 pub const MAX_JOINTS: usize = 64;
-
-/// How a joint moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JointKind {
-    /// Turns about its axis; its value is in radians.
-    Revolute,
-    /// Slides along its axis; its value is in metres.
-    Prismatic,
-}
 
 /// One moving joint of a [`Chain`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +16,7 @@ pub struct ChainJoint {
     pub parent_from_joint: Placement<f64>,
     /// The axis in the joint's own frame, of any length but zero.
     pub axis: Vector3<f64>,
-    /// Turning or sliding.
+    /// Turning or sliding; one that turns without limits has infinite bounds.
     pub kind: JointKind,
     /// Smallest value, in radians or metres; −∞ when unbounded (a continuous joint).
     pub lower: f64,
@@ -50,6 +41,9 @@ pub enum ChainError {
     /// No moving joint, or too many.
     #[error("a chain has 1 to {MAX_JOINTS} moving joints, not {0}")]
     JointCount(usize),
+    /// A joint that does not move: it belongs into the placement of the next one.
+    #[error("joint {0} of the chain is fixed")]
+    Fixed(usize),
     /// An axis that is zero or not finite.
     #[error("joint {0} of the chain has no usable axis")]
     Axis(usize),
@@ -81,6 +75,11 @@ impl Chain {
             return Err(ChainError::JointCount(joints.len()));
         }
         for (index, joint) in joints.iter_mut().enumerate() {
+            joint.kind = match joint.kind {
+                JointKind::Fixed => return Err(ChainError::Fixed(index)),
+                JointKind::Prismatic => JointKind::Prismatic,
+                JointKind::Revolute | JointKind::Continuous => JointKind::Revolute,
+            };
             let length = joint.axis.norm();
             if !(length.is_finite() && length > 1e-12) {
                 return Err(ChainError::Axis(index));
@@ -168,7 +167,8 @@ impl Chain {
             .iter()
             .zip(q.iter().chain(std::iter::repeat(&0.0)))
         {
-            base_from_joint = base_from_joint * joint.parent_from_joint * joint.motion(value);
+            base_from_joint =
+                base_from_joint * joint.parent_from_joint * joint.kind.motion(joint.axis, value);
         }
         base_from_joint * self.joint_from_tip
     }
@@ -179,20 +179,6 @@ fn extent(joints: &[ChainJoint], joint_from_tip: &Placement<f64>) -> f64 {
     let ways = joints.iter().map(|joint| &joint.parent_from_joint);
     let ways = ways.chain([joint_from_tip]);
     ways.map(|way| way.translation.norm()).sum()
-}
-
-impl ChainJoint {
-    /// The motion of this joint at a value, in its own frame.
-    fn motion(&self, value: f64) -> Placement<f64> {
-        use crate::spatial::Matrix3;
-        match self.kind {
-            JointKind::Revolute => Placement::new(
-                Matrix3::rotation(self.axis, elementary::sin_cos(value)),
-                Vector3::zero(),
-            ),
-            JointKind::Prismatic => Placement::new(Matrix3::identity(), self.axis * value),
-        }
-    }
 }
 
 /// Whether the numbers are finite and the rotation orthonormal and right-handed, to 1e-6.

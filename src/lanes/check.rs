@@ -1,7 +1,7 @@
 //! What is asked of a call's arguments before anything is solved.
 
 use super::chain::is_rigid;
-use super::options::{LaneError, Outcome};
+use super::options::{LaneError, PoseOutcome};
 use crate::spatial::Placement;
 
 /// Refuses a batch for a chain of `joints` joints whose slices do not fit or whose queries are not
@@ -11,7 +11,7 @@ pub(crate) fn batch(
     targets: &[Placement<f64>],
     starts: &[f64],
     q: &[f64],
-    outcomes: &[Outcome],
+    outcomes: &[PoseOutcome],
 ) -> Result<(), LaneError> {
     length("starts", starts.len(), joints * targets.len())?;
     length("q", q.len(), joints * targets.len())?;

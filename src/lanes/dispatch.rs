@@ -3,7 +3,7 @@
 use super::batch::{self, Work};
 use super::chain::MAX_JOINTS;
 use super::lane::{LaneScalar, Lanes};
-use super::options::Outcome;
+use super::options::PoseOutcome;
 use super::prepared::Prepared;
 use super::single_query;
 use super::single_query::{Answer, Query};
@@ -84,7 +84,7 @@ pub(crate) fn race(
     query: &Query<'_>,
     lone: bool,
     answer: &mut Answer<'_>,
-) -> Outcome {
+) -> PoseOutcome {
     #[cfg(target_arch = "x86_64")]
     if has_fused(prepared) {
         // SAFETY: the processor has the instructions the function is compiled for. Measured: four
@@ -102,7 +102,7 @@ fn race_fused(
     query: &Query<'_>,
     lone: bool,
     answer: &mut Answer<'_>,
-) -> Outcome {
+) -> PoseOutcome {
     run!(each, fused, single_query::race, Lanes<RACE, true>; prepared, query, lone, answer)
 }
 

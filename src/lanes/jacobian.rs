@@ -1,10 +1,10 @@
 //! Forward kinematics of every lane at once, the Jacobian's columns, and the matrix of the step.
 
-use super::chain::JointKind;
 use super::evaluation::Evaluation;
 use super::group::Group;
 use super::lane::LaneScalar;
 use super::links::Links;
+use crate::model::JointKind;
 use crate::spatial::{Placement, Vector3};
 
 /// Runs the body for each joint, written out where their number is known and code is optimised.

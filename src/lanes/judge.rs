@@ -1,11 +1,11 @@
 //! The errors of the q that is returned, by forward kinematics at that q in plain `f64`.
 
 use super::axis_residual;
-use super::chain::JointKind;
 use super::lane::LaneScalar;
 use super::links::Links;
 use super::prepared::Prepared;
 use super::settings::Settings;
+use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3, resolved};

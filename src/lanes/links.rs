@@ -5,7 +5,8 @@
 //! along its axis, which takes the z part out of every translation. Both are exact for any chain,
 //! also with parallel or nearly parallel axes, where Denavit-Hartenberg's common normal is not.
 
-use super::chain::{Chain, JointKind};
+use super::chain::Chain;
+use crate::model::JointKind;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3, rounding};
 
@@ -63,8 +64,8 @@ impl Links {
         let (mut turned, mut slid) = (0.0, 0.0);
         for (value, link) in values.zip(&self.links) {
             match link.kind {
-                JointKind::Revolute => turned += value,
                 JointKind::Prismatic => slid += value,
+                _ => turned += value,
             }
         }
         let size = self.extent + slid * self.metres_per_length;
@@ -156,8 +157,8 @@ impl Links {
     pub(crate) fn set_bounds(&mut self, bounds: impl Iterator<Item = (f64, f64)>) {
         for (link, (lower, upper)) in self.links.iter_mut().zip(bounds) {
             let unit = match link.kind {
-                JointKind::Revolute => 1.0,
                 JointKind::Prismatic => self.lengths_per_metre,
+                _ => 1.0,
             };
             (link.lower, link.upper) = (lower * unit, upper * unit);
         }

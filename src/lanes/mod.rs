@@ -35,9 +35,10 @@ pub mod trigonometry;
 mod turns;
 mod twists;
 
+pub use crate::model::JointKind;
 pub use axis_goal::AxisGoal;
-pub use chain::{Chain, ChainError, ChainJoint, JointKind, MAX_JOINTS};
-pub use options::{LaneError, LaneOptions, Outcome, Search};
+pub use chain::{Chain, ChainError, ChainJoint, MAX_JOINTS};
+pub use options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 pub use pose_solver::PoseSolver;
 pub(crate) use single_query::{Answer, Query};
 pub(crate) use turns::reduced;

@@ -4,7 +4,7 @@ use super::axis_goal::AxisGoal;
 
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Search {
+pub enum Prefer {
     /// The one from the start, if that attempt succeeds; others only rescue it.
     #[default]
     Start,
@@ -91,7 +91,7 @@ impl LaneOptions {
 
 /// How a query ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Outcome {
+pub struct PoseOutcome {
     /// Whether both errors are within their tolerances.
     pub reached: bool,
     /// Distance of the tip from the target at the returned q, metres.

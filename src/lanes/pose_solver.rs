@@ -6,7 +6,7 @@ use super::batch::Work;
 use super::chain::{Chain, MAX_JOINTS};
 use super::check;
 use super::dispatch;
-use super::options::{LaneError, LaneOptions, Outcome, Search};
+use super::options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 use super::prepared::Prepared;
 use super::single_query::{Answer, Query};
 use crate::spatial::Placement;
@@ -19,8 +19,8 @@ use crate::spatial::Placement;
 /// errors beside it are those of that q. A joint that can turn right round comes out within half a
 /// turn of the start; of a start beyond a million radians, where sines lose their digits, whole turns
 /// are taken off first. Lengths may be in any unit, as long as it is the same everywhere. Where the
-/// target is not reached, q is the end of the start's own attempt under [`Search::Start`], also where
-/// a deadline cut it short, and under [`Search::First`] the point of least cost
+/// target is not reached, q is the end of the start's own attempt under [`Prefer::Start`], also where
+/// a deadline cut it short, and under [`Prefer::First`] the point of least cost
 /// `½(|p|² + (metres_per_radian)² · 2(1 − cos θ))` over all attempts.
 #[derive(Debug)]
 pub struct PoseSolver {
@@ -70,7 +70,7 @@ impl PoseSolver {
     }
 
     /// Solves for one pose `base_from_target`, and writes the joint values to `q`. Under
-    /// [`Search::Start`] the lowest attempt that reaches wins, as in a batch. With a deadline it gives up between two iterations after that time; without one, the same question has the
+    /// [`Prefer::Start`] the lowest attempt that reaches wins, as in a batch. With a deadline it gives up between two iterations after that time; without one, the same question has the
     /// same answer bit for bit.
     ///
     /// # Errors
@@ -79,10 +79,10 @@ impl PoseSolver {
         &self,
         base_from_target: &Placement<f64>,
         start: &[f64],
-        search: Search,
+        search: Prefer,
         deadline: Option<Instant>,
         q: &mut [f64],
-    ) -> Result<Outcome, LaneError> {
+    ) -> Result<PoseOutcome, LaneError> {
         let n = self.joints();
         check::length("start", start.len(), n)?;
         check::length("q", q.len(), n)?;
@@ -100,7 +100,12 @@ impl PoseSolver {
     }
 
     /// Answers a query that is checked already. `lone` runs the first attempt by itself at first.
-    pub(crate) fn race(&self, query: &Query<'_>, lone: bool, answer: &mut Answer<'_>) -> Outcome {
+    pub(crate) fn race(
+        &self,
+        query: &Query<'_>,
+        lone: bool,
+        answer: &mut Answer<'_>,
+    ) -> PoseOutcome {
         dispatch::race(&self.prepared, query, lone, answer)
     }
 
@@ -111,11 +116,11 @@ impl PoseSolver {
         start: &[f64],
         deadline: Option<Instant>,
         q: &mut [f64],
-    ) -> Outcome {
+    ) -> PoseOutcome {
         let query = Query {
             target: base_from_target,
             start,
-            search: Search::Start,
+            search: Prefer::Start,
             attempts: (0, 1),
             budget: u32::MAX,
             deadline,
@@ -153,9 +158,9 @@ impl PoseSolver {
         &self,
         base_from_targets: &[Placement<f64>],
         starts: &[f64],
-        search: Search,
+        search: Prefer,
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) -> Result<(), LaneError> {
         check::batch(self.joints(), base_from_targets, starts, q, outcomes)?;
         self.run_batch(
@@ -178,9 +183,9 @@ impl PoseSolver {
         &self,
         base_from_targets: &[Placement<f64>],
         starts: &[f64],
-        search: Search,
+        search: Prefer,
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) -> Result<(), LaneError> {
         use rayon::prelude::*;
         /// Queries a task: enough to keep the lanes filled.
@@ -201,8 +206,8 @@ impl PoseSolver {
 
     /// Runs attempts `first`, `first + 1`, … of one query, as many as `outcomes` has places, and
     /// hands out what each gave: the ground for searches that compare solutions. Attempt numbers
-    /// mean the same as in [`solve`](Self::solve): under [`Search::Start`] 0 is the start, then
-    /// come the atlas's seeds, then random ones; under [`Search::First`] the atlas's come first.
+    /// mean the same as in [`solve`](Self::solve): under [`Prefer::Start`] 0 is the start, then
+    /// come the atlas's seeds, then random ones; under [`Prefer::First`] the atlas's come first.
     ///
     /// # Errors
     /// [`LaneError`] for wrong lengths and numbers that are not finite.
@@ -210,10 +215,10 @@ impl PoseSolver {
         &self,
         base_from_target: &Placement<f64>,
         start: &[f64],
-        search: Search,
+        search: Prefer,
         first: u32,
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) -> Result<(), LaneError> {
         let n = self.joints();
         check::length("start", start.len(), n)?;
@@ -228,10 +233,10 @@ impl PoseSolver {
         &self,
         base_from_target: &Placement<f64>,
         start: &[f64],
-        search: Search,
+        search: Prefer,
         first: u32,
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) {
         let work = Work {
             targets: std::slice::from_ref(base_from_target),
@@ -246,7 +251,7 @@ impl PoseSolver {
     }
 
     /// Follows a path of targets: each query starts from the q of the one before, and takes that
-    /// attempt's solution where it succeeds ([`Search::Start`]).
+    /// attempt's solution where it succeeds ([`Prefer::Start`]).
     ///
     /// # Errors
     /// [`LaneError`] for wrong lengths and numbers that are not finite.
@@ -255,7 +260,7 @@ impl PoseSolver {
         base_from_targets: &[Placement<f64>],
         start: &[f64],
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) -> Result<(), LaneError> {
         let n = self.joints();
         check::length("start", start.len(), n)?;
@@ -274,7 +279,7 @@ impl PoseSolver {
             let query = Query {
                 target,
                 start: &last[..n],
-                search: Search::Start,
+                search: Prefer::Start,
                 attempts: (0, self.prepared.options.attempts.max(1)),
                 budget: self.prepared.options.total_iterations,
                 deadline: None,
@@ -291,10 +296,10 @@ impl PoseSolver {
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
-        search: Search,
+        search: Prefer,
         attempts: u32,
         q: &mut [f64],
-        outcomes: &mut [Outcome],
+        outcomes: &mut [PoseOutcome],
     ) {
         let work = Work {
             targets,

@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::atlas::{Atlas, TooledAtlas};
-use super::chain::{Chain, JointKind};
+use super::chain::Chain;
 use super::links::Links;
 use super::options::{LaneError, LaneOptions};
 use super::settings::Settings;
+use crate::model::JointKind;
 
 /// A chain and the task, prepared.
 #[derive(Debug)]

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use super::atlas::Candidates;
-use super::chain::JointKind;
 use super::lane::LaneScalar;
 use super::links::{Link, Links};
-use super::options::Search;
+use super::options::Prefer;
 use super::prepared::Prepared;
 use super::single_query::Query;
 use super::turns::reduced;
+use crate::model::JointKind;
 use crate::random::mix;
 use crate::spatial::Placement;
 
@@ -17,7 +17,7 @@ use crate::spatial::Placement;
 const LARGE_ANGLE: f64 = 1.0e3;
 
 /// The seeds of one query, by attempt number: the start, those of the atlas, then random ones; the
-/// start comes after the atlas under [`Search::First`].
+/// start comes after the atlas under [`Prefer::First`].
 pub(crate) struct QuerySeeds {
     /// Looked up when first asked for.
     candidates: Candidates,
@@ -50,7 +50,7 @@ impl QuerySeeds {
         q: &mut [f64],
     ) {
         let links = &prepared.links;
-        let start_first = query.search == Search::Start;
+        let start_first = query.search == Prefer::Start;
         if start_first && attempt == 0 {
             fill_start(links, query.start, q);
             return;
@@ -90,8 +90,8 @@ impl QuerySeeds {
                 state = mix(state);
                 let unit = (state >> 11) as f64 / (1u64 << 53) as f64;
                 let half = match link.kind {
-                    JointKind::Revolute => std::f64::consts::PI,
                     JointKind::Prismatic => 1.0,
+                    _ => std::f64::consts::PI,
                 };
                 let lower = if link.lower.is_finite() {
                     link.lower
@@ -115,8 +115,8 @@ impl QuerySeeds {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn start_value(links: &Links, link: &Link, start: f64) -> f64 {
     match link.kind {
-        JointKind::Revolute => reduced(start),
         JointKind::Prismatic => start * links.lengths_per_metre,
+        _ => reduced(start),
     }
 }
 

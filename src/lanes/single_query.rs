@@ -7,7 +7,7 @@ use super::group::Group;
 use super::judge::Errors;
 use super::lane::LaneScalar;
 use super::lm_step::Ended;
-use super::options::{Outcome, Search};
+use super::options::{PoseOutcome, Prefer};
 use super::prepared::Prepared;
 use super::seeds::QuerySeeds;
 use super::stages::Stages;
@@ -19,7 +19,7 @@ use crate::spatial::Placement;
 pub(crate) struct Query<'a> {
     pub(crate) target: &'a Placement<f64>,
     pub(crate) start: &'a [f64],
-    pub(crate) search: Search,
+    pub(crate) search: Prefer,
     /// The first attempt, and one more than the last.
     pub(crate) attempts: (u32, u32),
     /// Iterations after which no attempt begins.
@@ -31,10 +31,10 @@ pub(crate) struct Query<'a> {
 /// Where a query's configurations go.
 #[derive(Default)]
 pub(crate) struct Answer<'a> {
-    /// The solution; after a miss the end of the start's own attempt under [`Search::Start`] (where
+    /// The solution; after a miss the end of the start's own attempt under [`Prefer::Start`] (where
     /// it is among the attempts), the best of all attempts otherwise.
     pub(crate) q: &'a mut [f64],
-    /// After a miss under [`Search::Start`] the best of all attempts; empty where nobody asks.
+    /// After a miss under [`Prefer::Start`] the best of all attempts; empty where nobody asks.
     pub(crate) best: &'a mut [f64],
     /// After a miss which attempt the best of all is.
     pub(crate) best_attempt: u32,
@@ -55,8 +55,8 @@ const MAX_LANES: usize = 8;
 
 /// Runs numbered attempts, a group of lanes in lock step, until the rule of the search has a winner.
 ///
-/// Under [`Search::Start`] the lowest attempt that reaches wins, as in a batch; under
-/// [`Search::First`] the fewest iterations win, then the lowest attempt. A lane that gives up is
+/// Under [`Prefer::Start`] the lowest attempt that reaches wins, as in a batch; under
+/// [`Prefer::First`] the fewest iterations win, then the lowest attempt. A lane that gives up is
 /// refilled with the next attempt at once. Nothing here depends on time unless a deadline is set.
 ///
 /// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
@@ -68,7 +68,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
     query: &Query<'_>,
     lone: bool,
     answer: &mut Answer<'_>,
-) -> Outcome {
+) -> PoseOutcome {
     let mut race = Race::new(stages, prepared, query, answer);
     let mut lanes = if lone { 1 } else { V::WIDTH };
     loop {
@@ -148,7 +148,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         answer: &'a mut Answer<'b>,
     ) -> Self {
         let links = &prepared.links;
-        let by_number = query.search == Search::Start;
+        let by_number = query.search == Prefer::Start;
         Self {
             stages,
             prepared,
@@ -296,7 +296,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
 
     /// What the race came to; what is answered is in metres from here on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn outcome(self) -> Outcome {
+    fn outcome(self) -> PoseOutcome {
         let (prepared, start, answer) = (self.prepared, self.query.start, self.answer);
         let (reached, errors, winner) = match self.winner {
             Some(winner) => (true, winner.errors, Some(winner.attempt)),
@@ -312,7 +312,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
             }
         };
         prepared.links.to_metres(answer.q);
-        Outcome {
+        PoseOutcome {
             reached,
             position_error: errors.position,
             orientation_error: errors.orientation,

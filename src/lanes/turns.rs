@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::chain::JointKind;
 use super::prepared::Prepared;
 use super::trigonometry::MAX_ANGLE;
+use crate::model::JointKind;
 
 /// A start that is too large an angle for exact sines, less whole turns: within half a turn of zero.
 #[cfg_attr(not(debug_assertions), inline(always))]

@@ -3,9 +3,9 @@
 //! A joint that turns about the axis z through p adds (z × (x − p), z) to the twist of a tip at x, one that
 //! slides along it (z, 0) (Siciliano et al. 2009, "Robotics", eq. 3.30).
 
-use super::chain::JointKind;
 use super::lane::{LaneScalar, Lanes};
 use super::links::Links;
+use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::Vector3;
 
@@ -46,11 +46,11 @@ impl Links {
             };
             let axis = Vector3::new(a, b, c);
             let (linear, angular) = match link.kind {
-                JointKind::Revolute => {
+                JointKind::Prismatic => (axis, Vector3::zero()),
+                _ => {
                     let arm = p - Vector3::new(x, y, z);
                     (axis.cross(arm) * metres, axis * radian)
                 }
-                JointKind::Prismatic => (axis, Vector3::zero()),
             };
             column[..3].copy_from_slice(&linear.to_array());
             column[3..].copy_from_slice(&angular.to_array());

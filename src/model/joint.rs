@@ -1,7 +1,8 @@
 //! One joint: where it stands in its parent, how it moves, how far it may.
 
 use super::JointId;
-use crate::spatial::{Placement, Vector3};
+use crate::scalar::elementary;
+use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// The way a joint moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,6 +19,18 @@ pub enum JointKind {
 }
 
 impl JointKind {
+    /// The motion by a value about or along a unit axis, in the joint's own frame.
+    pub(crate) fn motion(self, axis: Vector3<f64>, value: f64) -> Placement<f64> {
+        match self {
+            Self::Fixed => Placement::identity(),
+            Self::Prismatic => Placement::translation(axis * value),
+            Self::Revolute | Self::Continuous => Placement::new(
+                Matrix3::rotation(axis, elementary::sin_cos(value)),
+                Vector3::zero(),
+            ),
+        }
+    }
+
     /// What URDF calls it.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -201,9 +201,9 @@ impl<'m> ProblemBuilder<'m> {
             spread,
             reach,
             derivatives: self.derivatives,
-            felt: Vec::new(),
+            moving: Vec::new(),
         };
-        problem.mark_felt();
+        problem.mark_moving();
         problem.choose_sweeps();
         Ok(problem)
     }

@@ -83,7 +83,7 @@ pub struct Problem {
     /// How far around the start an unbounded variable is drawn at random: π or the reach.
     spread: Vec<f64>,
     /// Whether any task depends on each variable.
-    felt: Vec<bool>,
+    moving: Vec<bool>,
     /// A length of the model's own scale, in metres.
     reach: f64,
     derivatives: Derivatives,
@@ -294,7 +294,7 @@ impl Problem {
 
     /// Marks the variables that move a missed goal and no reached one, given the weighted residual of
     /// a share there; all that any task feels where there is none such.
-    pub(crate) fn mark_free_to_wander(&self, share: Share, r: &[f64], marked: &mut [bool]) {
+    pub(crate) fn mark_local(&self, share: Share, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
             for (index, task) in self.tasks.iter().enumerate() {
@@ -308,24 +308,24 @@ impl Problem {
             }
         }
         if !marked.contains(&true) {
-            marked.copy_from_slice(&self.felt);
+            marked.copy_from_slice(&self.moving);
         }
     }
 
     /// Whether any task of the search depends on a variable.
-    pub(crate) fn is_felt(&self, variable: usize) -> bool {
-        self.felt[variable]
+    pub(crate) fn moves_a_task(&self, variable: usize) -> bool {
+        self.moving[variable]
     }
 
-    fn mark_felt(&mut self) {
-        let mut felt = vec![false; self.variables()];
+    fn mark_moving(&mut self) {
+        let mut moving = vec![false; self.variables()];
         for variable in self
             .tasks_of(self.search_share())
             .flat_map(|(_, task, _)| self.variables_moving(task))
         {
-            felt[variable] = true;
+            moving[variable] = true;
         }
-        self.felt = felt;
+        self.moving = moving;
     }
 
     /// The variables that a task feels.

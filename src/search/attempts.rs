@@ -92,7 +92,7 @@ impl Found {
 
 /// The memory of a search.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Search {
+pub(crate) struct Attempts {
     /// The caller's start.
     pub(crate) start: Vec<f64>,
     pub(crate) keeper: Keeper,
@@ -102,7 +102,7 @@ pub(crate) struct Search {
     local: Vec<bool>,
 }
 
-impl Search {
+impl Attempts {
     /// Makes room for a question.
     pub(crate) fn fit(&mut self, question: Question<'_>, share: Share) {
         let variables = question.variables();
@@ -121,10 +121,10 @@ pub(crate) fn run(
     schedule: &Schedule,
     deadline: Option<Instant>,
     engine: &mut dyn Engine,
-    search: &mut Search,
+    search: &mut Attempts,
 ) -> Found {
     let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-    let Search {
+    let Attempts {
         start,
         keeper,
         x,
@@ -143,7 +143,7 @@ pub(crate) fn run(
             Trial::Quick(index) | Trial::Full(index) => {
                 if index == 1 {
                     let residual = engine.residual_at_start(start);
-                    question.problem.mark_free_to_wander(share, residual, local);
+                    question.problem.mark_local(share, residual, local);
                 }
                 let restarts = schedule.restarts();
                 restarts.start_of(index, start, local, question, x);

@@ -18,7 +18,7 @@ mod schedule;
 mod solution;
 mod start;
 
-pub(crate) use attempts::{Attempt, Engine, Found, Search, run};
+pub(crate) use attempts::{Attempt, Attempts, Engine, Found, run};
 pub use error::SolveError;
 pub(crate) use measure::End;
 pub(crate) use pulling::Pulls;

@@ -77,13 +77,13 @@ impl Restarts {
     }
 
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
-    /// place, even ones go there. The first attempts after the start leave what is not free to
-    /// `wander` where it is, and all leave alone what no task feels.
+    /// place, even ones go there. The first attempts after the start leave what is not
+    /// `local` where it is, and all leave alone what moves no task.
     pub(super) fn start_of(
         &self,
         index: usize,
         start: &[f64],
-        wander: &[bool],
+        local: &[bool],
         question: Question<'_>,
         x: &mut [f64],
     ) {
@@ -96,7 +96,7 @@ impl Restarts {
         for (j, value) in x.iter_mut().enumerate() {
             let (low, high) = question.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
-            if wander[j] || (index > LOCAL_ATTEMPTS && question.problem.is_felt(j)) {
+            if local[j] || (index > LOCAL_ATTEMPTS && question.problem.moves_a_task(j)) {
                 *value = start[j] + share * (drawn - start[j]);
             }
         }

@@ -4,7 +4,7 @@
 
 use crate::counting_allocator::allocations;
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Goal, Outcome, Search};
+use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
 use kinopt::spatial::Placement;
 use support::arms::{Random, panda, robot};
 
@@ -42,7 +42,7 @@ fn nothing_after_the_first(what: &str, builder: ArmBuilder<'_>) {
     solve_all();
     assert_eq!(allocations(&mut solve_all), 0, "{what}: solve_into");
     let mut q = vec![0.0; starts.len()];
-    let mut outcomes = vec![Outcome::default(); goals.len()];
+    let mut outcomes = vec![PoseOutcome::default(); goals.len()];
     let mut solve_batch = || {
         arm.solve_batch_into(&goals, &starts, &mut q, &mut outcomes)
             .unwrap();

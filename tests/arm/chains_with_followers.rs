@@ -108,7 +108,7 @@ fn the_winner_is_the_last_attempt() {
             let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
             let start = random.configuration(&arm);
             let mut q = vec![0.0; arm.joint_count()];
-            let mut outcome = [kinopt::arm::Outcome::default()];
+            let mut outcome = [kinopt::arm::PoseOutcome::default()];
             arm.solve_batch_into(&[goal], &start, &mut q, &mut outcome)
                 .unwrap();
             let [outcome] = outcome;

@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, Outcome, Search};
+use kinopt::arm::{Arm, PoseOutcome, Search};
 use kinopt::lanes::{LaneOptions, PoseSolver};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, panda, robot, within_limits};
@@ -73,7 +73,7 @@ fn targets_beyond_all_numbers() {
                 if metres > 1e154 && search == Search::Start {
                     assert_eq!(solution.q, clamped, "{metres:e}");
                 }
-                let (mut q, mut outcomes) = (vec![99.0; n], [Outcome::default()]);
+                let (mut q, mut outcomes) = (vec![99.0; n], [PoseOutcome::default()]);
                 arm.solve_batch_into(&[target], &start, &mut q, &mut outcomes)
                     .unwrap();
                 assert!(
@@ -103,11 +103,11 @@ fn targets_beyond_all_numbers_for_the_lanes() {
         .iter()
         .map(|j| 9.0_f64.min(j.upper))
         .collect();
-    for search in [kinopt::lanes::Search::Start, kinopt::lanes::Search::First] {
-        let (mut q, mut outcomes) = ([99.0; 7], [Outcome::default()]);
+    for search in [kinopt::lanes::Prefer::Start, kinopt::lanes::Prefer::First] {
+        let (mut q, mut outcomes) = ([99.0; 7], [PoseOutcome::default()]);
         let outcome = solver.solve(&target, &start, search, None, &mut q).unwrap();
         assert!(!outcome.reached && q.iter().zip(&clamped).all(|(q, c)| q <= c));
-        if search == kinopt::lanes::Search::Start {
+        if search == kinopt::lanes::Prefer::Start {
             assert_eq!(q, *clamped);
         }
         q = [99.0; 7];
@@ -221,7 +221,7 @@ fn a_batch_answers_as_a_single_question_does() {
             .collect();
         let together = arm.solve_batch(&goals, &starts).unwrap();
         let mut q = vec![0.0; starts.len()];
-        let mut outcomes = vec![Outcome::default(); count];
+        let mut outcomes = vec![PoseOutcome::default(); count];
         arm.solve_batch_into(&goals, &starts, &mut q, &mut outcomes)
             .unwrap();
         for (k, (goal, start)) in goals.iter().zip(starts.chunks(n)).enumerate() {

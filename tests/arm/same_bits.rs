@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Goal, Outcome, Search};
+use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
 use kinopt::spatial::Placement;
 use rayon::prelude::*;
 use support::arms::{Random, panda, robot};
@@ -66,7 +66,7 @@ fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
             let parallel = arm.solve_batch_parallel(goals, starts).unwrap();
             assert_eq!(bits(&parallel), bits(&together), "{threads} threads");
             let mut q = vec![0.0; starts.len()];
-            let mut outcomes = vec![Outcome::default(); count];
+            let mut outcomes = vec![PoseOutcome::default(); count];
             arm.solve_batch_into_parallel(goals, starts, &mut q, &mut outcomes)
                 .unwrap();
             assert!(q.iter().map(|v| v.to_bits()).eq(flat.iter().copied()));

@@ -250,7 +250,7 @@ fn a_batch_tells_winners_of_what_is_reached() {
         .collect();
     let starts = [0.1, 0.2, 0.3].repeat(targets.len());
     let mut q = vec![0.0; starts.len()];
-    let mut outcomes = vec![kinopt::arm::Outcome::default(); targets.len()];
+    let mut outcomes = vec![kinopt::arm::PoseOutcome::default(); targets.len()];
     arm.solve_batch_into(&targets, &starts, &mut q, &mut outcomes)
         .unwrap();
     let reached = outcomes.iter().filter(|outcome| outcome.reached).count();

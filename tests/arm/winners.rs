@@ -1,7 +1,7 @@
 //! Promise: the attempt that is named as the winner is the one that the answer came from.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, Outcome, Search};
+use kinopt::arm::{Arm, PoseOutcome, Search};
 use support::arms::{Random, panda};
 
 /// With no attempt after the winner the answer is the same.
@@ -31,7 +31,7 @@ fn later_attempts_than_the_winner_change_nothing() {
                 .map(|(a, b)| a + (b - a).clamp(-apart, apart));
             let near: Vec<f64> = near.collect();
             let target = arm.base_from_tool(&near).unwrap();
-            let (mut q, mut outcome) = ([0.0; 7], [Outcome::default()]);
+            let (mut q, mut outcome) = ([0.0; 7], [PoseOutcome::default()]);
             arm.solve_batch_into(&[target], &start, &mut q, &mut outcome)
                 .unwrap();
             let Some(winner) = outcome[0].winner else {

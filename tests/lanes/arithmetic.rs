@@ -5,7 +5,7 @@
 use kinopt::Scalar;
 use kinopt::lanes::lane::Lanes;
 use kinopt::lanes::trigonometry::MAX_ANGLE;
-use kinopt::lanes::{LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{Random, panda, target};
 
 fn worst_error(x: f64) -> f64 {
@@ -66,10 +66,10 @@ fn portable_and_fused_kernels_agree() {
         let goal = target(&chain, &truth);
         let start: Vec<f64> = truth.iter().map(|q| q + random.within(-0.2, 0.2)).collect();
         let mut q = [[0.0; 7]; 2];
-        let mut outcomes = [Outcome::default(); 2];
+        let mut outcomes = [PoseOutcome::default(); 2];
         for k in 0..2 {
             outcomes[k] = solvers[k]
-                .solve(&goal, &start, Search::Start, None, &mut q[k])
+                .solve(&goal, &start, Prefer::Start, None, &mut q[k])
                 .unwrap();
         }
         if outcomes[0].reached && outcomes[1].reached {

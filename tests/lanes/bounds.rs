@@ -1,7 +1,7 @@
 //! No q that the lane engine returns lies outside its bounds by one bit, reached or not.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{
     Random, far_away, panda, planar, random_chain, target, ur5, within_bounds,
 };
@@ -34,15 +34,15 @@ fn check(chain: &Chain, seed: u64, queries: usize) {
             target(chain, &truth)
         };
         let start: Vec<f64> = (0..n).map(|_| random.within(-8.0, 8.0)).collect();
-        for search in [Search::Start, Search::First] {
+        for search in [Prefer::Start, Prefer::First] {
             solver.solve(&goal, &start, search, None, &mut q).unwrap();
             assert!(within_bounds(chain, &q), "{q:?}");
         }
         let mut many = vec![0.0; 3 * n];
-        let mut outcomes = [Outcome::default(); 3];
+        let mut outcomes = [PoseOutcome::default(); 3];
         let (goals, starts) = ([goal, far_away(), goal], start.repeat(3));
         solver
-            .solve_batch(&goals, &starts, Search::Start, &mut many, &mut outcomes)
+            .solve_batch(&goals, &starts, Prefer::Start, &mut many, &mut outcomes)
             .unwrap();
         solver
             .track(&goals, &start, &mut q.repeat(3), &mut outcomes)
@@ -86,7 +86,7 @@ fn wide_joints_come_back_as_near_to_the_start_as_bounds_allow() {
         let goal = target(&chain, &random.configuration(&chain));
         let start: Vec<f64> = (0..7).map(|_| random.within(-9.0, 9.0)).collect();
         let outcome = solver
-            .solve(&goal, &start, Search::First, None, &mut q)
+            .solve(&goal, &start, Prefer::First, None, &mut q)
             .unwrap();
         assert!(outcome.reached && within_bounds(&chain, &q));
         for (q, start) in q.iter().zip(&start) {
@@ -114,9 +114,9 @@ fn the_first_point_is_within_bounds() {
         for _ in 0..20 {
             let goal = target(&chain, &random.configuration(&chain));
             let start = random.configuration(&chain);
-            let (mut q, mut each) = (vec![0.0; 7 * 6], vec![Outcome::default(); 6]);
+            let (mut q, mut each) = (vec![0.0; 7 * 6], vec![PoseOutcome::default(); 6]);
             solver
-                .run_attempts(&goal, &start, Search::First, 0, &mut q, &mut each)
+                .run_attempts(&goal, &start, Prefer::First, 0, &mut q, &mut each)
                 .unwrap();
             assert!(q.chunks(7).all(|q| within_bounds(&chain, q)));
         }

@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::lanes::{
-    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search,
+    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, far_away, panda, random_chain, target};
 
-type Answers = (Vec<u64>, Vec<Outcome>);
+type Answers = (Vec<u64>, Vec<PoseOutcome>);
 
 fn work(chain: &Chain, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
     let mut random = Random(3);
@@ -29,7 +29,7 @@ fn work(chain: &Chain, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
 fn split(solver: &PoseSolver, goals: &[Placement<f64>], starts: &[f64], size: usize) -> Answers {
     let n = solver.joints();
     let mut q = vec![0.0; starts.len()];
-    let mut outcomes = vec![Outcome::default(); goals.len()];
+    let mut outcomes = vec![PoseOutcome::default(); goals.len()];
     let parts = goals
         .chunks(size)
         .zip(starts.chunks(size * n))
@@ -37,7 +37,7 @@ fn split(solver: &PoseSolver, goals: &[Placement<f64>], starts: &[f64], size: us
         .zip(outcomes.chunks_mut(size));
     for (((goals, starts), q), outcomes) in parts {
         solver
-            .solve_batch(goals, starts, Search::Start, q, outcomes)
+            .solve_batch(goals, starts, Prefer::Start, q, outcomes)
             .unwrap();
     }
     (q.into_iter().map(f64::to_bits).collect(), outcomes)
@@ -84,7 +84,7 @@ fn check(chain: &Chain, atlas: bool) {
         let mut q = vec![0.0; n];
         let start = &starts[k * n..(k + 1) * n];
         let outcome = solver
-            .solve(&goals[k], start, Search::First, None, &mut q)
+            .solve(&goals[k], start, Prefer::First, None, &mut q)
             .unwrap();
         (q, outcome)
     };
@@ -112,12 +112,12 @@ fn numbered_attempts_are_those_of_a_batch() {
     let (bits, outcomes) = split(&solver, &goals, &starts, 12);
     for (k, goal) in goals.iter().enumerate() {
         let start = &starts[7 * k..7 * k + 7];
-        let (mut q, mut each) = (vec![0.0; 7 * 24], vec![Outcome::default(); 24]);
+        let (mut q, mut each) = (vec![0.0; 7 * 24], vec![PoseOutcome::default(); 24]);
         solver
             .run_attempts(
                 goal,
                 start,
-                Search::Start,
+                Prefer::Start,
                 0,
                 &mut q[..7 * 20],
                 &mut each[..20],
@@ -127,7 +127,7 @@ fn numbered_attempts_are_those_of_a_batch() {
             .run_attempts(
                 goal,
                 start,
-                Search::Start,
+                Prefer::Start,
                 20,
                 &mut q[7 * 20..],
                 &mut each[20..],
@@ -159,11 +159,11 @@ fn ties_go_to_the_lowest_attempt() {
         let goal = target(&chain, &random.configuration(&chain));
         let start = random.configuration(&chain);
         let raced = solver
-            .solve(&goal, &start, Search::First, None, &mut q)
+            .solve(&goal, &start, Prefer::First, None, &mut q)
             .unwrap();
-        let mut alone = [Outcome::default(); 4];
+        let mut alone = [PoseOutcome::default(); 4];
         solver
-            .run_attempts(&goal, &start, Search::First, 0, &mut all, &mut alone)
+            .run_attempts(&goal, &start, Prefer::First, 0, &mut all, &mut alone)
             .unwrap();
         let reached = (0..4u32).filter(|&k| alone[k as usize].reached);
         let key = |k: &u32| (alone[*k as usize].iterations, *k);
@@ -196,9 +196,9 @@ fn attempts_of_unbounded_slides_begin_near_the_start() {
     let solver = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
     let goal = Placement::translation([100.0, 0.0, 0.0].into());
     let start = [1000.0, -902.0];
-    let (mut q, mut outcomes) = ([0.0; 10], [Outcome::default(); 5]);
+    let (mut q, mut outcomes) = ([0.0; 10], [PoseOutcome::default(); 5]);
     solver
-        .run_attempts(&goal, &start, Search::Start, 1, &mut q, &mut outcomes)
+        .run_attempts(&goal, &start, Prefer::Start, 1, &mut q, &mut outcomes)
         .unwrap();
     for (q, outcome) in q.chunks(2).zip(outcomes) {
         assert!(outcome.reached, "{outcome:?}");
@@ -222,16 +222,16 @@ fn iterations_and_attempts_are_counted() {
     let (mut random, goal) = (Random(6), far_away());
     for _ in 0..4 {
         let start = random.configuration(&chain);
-        let (mut q, mut each) = (vec![0.0; 49], vec![Outcome::default(); 7]);
+        let (mut q, mut each) = (vec![0.0; 49], vec![PoseOutcome::default(); 7]);
         solver
-            .run_attempts(&goal, &start, Search::Start, 0, &mut q, &mut each)
+            .run_attempts(&goal, &start, Prefer::Start, 0, &mut q, &mut each)
             .unwrap();
         assert!(each.iter().all(|outcome| outcome.iterations == 5));
-        let raced = solver.solve(&goal, &start, Search::Start, None, &mut q[..7]);
+        let raced = solver.solve(&goal, &start, Prefer::Start, None, &mut q[..7]);
         let raced = raced.unwrap();
-        let mut together = [Outcome::default()];
+        let mut together = [PoseOutcome::default()];
         solver
-            .solve_batch(&[goal], &start, Search::Start, &mut q[..7], &mut together)
+            .solve_batch(&[goal], &start, Prefer::Start, &mut q[..7], &mut together)
             .unwrap();
         for outcome in [raced, together[0]] {
             assert!(!outcome.reached && outcome.winner.is_none());
@@ -256,7 +256,7 @@ fn an_orientation_that_is_free_has_no_say() {
         let turned = Placement::new(other.rotation, goal.translation);
         let start = random.configuration(&chain);
         for (goal, q) in [goal, turned].iter().zip(&mut q) {
-            let outcome = solver.solve(goal, &start, Search::First, None, q);
+            let outcome = solver.solve(goal, &start, Prefer::First, None, q);
             assert!(outcome.unwrap().reached);
         }
         let apart = (0..7).map(|i| (q[0][i] - q[1][i]).abs());

@@ -1,7 +1,7 @@
 //! The errors beside a q are the errors of that q, judged by nalgebra's kinematics.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseSolver, Search};
+use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
@@ -22,7 +22,7 @@ fn check(chain: &Chain, seed: u64) {
         };
         let start = random.configuration(chain);
         let outcome = solver
-            .solve(&goal, &start, Search::Start, None, &mut q)
+            .solve(&goal, &start, Prefer::Start, None, &mut q)
             .unwrap();
         let (position, orientation) = errors(chain, &q, &goal);
         assert!(
@@ -53,8 +53,8 @@ fn reported_errors_are_those_of_the_returned_values() {
 fn one_joint(kind: JointKind, lower: f64, upper: f64) -> PoseSolver {
     let along = |x: f64| Placement::translation(Vector3::new(x, 0.0, 0.0));
     let axis = match kind {
-        JointKind::Revolute => Vector3::new(0.0, 0.0, 1.0),
         JointKind::Prismatic => Vector3::new(1.0, 0.0, 0.0),
+        _ => Vector3::new(0.0, 0.0, 1.0),
     };
     let joint = ChainJoint {
         parent_from_joint: along(0.0),
@@ -67,6 +67,25 @@ fn one_joint(kind: JointKind, lower: f64, upper: f64) -> PoseSolver {
     PoseSolver::new(&chain, LaneOptions::default()).unwrap()
 }
 
+/// A joint that does not move belongs into the placement of the next; one without limits turns.
+#[test]
+fn fixed_joints_are_no_joints_of_a_chain() {
+    let joint = |kind| ChainJoint {
+        parent_from_joint: Placement::identity(),
+        axis: Vector3::new(0.0, 0.0, 1.0),
+        kind,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    };
+    let chain = |kind| Chain::new(vec![joint(kind)], Placement::identity());
+    assert_eq!(
+        chain(JointKind::Fixed).unwrap_err().to_string(),
+        "joint 0 of the chain is fixed"
+    );
+    let turning = chain(JointKind::Continuous).unwrap();
+    assert_eq!(turning, chain(JointKind::Revolute).unwrap());
+}
+
 /// Half a turn away is π away, though a rotation by it and none have the same sine.
 #[test]
 fn half_a_turn_is_told() {
@@ -76,7 +95,7 @@ fn half_a_turn_is_told() {
         Vector3::new(0.3, 0.0, 0.0),
     );
     let outcome = solver
-        .solve(&turned, &[0.0], Search::Start, None, &mut [0.0])
+        .solve(&turned, &[0.0], Prefer::Start, None, &mut [0.0])
         .unwrap();
     assert!(!outcome.reached);
     assert!((outcome.orientation_error - std::f64::consts::PI).abs() < 1e-4);
@@ -89,7 +108,7 @@ fn what_a_long_slide_cannot_resolve_is_not_reached() {
     let far = |x: f64| Placement::translation(Vector3::new(x + 0.3, 0.0, 0.0));
     for (x, reached) in [(1.0, true), (9e11, false)] {
         let outcome = solver
-            .solve(&far(x), &[0.5 * x], Search::Start, None, &mut [0.0])
+            .solve(&far(x), &[0.5 * x], Prefer::Start, None, &mut [0.0])
             .unwrap();
         assert_eq!(outcome.reached, reached, "{x}: {outcome:?}");
     }

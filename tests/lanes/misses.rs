@@ -1,7 +1,7 @@
 //! Promise: a question that none of its attempts answers keeps the best of them, or the start's own.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{Random, errors, panda, target};
 
 /// ½ p² + w² (1 − cos θ), by nalgebra's kinematics: what the engine lowers.
@@ -28,12 +28,12 @@ fn the_best_attempt_is_kept() {
             let turned = METRES_PER_RADIAN * METRES_PER_RADIAN * 2.0 * (1.0 - angle.cos());
             distance * distance + turned
         };
-        for search in [Search::Start, Search::First] {
-            let (mut all, mut each) = (vec![0.0; 49], [Outcome::default(); 7]);
+        for search in [Prefer::Start, Prefer::First] {
+            let (mut all, mut each) = (vec![0.0; 49], [PoseOutcome::default(); 7]);
             solver
                 .run_attempts(&goal, &start, search, 0, &mut all, &mut each)
                 .unwrap();
-            let (mut q, mut outcome) = ([0.0; 7], [Outcome::default()]);
+            let (mut q, mut outcome) = ([0.0; 7], [PoseOutcome::default()]);
             solver
                 .solve_batch(&[goal], &start, search, &mut q, &mut outcome)
                 .unwrap();
@@ -42,7 +42,7 @@ fn the_best_attempt_is_kept() {
             }
             let costs: Vec<f64> = all.chunks(7).map(cost).collect();
             let lowest = costs.iter().copied().fold(f64::INFINITY, f64::min);
-            let expected = if search == Search::Start {
+            let expected = if search == Prefer::Start {
                 costs[0]
             } else {
                 lowest
@@ -52,7 +52,7 @@ fn the_best_attempt_is_kept() {
                 "{search:?} {} {costs:?}",
                 cost(&q)
             );
-            not_last += usize::from(search == Search::First && costs[6] > lowest);
+            not_last += usize::from(search == Prefer::First && costs[6] > lowest);
             let mut alone = [0.0; 7];
             let raced = solver
                 .solve(&goal, &start, search, None, &mut alone)

@@ -1,7 +1,7 @@
 //! Every reachable pose is solved, on arms of every size and kind.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{AxisGoal, Chain, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{AxisGoal, Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement};
 use support::lane_chains::{
     Random, errors, panda, planar, random_chain, target, tip, ur5, within_bounds,
@@ -18,8 +18,8 @@ fn all_solved(chain: &Chain, options: LaneOptions, seed: u64, count: usize) {
         .flat_map(|_| random.configuration(chain))
         .collect();
     let mut q = vec![0.0; n * count];
-    let mut outcomes = vec![Outcome::default(); count];
-    for search in [Search::First, Search::Start] {
+    let mut outcomes = vec![PoseOutcome::default(); count];
+    for search in [Prefer::First, Prefer::Start] {
         solver
             .solve_batch(&goals, &starts, search, &mut q, &mut outcomes)
             .unwrap();
@@ -131,7 +131,7 @@ fn a_planar_arm_reaches_positions() {
         let mut q = [0.0; 2];
         let start = random.configuration(&chain);
         let outcome = solver
-            .solve(&goal, &start, Search::Start, None, &mut q)
+            .solve(&goal, &start, Prefer::Start, None, &mut q)
             .unwrap();
         let (position, _) = errors(&chain, &q, &goal);
         assert!(
@@ -165,7 +165,7 @@ fn a_free_tool_axis() {
         let start = random.configuration(&chain);
         let mut q = [0.0; 7];
         let outcome = solver
-            .solve(&goal, &start, Search::Start, None, &mut q)
+            .solve(&goal, &start, Prefer::Start, None, &mut q)
             .unwrap();
         let at = Placement::from(&tip(&chain, &q));
         assert!(outcome.reached, "{outcome:?}");
@@ -199,7 +199,7 @@ fn a_component_with_room() {
         let start = random.configuration(&chain);
         let mut q = [0.0; 7];
         let outcome = solver
-            .solve(&goal, &start, Search::Start, None, &mut q)
+            .solve(&goal, &start, Prefer::Start, None, &mut q)
             .unwrap();
         assert!(outcome.reached, "{outcome:?}");
         let at = goal.inverse() * Placement::from(&tip(&chain, &q));
@@ -221,7 +221,7 @@ fn unbounded_joints_stay_near_the_start() {
         let mut start = random.configuration(&chain);
         start[0] += 40.0 * std::f64::consts::TAU;
         let outcome = solver
-            .solve(&goal, &start, Search::First, None, &mut q)
+            .solve(&goal, &start, Prefer::First, None, &mut q)
             .unwrap();
         assert!(outcome.reached);
         assert!((q[0] - start[0]).abs() <= std::f64::consts::PI + 1e-9);

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::lanes::{
-    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search,
+    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, panda, random_chain, target, ur5};
@@ -41,7 +41,7 @@ fn options_in(by: f64) -> LaneOptions {
 }
 
 /// q in units of one, and the outcomes: single, both searches, and batch; reached and not.
-fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<Outcome>) {
+fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
     let there = chain_in(chain, by);
     let solver = PoseSolver::new(&there, options_in(by)).unwrap();
     let n = solver.joints();
@@ -70,16 +70,16 @@ fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<Outcome>) {
     let (mut all, mut outcomes) = (Vec::new(), Vec::new());
     let mut q = vec![0.0; n];
     for (goal, start) in goals.iter().zip(starts.chunks(n)) {
-        for search in [Search::Start, Search::First] {
+        for search in [Prefer::Start, Prefer::First] {
             outcomes.push(solver.solve(goal, start, search, None, &mut q).unwrap());
             all.extend_from_slice(&q);
         }
     }
     let (mut q, mut batch) = (
         vec![0.0; starts.len()],
-        vec![Outcome::default(); goals.len()],
+        vec![PoseOutcome::default(); goals.len()],
     );
-    let search = Search::Start;
+    let search = Prefer::Start;
     solver
         .solve_batch(&goals, &starts, search, &mut q, &mut batch)
         .unwrap();
@@ -158,7 +158,7 @@ fn starts_far_round() {
     let mut random = Random(8);
     let mut q = [0.0; 6];
     for turns in [1e3, 1e5, 1e7, 1e12] {
-        for search in [Search::Start, Search::First] {
+        for search in [Prefer::Start, Prefer::First] {
             let wanted = random.configuration(&chain);
             let goal = target(&chain, &wanted);
             let start: Vec<f64> = (0..6)
@@ -198,7 +198,7 @@ fn room_is_in_the_unit_of_the_chain() {
         for _ in 0..10 {
             let goal = target(&chain, &random.configuration(&chain));
             let start = random.configuration(&chain);
-            let outcome = solver.solve(&goal, &start, Search::Start, None, &mut q);
+            let outcome = solver.solve(&goal, &start, Prefer::Start, None, &mut q);
             assert!(outcome.unwrap().reached);
             let off = goal.inverse() * target(&chain, &q);
             for off in off.translation.to_array() {

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use kinopt::lanes::{AxisGoal, LaneError, LaneOptions, PoseSolver, Search};
+use kinopt::lanes::{AxisGoal, LaneError, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{far_away, panda, planar, target};
 
@@ -19,7 +19,7 @@ fn the_nearest_point_is_found() {
     let goal = Placement::new(Matrix3::identity(), Vector3::new(3.0, 4.0, 0.0));
     let mut q = [0.0; 2];
     let outcome = solver
-        .solve(&goal, &[0.3, 0.4], Search::First, None, &mut q)
+        .solve(&goal, &[0.3, 0.4], Prefer::First, None, &mut q)
         .unwrap();
     assert!(!outcome.reached && outcome.winner.is_none());
     assert!((outcome.position_error - 3.0).abs() < 1e-3, "{outcome:?}");
@@ -44,7 +44,7 @@ fn a_far_point_is_approached() {
     let goal = far_away();
     let before = (target(&chain, &start).translation - goal.translation).norm();
     let outcome = solver
-        .solve(&goal, &start, Search::First, None, &mut q)
+        .solve(&goal, &start, Prefer::First, None, &mut q)
         .unwrap();
     assert!(!outcome.reached && outcome.attempts == 40);
     assert!(
@@ -65,7 +65,7 @@ fn a_passed_deadline_ends_the_search() {
     let mut q = [0.0; 7];
     let now = Some(Instant::now());
     let outcome = solver
-        .solve(&far_away(), &[0.0; 7], Search::First, now, &mut q)
+        .solve(&far_away(), &[0.0; 7], Prefer::First, now, &mut q)
         .unwrap();
     assert!(!outcome.reached && outcome.attempts <= 4);
     assert!(outcome.position_error.is_finite());
@@ -81,7 +81,7 @@ fn bad_input_is_named() {
     let solver = PoseSolver::new(&chain, options.clone()).unwrap();
     let (goal, mut q) = (far_away(), [0.0; 7]);
     let solve = |goal: &Placement<f64>, start: &[f64], q: &mut [f64]| {
-        solver.solve(goal, start, Search::First, None, q)
+        solver.solve(goal, start, Prefer::First, None, q)
     };
     let short = LaneError::Length {
         what: "start",

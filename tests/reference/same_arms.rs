@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
 use kinopt::lanes::{
-    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search as LaneSearch,
+    AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
@@ -15,7 +15,7 @@ use support::arms::{Random, robot};
 use crate::digest::{Digest, check};
 
 impl Digest {
-    fn outcome(&mut self, outcome: &Outcome) {
+    fn outcome(&mut self, outcome: &PoseOutcome) {
         self.doubles([outcome.position_error, outcome.orientation_error]);
         self.word(outcome.iterations.into());
         self.word(outcome.attempts.into());
@@ -109,8 +109,8 @@ fn lanes() -> [u64; 2] {
                 .map(|_| chain.base_from_tip(&draw(&mut random)))
                 .collect();
             let starts: Vec<f64> = (0..6).flat_map(|_| draw(&mut random)).collect();
-            let (mut q, mut outcomes) = (vec![0.0; 6 * joints], vec![Outcome::default(); 6]);
-            for search in [LaneSearch::Start, LaneSearch::First] {
+            let (mut q, mut outcomes) = (vec![0.0; 6 * joints], vec![PoseOutcome::default(); 6]);
+            for search in [Prefer::Start, Prefer::First] {
                 for (target, start) in targets.iter().zip(starts.chunks(joints)).take(3) {
                     let q = &mut q[..joints];
                     digest.outcome(&solver.solve(target, start, search, None, q).unwrap());
@@ -123,7 +123,7 @@ fn lanes() -> [u64; 2] {
                 outcomes.iter().for_each(|outcome| digest.outcome(outcome));
             }
             let start = &starts[..joints];
-            let search = LaneSearch::Start;
+            let search = Prefer::Start;
             solver
                 .run_attempts(&targets[0], start, search, 3, &mut q, &mut outcomes)
                 .unwrap();

@@ -12,7 +12,7 @@ use kinopt::animation::{Armature, Clip, Cursor, Playback};
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Restarts;
 use kinopt::io::rig::Rig;
-use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::skinning::{
     AutomaticWeights, Deformation, DualQuaternionBlend, LinearBlend, PackedDualQuaternionBlend,
     PackedLinearBlend, PackedWeights,
@@ -103,7 +103,7 @@ fn lanes() -> [u64; 2] {
     let (mut alone, mut batch) = (Digest::new(), Digest::new());
     let mut q = vec![0.0; 7];
     for (target, start) in targets.iter().zip(starts.chunks(7)) {
-        for search in [Search::Start, Search::First] {
+        for search in [Prefer::Start, Prefer::First] {
             let outcome = solver.solve(target, start, search, None, &mut q).unwrap();
             alone.doubles(q.iter().copied());
             alone.doubles([outcome.position_error, outcome.orientation_error]);
@@ -111,9 +111,9 @@ fn lanes() -> [u64; 2] {
         }
     }
     let mut all = vec![0.0; 280];
-    let mut outcomes = vec![Outcome::default(); 40];
+    let mut outcomes = vec![PoseOutcome::default(); 40];
     solver
-        .solve_batch(&targets, &starts, Search::Start, &mut all, &mut outcomes)
+        .solve_batch(&targets, &starts, Prefer::Start, &mut all, &mut outcomes)
         .unwrap();
     batch.doubles(all);
     [alone.value(), batch.value()]

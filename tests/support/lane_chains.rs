@@ -164,13 +164,13 @@ pub fn tip(chain: &Chain, q: &[f64]) -> Isometry3<f64> {
         let axis = Unit::new_normalize(nalgebra::Vector3::from(joint.axis));
         at *= Isometry3::from(&joint.parent_from_joint);
         at *= match joint.kind {
-            JointKind::Revolute => Isometry3::from_parts(
-                Translation3::identity(),
-                UnitQuaternion::from_axis_angle(&axis, value),
-            ),
             JointKind::Prismatic => Isometry3::from_parts(
                 Translation3::from(axis.into_inner() * value),
                 UnitQuaternion::identity(),
+            ),
+            _ => Isometry3::from_parts(
+                Translation3::identity(),
+                UnitQuaternion::from_axis_angle(&axis, value),
             ),
         };
     }

@@ -43,13 +43,13 @@ impl<'a> Objective<'a> {
             axes[i] = at.rotation * joint.axis;
             origins[i] = at.translation;
             match joint.kind {
-                JointKind::Revolute if joint.axis == Vector3::new(0.0, 0.0, 1.0) => {
+                JointKind::Prismatic => at.translation += axes[i] * q,
+                _ if joint.axis == Vector3::new(0.0, 0.0, 1.0) => {
                     at.rotation = at.rotation.rotated_about_z(q.sin_cos());
                 }
-                JointKind::Revolute => {
+                _ => {
                     at.rotation = at.rotation * Matrix3::rotation(joint.axis, q.sin_cos());
                 }
-                JointKind::Prismatic => at.translation += axes[i] * q,
             }
         }
         let tip = at * *self.chain.joint_from_tip();
@@ -62,10 +62,8 @@ impl<'a> Objective<'a> {
                 (r.x.cross(t.x) + r.y.cross(t.y) + r.z.cross(t.z)) * (-0.5 * SQUARED_WEIGHT);
             for (i, joint) in self.chain.joints().iter().enumerate() {
                 gradient[i] = match joint.kind {
-                    JointKind::Revolute => {
-                        axes[i].dot((tip.translation - origins[i]).cross(missed) + moment)
-                    }
                     JointKind::Prismatic => axes[i].dot(missed),
+                    _ => axes[i].dot((tip.translation - origins[i]).cross(missed) + moment),
                 };
             }
         }

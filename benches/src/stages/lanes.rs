@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::hint::black_box;
 
-use kinopt::lanes::{LaneOptions, Outcome, PoseSolver, Search};
+use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::robot::Robot;
 
 use super::{Run, Stage};
@@ -38,7 +38,7 @@ fn queries() -> Result<Run, Box<dyn Error>> {
     let mut run = move || -> Result<(), Box<dyn Error>> {
         let starts = poses.starts.chunks_exact(solver.joints());
         for (target, start) in poses.targets.iter().zip(starts) {
-            black_box(solver.solve(target, start, Search::First, None, &mut q)?);
+            black_box(solver.solve(target, start, Prefer::First, None, &mut q)?);
         }
         Ok(())
     };
@@ -51,10 +51,10 @@ fn queries() -> Result<Run, Box<dyn Error>> {
 fn batch() -> Result<Run, Box<dyn Error>> {
     let (solver, poses) = panda()?;
     let mut q = vec![0.0; poses.starts.len()];
-    let mut outcomes = vec![Outcome::default(); POSES];
+    let mut outcomes = vec![PoseOutcome::default(); POSES];
     let mut run = move || {
         let (targets, starts) = (&poses.targets, &poses.starts);
-        let solved = solver.solve_batch(targets, starts, Search::First, &mut q, &mut outcomes);
+        let solved = solver.solve_batch(targets, starts, Prefer::First, &mut q, &mut outcomes);
         black_box(&q);
         solved
     };

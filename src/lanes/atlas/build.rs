@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use super::key::Key;
 use super::table::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
-use crate::lanes::chain::JointKind;
 use crate::lanes::ldlt;
 use crate::lanes::links::Links;
+use crate::model::JointKind;
 use crate::random::mix;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};

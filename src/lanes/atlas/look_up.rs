@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use super::candidates::Candidates;
 use super::table::{PER_CELL, Row};
 use super::tooled::TooledAtlas;
-use crate::lanes::chain::JointKind;
 use crate::lanes::lane::LaneScalar;
 use crate::lanes::links::Links;
 use crate::lanes::trigonometry::{ROUNDER, rough_atan2};
+use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 

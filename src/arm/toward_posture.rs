@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::query::Arm;
+use super::arm::Arm;
 use super::workspace::{Errors, Workspace};
 
 /// Steps towards the wanted configuration.

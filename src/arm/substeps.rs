@@ -1,9 +1,9 @@
 //! What a path does where a step's own attempt fails.
 
 use super::QueryError;
+use super::arm::Arm;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
-use super::query::Arm;
 use super::settle::Settling;
 use super::workspace::Workspace;
 use crate::ik::Solution;
@@ -39,7 +39,7 @@ impl Arm {
         let deadline = self.deadline();
         self.with_workspace(|workspace| {
             workspace.aim(target);
-            self.open_step(workspace, from, SETTLING_STEP);
+            self.bound_step(workspace, from, SETTLING_STEP);
             workspace.x.copy_from_slice(&workspace.start);
             branch.lead(self, workspace, LONGEST_EASE, SETTLING_STEP);
             let how = Settling {
@@ -109,7 +109,7 @@ impl Arm {
         let query = self.query(target, from);
         self.with_workspace(|workspace| {
             workspace.aim(target);
-            self.open_window(workspace, from);
+            self.bound_moves(workspace, from);
             self.gather(workspace, &query);
             let found = self.nearest(workspace, &query, Termination::Reached);
             let known = self.distance(&solution.q, &workspace.start);
@@ -120,7 +120,7 @@ impl Arm {
     }
 
     /// Other solutions of a pose, nearest to `from` first.
-    pub(super) fn landings(
+    pub(super) fn other_solutions(
         &self,
         target: &Placement<f64>,
         from: &[f64],
@@ -132,7 +132,7 @@ impl Arm {
         let query = self.query(target, from);
         self.with_workspace(|workspace| {
             workspace.aim(target);
-            self.open_window(workspace, from);
+            self.bound_moves(workspace, from);
             self.gather(workspace, &query);
             self.distinct(workspace, count, LONG_STEP, Termination::Reached)
         })

@@ -7,7 +7,7 @@ use crate::solver::{LeastSquares, Method, Progress, Snapshot, SolverState};
 
 /// `S` is the method's own state.
 #[derive(Clone, Debug, Default)]
-pub(super) enum Course<S> {
+pub(super) enum ExecutorSearch<S> {
     #[default]
     Waiting,
     Running(Box<Running<S>>),
@@ -31,7 +31,7 @@ pub(super) struct Suspended<S> {
     own: S,
 }
 
-impl<S: Clone> Course<S> {
+impl<S: Clone> ExecutorSearch<S> {
     /// The search, brought back to where it stood if it was suspended.
     pub(super) fn running<M: Method<State = S>>(
         &mut self,
@@ -60,7 +60,7 @@ impl<S: Clone> Course<S> {
     }
 }
 
-impl<S: Serialize + Clone> Serialize for Course<S> {
+impl<S: Serialize + Clone> Serialize for ExecutorSearch<S> {
     fn serialize<T: Serializer>(&self, serializer: T) -> Result<T::Ok, T::Error> {
         let suspended = match self {
             Self::Waiting => None,
@@ -76,7 +76,7 @@ impl<S: Serialize + Clone> Serialize for Course<S> {
     }
 }
 
-impl<'de, S: Deserialize<'de>> Deserialize<'de> for Course<S> {
+impl<'de, S: Deserialize<'de>> Deserialize<'de> for ExecutorSearch<S> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let suspended = Option::<Suspended<S>>::deserialize(deserializer)?;
         Ok(suspended.map_or(Self::Waiting, |suspended| {

@@ -1,18 +1,18 @@
 //! The bounds of one question: the limits, or less where moves are bounded.
 
-use super::query::Arm;
+use super::arm::Arm;
 use super::workspace::Workspace;
 
 impl Arm {
     /// Sets the workspace's bounds and its start, which is projected into the limits.
-    pub(super) fn open_window(&self, workspace: &mut Workspace, start: &[f64]) {
+    pub(super) fn bound_moves(&self, workspace: &mut Workspace, start: &[f64]) {
         self.set_start(workspace, start);
         match &self.options.max_move {
             Some(max_move) => {
                 self.narrow(workspace, |i| max_move[i]);
                 if let Some(lanes) = &self.lanes {
                     workspace
-                        .windowed
+                        .bounded_lanes
                         .get_or_insert_with(|| lanes.without_atlas())
                         .set_bounds(&workspace.question.lower, &workspace.question.upper);
                 }
@@ -22,7 +22,7 @@ impl Arm {
     }
 
     /// Sets the workspace's bounds alone, to the limits.
-    pub(super) fn open_limits(&self, workspace: &mut Workspace) {
+    pub(super) fn bound_by_limits(&self, workspace: &mut Workspace) {
         workspace
             .question
             .lower
@@ -33,10 +33,10 @@ impl Arm {
             .copy_from_slice(self.serial.map.upper());
     }
 
-    /// As [`open_window`](Self::open_window) for a step that moves no joint further than
+    /// As [`bound_moves`](Self::bound_moves) for a step that moves no joint further than
     /// `radians`, a slide by the metres that weigh as much.
-    pub(super) fn open_step(&self, workspace: &mut Workspace, start: &[f64], radians: f64) {
-        self.open_window(workspace, start);
+    pub(super) fn bound_step(&self, workspace: &mut Workspace, start: &[f64], radians: f64) {
+        self.bound_moves(workspace, start);
         let max_move = self.options.max_move.as_deref();
         let most = |i: usize| max_move.map_or(f64::INFINITY, |most| most[i]);
         self.narrow(workspace, |i| (radians / self.scale[i]).min(most(i)));
