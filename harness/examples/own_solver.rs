@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use kinopt::problem::Evaluation;
 use kinopt::robot::Robot;
 use kinopt::solver::LeastSquares;
-use kinopt_harness::contenders::{LbfgsAdapter, SolverAdapter};
+use kinopt_harness::contenders::{ArgminAdapter, SolverAdapter};
 use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace, report};
 
 /// Turns one joint after the other a little either way, and keeps what helps.
@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut bench = Bench::new(&set, Budget::default());
     bench.add(CoordinateSearch);
     bench.add(SolverAdapter::default());
-    bench.add(LbfgsAdapter);
+    bench.add(ArgminAdapter::lbfgs());
     let results = bench.run(&mut |_| ControlFlow::Continue(()))?;
 
     println!("{}", report::markdown(&results));

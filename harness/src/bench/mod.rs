@@ -1,21 +1,21 @@
 //! Asks every adapter every case by every route.
 
-mod asked;
+mod measured;
 
 use std::ops::ControlFlow;
 
 use kinopt::problem::Derivatives;
 
-use self::asked::{Asked, Judged};
+use self::measured::{Judged, Measured};
 use crate::clock;
-use crate::problem_set::Stated;
+use crate::problem_set::SetProblem;
 use crate::route::route_name;
 use crate::{
     Adapter, Budget, Course, HarnessError, Judge, ModelSummary, ProblemSet, Provenance, Question,
     Results, Run, Setting,
 };
 
-/// How far a bench has come; asked between two answers, so no time that is taken holds it.
+/// How far a bench has come; measured between two answers, so no time that is taken holds it.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
     /// Answers so far.
@@ -66,10 +66,10 @@ impl<'s> Bench<'s> {
     }
 
     /// Asks everyone everything, problem by problem. `progress` is told before each answer and may
-    /// break: what is done is kept, up to the last problem that every solver was asked.
+    /// break: what is done is kept, up to the last problem that every solver was measured.
     ///
     /// # Errors
-    /// No cases; a problem that cannot be stated.
+    /// No cases; a problem that cannot be problem.
     pub fn run(
         &mut self,
         progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
@@ -78,43 +78,43 @@ impl<'s> Bench<'s> {
             let model = self.set.model().name().to_owned();
             return Err(HarnessError::NoCases { model });
         }
-        let mut stated = Stated::new(self.set)?;
+        let mut problem = SetProblem::new(self.set)?;
         let mut judge = Judge::new(self.set)?;
         let mut results = self.empty_results();
-        let routes = self.take_positions(&mut results);
-        let active: Vec<_> = routes.iter().filter(|seat| seat.takes_part).collect();
+        let routes = self.entries(&mut results);
+        let active: Vec<_> = routes.iter().filter(|entry| entry.takes_part).collect();
         let total = active.len() * self.set.cases().len();
         let mut answered = 0;
         'problems: for (index, case) in self.set.cases().iter().enumerate() {
-            stated.aim(case)?;
+            problem.aim(case)?;
             let mut row = Vec::with_capacity(active.len());
-            for seat in &active {
-                let Some(adapter) = self.adapters.get_mut(seat.adapter) else {
+            for entry in &active {
+                let Some(adapter) = self.adapters.get_mut(entry.adapter) else {
                     continue;
                 };
                 let solver = adapter.name();
-                let told = Progress {
+                let now = Progress {
                     answered,
                     total,
                     solver,
                 };
-                if progress(told).is_break() {
+                if progress(now).is_break() {
                     break 'problems;
                 }
-                stated.derive_by(seat.route.unwrap_or_default());
+                problem.derive_by(entry.route.unwrap_or_default());
                 let question = Question {
                     set: self.set,
-                    problem: stated.question()?,
+                    problem: problem.question()?,
                     targets: &case.targets,
                     start: &case.start,
                     budget: self.budget,
                     seed: self.set.seed_of_case(index),
                 };
-                let asked = Asked::of(&mut **adapter, &question);
+                let measured = Measured::new(&mut **adapter, &question);
                 let accuracies = &results.setting.accuracies;
                 row.push((
-                    seat.run,
-                    asked.judged(index, &question, &mut judge, accuracies),
+                    entry.run,
+                    measured.judged(index, &question, &mut judge, accuracies),
                 ));
                 answered += 1;
             }
@@ -155,15 +155,15 @@ impl<'s> Bench<'s> {
     }
 
     /// A run for each adapter and route; those that cannot take part say why.
-    fn take_positions(&mut self, results: &mut Results) -> Vec<Seat> {
-        let mut seats = Vec::new();
+    fn entries(&mut self, results: &mut Results) -> Vec<Entry> {
+        let mut entries = Vec::new();
         for (position, adapter) in self.adapters.iter_mut().enumerate() {
             let sat_out = adapter.prepare(self.set, self.budget).err();
             let none: [Option<Derivatives>; 1] = [None];
             let some: Vec<_> = adapter.routes().iter().copied().map(Some).collect();
             let routes: &[Option<Derivatives>] = if some.is_empty() { &none } else { &some };
             for &route in routes {
-                seats.push(Seat {
+                entries.push(Entry {
                     adapter: position,
                     route,
                     run: results.runs.len(),
@@ -184,12 +184,12 @@ impl<'s> Bench<'s> {
                 }
             }
         }
-        seats
+        entries
     }
 }
 
 /// An adapter at work by one route.
-struct Seat {
+struct Entry {
     adapter: usize,
     route: Option<Derivatives>,
     /// Its position in the results.

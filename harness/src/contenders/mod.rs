@@ -3,16 +3,14 @@
 //! Solvers without restarts of their own try again from random starts, the same for all
 //! ([`attempts`](crate::attempts)); their settings say how far one attempt goes.
 
-mod argmin_derivative_free;
-mod argmin_gradient;
+mod argmin;
 mod geometric;
 mod lane_engine;
 mod marked_run;
 mod method;
 mod pose_solver;
 
-pub use argmin_derivative_free::{NelderMeadAdapter, ParticleSwarmAdapter};
-pub use argmin_gradient::{LbfgsAdapter, TrustRegionAdapter};
+pub use argmin::ArgminAdapter;
 pub use geometric::GeometricAdapter;
 pub use lane_engine::LaneEngineAdapter;
 pub use method::MethodAdapter;
@@ -42,10 +40,10 @@ pub fn all() -> Vec<Box<dyn Adapter>> {
         Box::new(MethodAdapter::new(halving, GRADIENT_STEPS)),
         Box::new(MethodAdapter::new(barzilai_borwein, GRADIENT_STEPS)),
         Box::new(LaneEngineAdapter::default()),
-        Box::new(LbfgsAdapter),
-        Box::new(TrustRegionAdapter),
-        Box::new(NelderMeadAdapter),
-        Box::new(ParticleSwarmAdapter),
+        Box::new(ArgminAdapter::lbfgs()),
+        Box::new(ArgminAdapter::trust_region()),
+        Box::new(ArgminAdapter::nelder_mead()),
+        Box::new(ArgminAdapter::particle_swarm()),
         Box::new(GeometricAdapter::ccd()),
         Box::new(GeometricAdapter::fabrik()),
     ]

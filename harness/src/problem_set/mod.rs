@@ -1,10 +1,10 @@
 //! The problems that all solvers get.
 
 mod builder;
-mod stated;
+mod set_problem;
 
 pub use builder::ProblemSetBuilder;
-pub(crate) use stated::Stated;
+pub(crate) use set_problem::SetProblem;
 
 use kinopt::arm::Mechanism;
 use kinopt::kinematics::ForwardKinematics;
@@ -125,7 +125,7 @@ impl ProblemSet {
     /// # Errors
     /// No frames; no free joint; frames of another model.
     pub fn problem(&self) -> Result<Problem, HarnessError> {
-        Ok(Stated::new(self)?.problem)
+        Ok(SetProblem::new(self)?.problem)
     }
 
     /// The model.

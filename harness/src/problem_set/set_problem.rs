@@ -8,14 +8,14 @@ use kinopt::task::{Point, Pose, Quantity};
 use crate::{Case, HarnessError, ProblemSet};
 
 /// The problem of a set, whose targets move from case to case.
-pub(crate) struct Stated {
+pub(crate) struct SetProblem {
     pub(crate) problem: Problem,
     targets: Targets,
     points: Vec<TaskId<Point>>,
     poses: Vec<TaskId<Pose>>,
 }
 
-impl Stated {
+impl SetProblem {
     pub(crate) fn new(set: &ProblemSet) -> Result<Self, HarnessError> {
         let mut builder = Problem::builder(set.model());
         builder

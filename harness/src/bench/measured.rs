@@ -6,7 +6,7 @@ use crate::clock;
 use crate::trace::Mark;
 use crate::{Adapter, Answer, Judge, Question, Record, Trace};
 
-/// Answers that take less are asked again, and the shortest time counts.
+/// Answers that take less are asked for again, and the shortest time counts.
 const QUICK: Duration = Duration::from_millis(2);
 const REPEATS: usize = 2;
 /// Answers that take less are timed several at once, so that looking at the clock does not count.
@@ -14,7 +14,7 @@ const TINY: Duration = Duration::from_micros(50);
 const TOGETHER: u32 = 16;
 
 /// What came of asking one adapter one question, plainly and traced.
-pub(super) struct Asked {
+pub(super) struct Measured {
     answer: Answer,
     plain: Duration,
     marks: Vec<Mark>,
@@ -28,8 +28,8 @@ pub(super) struct Judged {
     pub(super) course: Vec<(usize, f64)>,
 }
 
-impl Asked {
-    pub(super) fn of(adapter: &mut dyn Adapter, question: &Question<'_>) -> Self {
+impl Measured {
+    pub(super) fn new(adapter: &mut dyn Adapter, question: &Question<'_>) -> Self {
         let mut ask = || adapter.solve(question, &Trace::off());
         let (answer, mut plain) = clock::time(&mut ask);
         let together = if plain < TINY { TOGETHER } else { 1 };

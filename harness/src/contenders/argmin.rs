@@ -1,0 +1,165 @@
+//! argmin's solvers through the bridge.
+
+use argmin::core::Executor;
+use argmin::solver::linesearch::MoreThuenteLineSearch;
+use argmin::solver::neldermead::NelderMead;
+use argmin::solver::particleswarm::ParticleSwarm;
+use argmin::solver::quasinewton::LBFGS;
+use argmin::solver::trustregion::{Steihaug, TrustRegion};
+use kinopt::argmin_bridge::{BoundedProblem, UnboundedProblem};
+use kinopt::problem::Derivatives;
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+
+use super::{STEPS, marked_run};
+use crate::{Adapter, Answer, Question, Trace, attempts};
+
+/// How many past steps L-BFGS remembers.
+const MEMORY: usize = 7;
+/// Steps of one simplex.
+const SIMPLEX_STEPS: u64 = 3000;
+const PARTICLES: usize = 40;
+/// Steps of one swarm.
+const SWARM_STEPS: u64 = 250;
+
+/// One of argmin's solvers under the harness' restarts.
+#[derive(Clone, Debug)]
+pub struct ArgminAdapter {
+    name: &'static str,
+    setting: String,
+    routes: &'static [Derivatives],
+    solve: fn(&Question<'_>, &Trace) -> Answer,
+}
+
+/// A solver within bounds, made anew for each attempt from its start and number.
+macro_rules! within_bounds {
+    ($steps:expr, |$bounded:ident, $start:ident, $seed:ident| $solver:expr) => {
+        |question, trace| {
+            let $bounded = BoundedProblem::new(question.problem);
+            let answer = attempts(question, |$start, index, left| {
+                let $seed = question.seed.wrapping_add(index as u64);
+                let Ok(solver) = $solver else {
+                    return Answer::at($start.to_vec());
+                };
+                let executor = Executor::new($bounded.clone(), solver).configure(|state| {
+                    let state = state.max_iters($steps);
+                    state.target_cost(question.sufficient_cost())
+                });
+                let run = marked_run::run(executor, left, trace);
+                match run.map(|run| $bounded.solution(&run)) {
+                    Ok(Ok(solution)) => Answer::from(&solution),
+                    _ => Answer::at($start.to_vec()),
+                }
+            });
+            trace.translate(|x| question.set.configuration(x));
+            answer
+        }
+    };
+}
+
+/// A solver over unbounded variables, made anew for each attempt.
+macro_rules! over_unbounded {
+    ($solver:expr) => {
+        |question, trace| {
+            let unbounded = UnboundedProblem::new(question.problem);
+            let answer = attempts(question, |start, _, left| {
+                let Ok(y) = unbounded.start(start) else {
+                    return Answer::at(start.to_vec());
+                };
+                let executor = Executor::new(unbounded.clone(), $solver).configure(|state| {
+                    let state = state.param(y.clone()).max_iters(STEPS as u64);
+                    state.target_cost(question.sufficient_cost())
+                });
+                let run = marked_run::run(executor, left, trace);
+                match unbounded.solution_from(&y, run) {
+                    Ok(solution) => Answer::from(&solution),
+                    // A line search that found nothing took the run with it.
+                    Err(_) => Answer::at(start.to_vec()),
+                }
+            });
+            trace.translate(|y| {
+                let y = nalgebra::DVector::from_column_slice(y);
+                question.set.configuration(&unbounded.variables_at(&y))
+            });
+            answer
+        }
+    };
+}
+
+impl ArgminAdapter {
+    /// Nelder-Mead from the simplex that the bridge proposes.
+    #[must_use]
+    pub fn nelder_mead() -> Self {
+        Self {
+            name: "argmin Nelder-Mead",
+            setting: format!("at most {SIMPLEX_STEPS} steps an attempt"),
+            routes: &[],
+            solve: within_bounds!(SIMPLEX_STEPS, |bounded, start, _seed| bounded
+                .simplex(start)
+                .map(NelderMead::new)),
+        }
+    }
+
+    /// The particle swarm across the joints' range. A further attempt is a new swarm.
+    #[must_use]
+    pub fn particle_swarm() -> Self {
+        Self {
+            name: "argmin particle swarm",
+            setting: format!("{PARTICLES} particles, at most {SWARM_STEPS} steps an attempt"),
+            routes: &[],
+            // argmin's own generator is seeded by the system.
+            solve: within_bounds!(SWARM_STEPS, |bounded, start, seed| bounded
+                .window(start)
+                .map(|window| ParticleSwarm::new(window, PARTICLES)
+                    .with_rng_generator(StdRng::seed_from_u64(seed)))),
+        }
+    }
+
+    /// L-BFGS with the line search of Moré and Thuente.
+    #[must_use]
+    pub fn lbfgs() -> Self {
+        Self {
+            name: "argmin L-BFGS",
+            setting: format!(
+                "memory {MEMORY}, Moré-Thuente, at most {STEPS} steps an attempt; bounds by a change of variables"
+            ),
+            routes: &Derivatives::ALL,
+            solve: over_unbounded!(LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)),
+        }
+    }
+
+    /// The trust region with Steihaug's conjugate gradients.
+    #[must_use]
+    pub fn trust_region() -> Self {
+        Self {
+            name: "argmin trust region",
+            setting: format!(
+                "Steihaug on the Gauss-Newton Hessian, at most {STEPS} steps an attempt; bounds by a change of variables"
+            ),
+            routes: &Derivatives::ALL,
+            solve: over_unbounded!(TrustRegion::new(Steihaug::new().with_max_iters(20))),
+        }
+    }
+}
+
+impl Adapter for ArgminAdapter {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn family(&self) -> &str {
+        "argmin"
+    }
+
+    fn setting(&self) -> String {
+        self.setting.clone()
+    }
+
+    fn routes(&self) -> &[Derivatives] {
+        self.routes
+    }
+
+    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+        (self.solve)(question, trace)
+    }
+}
