@@ -5,7 +5,6 @@ use super::arm::Arm;
 use super::workspace::Errors;
 use super::{PoseOutcome, QueryError};
 use crate::ik::Solution;
-use crate::lanes::PoseSolver;
 use crate::search::Found;
 use crate::spatial::Placement;
 
@@ -104,12 +103,6 @@ impl Arm {
             })
     }
 
-    /// Whether the engine's batch can answer: it knows no clock, and no budget so small that a
-    /// question alone may make fewer attempts.
-    fn batches_by_lanes(&self) -> bool {
-        self.is_plain() && self.options.time_limit.is_none() && self.options.budget() >= QUICK
-    }
-
     /// Answers all questions; `run` hands out the chunks, one after another or to threads.
     fn solve_chunks(
         &self,
@@ -139,19 +132,13 @@ impl Arm {
             solutions,
         } = chunk;
         let n = self.joint_count();
-        let queries = || targets.iter().zip(starts.chunks(n));
-        let (Some(lanes), true) = (&self.lanes, self.batches_by_lanes()) else {
-            for ((target, start), solution) in queries().zip(solutions) {
-                self.answer(&self.query(target, start), solution)?;
-            }
-            return Ok(());
-        };
         let mut q = vec![0.0; n * targets.len()];
         let mut outcomes = vec![PoseOutcome::default(); targets.len()];
-        self.run_together(lanes, targets, starts, &mut q, &mut outcomes);
+        let together = self.run_together(targets, starts, &mut q, &mut outcomes);
         let answers = q.chunks(n).zip(&outcomes).zip(solutions);
-        for ((target, start), ((q, outcome), solution)) in queries().zip(answers) {
-            if outcome.reached {
+        let queries = targets.iter().zip(starts.chunks(n));
+        for ((target, start), ((q, outcome), solution)) in queries.zip(answers) {
+            if together && outcome.reached {
                 solution.q.extend_from_slice(q);
                 self.tell(&self.found_by(outcome), Errors::of(outcome), solution);
             } else {
@@ -161,17 +148,30 @@ impl Arm {
         Ok(())
     }
 
+    /// Answers questions by the engine's batch, if that can: it knows no clock, and no budget so small that a
+    /// question alone may make fewer attempts.
     fn run_together(
         &self,
-        lanes: &PoseSolver,
         targets: &[Placement<f64>],
         starts: &[f64],
         q: &mut [f64],
         outcomes: &mut [PoseOutcome],
-    ) {
-        let attempts = self.options.attempts.min(TOGETHER);
-        let search = self.options.search.lanes();
-        lanes.run_batch(targets, starts, search, attempts, q, outcomes);
+    ) -> bool {
+        let options = &self.options;
+        let plain = self.is_plain() && options.time_limit.is_none() && options.budget() >= QUICK;
+        let Some(lanes) = self.lanes.as_ref().filter(|_| plain) else {
+            return false;
+        };
+        let attempts = options.attempts.min(TOGETHER);
+        lanes.run_batch(
+            targets,
+            starts,
+            options.search.lanes(),
+            attempts,
+            q,
+            outcomes,
+        );
+        true
     }
 
     fn outcomes_of_chunk(
@@ -182,17 +182,11 @@ impl Arm {
         outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
         let n = self.joint_count();
-        let by_lanes = match (&self.lanes, self.batches_by_lanes()) {
-            (Some(lanes), true) => {
-                self.run_together(lanes, targets, starts, q, outcomes);
-                true
-            }
-            _ => false,
-        };
+        let together = self.run_together(targets, starts, q, outcomes);
         let mut solution = self.with_workspace(|workspace| std::mem::take(&mut workspace.spare))?;
         let queries = targets.iter().zip(starts.chunks(n));
         for ((target, start), (q, outcome)) in queries.zip(q.chunks_mut(n).zip(outcomes)) {
-            if by_lanes && outcome.reached {
+            if together && outcome.reached {
                 continue;
             }
             let (found, errors) = self.answer(&self.query(target, start), &mut solution)?;

@@ -87,16 +87,30 @@ impl PoseSolver {
         check::length("start", start.len(), n)?;
         check::length("q", q.len(), n)?;
         check::query(0, base_from_target, start)?;
-        let options = &self.prepared.options;
-        let query = Query {
-            target: base_from_target,
+        let query = self.query(base_from_target, start, search, deadline);
+        Ok(self.race(&query, false, &mut Answer::of(q)))
+    }
+
+    /// A query with as many attempts and iterations as there may be.
+    fn query<'a>(
+        &self,
+        target: &'a Placement<f64>,
+        start: &'a [f64],
+        search: Prefer,
+        deadline: Option<Instant>,
+    ) -> Query<'a> {
+        Query {
+            target,
             start,
             search,
-            attempts: (0, options.attempts.max(1)),
-            budget: options.total_iterations,
+            attempts: (0, self.attempts()),
+            budget: self.prepared.options.total_iterations,
             deadline,
-        };
-        Ok(self.race(&query, false, &mut Answer::of(q)))
+        }
+    }
+
+    fn attempts(&self) -> u32 {
+        self.prepared.options.attempts.max(1)
     }
 
     /// Answers a query that is checked already. `lone` runs the first attempt by itself at first.
@@ -167,7 +181,7 @@ impl PoseSolver {
             base_from_targets,
             starts,
             search,
-            self.prepared.options.attempts.max(1),
+            self.attempts(),
             q,
             outcomes,
         );
@@ -198,8 +212,7 @@ impl PoseSolver {
             .zip(q.par_chunks_mut(CHUNK * n))
             .zip(outcomes.par_chunks_mut(CHUNK))
             .for_each(|(((targets, starts), q), outcomes)| {
-                let attempts = self.prepared.options.attempts.max(1);
-                self.run_batch(targets, starts, search, attempts, q, outcomes);
+                self.run_batch(targets, starts, search, self.attempts(), q, outcomes);
             });
         Ok(())
     }
@@ -276,14 +289,7 @@ impl PoseSolver {
             .zip(q.chunks_exact_mut(n))
             .zip(outcomes);
         for ((target, q), outcome) in steps {
-            let query = Query {
-                target,
-                start: &last[..n],
-                search: Prefer::Start,
-                attempts: (0, self.prepared.options.attempts.max(1)),
-                budget: self.prepared.options.total_iterations,
-                deadline: None,
-            };
+            let query = self.query(target, &last[..n], Prefer::Start, None);
             *outcome = self.race(&query, true, &mut Answer::of(q));
             last[..n].copy_from_slice(q);
         }
