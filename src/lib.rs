@@ -57,7 +57,7 @@
 //! # Features
 //!
 //! None is on by default: `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `heat` (skin
-//! weights by heat on the surface), `rayon` (batches over threads), `argmin` (the bridge to argmin).
+//! weights by heat on the surface), `rayon` (batches over threads), `serde` (models, options, solutions, clips), `argmin` (the bridge to argmin).
 
 #![warn(clippy::disallowed_methods)]
 // On docs.rs every item says which feature it needs.
@@ -76,6 +76,7 @@ pub mod kinematics;
 pub mod lanes;
 pub mod mesh;
 pub mod model;
+pub mod prelude;
 pub mod problem;
 mod processor;
 mod random;

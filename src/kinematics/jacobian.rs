@@ -77,11 +77,12 @@ impl Jacobian {
 /// ```
 /// use kinopt::kinematics::frame_jacobian;
 /// use kinopt::model::{Limits, Model};
-/// use kinopt::nalgebra::{Vector3, vector};
+/// use kinopt::nalgebra::{Translation3, Vector3, vector};
 ///
 /// let mut builder = Model::builder("two links");
-/// let (link, free) = (Vector3::x(), Limits::UNBOUNDED);
-/// let shoulder = builder.revolute("shoulder", None, Vector3::zeros(), Vector3::z(), free);
+/// let (base, link) = (Translation3::identity(), Translation3::new(1.0, 0.0, 0.0));
+/// let free = Limits::UNBOUNDED;
+/// let shoulder = builder.revolute("shoulder", None, base, Vector3::z(), free);
 /// let elbow = builder.revolute("elbow", Some(shoulder), link, Vector3::z(), free);
 /// let tip = builder.frame("tip", Some(elbow), link);
 /// let model = builder.build()?;

@@ -10,6 +10,7 @@ use crate::task::Goal;
 /// frees the axis: `[1, 1, 0]` for orientation is a tool that may spin about its z axis. A half
 /// width is how far off a component may be at no cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisGoal {
     /// Weights of the position's components; zero frees one.
     pub position_weights: [f64; 3],

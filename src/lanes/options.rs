@@ -4,6 +4,7 @@ use super::axis_goal::AxisGoal;
 
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Prefer {
     /// The one from the start, if that attempt succeeds; others only rescue it.
     #[default]
@@ -14,6 +15,7 @@ pub enum Prefer {
 
 /// Options of a [`PoseSolver`](super::PoseSolver).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LaneOptions {
     /// How far the tip may be from the target, metres; positive. Default 1e-6.
     pub position_tolerance: f64,

@@ -6,6 +6,7 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// The way a joint moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum JointKind {
     /// It does not.
@@ -48,6 +49,11 @@ const ENDLESS: f64 = 8.0;
 
 /// A closed interval, in radians or metres; infinite ends are allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(from = "[Option<f64>; 2]", into = "[Option<f64>; 2]")
+)]
 pub struct Limits {
     /// The smallest value allowed.
     pub lower: f64,
@@ -124,6 +130,7 @@ impl Limits {
 
 /// A joint and the placement of its frame.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Joint {
     /// Unique within the model.
@@ -169,5 +176,25 @@ impl Joint {
     /// Whether it turns what it carries.
     pub(crate) fn turns(&self) -> bool {
         self.moves() && self.kind != JointKind::Prismatic
+    }
+}
+
+/// An open end is none: JSON has no infinity.
+#[cfg(feature = "serde")]
+impl From<Limits> for [Option<f64>; 2] {
+    fn from(limits: Limits) -> Self {
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        let ends = [(limits.lower, open[0]), (limits.upper, open[1])];
+        ends.map(|(end, open)| (end != open).then_some(end))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<[Option<f64>; 2]> for Limits {
+    fn from([lower, upper]: [Option<f64>; 2]) -> Self {
+        Self::new(
+            lower.unwrap_or(f64::NEG_INFINITY),
+            upper.unwrap_or(f64::INFINITY),
+        )
     }
 }

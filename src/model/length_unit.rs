@@ -2,6 +2,7 @@
 
 /// The unit of a model's lengths, for what is told to people: no calculation depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum LengthUnit {
     /// Metres, as robots have it.

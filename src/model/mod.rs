@@ -9,6 +9,8 @@ mod parameter_map;
 mod path;
 mod random_configuration;
 mod reference;
+#[cfg(feature = "serde")]
+mod serialised;
 mod unknown_name;
 
 use std::collections::HashMap;
@@ -26,6 +28,7 @@ use crate::spatial::{Placement, Vector3};
 
 /// A named place on a joint: a link, a bone's tip, a tool point.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Frame {
     /// Unique within the model.
@@ -42,6 +45,11 @@ pub struct Frame {
 /// [`moving_joints`](Self::moving_joints): radians for revolute and continuous joints, metres for
 /// prismatic ones.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+)]
 pub struct Model {
     name: String,
     length_unit: LengthUnit,

@@ -5,6 +5,7 @@ use crate::spatial::{Placement, Vector3};
 
 /// The ball that a frame cannot leave.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Anchor {
     /// The joint that begins the chain.
     pub(crate) joint: String,

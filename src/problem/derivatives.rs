@@ -3,6 +3,7 @@
 /// How a problem's derivatives are found. All give the same numbers, to rounding for the exact
 /// routes and to about 1e-7 (forward) or 1e-10 (central) for the differences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Derivatives {
     /// The geometric Jacobian, and reverse mode for the gradient: exact, and the fastest by far.
     #[default]

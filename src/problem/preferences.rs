@@ -6,6 +6,7 @@ use super::CompiledTask;
 
 /// What preferences may cost the goals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Preferences {
     /// Nothing. The goals are solved as if they were alone; then the preferences' ½ Σ ‖W r‖² falls as

@@ -6,6 +6,7 @@ use crate::task::{Asked, Quantity, Role};
 
 /// A goal whose place is farther from where its chain begins than the chain is long.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Beyond {
     pub(super) task: usize,
     /// From the chain's first joint to the place.

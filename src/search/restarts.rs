@@ -15,6 +15,7 @@ const LOCAL_ATTEMPTS: usize = 2;
 
 /// How often to try again, and from where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Restarts {
     pub(super) attempts: usize,
     pub(super) seed: u64,

@@ -11,6 +11,7 @@ use crate::task::{Quantity, Role};
 
 /// Which end of a joint's range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Side {
     /// The lower limit.
     Lower,
@@ -20,6 +21,7 @@ pub enum Side {
 
 /// Whose bound it is that a joint stands on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BoundKind {
     /// The joint's own limit.
     #[default]
@@ -48,6 +50,7 @@ pub struct ActiveLimit<'a> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Blocked {
     pub(super) variable: usize,
     pub(super) side: Side,
@@ -58,6 +61,7 @@ pub(super) struct Blocked {
 
 /// The error of a task's rows of one quantity, before weighting.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct RowsReport {
     pub(super) task: usize,
@@ -111,6 +115,7 @@ impl TaskReport<'_> {
 
 /// The result of a solve, reached or not: the best configuration found and the truth about it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Solution {
     /// The configuration (shape: the model's degrees of freedom), within all limits to the bit.

@@ -9,6 +9,7 @@ const ORTHONORMAL_WITHIN: f64 = 1e-6;
 
 /// A bone of one skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoneId(u32);
 
 impl BoneId {
@@ -25,6 +26,7 @@ impl BoneId {
 
 /// A bone at rest and how far it may turn.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bone {
     /// Unique within the skeleton; files without names use `bone/0`, `bone/1`, …
     pub name: String,

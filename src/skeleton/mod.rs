@@ -30,6 +30,11 @@ pub const ANGLES_PER_BONE: usize = 3;
 
 /// A checked tree of bones, parents before children, and the model it compiles to.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "(String, Vec<Bone>)", into = "(String, Vec<Bone>)")
+)]
 pub struct Skeleton {
     bones: Vec<Bone>,
     model: Model,
@@ -247,4 +252,20 @@ fn free_name(name: String, taken: &mut HashSet<String>) -> String {
     let free = free.unwrap_or(name);
     taken.insert(free.clone());
     free
+}
+
+#[cfg(feature = "serde")]
+impl From<Skeleton> for (String, Vec<Bone>) {
+    fn from(skeleton: Skeleton) -> Self {
+        (skeleton.model.name().to_owned(), skeleton.bones)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<(String, Vec<Bone>)> for Skeleton {
+    type Error = SkeletonError;
+
+    fn try_from((name, bones): (String, Vec<Bone>)) -> Result<Self, SkeletonError> {
+        Self::new(name, bones)
+    }
 }

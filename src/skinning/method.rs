@@ -10,6 +10,7 @@ use crate::mesh::TriangleMesh;
 
 /// How bones move skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum SkinningMethod {
     /// `lbs`, linear blend: fastest, any transforms, but skin collapses where a joint twists.

@@ -12,7 +12,10 @@ const MOST_CONVEX_TRIALS: usize = 20;
 
 /// How λ follows the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    any(feature = "argmin", feature = "serde"),
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[non_exhaustive]
 pub enum Damping {
     /// From the ratio of won to promised decrease (Nielsen 1999, "Damping parameter in

@@ -12,7 +12,10 @@ const HISTORY: usize = 10;
 
 /// Which σ a step tries first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    any(feature = "argmin", feature = "serde"),
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[non_exhaustive]
 pub enum FirstStep {
     /// The same σ every time, halved until the cost falls. The sources use 10 000.

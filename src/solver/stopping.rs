@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 /// Limits of one search. `with_…` methods document their ranges; out-of-range values are taken as
 /// the nearest sensible one.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stopping {
     pub(super) max_iterations: usize,
     pub(super) gradient_tolerance: f64,
@@ -113,7 +114,10 @@ impl Stopping {
 
 /// Which test ended a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    any(feature = "argmin", feature = "serde"),
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[non_exhaustive]
 pub enum Termination {
     /// Every goal is within its tolerance.

@@ -7,6 +7,7 @@ use crate::scalar::Scalar;
 
 /// A 3×3 matrix of scalars.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Matrix3<S> {
     /// First column.
     pub x: Vector3<S>,

@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 /// A rigid motion `x ↦ rotation · x + translation`. Names say both frames: `world_from_tip` maps
 /// tip coordinates to world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Placement<S> {
     /// Orthonormal, determinant +1.
     pub rotation: Matrix3<S>,

@@ -11,6 +11,7 @@ use crate::scalar::{Scalar, elementary};
 
 /// A quaternion w + xi + yj + zk; of unit length it is a rotation, and −q is the same rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quaternion<S> {
     /// Real part, cos(θ/2) for a rotation by θ.
     pub w: S,

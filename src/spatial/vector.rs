@@ -6,6 +6,7 @@ use crate::scalar::Scalar;
 
 /// A vector of three scalars.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Vector3<S> {
     /// First component.
     pub x: S,

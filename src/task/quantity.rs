@@ -7,6 +7,7 @@ use crate::scalar::elementary;
 
 /// The unit of a residual row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Quantity {
     /// A length in metres (in the rig's own unit for rigs).

@@ -7,6 +7,7 @@ use crate::spatial::Placement;
 
 /// Whether a task must be met or is only preferred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Role {
     /// The problem counts as reached only when this task is within its tolerances.

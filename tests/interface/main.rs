@@ -1,4 +1,5 @@
 //! Promises of the whole interface: what all public types can do, and one policy for wrong input.
 
 mod public_types;
+mod serialised;
 mod wrong_numbers;

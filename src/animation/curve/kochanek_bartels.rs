@@ -7,6 +7,7 @@ use super::CurveValue;
 
 /// How a curve passes a key. All three are usually within [−1, 1]; all zero is Catmull-Rom.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TensionContinuityBias {
     /// 1 stops at the key, −1 doubles the speed.
     pub tension: f32,

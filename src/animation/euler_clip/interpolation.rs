@@ -6,6 +6,7 @@ use crate::skeleton::BoneId;
 
 /// How the angles of one bone go from key to key. Each angle goes by itself.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum EulerInterpolation {
     /// Straight from key to key: what to try first, but the speed jumps at every key.

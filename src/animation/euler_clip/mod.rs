@@ -10,6 +10,7 @@ use crate::skeleton::BoneId;
 
 /// The angles of one bone at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EulerKey {
     /// In seconds.
     pub time: f64,
@@ -20,6 +21,7 @@ pub struct EulerKey {
 
 /// The keys of one bone, strictly increasing in time.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EulerTrack {
     /// The bone they move.
     pub bone: BoneId,
@@ -29,6 +31,8 @@ pub struct EulerTrack {
 
 /// Keyframes for any of a skeleton's bones; a bone without keys has no track.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Tracks", into = "Tracks"))]
 pub struct EulerClip {
     tracks: Vec<EulerTrack>,
     /// One for each track.
@@ -179,5 +183,37 @@ impl EulerClip {
             .iter()
             .filter_map(ends)
             .reduce(|[start, end], [s, e]| [start.min(s), end.max(e)])
+    }
+}
+
+/// A clip as serde writes it: each track with what runs between its keys. One that is read is checked.
+#[cfg(feature = "serde")]
+type Tracks = Vec<(EulerTrack, EulerInterpolation)>;
+
+#[cfg(feature = "serde")]
+impl From<EulerClip> for Tracks {
+    fn from(clip: EulerClip) -> Self {
+        let keyless = clip.keyless.into_iter().map(|bone| {
+            let keys = Vec::new();
+            (EulerTrack { bone, keys }, EulerInterpolation::default())
+        });
+        clip.tracks
+            .into_iter()
+            .zip(clip.between)
+            .chain(keyless)
+            .collect()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Tracks> for EulerClip {
+    type Error = ClipError;
+
+    fn try_from(tracks: Tracks) -> Result<Self, ClipError> {
+        let (tracks, between): (Vec<_>, Vec<_>) = tracks.into_iter().unzip();
+        let by_bone: std::collections::BTreeMap<_, _> =
+            tracks.iter().map(|track| track.bone).zip(between).collect();
+        let chosen = |track: &EulerTrack| by_bone.get(&track.bone).cloned().unwrap_or_default();
+        Self::new(tracks)?.interpolated(chosen)
     }
 }

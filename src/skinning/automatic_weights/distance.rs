@@ -29,6 +29,7 @@ use crate::skinning::SkinWeights;
 /// Distances are straight, also through gaps: two legs that touch pull at each other's skin; weights by
 /// heat (`HeatWeights`, feature `heat`) do not. The same input gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct AutomaticWeights {
     /// p: how fast a bone's pull falls with distance; larger is stiffer. Above 0.

@@ -45,6 +45,7 @@ const LEAST: f64 = 1e-4;
 /// largest few stay, as those of [`AutomaticWeights`](super::AutomaticWeights) do. The same input gives
 /// the same bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct HeatWeights {
     /// c: how much heat bones give; larger is stiffer. Above 0.

@@ -1,0 +1,141 @@
+//! Promise: models, skeletons, options, solutions and clips go through serde and back bit for bit, and what
+//! is read is checked as what is built is.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fmt::Debug;
+
+use kinopt::animation::curve::TensionContinuityBias;
+use kinopt::animation::{EulerClip, EulerInterpolation, EulerKey, EulerTrack};
+use kinopt::ik::Restarts;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::lanes::LaneOptions;
+use kinopt::model::{Limits, Model};
+use kinopt::robot::Robot;
+use kinopt::skinning::{AutomaticWeights, HeatWeights};
+use kinopt::solver::Stopping;
+use kinopt::{Problem, Skeleton, Solution, Solver};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use support::bones::RandomRig;
+use support::random::Random;
+use support::trees::RandomTree;
+
+fn again<T: Serialize + DeserializeOwned>(value: &T) -> T {
+    serde_json::from_str(&serde_json::to_string(value).unwrap()).unwrap()
+}
+
+fn same<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
+    assert_eq!(again(value), *value);
+}
+
+fn bits(q: &[f64]) -> Vec<u64> {
+    q.iter().map(|value| value.to_bits()).collect()
+}
+
+fn same_model(model: &Model) {
+    let read = again(model);
+    assert_eq!(read.joints(), model.joints());
+    assert_eq!(read.frames(), model.frames());
+    assert_eq!(read.moving_joints(), model.moving_joints());
+    assert_eq!(
+        (read.name(), read.length_unit()),
+        (model.name(), model.length_unit())
+    );
+    let q = model.random_configuration(3);
+    let [ours, theirs] = [model, &read].map(|model| {
+        let placed = ForwardKinematics::new(model).place(&q).unwrap().to_vec();
+        placed
+            .iter()
+            .flat_map(|p| bits(&p.translation.to_array()))
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(ours, theirs);
+}
+
+#[test]
+fn models_and_skeletons() {
+    for seed in 0..20 {
+        same_model(&RandomTree::new(seed, 9).model);
+        let skeleton = RandomRig::new(seed).skeleton;
+        let read: Skeleton = again(&skeleton);
+        assert_eq!(read.bones(), skeleton.bones());
+        same_model(skeleton.model());
+    }
+    same_model(Robot::read("models/franka_panda.urdf").unwrap().model());
+    same(&Limits::UNBOUNDED);
+    same(&Limits::new(f64::NEG_INFINITY, 0.1 + 0.2));
+}
+
+#[test]
+fn solutions() {
+    let tree = RandomTree::new(7, 9);
+    for target in [[0.3, 0.2, 0.4], [90.0, 0.0, 0.0]] {
+        let mut builder = Problem::builder(&tree.model);
+        builder.add(kinopt::task::Point::new(tree.far_frame(), target));
+        let problem = builder.build().unwrap();
+        let start = tree.configuration(&mut Random::new(1));
+        let solution = Solver::default().solve_once(&problem, &start).unwrap();
+        let read: Solution = again(&solution);
+        assert_eq!(bits(&read.q), bits(&solution.q));
+        assert_eq!(read.explain(), solution.explain());
+        assert_eq!(format!("{read:?}"), format!("{solution:?}"));
+    }
+}
+
+#[test]
+fn options() {
+    same(&Stopping::default());
+    same(&Restarts::default());
+    same(&LaneOptions::default());
+    same(&AutomaticWeights::default());
+    same(&HeatWeights::default());
+}
+
+#[test]
+fn clips() {
+    let skeleton = RandomRig::new(2).skeleton;
+    let mut random = Random::new(5);
+    let tracks = skeleton.bone_ids().take(4).enumerate().map(|(k, bone)| {
+        let key = |i: usize| EulerKey {
+            time: i as f64 * 0.1,
+            angles: std::array::from_fn(|_| random.within(-1.0, 1.0)),
+        };
+        // The last one's track has no keys.
+        EulerTrack {
+            bone,
+            keys: (0..3 - k).map(key).collect(),
+        }
+    });
+    let controls = TensionContinuityBias {
+        tension: 0.3,
+        continuity: -0.1,
+        bias: 0.2,
+    };
+    let clip = EulerClip::new(tracks.collect()).unwrap();
+    same(&clip);
+    let first = clip.tracks()[0].bone;
+    let drawn = clip.interpolated(|track| match track.bone == first {
+        true => EulerInterpolation::kochanek_bartels(track, controls),
+        false => EulerInterpolation::Linear,
+    });
+    same(&drawn.unwrap());
+}
+
+#[test]
+fn what_is_wrong_is_refused() {
+    let model = RandomTree::new(1, 4).model;
+    let text = serde_json::to_string(&model).unwrap();
+    let renamed = text.replace("joint 1", "joint 0");
+    let error = serde_json::from_str::<Model>(&renamed)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("used twice"), "{error}");
+    let orders = ["\"configuration_order\":[", "\"configuration_order\":[9,"];
+    let error = serde_json::from_str::<Model>(&text.replace(orders[0], orders[1])).unwrap_err();
+    assert!(error.to_string().contains("moving joints once"), "{error}");
+
+    let backwards = r#"[[{"bone":0,"keys":[{"time":1.0,"angles":[0,0,0]},
+        {"time":0.5,"angles":[0,0,0]}]},"Linear"]]"#;
+    let error = serde_json::from_str::<EulerClip>(backwards).unwrap_err();
+    assert!(error.to_string().contains("not after"), "{error}");
+}
