@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::QueryError;
 use super::arm::Arm;
 use super::options::Search;
-use super::workspace::{Errors, Workspace};
+use super::workspace::{ArmWorkspace, Errors};
 use crate::ik::{RowsReport, Solution};
 use crate::lanes::{self, PoseOutcome, PoseSolver};
 use crate::problem::Anchor;
@@ -151,7 +151,7 @@ impl Arm {
     /// Answers with a workspace: bounded moves, searches that compare, postures, chains with followers.
     fn answer_at(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         query: &Query<'_>,
         solution: &mut Solution,
     ) -> (Found, Errors) {
@@ -176,8 +176,8 @@ impl Arm {
 
     /// The engine's own search, into the workspace's x; after a miss that is where the start's own attempt
     /// ended, and the workspace's best is the best of all, of the number that is found.
-    fn search_by_lanes(&self, workspace: &mut Workspace, query: &Query<'_>) -> Found {
-        let Workspace {
+    fn search_by_lanes(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Found {
+        let ArmWorkspace {
             bounded_lanes,
             x,
             best,
@@ -226,7 +226,7 @@ impl Arm {
     }
 
     /// Takes the errors at the workspace's x as those of what is found.
-    pub(super) fn judge(&self, workspace: &mut Workspace, found: &mut Found) {
+    pub(super) fn judge(&self, workspace: &mut ArmWorkspace, found: &mut Found) {
         let errors = workspace.judge_x();
         (found.cost, found.reached) = (self.cost(errors), errors.reached);
     }
@@ -273,7 +273,7 @@ impl Arm {
     pub(super) fn tell_place(
         &self,
         found: &Found,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         solution: &mut Solution,
     ) {
         solution.q.clear();

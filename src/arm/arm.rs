@@ -7,7 +7,7 @@ use super::coordinates::Coordinates;
 use super::options::Options;
 use super::seed_table::SeedTable;
 use super::serial::Serial;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
@@ -41,7 +41,7 @@ pub struct Arm {
     pub(super) seeds: OnceLock<SeedTable>,
     /// Memory of the slower ways, taken out while one is under way.
     #[allow(clippy::vec_box, reason = "kilobytes, moved twice a question")]
-    workspaces: Mutex<Vec<Box<Workspace>>>,
+    workspaces: Mutex<Vec<Box<ArmWorkspace>>>,
 }
 
 impl Arm {
@@ -96,7 +96,7 @@ impl Arm {
         velocity_limits: Vec<f64>,
         names: Arc<Names>,
     ) -> Result<Self, ArmError> {
-        let workspace = Workspace::new(&serial, &options)?;
+        let workspace = ArmWorkspace::new(&serial, &options)?;
         let names = Names {
             anchors: workspace.question.problem.names().anchors.clone(),
             ..(*names).clone()
@@ -199,7 +199,7 @@ impl Arm {
     /// Runs something with memory of its own.
     pub(super) fn with_workspace<R>(
         &self,
-        run: impl FnOnce(&mut Workspace) -> R,
+        run: impl FnOnce(&mut ArmWorkspace) -> R,
     ) -> Result<R, QueryError> {
         let lock = || {
             self.workspaces
@@ -209,7 +209,7 @@ impl Arm {
         let taken = lock().pop();
         let mut workspace = match taken {
             Some(workspace) => workspace,
-            None => Box::new(Workspace::new(&self.serial, &self.options)?),
+            None => Box::new(ArmWorkspace::new(&self.serial, &self.options)?),
         };
         let result = run(&mut workspace);
         lock().push(workspace);

@@ -8,7 +8,7 @@
 use nalgebra::Vector6;
 
 use super::arm::Arm;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 
 /// How far to its side a stretched arm leans where a step begins, radians, and how many times as far as the place
 /// where sides meet went in the last one.
@@ -84,7 +84,7 @@ impl Bend {
 
     /// Goes a little from x to this side, further than the place where sides meet went in the last step, but no
     /// further than `longest` radians and within the bounds.
-    pub(super) fn lean(&self, workspace: &mut Workspace, longest: f64) {
+    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, longest: f64) {
         if self.known {
             let by = (LEANING + AHEAD * self.drift).min(longest);
             for (projected, way) in workspace.projected.iter_mut().zip(&self.way) {
@@ -99,7 +99,7 @@ impl Bend {
     pub(super) fn carry_on(
         &mut self,
         arm: &Arm,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         ease: &[f64],
         missed: bool,
     ) {
@@ -155,7 +155,7 @@ impl Bend {
     fn turn_into_null(
         &mut self,
         arm: &Arm,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         x: &[f64],
         residual: &Vector6<f64>,
         blunt: f64,
@@ -180,7 +180,7 @@ impl Bend {
     fn turn_where_it_bends(
         &mut self,
         arm: &Arm,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         x: &[f64],
         residual: &Vector6<f64>,
     ) -> f64 {

@@ -4,7 +4,7 @@ use super::arm::Arm;
 use super::bend::Bend;
 use super::ease::Easing;
 use super::null_space::Factor;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 
 /// What is left of the motion to ease each time that a target stays out of reach: where that motion lowers
 /// nothing but the distance from ease, it is over by then; else the nearest place is kept.
@@ -84,7 +84,7 @@ impl Branch {
 
     /// Where a step begins: from the workspace's x on to ease, and a little to the side that is known; no
     /// joint goes further than so many radians for either.
-    pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut Workspace, ease: f64, side: f64) {
+    pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, ease: f64, side: f64) {
         if arm.has_freedom() {
             let x = std::mem::take(&mut workspace.x);
             workspace.take_twists(arm, &x);
@@ -102,7 +102,7 @@ impl Branch {
     pub(super) fn aim_at_ease(
         &mut self,
         arm: &Arm,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         x: &[f64],
         longest: f64,
         free: Option<&Factor>,
@@ -126,7 +126,7 @@ impl Branch {
     }
 
     /// Takes the workspace's x as a step's end.
-    pub(super) fn arrive(&mut self, arm: &Arm, workspace: &mut Workspace, reached: bool) {
+    pub(super) fn arrive(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, reached: bool) {
         if reached {
             self.bend.note(arm, &workspace.x);
         }

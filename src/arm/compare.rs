@@ -4,7 +4,7 @@ use super::QueryError;
 use super::answer::Query;
 use super::arm::Arm;
 use super::options::Search;
-use super::workspace::{Errors, Workspace};
+use super::workspace::{ArmWorkspace, Errors};
 use crate::ik::Solution;
 use crate::lanes::{self, PoseOutcome};
 use crate::search::Found;
@@ -46,7 +46,7 @@ impl Arm {
 
     /// Runs attempts and sorts those that reach by their distance from the start. Whether all were
     /// run, or the clock cut them short.
-    pub(super) fn gather(&self, workspace: &mut Workspace, query: &Query<'_>) -> Termination {
+    pub(super) fn gather(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Termination {
         let n = self.joint_count();
         let wanted = self.attempts_at(query.target);
         let budget = self
@@ -103,7 +103,7 @@ impl Arm {
     /// the start. `ended` says how the gathering did.
     pub(super) fn nearest(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         query: &Query<'_>,
         ended: Termination,
     ) -> Found {
@@ -167,7 +167,7 @@ impl Arm {
     /// how the gathering did.
     pub(super) fn distinct(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         k: usize,
         distance: f64,
         ended: Termination,

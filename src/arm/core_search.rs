@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::answer::Query;
 use super::arm::Arm;
 use super::seed_table::SeedTable;
-use super::workspace::{Workspace, stopping};
+use super::workspace::{ArmWorkspace, stopping};
 use crate::ik::Restarts;
 use crate::lanes::{PoseOutcome, reduced};
 use crate::model::JointKind;
@@ -31,7 +31,7 @@ impl Arm {
     /// The core's search from the workspace's start: the start's own attempts, then the seeds whose tool
     /// stands nearest to the target, then random ones. Where one reaches, that is in the workspace's x;
     /// else the start is, and the best of all in its best.
-    pub(super) fn search_by_core(&self, workspace: &mut Workspace, query: &Query<'_>) -> Found {
+    pub(super) fn search_by_core(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Found {
         let attempts = self.attempts_at(query.target) as usize;
         let mut found = self.restart(workspace, query, attempts.min(OWN));
         // Where moves are bounded, seeds from all over the limits are far outside.
@@ -58,7 +58,7 @@ impl Arm {
     }
 
     /// An attempt from each of the nearest seeds, until one reaches; the best is in x.
-    fn try_seeds(&self, workspace: &mut Workspace, query: &Query<'_>, most: usize) -> Found {
+    fn try_seeds(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, most: usize) -> Found {
         self.look_up_seeds(workspace, most);
         let mut found = Found::default();
         for turn in 0..workspace.rows.len() {
@@ -81,7 +81,7 @@ impl Arm {
     /// One attempt from the workspace's x, which is then where it ended.
     fn attempt_by_core(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         query: &Query<'_>,
         stopping: &Stopping,
     ) -> Found {
@@ -98,7 +98,7 @@ impl Arm {
     }
 
     /// Writes the rows of the seeds nearest to the target into the workspace's.
-    fn look_up_seeds(&self, workspace: &mut Workspace, most: usize) {
+    fn look_up_seeds(&self, workspace: &mut ArmWorkspace, most: usize) {
         let table = self
             .seeds
             .get_or_init(|| SeedTable::new(&self.serial, workspace));
@@ -115,7 +115,7 @@ impl Arm {
     }
 
     /// Attempts from the workspace's start, beside it and anywhere, into the workspace's x.
-    fn restart(&self, workspace: &mut Workspace, query: &Query<'_>, attempts: usize) -> Found {
+    fn restart(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, attempts: usize) -> Found {
         let options = &self.options;
         let (steps, agreeing) = match (options.iterations, options.attempts_asked) {
             (Some(steps), true) => (steps as usize, usize::MAX),
@@ -156,7 +156,7 @@ impl Arm {
     /// configurations found.
     pub(super) fn attempts_by_core(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         query: &Query<'_>,
         first: u32,
         count: u32,
@@ -193,7 +193,7 @@ impl Arm {
     }
 
     /// Adds whole turns to the workspace's x where joints can make them and nothing follows them.
-    fn unwrap_towards(&self, start: &[f64], workspace: &mut Workspace) {
+    fn unwrap_towards(&self, start: &[f64], workspace: &mut ArmWorkspace) {
         let (model, map) = (&self.serial.model, &self.serial.map);
         for (i, value) in workspace.x.iter_mut().enumerate() {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];

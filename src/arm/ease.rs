@@ -10,7 +10,7 @@
 use super::arm::Arm;
 use super::bend::Bend;
 use super::null_space::Factor;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 
 /// The share of a joint's half range from which on its limit pulls.
 const MIDDLE: f64 = 0.6;
@@ -83,13 +83,13 @@ pub(super) struct Easing<'e> {
     pub(super) share: f64,
     /// The longest motion of a joint, radians.
     pub(super) longest: f64,
-    /// What the workspace's [`factor_freely`](Workspace::factor_freely) gave at x, if that is known.
+    /// What the workspace's [`factor_freely`](ArmWorkspace::factor_freely) gave at x, if that is known.
     pub(super) free: Option<&'e Factor>,
 }
 
-impl Workspace {
+impl ArmWorkspace {
     /// Writes into `projected` the motion to ease from x that leaves the tool where it is, radians a joint.
-    /// The Jacobian at x is here (or [one](Workspace::take_twists) of its null space). Whether there is any.
+    /// The Jacobian at x is here (or [one](ArmWorkspace::take_twists) of its null space). Whether there is any.
     pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> bool {
         let mut pull = std::mem::take(&mut self.wanted);
         arm.pull(x, how.ease, &mut pull);

@@ -5,7 +5,7 @@ use super::arm::Arm;
 use super::follower::LONG_STEP;
 use super::options::Search;
 use super::settle::Settling;
-use super::workspace::{Errors, Workspace};
+use super::workspace::{ArmWorkspace, Errors};
 use crate::lanes;
 use crate::search::Found;
 use crate::solver::Termination;
@@ -18,7 +18,12 @@ impl Arm {
     /// in the workspace's x, then, for a target that it does not reach, the best of all attempts and
     /// the attempts that are left. A target that none reaches is answered by the start's own end,
     /// unless the arm searches everywhere on a miss.
-    pub(super) fn finish(&self, workspace: &mut Workspace, query: &Query<'_>, found: &mut Found) {
+    pub(super) fn finish(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+        found: &mut Found,
+    ) {
         if found.reached {
             return;
         }
@@ -52,8 +57,8 @@ impl Arm {
 
     /// Replaces an end far from the start by the nearest place that short steps from the start lead to, if that
     /// is near: an attempt's long steps may have led past it.
-    fn stay_near(&self, workspace: &mut Workspace, query: &Query<'_>, found: &mut Found) {
-        let moved = |workspace: &Workspace| self.longest_move(&workspace.start, &workspace.x).1;
+    fn stay_near(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
+        let moved = |workspace: &ArmWorkspace| self.longest_move(&workspace.start, &workspace.x).1;
         if moved(workspace) <= LONG_STEP {
             return;
         }
@@ -103,7 +108,7 @@ impl Arm {
 
     /// Settles from the workspace's best, then runs the attempts that are left and settles from their
     /// best; the lower of the two ends is in x and found.
-    fn search_elsewhere(&self, workspace: &mut Workspace, query: &Query<'_>, found: &mut Found) {
+    fn search_elsewhere(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
         workspace.x.copy_from_slice(&workspace.best);
         self.settle(workspace, query, found);
         let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
@@ -134,7 +139,7 @@ impl Arm {
         }
     }
 
-    fn settle(&self, workspace: &mut Workspace, query: &Query<'_>, found: &mut Found) {
+    fn settle(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
         let (termination, iterations) = workspace.settle(query.deadline);
         found.iterations += iterations;
         found.termination = termination;

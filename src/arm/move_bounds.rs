@@ -1,11 +1,11 @@
 //! The bounds of one question: the limits, or less where moves are bounded.
 
 use super::arm::Arm;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 
 impl Arm {
     /// Sets the workspace's bounds and its start, which is projected into the limits.
-    pub(super) fn bound_moves(&self, workspace: &mut Workspace, start: &[f64]) {
+    pub(super) fn bound_moves(&self, workspace: &mut ArmWorkspace, start: &[f64]) {
         self.set_start(workspace, start);
         match &self.options.max_move {
             Some(max_move) => {
@@ -22,7 +22,7 @@ impl Arm {
     }
 
     /// Sets the workspace's bounds alone, to the limits.
-    pub(super) fn bound_by_limits(&self, workspace: &mut Workspace) {
+    pub(super) fn bound_by_limits(&self, workspace: &mut ArmWorkspace) {
         workspace
             .question
             .lower
@@ -35,14 +35,14 @@ impl Arm {
 
     /// As [`bound_moves`](Self::bound_moves) for a step that moves no joint further than
     /// `radians`, a slide by the metres that weigh as much.
-    pub(super) fn bound_step(&self, workspace: &mut Workspace, start: &[f64], radians: f64) {
+    pub(super) fn bound_step(&self, workspace: &mut ArmWorkspace, start: &[f64], radians: f64) {
         self.bound_moves(workspace, start);
         let max_move = self.options.max_move.as_deref();
         let most = |i: usize| max_move.map_or(f64::INFINITY, |most| most[i]);
         self.narrow(workspace, |i| (radians / self.scale[i]).min(most(i)));
     }
 
-    fn set_start(&self, workspace: &mut Workspace, start: &[f64]) {
+    fn set_start(&self, workspace: &mut ArmWorkspace, start: &[f64]) {
         let map = &self.serial.map;
         for (i, value) in workspace.start.iter_mut().enumerate() {
             *value = start[i].max(map.lower()[i]).min(map.upper()[i]);
@@ -50,7 +50,7 @@ impl Arm {
     }
 
     /// Bounds the question to so much from the workspace's start, a joint.
-    fn narrow(&self, workspace: &mut Workspace, most: impl Fn(usize) -> f64) {
+    fn narrow(&self, workspace: &mut ArmWorkspace, most: impl Fn(usize) -> f64) {
         let map = &self.serial.map;
         for i in 0..self.joint_count() {
             let (start, most) = (workspace.start[i], most(i));

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
 use super::arm::Arm;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 
 /// What is added to J Jᵀ, as a share of its trace, so that it can be factored.
 const NO_RANK: f64 = 1e-14;
@@ -17,7 +17,7 @@ pub(super) struct Factor {
     least: f64,
 }
 
-impl Workspace {
+impl ArmWorkspace {
     /// Writes into `projected` what of `motion` leaves the tool where it is: (1 − Jᵀ (J Jᵀ + δ²)⁻¹ J) motion,
     /// both in radians a joint, a slide's by the metres that weigh as much. Directions that move the
     /// tool by far less than `blunt` (δ, metres a radian) count as leaving it. Joints on a bound of the

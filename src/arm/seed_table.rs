@@ -2,7 +2,7 @@
 //! target for chains that the lane engine's atlas does not know.
 
 use super::serial::Serial;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 use crate::model::Limits;
 use crate::problem::Question;
 use crate::spatial::Placement;
@@ -21,7 +21,7 @@ pub(super) struct SeedTable {
 
 impl SeedTable {
     /// Samples the chain by Roberts's R sequence, which fills a box more evenly than random numbers.
-    pub(super) fn new(serial: &Serial, workspace: &mut Workspace) -> Self {
+    pub(super) fn new(serial: &Serial, workspace: &mut ArmWorkspace) -> Self {
         let n = serial.map.variables();
         // The root of x^(n + 1) = x + 1, halved towards; steps are its inverse powers.
         let (mut low, mut high) = (1.0_f64, 2.0_f64);

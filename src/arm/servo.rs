@@ -12,7 +12,7 @@ use super::follower::{LONG_STEP, LONGEST_EASE};
 use super::move_bounds::within;
 use super::pose_question::PoseQuestion;
 use super::settle::Settling;
-use super::workspace::{Errors, Workspace};
+use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
 use crate::ik::Side;
 use crate::solver::Termination;
@@ -92,7 +92,7 @@ impl<'s> ServoStep<'s> {
 #[derive(Debug)]
 pub struct Servo<'a> {
     arm: &'a Arm,
-    workspace: Workspace,
+    workspace: ArmWorkspace,
     time_step: f64,
     /// Radians or metres a second, infinite for a joint without one.
     velocity_limits: Vec<f64>,
@@ -132,7 +132,7 @@ impl Arm {
         let start: Vec<f64> = clamped.map(|(q, (l, u))| q.max(*l).min(*u)).collect();
         let mut servo = Servo {
             arm: self,
-            workspace: Workspace::new(&self.serial, &self.options)?,
+            workspace: ArmWorkspace::new(&self.serial, &self.options)?,
             time_step,
             velocity_limits: self.velocity_limits.clone(),
             damping: 0.0,
@@ -296,7 +296,7 @@ impl Servo<'_> {
     /// What holds the joints, and how the tick stands.
     fn look(&mut self, errors: Errors, ended: Termination) -> ServoStatus {
         let negligible = self.workspace.take_slope();
-        let Workspace {
+        let ArmWorkspace {
             x,
             question: PoseQuestion { lower, upper, .. },
             gradient,

@@ -15,7 +15,7 @@ use std::time::Instant;
 use nalgebra::{Matrix6, Vector6};
 
 use super::null_space::add_square;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 use crate::solver::Termination;
 
 /// Times that the damping is raised where a step does not lower the cost.
@@ -40,7 +40,7 @@ pub(super) struct Settling {
     pub(super) deadline: Option<Instant>,
 }
 
-impl Workspace {
+impl ArmWorkspace {
     /// Lowers the cost from x (within the bounds) and says how that ended and after how many steps.
     /// Nothing is allocated.
     pub(super) fn settle_near(&mut self, how: &Settling) -> (Termination, usize) {

@@ -5,7 +5,7 @@ use super::arm::Arm;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
 use super::settle::Settling;
-use super::workspace::Workspace;
+use super::workspace::ArmWorkspace;
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
 use crate::search::Found;
@@ -142,7 +142,7 @@ impl Arm {
     /// poses, each without a long move; the iterations that took, none if it ends half-way.
     fn go_by_fractions(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         lanes: &PoseSolver,
         target: &Placement<f64>,
     ) -> Option<usize> {
@@ -160,7 +160,7 @@ impl Arm {
             } else {
                 *target
             };
-            let Workspace { x, trial, .. } = workspace;
+            let ArmWorkspace { x, trial, .. } = workspace;
             let outcome = lanes.own_attempt(&pose, x, None, trial);
             iterations += outcome.iterations as usize;
             if outcome.reached && self.longest_move(x, trial).1 <= SETTLING_STEP {

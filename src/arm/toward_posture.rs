@@ -11,7 +11,7 @@ use std::time::Instant;
 use nalgebra::{Matrix6, Vector6};
 
 use super::arm::Arm;
-use super::workspace::{Errors, Workspace};
+use super::workspace::{ArmWorkspace, Errors};
 
 /// Steps towards the wanted configuration.
 const STEPS: usize = 40;
@@ -29,7 +29,7 @@ impl Arm {
     /// tolerances or the bounds, and never ends farther away.
     pub(super) fn descend(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut ArmWorkspace,
         wanted: &[f64],
         deadline: Option<Instant>,
     ) {
@@ -82,7 +82,7 @@ impl Arm {
     }
 
     /// Brings the workspace's trial back to the pose; whether it came there.
-    fn correct(&self, workspace: &mut Workspace) -> bool {
+    fn correct(&self, workspace: &mut ArmWorkspace) -> bool {
         for _ in 0..CORRECTIONS {
             let trial = std::mem::take(&mut workspace.trial);
             let errors = workspace.judge(&trial);
@@ -94,7 +94,7 @@ impl Arm {
             workspace.projected.copy_from_slice(&trial);
             self.project(workspace, &trial, &residual);
             workspace.trial = trial;
-            let Workspace {
+            let ArmWorkspace {
                 trial, projected, ..
             } = workspace;
             trial.copy_from_slice(projected);
@@ -107,7 +107,7 @@ impl Arm {
 
     /// Replaces the workspace's `projected` by its projection onto the bounds and the pose linearised at
     /// x, where the residual is given and the Jacobian is on the workspace.
-    fn project(&self, workspace: &mut Workspace, x: &[f64], residual: &[f64; 6]) {
+    fn project(&self, workspace: &mut ArmWorkspace, x: &[f64], residual: &[f64; 6]) {
         let weights = &self.options.weights;
         let n = x.len();
         let mut y = Vector6::<f64>::zeros();

@@ -38,7 +38,7 @@ pub(super) fn stopping() -> Stopping {
 
 /// What the slower ways need: the pose as a core problem, and room.
 #[derive(Debug)]
-pub(super) struct Workspace {
+pub(super) struct ArmWorkspace {
     pub(super) question: PoseQuestion,
     scratch: Scratch,
     pub(super) memory: SolverState,
@@ -94,7 +94,7 @@ pub(super) struct Workspace {
     metres_per_radian: f64,
 }
 
-impl Workspace {
+impl ArmWorkspace {
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
         let question = PoseQuestion::new(serial, options)?;
         let problem = &question.problem;
