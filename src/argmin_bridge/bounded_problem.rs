@@ -9,7 +9,7 @@ use super::solution::{Place, solution_at};
 use crate::ik::{Solution, SolveError};
 use crate::problem::{Evaluation, Question};
 use crate::search::variables_at;
-use crate::solver::{LeastSquares, project};
+use crate::solver::LeastSquares;
 
 /// How far the corners of a first simplex stand from the start, as a share of the range.
 const SIMPLEX_SIZE: f64 = 0.1;
@@ -121,7 +121,7 @@ impl CostFunction for BoundedProblem<'_> {
         check_length(x.len(), question.variables())?;
         Ok(self.pool.with(question, |buffers| {
             buffers.x.copy_from_slice(x.as_slice());
-            project(&mut buffers.x, question.lower(), question.upper());
+            question.space().project(&mut buffers.x);
             Evaluation::new(question, &mut buffers.scratch)
                 .residual(&buffers.x, &mut buffers.residual);
             buffers.cost()

@@ -10,7 +10,7 @@ use super::pool::{Buffers, Pool};
 use crate::ik::Solution;
 use crate::problem::{Evaluation, Question, Share};
 use crate::search::End;
-use crate::solver::{Counts, LeastSquares, SolverState, Stopping, Termination, project};
+use crate::solver::{Counts, LeastSquares, SolverState, Stopping, Termination};
 
 /// What an argmin state holds as its parameters: a vector, or a particle of a swarm.
 pub trait Place {
@@ -46,7 +46,7 @@ pub(super) fn solution_at<I: State>(
             ..
         } = buffers;
         at.copy_from_slice(x);
-        project(at, question.lower(), question.upper());
+        question.space().project(at);
         Evaluation::new(question, scratch).residual(at, residual);
         let end = End {
             question,

@@ -12,7 +12,7 @@ use super::{ArmError, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
 use crate::model::{JointId, JointKind, Limits};
-use crate::problem::Names;
+use crate::problem::ReportNames;
 use crate::spatial::Placement;
 
 /// An arm that answers pose questions. It never changes, and is `Send` and `Sync`: share it.
@@ -31,7 +31,7 @@ pub struct Arm {
     pub(super) options: Options,
     pub(super) lanes: Option<PoseSolver>,
     pub(super) coordinates: Coordinates,
-    pub(super) names: Arc<Names>,
+    pub(super) names: Arc<ReportNames>,
     /// What a radian or metre of each joint counts as, radians.
     pub(super) scale: Vec<f64>,
     /// One a joint, infinite for none.
@@ -57,7 +57,7 @@ impl Arm {
         let leader = |&c: &usize| serial.model.moving_joints()[c];
         let leaders = serial.map.leaders().iter();
         let turns = |id: JointId| serial.model.joints()[id.index()].kind != JointKind::Prismatic;
-        let names = Names {
+        let names = ReportNames {
             model: serial.model.name().to_owned(),
             length_unit: serial.model.length_unit(),
             variables: leaders.clone().map(|c| joint(&leader(c))).collect(),
@@ -94,10 +94,10 @@ impl Arm {
         lanes: Option<PoseSolver>,
         coordinates: Coordinates,
         velocity_limits: Vec<f64>,
-        names: Arc<Names>,
+        names: Arc<ReportNames>,
     ) -> Result<Self, ArmError> {
         let workspace = ArmWorkspace::new(&serial, &options)?;
-        let names = Names {
+        let names = ReportNames {
             anchors: workspace.question.problem.names().anchors.clone(),
             ..(*names).clone()
         };

@@ -73,8 +73,8 @@ struct PointLayout<'a> {
 impl<'a> PointLayout<'a> {
     fn new(question: Question<'a>) -> Self {
         let tree = question.tree();
-        let bounds = question.lower().iter().zip(question.upper());
-        let near_zero: Vec<f64> = bounds.map(|(l, u)| 0.0_f64.max(*l).min(*u)).collect();
+        let mut near_zero = vec![0.0; question.variables()];
+        question.space().project(&mut near_zero);
         let mut state = TreeState::new(tree);
         tree.forward(&near_zero, &mut state);
         let mut layout = Self {

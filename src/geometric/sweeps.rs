@@ -8,7 +8,6 @@ use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, Attempts, End, Engine, Schedule, run, variables_at};
 use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, SolverState, Stopping, Termination, half_squared,
-    project,
 };
 
 /// A sweep that lowers the cost by no more than this share has hardly changed it, …
@@ -168,7 +167,7 @@ impl Engine for Sweeps<'_> {
     fn attempt(&mut self, start: &[f64], stopping: &Stopping) -> Attempt {
         let question = self.question;
         self.x.copy_from_slice(start);
-        project(&mut self.x, question.lower(), question.upper());
+        question.space().project(&mut self.x);
         let (mut best, mut reached) = (f64::INFINITY, false);
         let (mut index, mut step, mut flat) = (0, 0.0, 0);
         let mut milestone = (0, f64::INFINITY);

@@ -5,7 +5,7 @@ use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::check_start;
-use crate::solver::{Stopping, Termination, project};
+use crate::solver::{ConfigurationSpace, Stopping, Termination};
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless told otherwise, in radians: 9 rad/s at 60 frames a
@@ -232,7 +232,7 @@ impl Drag {
     pub fn stand_at(&mut self, q: &[f64]) -> Result<(), SolveError> {
         check_start(&self.problem, q)?;
         self.problem.parameters().gather(q, &mut self.x);
-        project(&mut self.x, self.problem.lower(), self.problem.upper());
+        Question::from(&self.problem).space().project(&mut self.x);
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.x, &mut self.q);
         self.misses = 0;
@@ -319,7 +319,8 @@ impl Drag {
                 *value += self.unit[j] * NUDGE * aside;
             }
         }
-        project(start, &self.around[0], &self.around[1]);
+        let [from, to] = &self.around;
+        ConfigurationSpace::new(from, to).project(start);
         map.scatter_within_limits(start, &mut self.q);
         let question = near(&self.problem, &self.targets, &self.around);
         solve(&self.nudged, question, &self.q, &mut self.trial);

@@ -13,8 +13,8 @@ use nalgebra::DMatrix;
 
 use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::solver::{
-    AnyMethod, Counts, HeldStep, Iteration, LeastSquares, LevenbergMarquardt, Observer, Room,
-    Silent, SolverState, Stopping, Termination, half_squared, negligible_slope, project,
+    AnyMethod, Counts, HeldStep, Iteration, LeastSquares, LevenbergMarquardt, Observer, Silent,
+    SolverState, StepBounds, Stopping, Termination, half_squared, negligible_slope,
 };
 
 /// Steps along the goals, …
@@ -229,10 +229,9 @@ impl Refinement {
             let mut share = longest.min(slope / (bend * stiffness));
             let mut gained = None;
             for _ in 0..halvings {
-                for ((trial, x), step) in self.trial.iter_mut().zip(&self.x).zip(&self.direction) {
-                    *trial = x + share * step;
-                }
-                project(&mut self.trial, question.lower(), question.upper());
+                let space = question.space();
+                space.integrate_share(&self.x, share, &self.direction, &mut self.trial);
+                space.project(&mut self.trial);
                 let back = match from.reached {
                     true => self.correct(question, scratch, &mut done.counts),
                     false => self.settle(question, scratch, memory, limits, &mut done.counts),
@@ -260,8 +259,7 @@ impl Refinement {
                 }
                 return done;
             };
-            let moves = self.trial.iter().zip(&self.x).map(|(a, b)| (a - b).abs());
-            moved = moves.fold(0.0, f64::max);
+            moved = question.space().distance(&self.trial, &self.x);
             std::mem::swap(&mut self.x, &mut self.trial);
             std::mem::swap(&mut self.best, &mut self.last_best);
             cost = now;
@@ -285,14 +283,8 @@ impl Refinement {
         let (slope, column_norm) = memory.slope_at(&mut goals, from.x, from.residual);
         let cost = half_squared(from.residual);
         let negligible = negligible_slope(column_norm, cost, &limits.stopping);
-        let bounds = question.lower().iter().zip(question.upper());
-        for ((fixed, (x, slope)), (lower, upper)) in self
-            .fixed
-            .iter_mut()
-            .zip(from.x.iter().zip(slope))
-            .zip(bounds)
-        {
-            *fixed = (x <= lower && *slope > negligible) || (x >= upper && *slope < -negligible);
+        for (j, fixed) in self.fixed.iter_mut().enumerate() {
+            *fixed = question.space().holds(j, from.x[j], slope[j], negligible);
         }
     }
 
@@ -331,17 +323,16 @@ impl Refinement {
             self.take_curvature(question, scratch, counts);
             &self.curvature
         };
-        let room = Room {
+        let within = StepBounds {
             x: &self.x,
-            lower: question.lower(),
-            upper: question.upper(),
+            space: question.space(),
             fixed: &self.fixed,
         };
         self.step.pull(
             held,
             &self.pull_jacobian,
             &self.pulls,
-            &room,
+            &within,
             &mut self.best,
         );
         let [effect, _] = &mut self.effects;
@@ -444,19 +435,18 @@ impl Refinement {
             goals.jacobian(&self.trial, &mut self.goal_jacobian);
             counts.jacobians += 1;
             release(question, &mut self.goal_jacobian);
-            let room = Room {
+            let within = StepBounds {
                 x: &self.trial,
-                lower: question.lower(),
-                upper: question.upper(),
+                space: question.space(),
                 fixed: &self.fixed,
             };
             let (held, miss) = (&self.goal_jacobian, &self.goals);
             let back = &mut self.goal_slopes[0];
-            self.step.restore(held, miss, &room, back);
+            self.step.restore(held, miss, &within, back);
             for (trial, step) in self.trial.iter_mut().zip(back) {
                 *trial += *step;
             }
-            project(&mut self.trial, question.lower(), question.upper());
+            question.space().project(&mut self.trial);
         }
         false
     }

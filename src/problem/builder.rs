@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
-use super::{Derivatives, Names, Preferences, Problem, ProblemError, Targets, TaskId};
+use super::{Derivatives, Preferences, Problem, ProblemError, ReportNames, Targets, TaskId};
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
 use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
@@ -170,7 +170,7 @@ impl<'m> ProblemBuilder<'m> {
             .clone()
             .map(|variable| model.sampling_spread(leading_joint(variable), reach))
             .collect();
-        let names = Names {
+        let names = ReportNames {
             model: model.name().to_owned(),
             length_unit: model.length_unit(),
             variables: (variables.clone())

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::compiled_task::CompiledTask;
-use super::{Derivatives, Names, Problem, Question, Share};
+use super::{Derivatives, Problem, Question, ReportNames, Share};
 use crate::kinematics::{Partials, Tree, TreeState, Wrench, Wrenches};
 use crate::model::Source;
 use crate::scalar::elementary;
@@ -18,7 +18,7 @@ use crate::task::{CHUNK, DualScratch, ErasedResidual, LocalJacobian};
 #[derive(Clone, Debug)]
 pub struct Scratch {
     /// Tells the problem that this memory was made for.
-    owner: Arc<Names>,
+    owner: Arc<ReportNames>,
     state: TreeState<f64>,
     /// The x of the last forward pass; NaN before the first.
     at: Vec<f64>,
@@ -338,6 +338,7 @@ impl<'a> Evaluation<'a> {
         if !central {
             self.residual(x, behind);
         }
+        let space = self.question.space();
         let relative_step = if central {
             elementary::cbrt(f64::EPSILON)
         } else {
@@ -345,13 +346,10 @@ impl<'a> Evaluation<'a> {
         };
         for k in 0..x.len() {
             let step = relative_step * x[k].abs().max(1.0);
-            // The step that was really taken, after rounding.
-            shifted[k] = x[k] + step;
-            let mut taken = shifted[k] - x[k];
+            let mut taken = space.integrate_one(x, k, step, &mut shifted);
             self.residual(&shifted, ahead);
             if central {
-                shifted[k] = x[k] - step;
-                taken += x[k] - shifted[k];
+                taken -= space.integrate_one(x, k, -step, &mut shifted);
                 self.residual(&shifted, behind);
             }
             shifted[k] = x[k];

@@ -18,7 +18,7 @@ pub use builder::ProblemBuilder;
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
-pub(crate) use names::Names;
+pub(crate) use names::ReportNames;
 pub use preferences::Preferences;
 pub(crate) use preferences::Share;
 pub use question::Question;
@@ -68,7 +68,7 @@ impl<R> Copy for TaskId<R> {}
 /// threads solve one problem, each with [`Targets`] of its own.
 #[derive(Clone)]
 pub struct Problem {
-    names: Arc<Names>,
+    names: Arc<ReportNames>,
     map: ParameterMap,
     tree: Tree,
     tasks: Vec<CompiledTask>,
@@ -288,7 +288,7 @@ impl Problem {
         &self.tasks
     }
 
-    pub(crate) fn names(&self) -> &Arc<Names> {
+    pub(crate) fn names(&self) -> &Arc<ReportNames> {
         &self.names
     }
 
@@ -328,7 +328,6 @@ impl Problem {
         self.moving = moving;
     }
 
-    /// The variables that a task feels.
     /// Sweeps pass every joint and frame once, where each frame by itself passes all joints that move it.
     fn choose_sweeps(&mut self) {
         let Self { tree, tasks, .. } = self;
@@ -339,6 +338,7 @@ impl Problem {
         }
     }
 
+    /// The variables that a task depends on.
     fn variables_moving<'a>(&'a self, task: &'a CompiledTask) -> impl Iterator<Item = usize> + 'a {
         let by_frames = task
             .frames

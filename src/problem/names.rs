@@ -6,7 +6,7 @@ use crate::model::LengthUnit;
 /// Names of a problem's parts, by index.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Names {
+pub(crate) struct ReportNames {
     pub(crate) model: String,
     pub(crate) length_unit: LengthUnit,
     /// The joint that each variable moves directly.

@@ -3,6 +3,7 @@
 use super::{Problem, Scratch, Targets};
 use crate::kinematics::Tree;
 use crate::model::{Limits, ParameterMap};
+use crate::solver::ConfigurationSpace;
 use crate::task::ErasedResidual;
 
 /// One question to a [`Problem`]. A reference to a problem is one: with the targets that it was built
@@ -69,6 +70,12 @@ impl<'a> Question<'a> {
     #[must_use]
     pub fn upper(&self) -> &'a [f64] {
         self.upper
+    }
+
+    /// The space of the variables, within these bounds.
+    #[must_use]
+    pub fn space(&self) -> ConfigurationSpace<'a> {
+        ConfigurationSpace::new(self.lower, self.upper)
     }
 
     /// The same with other targets, which are of this problem.

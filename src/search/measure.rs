@@ -4,10 +4,8 @@ use std::sync::Arc;
 
 use super::solution::Blocked;
 use super::{BoundKind, RowsReport, Side, Solution};
-use crate::problem::{Evaluation, Names, Question, Scratch, Share};
-use crate::solver::{
-    SolverState, Stopping, half_squared, negligible_slope, projected_gradient_norm,
-};
+use crate::problem::{Evaluation, Question, ReportNames, Scratch, Share};
+use crate::solver::{SolverState, Stopping, half_squared, negligible_slope};
 use crate::task::{Quantity, Role};
 
 /// Where a search ended, and what is known of that place.
@@ -74,8 +72,8 @@ impl Solution {
         let mut evaluation = Evaluation::of(end.share, question, scratch);
         let (gradient, steepest) = memory.slope_at(&mut evaluation, x, end.searched);
         let negligible = negligible_slope(steepest, cost, stopping);
-        let (lower, upper) = (question.lower(), question.upper());
-        let left = |curvature| projected_gradient_norm(x, gradient, curvature, lower, upper);
+        let space = question.space();
+        let left = |curvature| space.projected_gradient_norm(x, gradient, curvature);
         if end.share != Share::All || self.projected_gradient.is_none() {
             self.projected_gradient = Some(left(1.0));
         }
@@ -92,7 +90,7 @@ impl Solution {
     /// Takes the errors of all tasks; what was known of a miss is forgotten.
     pub(crate) fn tell_errors(
         &mut self,
-        names: &Arc<Names>,
+        names: &Arc<ReportNames>,
         errors: impl Iterator<Item = RowsReport>,
     ) {
         self.rows.clear();

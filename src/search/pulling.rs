@@ -47,9 +47,7 @@ impl Pulls<'_> {
             }
         }
         for (j, slope) in slope.iter_mut().enumerate() {
-            let held = (x[j] <= question.lower()[j] && *slope > 0.0)
-                || (x[j] >= question.upper()[j] && *slope < 0.0);
-            if held {
+            if question.space().holds(j, x[j], *slope, 0.0) {
                 *slope = 0.0;
             }
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::attempts::Found;
 use super::beyond::Beyond;
-use crate::problem::Names;
+use crate::problem::ReportNames;
 use crate::scalar::elementary;
 use crate::solver::{Counts, Termination};
 use crate::task::{Quantity, Role};
@@ -145,7 +145,7 @@ pub struct Solution {
     /// The preferences that goals are traded off against, the strongest first.
     pub(crate) pulling: Vec<usize>,
     pub(super) beyond: Option<Beyond>,
-    pub(super) names: Option<Arc<Names>>,
+    pub(super) names: Option<Arc<ReportNames>>,
 }
 
 impl Default for Solution {

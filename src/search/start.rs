@@ -2,7 +2,6 @@
 
 use super::SolveError;
 use crate::problem::{Problem, Question};
-use crate::solver::project;
 
 /// A start must have one finite number for every coordinate that leads a variable.
 pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
@@ -30,6 +29,6 @@ pub(crate) fn variables_at(question: Question<'_>, q: &[f64]) -> Result<Vec<f64>
     check_start(problem, q)?;
     let mut x = vec![0.0; problem.variables()];
     problem.parameters().gather(q, &mut x);
-    project(&mut x, question.lower(), question.upper());
+    question.space().project(&mut x);
     Ok(x)
 }

@@ -193,14 +193,13 @@ impl Curvature {
         for &j in free {
             let step = RELATIVE_STEP * x[j].abs().max(1.0);
             // Into the bounds, where the problem is defined; a narrower range is crossed.
-            let above = problem.upper()[j] - x[j];
-            let below = x[j] - problem.lower()[j];
-            room.x[j] = if above >= below {
-                x[j] + step.min(above)
-            } else {
-                x[j] - step.min(below)
+            let space = problem.space();
+            let (below, above) = space.room(x, j);
+            let step = match above >= below {
+                true => step.min(above),
+                false => -step.min(below),
             };
-            let taken = room.x[j] - x[j];
+            let taken = space.integrate_one(x, j, step, &mut room.x);
             room.gradient(problem);
             room.x[j] = x[j];
             for &k in free {

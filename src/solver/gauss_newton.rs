@@ -46,11 +46,11 @@ pub struct GaussNewtonState {
     /// α of the last step.
     length: f64,
     #[cfg_attr(feature = "argmin", serde(skip))]
-    room: Room,
+    buffers: Buffers,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Room {
+struct Buffers {
     /// Δ, or the damped step.
     direction: Vec<f64>,
     orthogonal: CompleteOrthogonal,
@@ -70,10 +70,10 @@ impl Method for GaussNewton {
 
     fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {
         own.length = 0.0;
-        own.room.direction.clear();
-        own.room.direction.reserve(variables);
-        own.room.orthogonal.reserve(rows, variables);
-        own.room.normal.reserve(rows, variables);
+        own.buffers.direction.clear();
+        own.buffers.direction.reserve(variables);
+        own.buffers.orthogonal.reserve(rows, variables);
+        own.buffers.normal.reserve(rows, variables);
     }
 
     fn begin(&self, own: &mut Self::State, _: &SolverState) {
@@ -81,11 +81,11 @@ impl Method for GaussNewton {
     }
 
     fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
-        let Room {
+        let Buffers {
             direction,
             orthogonal,
             normal,
-        } = &mut own.room;
+        } = &mut own.buffers;
         orthogonal.factorise(&at.jacobian, &at.free, self.rank_tolerance);
         direction.clear();
         direction.resize(at.x.len(), 0.0);

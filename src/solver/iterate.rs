@@ -2,10 +2,9 @@
 
 use std::ops::Deref;
 
-use super::active_set::project;
 use super::linear::add_scaled;
 use super::state::half_squared;
-use super::{LeastSquares, SolverState};
+use super::{ConfigurationSpace, LeastSquares, SolverState};
 
 /// A step that changes the cost by no more than this share of it has hardly changed it.
 const FLAT: f64 = 1e-13;
@@ -29,16 +28,10 @@ impl Deref for Iterate<'_> {
 }
 
 impl Iterate<'_> {
-    /// Lower bounds of x.
+    /// The space that x is from, with its bounds.
     #[must_use]
-    pub fn lower(&self) -> &[f64] {
-        self.problem.lower()
-    }
-
-    /// Upper bounds of x.
-    #[must_use]
-    pub fn upper(&self) -> &[f64] {
-        self.problem.upper()
+    pub fn space(&self) -> ConfigurationSpace<'_> {
+        self.problem.space()
     }
 
     /// The step Δ, to write; it still holds the last one.
@@ -49,13 +42,10 @@ impl Iterate<'_> {
     /// Projects the trial x + Δ into the bounds, and makes Δ what is left of the way there.
     pub fn project_step(&mut self) {
         let SolverState { x, step, trial, .. } = &mut *self.at;
-        for ((trial, &x), &step) in trial.iter_mut().zip(&*x).zip(&*step) {
-            *trial = x + step;
-        }
-        project(trial, self.problem.lower(), self.problem.upper());
-        for ((step, &trial), &x) in step.iter_mut().zip(&*trial).zip(&*x) {
-            *step = trial - x;
-        }
+        let space = self.problem.space();
+        space.integrate(x, step, trial);
+        space.project(trial);
+        space.difference(trial, x, step);
     }
 
     /// ½‖r + J Δ‖²: what the linear model promises of the step. Overwrites the trial's residual.

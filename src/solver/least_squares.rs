@@ -2,6 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::ConfigurationSpace;
+
 /// A residual r(x) with bounds on x. Implementations keep their own scratch memory, hence `&mut`.
 pub trait LeastSquares {
     /// n, the length of x.
@@ -15,6 +17,11 @@ pub trait LeastSquares {
 
     /// Upper bounds, n numbers, each at least its lower bound; ∞ where there is none.
     fn upper(&self) -> &[f64];
+
+    /// The space that x is from.
+    fn space(&self) -> ConfigurationSpace<'_> {
+        ConfigurationSpace::new(self.lower(), self.upper())
+    }
 
     /// Writes r(x), m numbers. `x` is always within the bounds, except for finite differences.
     fn residual(&mut self, x: &[f64], residual: &mut [f64]);

@@ -74,11 +74,11 @@ pub struct LevenbergMarquardtState {
     per_cost: f64,
     curvature: Curvature,
     #[cfg_attr(feature = "argmin", serde(skip))]
-    room: Room,
+    buffers: Buffers,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Room {
+struct Buffers {
     /// Kept while x stays, so that a refused step costs one factorisation.
     normal: DampedNormal,
     curved: CurvedNormal,
@@ -102,7 +102,7 @@ impl Method for LevenbergMarquardt {
     fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {
         (own.damping, own.growth, own.per_cost) = (0.0, 0.0, 0.0);
         own.curvature.reset(variables);
-        own.room.reserve(rows, variables);
+        own.buffers.reserve(rows, variables);
     }
 
     fn begin(&self, own: &mut Self::State, at: &SolverState) {
@@ -117,7 +117,7 @@ impl Method for LevenbergMarquardt {
     fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
         own.learn_curvature(at);
         if !own.solve_curved(at) {
-            own.room.normal.step(at.at, own.damping);
+            own.buffers.normal.step(at.at, own.damping);
         }
         at.project_step();
         let linear = at.model_cost();
@@ -152,7 +152,7 @@ impl Method for LevenbergMarquardt {
             return Step::Refused;
         }
         own.curvature.note(at, linear, trial_cost);
-        own.room.normal.forget();
+        own.buffers.normal.forget();
         at.accept();
         Step::Taken
     }
@@ -166,7 +166,7 @@ impl Method for LevenbergMarquardt {
     }
 }
 
-impl Room {
+impl Buffers {
     fn reserve(&mut self, rows: usize, variables: usize) {
         self.normal.reserve(rows, variables);
         self.curved.reserve(rows, variables);
@@ -179,7 +179,7 @@ impl LevenbergMarquardtState {
     fn learn_curvature(&mut self, iterate: &mut Iterate<'_>) {
         let Iterate { problem, at } = iterate;
         if self.curvature.wants_differences(at.cost, at.column_norm) {
-            let room = &mut self.room.differences;
+            let room = &mut self.buffers.differences;
             let taken = self.curvature.take(*problem, at, room);
             at.counts.residuals += taken;
             at.counts.gradients += taken;
@@ -209,12 +209,12 @@ impl LevenbergMarquardtState {
             gradient,
             free,
             x,
-            bounds: (iterate.problem.lower(), iterate.problem.upper()),
+            space: iterate.problem.space(),
         };
         let least = LEAST_CONVEX_DAMPING * *column_norm * *column_norm;
         let mut damping = self.damping;
         for _ in 0..MOST_CONVEX_TRIALS {
-            if self.room.curved.minimise(&model, damping, step) {
+            if self.buffers.curved.minimise(&model, damping, step) {
                 self.damping = damping;
                 return true;
             }

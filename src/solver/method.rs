@@ -95,10 +95,10 @@ impl<M: Method> AnyMethod for M {
         state: &mut SolverState,
     ) -> Outcome {
         // Out of its room for the search, so that both can change.
-        let mut own = state.room.take::<M::State>();
+        let mut own = state.pool.take::<M::State>();
         let limits = (stopping, deadline);
         let outcome = search(problem, (self, &mut own), start, limits, observer, state);
-        state.room.keep(own);
+        state.pool.keep(own);
         outcome
     }
 }

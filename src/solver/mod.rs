@@ -3,7 +3,7 @@
 //! Solvers know no robots: they see a [`LeastSquares`]. A [`Method`] is one step; the loop around
 //! it ([`minimise`]) counts, observes and stops for all of them.
 
-mod active_set;
+mod configuration_space;
 mod curvature;
 mod gauss_newton;
 mod iterate;
@@ -21,13 +21,12 @@ mod snapshot;
 mod state;
 mod stopping;
 
-pub use active_set::project;
-pub(crate) use active_set::projected_gradient_norm;
+pub use configuration_space::ConfigurationSpace;
 pub use gauss_newton::{GaussNewton, GaussNewtonState};
 pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt, LevenbergMarquardtState};
-pub(crate) use linear::{HeldStep, Room};
+pub(crate) use linear::{HeldStep, StepBounds};
 pub use method::{AnyMethod, Method, Step};
 pub use minimise::{Outcome, minimise};
 pub use observer::{Iteration, Observer, Silent};

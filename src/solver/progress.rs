@@ -1,6 +1,5 @@
 //! The progress of one search in single steps: what the loop here and executors of others share.
 
-use super::state::has_bounds_for_all;
 use super::{Iterate, LeastSquares, Method, SolverState, Step, Stopping, Termination};
 
 /// After so many steps in a row that hardly change the cost no further one makes sense.
@@ -33,7 +32,7 @@ impl Progress {
         state.start_at(problem, start);
         let usable = start.len() == problem.variables()
             && start.iter().all(|v| v.is_finite())
-            && has_bounds_for_all(problem);
+            && problem.space().is_of(start.len());
         usable.then_some(Self {
             iterations: 0,
             projected_gradient: None,

@@ -52,7 +52,8 @@ impl Default for ProjectedGradient {
 pub struct ProjectedGradientState {
     /// σ.
     length: f64,
-    previous_x: Vec<f64>,
+    /// s, the last step.
+    step: Vec<f64>,
     previous_gradient: Vec<f64>,
     /// Costs of the last steps, newest last.
     recent_costs: Vec<f64>,
@@ -74,7 +75,7 @@ impl Method for ProjectedGradient {
 
     fn reserve(&self, own: &mut Self::State, _rows: usize, variables: usize) {
         own.length = 0.0;
-        for vector in [&mut own.previous_x, &mut own.previous_gradient] {
+        for vector in [&mut own.step, &mut own.previous_gradient] {
             vector.clear();
             vector.resize(variables, 0.0);
         }
@@ -104,7 +105,6 @@ impl Method for ProjectedGradient {
                 (own.length, worst)
             }
         };
-        own.previous_x.copy_from_slice(&at.x);
         own.previous_gradient.copy_from_slice(&at.gradient);
 
         let downhill = |at: &SolverState, j: usize| -at.gradient[j];
@@ -112,6 +112,7 @@ impl Method for ProjectedGradient {
         let Some((sigma, cost)) = found else {
             return Step::Stuck;
         };
+        own.step.copy_from_slice(&at.step);
         at.accept();
         own.length = sigma;
         if self.first_step == FirstStep::BarzilaiBorwein {
@@ -125,7 +126,7 @@ impl Method for ProjectedGradient {
     }
 
     fn fits(&self, own: &Self::State, variables: usize) -> bool {
-        own.previous_x.len() == variables && own.previous_gradient.len() == variables
+        own.step.len() == variables && own.previous_gradient.len() == variables
     }
 }
 
@@ -141,7 +142,7 @@ impl ProjectedGradientState {
     fn spectral_step(&self, at: &SolverState) -> Option<f64> {
         let (mut ss, mut sy) = (0.0, 0.0);
         for j in 0..at.x.len() {
-            let s = at.x[j] - self.previous_x[j];
+            let s = self.step[j];
             let y = at.gradient[j] - self.previous_gradient[j];
             ss += s * s;
             sy += s * y;

@@ -6,7 +6,6 @@ use std::ops::AddAssign;
 use nalgebra::DMatrix;
 
 use super::LeastSquares;
-use super::active_set::{list_free, project, projected_gradient_norm};
 use super::linear::dot;
 
 /// How often a problem was evaluated.
@@ -50,7 +49,7 @@ pub struct SolverState {
     pub(super) best_x: Vec<f64>,
     pub(super) best_cost: f64,
     pub(super) counts: Counts,
-    pub(super) room: MethodRoom,
+    pub(super) pool: StatePool,
 }
 
 impl Default for SolverState {
@@ -71,16 +70,16 @@ impl Default for SolverState {
             best_x: Vec::new(),
             best_cost: f64::INFINITY,
             counts: Counts::default(),
-            room: MethodRoom::default(),
+            pool: StatePool::default(),
         }
     }
 }
 
 /// The states of methods between searches, one of a type: room that the next search takes again.
 #[derive(Debug, Default)]
-pub(super) struct MethodRoom(Vec<Box<dyn Any + Send + Sync>>);
+pub(super) struct StatePool(Vec<Box<dyn Any + Send + Sync>>);
 
-impl MethodRoom {
+impl StatePool {
     /// The last search's state of this type, or a new one.
     pub(super) fn take<S: Any + Default>(&mut self) -> Box<S> {
         let last = self.0.iter().position(|state| state.is::<S>());
@@ -94,7 +93,7 @@ impl MethodRoom {
     }
 }
 
-impl Clone for MethodRoom {
+impl Clone for StatePool {
     /// Empty: what is kept is room, not knowledge.
     fn clone(&self) -> Self {
         Self::default()
@@ -191,9 +190,9 @@ impl SolverState {
         for (own, &given) in self.x.iter_mut().zip(start) {
             *own = if given.is_finite() { given } else { 0.0 };
         }
-        project(&mut self.x, problem.lower(), problem.upper());
+        problem.space().project(&mut self.x);
         self.cost = f64::INFINITY;
-        if has_bounds_for_all(problem) {
+        if problem.space().is_of(n) {
             problem.residual(&self.x, &mut self.residual);
             self.counts.residuals += 1;
             self.cost = half_squared(&self.residual);
@@ -262,13 +261,8 @@ impl SolverState {
     }
 
     fn list_free(&mut self, problem: &dyn LeastSquares) {
-        list_free(
-            &self.x,
-            &self.gradient,
-            problem.lower(),
-            problem.upper(),
-            &mut self.free,
-        );
+        let space = problem.space();
+        space.list_free(&self.x, &self.gradient, &mut self.free);
     }
 
     pub(super) fn projected_gradient_norm(&self, problem: &dyn LeastSquares) -> f64 {
@@ -276,8 +270,8 @@ impl SolverState {
     }
 
     fn projected_step_norm(&self, curvature: f64, problem: &dyn LeastSquares) -> f64 {
-        let (lower, upper) = (problem.lower(), problem.upper());
-        projected_gradient_norm(&self.x, &self.gradient, curvature, lower, upper)
+        let space = problem.space();
+        space.projected_gradient_norm(&self.x, &self.gradient, curvature)
     }
 
     /// s ‖proj(x − g/s²) − x‖∞ / ‖r‖ with s the largest column norm of J: the cosine between r and
@@ -304,12 +298,6 @@ impl SolverState {
             .into_iter()
             .all(|(s, x)| s.abs() <= tolerance * x.abs().max(1.0))
     }
-}
-
-/// Whether there is a bound on either side for every variable.
-pub(super) fn has_bounds_for_all(problem: &dyn LeastSquares) -> bool {
-    let n = problem.variables();
-    problem.lower().len() == n && problem.upper().len() == n
 }
 
 /// ½‖r‖².

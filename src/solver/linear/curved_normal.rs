@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::cholesky;
 use super::damped_normal::fill_inner_products;
 use super::dense::{add_scaled, dot};
+use crate::solver::ConfigurationSpace;
 
 /// The quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
 pub(in crate::solver) struct CurvedModel<'a> {
@@ -14,7 +15,7 @@ pub(in crate::solver) struct CurvedModel<'a> {
     pub(in crate::solver) gradient: &'a [f64],
     pub(in crate::solver) free: &'a [usize],
     pub(in crate::solver) x: &'a [f64],
-    pub(in crate::solver) bounds: (&'a [f64], &'a [f64]),
+    pub(in crate::solver) space: ConfigurationSpace<'a>,
 }
 
 /// Room for minimising a [`CurvedModel`].
@@ -55,7 +56,6 @@ impl CurvedNormal {
         damping: f64,
         step: &mut [f64],
     ) -> bool {
-        let (lower, upper) = model.bounds;
         step.fill(0.0);
         self.moving.clear();
         self.moving.extend_from_slice(model.free);
@@ -67,12 +67,10 @@ impl CurvedNormal {
             let unknown = &self.unknown;
             let mut solved = unknown.iter();
             self.moving.retain(|&j| {
-                let to = model.x[j] + solved.next().unwrap_or(&0.0);
-                let within = lower[j] <= to && to <= upper[j];
-                if !within {
-                    step[j] = to.clamp(lower[j], upper[j]) - model.x[j];
-                }
-                within
+                let wanted = *solved.next().unwrap_or(&0.0);
+                let stopped = model.space.stopped_step(model.x, j, wanted);
+                step[j] = stopped.unwrap_or(0.0);
+                stopped.is_none()
             });
             if self.moving.len() == before {
                 for (&j, &value) in self.moving.iter().zip(unknown) {

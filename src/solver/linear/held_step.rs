@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::cholesky;
 use super::dense::{add_scaled, dot};
+use crate::solver::ConfigurationSpace;
 
 /// What a variable that hardly any pull moves costs at least, as a share of the one that costs most.
 const LEAST_STIFFNESS: f64 = 1e-6;
@@ -18,10 +19,9 @@ const SHORTEST: f64 = 1e-15;
 
 /// The bounded variables of a step.
 #[derive(Clone, Copy)]
-pub(crate) struct Room<'a> {
+pub(crate) struct StepBounds<'a> {
     pub(crate) x: &'a [f64],
-    pub(crate) lower: &'a [f64],
-    pub(crate) upper: &'a [f64],
+    pub(crate) space: ConfigurationSpace<'a>,
     /// Variables that must not move.
     pub(crate) fixed: &'a [bool],
 }
@@ -128,7 +128,7 @@ impl HeldStep {
         held: &DMatrix<f64>,
         jacobian: &DMatrix<f64>,
         residual: &[f64],
-        room: &Room<'_>,
+        within: &StepBounds<'_>,
         step: &mut [f64],
     ) {
         let (holds, rows) = (held.nrows(), jacobian.nrows());
@@ -143,7 +143,7 @@ impl HeldStep {
         self.bias.resize(holds, 0.0);
         self.bias
             .extend(self.dense.iter().map(|&row| residual[row]));
-        self.solve(holds, room, step);
+        self.solve(holds, within, step);
     }
 
     /// Writes the shortest step, as the pulls' H measures it, with CΔ = −c for C = `held`.
@@ -151,7 +151,7 @@ impl HeldStep {
         &mut self,
         held: &DMatrix<f64>,
         miss: &[f64],
-        room: &Room<'_>,
+        within: &StepBounds<'_>,
         step: &mut [f64],
     ) {
         self.columns.clear();
@@ -159,18 +159,18 @@ impl HeldStep {
         self.bias.clear();
         self.bias.extend_from_slice(miss);
         self.slope.fill(0.0);
-        self.solve(held.nrows(), room, step);
+        self.solve(held.nrows(), within, step);
     }
 
     /// Newton's method on the concave dual of the step, D(w): for given w every variable's move is
     /// its own, −(g + Mᵀw)/H within its bounds, and D's slope is what the held rows and E then miss. It
     /// is exact once no move stops or starts again at a bound (Li & Li 2011, "Projections onto a box
     /// and hyperplanes").
-    fn solve(&mut self, holds: usize, room: &Room<'_>, step: &mut [f64]) {
+    fn solve(&mut self, holds: usize, within: &StepBounds<'_>, step: &mut [f64]) {
         let order = self.bias.len();
         self.unknown.clear();
         self.unknown.resize(order, 0.0);
-        self.take_moves(room, step);
+        self.take_moves(within, step);
         let mut height = self.height(holds, step);
         let strongest = (0..holds).map(|row| {
             let columns = self.columns.chunks_exact(order.max(1));
@@ -191,7 +191,7 @@ impl HeldStep {
             let risen = loop {
                 self.unknown.copy_from_slice(&self.start);
                 add_scaled(&mut self.unknown, share, &self.newton);
-                self.take_moves(room, step);
+                self.take_moves(within, step);
                 let now = self.height(holds, step);
                 if now >= height + ENOUGH * share * promised {
                     height = now;
@@ -210,14 +210,15 @@ impl HeldStep {
     }
 
     /// Every variable's own best move for the multipliers that are here.
-    fn take_moves(&mut self, room: &Room<'_>, step: &mut [f64]) {
+    fn take_moves(&mut self, within: &StepBounds<'_>, step: &mut [f64]) {
         let order = self.bias.len();
         self.standing.clear();
         for (j, step) in step.iter_mut().enumerate() {
             let column = &self.columns[j * order..(j + 1) * order];
             let free = -(self.slope[j] + dot(column, &self.unknown)) / self.stiffness[j];
-            let (least, most) = (room.lower[j] - room.x[j], room.upper[j] - room.x[j]);
-            let fixed = room.fixed[j] || least >= most;
+            let (down, up) = within.space.room(within.x, j);
+            let (least, most) = (-down, up);
+            let fixed = within.fixed[j] || least >= most;
             let held = free.max(least).min(most);
             *step = if fixed { 0.0 } else { held };
             self.standing.push(!fixed && held == free);

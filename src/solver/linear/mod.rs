@@ -13,4 +13,4 @@ pub(super) use complete_orthogonal::CompleteOrthogonal;
 pub(super) use curved_normal::{CurvedModel, CurvedNormal, multiply_symmetric, quadratic};
 pub(super) use damped_normal::DampedNormal;
 pub(super) use dense::{add_scaled, dot};
-pub(crate) use held_step::{HeldStep, Room};
+pub(crate) use held_step::{HeldStep, StepBounds};
