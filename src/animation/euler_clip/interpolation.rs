@@ -1,5 +1,7 @@
 //! How a bone's angles go from key to key: straight, or by which spline.
 
+use glam::DVec3;
+
 use super::{ClipError, EulerClip, EulerTrack};
 use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use crate::skeleton::BoneId;
@@ -60,6 +62,22 @@ impl EulerInterpolation {
         }
     }
 
+    /// The curves of tracks by what runs between the keys of each.
+    pub(super) fn curves(
+        tracks: &[EulerTrack],
+        between: &[Self],
+    ) -> Result<Vec<KeyedCurve<DVec3>>, ClipError> {
+        let curve = |(track, between): (&EulerTrack, &Self)| {
+            between.check(track)?;
+            let times = track.keys.iter().map(|key| key.time);
+            let angles = track.keys.iter().map(|key| DVec3::from(key.angles));
+            let curve = between.curve(times.collect(), angles.collect());
+            let bone = track.bone.index();
+            curve.map_err(|problem| ClipError::Curve { bone, problem })
+        };
+        tracks.iter().zip(between).map(curve).collect()
+    }
+
     /// Checks that there is a set of finite controls for each key where there are any.
     fn check(&self, track: &EulerTrack) -> Result<(), ClipError> {
         let Self::KochanekBartels(controls) = self else {
@@ -92,9 +110,7 @@ impl EulerClip {
         choose: impl Fn(&EulerTrack) -> EulerInterpolation,
     ) -> Result<Self, ClipError> {
         self.between = self.tracks.iter().map(choose).collect();
-        for (track, between) in self.tracks.iter().zip(&self.between) {
-            between.check(track)?;
-        }
+        self.curves = EulerInterpolation::curves(&self.tracks, &self.between)?;
         Ok(self)
     }
 

@@ -6,6 +6,9 @@ mod sampling;
 pub use interpolation::EulerInterpolation;
 pub use sampling::SampleError;
 
+use glam::DVec3;
+
+use crate::animation::curve::{KeyError, KeyedCurve};
 use crate::skeleton::BoneId;
 
 /// The angles of one bone at one time.
@@ -37,6 +40,8 @@ pub struct EulerClip {
     tracks: Vec<EulerTrack>,
     /// One for each track.
     between: Vec<EulerInterpolation>,
+    /// What is sampled: one for each track, by what runs between its keys.
+    curves: Vec<KeyedCurve<DVec3>>,
     /// Whose tracks had no keys.
     keyless: Vec<BoneId>,
 }
@@ -95,6 +100,14 @@ pub enum ClipError {
         /// How many keys the bone has.
         keys: usize,
     },
+    /// Numbers so large, or so near to each other in time, that a tangent is beyond double precision.
+    #[error("bone {bone}: {problem}")]
+    Curve {
+        /// The bone's index.
+        bone: usize,
+        /// What is wrong with the curve through its keys.
+        problem: KeyError,
+    },
     /// A tension, continuity or bias is NaN or infinite.
     #[error("bone {bone}, key {key}: tension, continuity and bias are not all finite")]
     NonFiniteControls {
@@ -110,8 +123,8 @@ impl EulerClip {
     /// left out; [`keyless`](Self::keyless) tells whose.
     ///
     /// # Errors
-    /// A [`ClipError`]: two tracks for one bone, a number that is not finite, or key times that do
-    /// not strictly increase.
+    /// A [`ClipError`]: two tracks for one bone, a number that is not finite, key times that do not
+    /// strictly increase, or tangents beyond double precision.
     pub fn new(tracks: Vec<EulerTrack>) -> Result<Self, ClipError> {
         let mut bones = std::collections::BTreeSet::new();
         for (track, EulerTrack { bone, keys }) in tracks.iter().enumerate() {
@@ -141,9 +154,12 @@ impl EulerClip {
         let (empty, mut tracks): (Vec<_>, Vec<_>) =
             tracks.into_iter().partition(|track| track.keys.is_empty());
         tracks.sort_by_key(|track| track.bone);
+        let between = vec![EulerInterpolation::default(); tracks.len()];
+        let keyless = empty.iter().map(|track| track.bone).collect();
         Ok(Self {
-            between: vec![EulerInterpolation::default(); tracks.len()],
-            keyless: empty.iter().map(|track| track.bone).collect(),
+            curves: EulerInterpolation::curves(&tracks, &between)?,
+            between,
+            keyless,
             tracks,
         })
     }

@@ -192,10 +192,10 @@ pub(super) fn clip(
             ClipError::NonFiniteAngle { track, key, .. } => {
                 format!("fk_animation[{track}].keys[{key}].xzx")
             }
-            // Ruled out by reading: one set for each key, and the parser takes finite numbers only.
-            ClipError::ControlCount { .. } | ClipError::NonFiniteControls { .. } => {
-                "fk_animation".into()
-            }
+            // No single key is wrong; of controls, reading has seen to number and size.
+            ClipError::ControlCount { .. }
+            | ClipError::NonFiniteControls { .. }
+            | ClipError::Curve { .. } => "fk_animation".into(),
         };
         at(name, path, error.to_string())
     })
