@@ -14,12 +14,7 @@ fn a_character(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("67 bones");
     group.throughput(Throughput::Elements(BONES as u64));
     let mut pose = armature.rest().clone();
-    for keying in [
-        Keying::Body,
-        Keying::Everything,
-        Keying::Reduced,
-        Keying::ReducedEverything,
-    ] {
+    for keying in Keying::ALL {
         let clip = clip(&armature, keying, &mut Sequence::new(0.5));
         let (mut cursor, mut frame) = (Cursor::new(), 0_u32);
         group.bench_function(format!("sample at 60 Hz, {keying:?}"), |bencher| {

@@ -22,6 +22,16 @@ pub enum Keying {
     ReducedEverything,
 }
 
+impl Keying {
+    /// Every one.
+    pub const ALL: [Self; 4] = [
+        Self::Body,
+        Self::Everything,
+        Self::Reduced,
+        Self::ReducedEverything,
+    ];
+}
+
 /// Chains of four bones on one another; bone `k` hangs on a bone before it.
 #[must_use]
 pub fn armature(bones: usize) -> Armature {

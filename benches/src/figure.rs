@@ -1,9 +1,13 @@
 //! A figure of any number of bones, built in code so that benches need no files.
 
-use crate::Sequence;
+use kinopt::Problem;
 use kinopt::model::Limits;
+use kinopt::problem::ProblemError;
 use kinopt::skeleton::{Bone, BoneId, Skeleton, SkeletonBuilder};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::Point;
+
+use crate::{Sequence, at_ease};
 
 /// A figure with a spine and five limbs of `per_limb` bones: 22 bones for (2, 4), 62 for (12, 10).
 #[must_use]
@@ -123,4 +127,15 @@ pub fn random_targets(
             .collect()
     };
     (0..poses).map(|_| target()).collect()
+}
+
+/// The tips of a figure of 22 bones at their places in a random pose, and where it stands at ease.
+pub(crate) fn five_tips() -> Result<(Problem, Vec<f64>), ProblemError> {
+    let (skeleton, tips) = figure(2, 4);
+    let targets = random_targets(&skeleton, &tips, 1, &mut Sequence::new(0.5));
+    let mut builder = Problem::builder(skeleton.model());
+    for (&tip, &target) in tips.iter().zip(targets.iter().flatten()) {
+        builder.add(Point::new(skeleton.tip(tip), target));
+    }
+    Ok((builder.build()?, at_ease(&skeleton)))
 }

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kinopt::animation::Playback;
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
 use crate::frame_report::FrameReport;
-use crate::interpolation_choice::InterpolationChoice;
+use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::LengthFormat;
 use crate::number_list::{self, Numbers};
@@ -159,7 +158,7 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
     let pose = match arguments.time {
         Some(time) => {
             let clip = animated.clip(arguments.clip.as_deref())?;
-            animated.pose_at(clip, time, playback(arguments))?
+            animated.pose_at(clip, time, playback(arguments.looped))?
         }
         None => animated.armature.rest().clone(),
     };
@@ -172,14 +171,6 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
     output::result(json, document, || frames.text(lengths))
 }
 
-fn playback(arguments: &Arguments) -> Playback {
-    if arguments.looped {
-        Playback::Loop
-    } else {
-        Playback::Hold
-    }
-}
-
 fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64>> {
     if let Some(Numbers(numbers)) = &arguments.q {
         return loaded.typed_configuration(numbers, arguments.degrees, "--q");
@@ -188,7 +179,7 @@ fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64
         return loaded.configuration_file(path);
     }
     match arguments.time {
-        Some(time) => loaded.keyframes_at(time, playback(arguments)),
+        Some(time) => loaded.keyframes_at(time, playback(arguments.looped)),
         None => Ok(loaded.rest()),
     }
 }

@@ -1,7 +1,7 @@
 //! `--interpolation`: what runs between a rig's keyframes.
 
 use kinopt::animation::curve::TensionContinuityBias;
-use kinopt::animation::{EulerInterpolation, EulerTrack};
+use kinopt::animation::{EulerInterpolation, EulerTrack, Playback};
 
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
@@ -52,6 +52,14 @@ impl InterpolationChoice {
                 EulerInterpolation::kochanek_bartels(track, controls)
             }
         }
+    }
+}
+
+/// `--loop`.
+pub(crate) fn playback(looped: bool) -> Playback {
+    match looped {
+        true => Playback::Loop,
+        false => Playback::Hold,
     }
 }
 

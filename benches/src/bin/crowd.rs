@@ -30,12 +30,7 @@ fn main() {
         .collect();
     let [characters, bones] =
         [(0, 1000), (1, 60)].map(|(k, usual)| *numbers.get(k).unwrap_or(&usual));
-    for keying in [
-        Keying::Body,
-        Keying::Everything,
-        Keying::Reduced,
-        Keying::ReducedEverything,
-    ] {
+    for keying in Keying::ALL {
         let armature = armature(bones);
         let mut random = Sequence::new(0.5);
         let clips = [(); 2].map(|()| Arc::new(clip(&armature, keying, &mut random)));

@@ -12,7 +12,8 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 
 use super::{Run, Stage, single};
-use crate::{Sequence, at_ease, figure, random_targets};
+use crate::Sequence;
+use crate::figure::five_tips;
 
 const SWEEPS: usize = 5;
 /// Points of the bare chain.
@@ -85,14 +86,7 @@ fn two_bones() -> Result<Run, Box<dyn Error>> {
 }
 
 fn search(solver: impl Geometric + 'static) -> Result<Run, Box<dyn Error>> {
-    let (skeleton, tips) = figure(2, 4);
-    let targets = random_targets(&skeleton, &tips, 1, &mut Sequence::new(0.5));
-    let mut builder = Problem::builder(skeleton.model());
-    for (&tip, &target) in tips.iter().zip(targets.iter().flatten()) {
-        builder.add(Point::new(skeleton.tip(tip), target));
-    }
-    let problem = builder.build()?;
-    let start = at_ease(&skeleton);
+    let (problem, start) = five_tips()?;
     if solver.solve(&problem, &start)?.iterations != SWEEPS {
         return Err("the search ends before its sweeps are made".into());
     }

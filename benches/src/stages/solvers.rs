@@ -5,16 +5,14 @@
 use std::error::Error;
 use std::hint::black_box;
 
-use kinopt::Problem;
 use kinopt::problem::Evaluation;
 use kinopt::solver::{
     Damping, FirstStep, GaussNewton, LevenbergMarquardt, Method, ProjectedGradient, Silent,
     SolverState, Stopping, minimise,
 };
-use kinopt::task::Point;
 
 use super::{Run, Stage};
-use crate::{Sequence, at_ease, figure, random_targets};
+use crate::figure::five_tips;
 
 const ITERATIONS: usize = 5;
 
@@ -40,14 +38,7 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 fn search(method: impl Method + 'static) -> Result<Run, Box<dyn Error>> {
-    let (skeleton, tips) = figure(2, 4);
-    let targets = random_targets(&skeleton, &tips, 1, &mut Sequence::new(0.5));
-    let mut builder = Problem::builder(skeleton.model());
-    for (&tip, &target) in tips.iter().zip(targets.iter().flatten()) {
-        builder.add(Point::new(skeleton.tip(tip), target));
-    }
-    let problem = builder.build()?;
-    let start = at_ease(&skeleton);
+    let (problem, start) = five_tips()?;
     let mut x = vec![0.0; problem.variables()];
     problem.parameters().reduce(&start, &mut x)?;
     let stopping = Stopping::default().with_max_iterations(ITERATIONS);

@@ -15,7 +15,7 @@ use self::frames::Frames;
 use crate::animated_armature::AnimatedArmature;
 use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
-use crate::interpolation_choice::InterpolationChoice;
+use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{self, MeshFile, MeshFormat};
 use crate::robot_options::RobotOptions;
@@ -164,10 +164,7 @@ fn write_frames(
     mut posed: impl FnMut(f64, Playback) -> Outcome<TriangleMesh>,
 ) -> Outcome<()> {
     let files = files(arguments, span)?;
-    let playback = match arguments.looped {
-        true => Playback::Loop,
-        false => Playback::Hold,
-    };
+    let playback = playback(arguments.looped);
     let countdown = Countdown::new(files.len(), "frames");
     let mut vertices = 0;
     for (time, file) in &files {

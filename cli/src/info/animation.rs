@@ -159,24 +159,14 @@ pub(super) fn text(document: &Document) -> String {
         lines.push(("clip", format!("{name}, {start} s to {end} s")));
     }
     if let Some(captured) = &document.captured {
-        let CapturedDocument {
-            frames,
-            frame_time,
-            channels,
-        } = captured;
+        let (frames, frame_time) = (captured.frames, captured.frame_time);
         let moving = document.bones.iter();
         let moving = moving.filter(|bone| bone.channels.as_ref().is_some_and(|c| !c.is_empty()));
         let rate = 1.0 / frame_time;
-        lines.extend([
-            (
-                "frames",
-                format!("{frames}, one every {frame_time} s ({rate:.3} a second)"),
-            ),
-            (
-                "channels",
-                format!("{channels} on {} bones", moving.count()),
-            ),
-        ]);
+        let frames = format!("{frames}, one every {frame_time} s ({rate:.3} a second)");
+        lines.push(("frames", frames));
+        let channels = format!("{} on {} bones", captured.channels, moving.count());
+        lines.push(("channels", channels));
     }
     for mesh in document.meshes.iter().flatten() {
         lines.push(("mesh", mesh_line(mesh)));

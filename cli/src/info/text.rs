@@ -1,6 +1,6 @@
 //! The document for people.
 
-use super::document::{Document, KeyframesDocument, RigDocument};
+use super::document::{Document, RigDocument};
 use super::robot::{self, LinkDocument};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits, three_digits};
@@ -19,11 +19,7 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
             ),
         ),
         (
-            if loaded.robot.is_some() {
-                "reach"
-            } else {
-                "size"
-            },
+            loaded.robot.as_ref().map_or("size", |_| "reach"),
             format!("{} {}", lengths.number(document.size), loaded.length_unit()),
         ),
     ];
@@ -63,31 +59,16 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
 fn rig_lines(rig: &RigDocument) -> Vec<(&'static str, String)> {
     let none = || "none".to_owned();
     let mesh = rig.mesh.as_ref().map(|mesh| {
-        format!(
-            "{} vertices, {} triangles, {}, {}",
-            mesh.vertices,
-            mesh.triangles,
-            if mesh.closed { "closed" } else { "not closed" },
-            if mesh.normals {
-                "with normals"
-            } else {
-                "without normals"
-            },
-        )
+        let closed = if mesh.closed { "closed" } else { "not closed" };
+        let with = if mesh.normals { "with" } else { "without" };
+        let (vertices, triangles) = (mesh.vertices, mesh.triangles);
+        format!("{vertices} vertices, {triangles} triangles, {closed}, {with} normals")
     });
-    let weights = rig
-        .weights
-        .as_ref()
-        .map(|weights| format!("at most {} bones to a vertex", weights.max_influences));
-    let keyframes = rig.keyframes.as_ref().map(|keyframes| {
-        let KeyframesDocument {
-            bones,
-            keys,
-            start,
-            end,
-            interpolation,
-        } = keyframes;
-        let between = interpolation.join(", ");
+    let weights = rig.weights.as_ref().map(|weights| weights.max_influences);
+    let weights = weights.map(|most| format!("at most {most} bones to a vertex"));
+    let keyframes = rig.keyframes.as_ref().map(|own| {
+        let (keys, bones, between) = (own.keys, own.bones, own.interpolation.join(", "));
+        let (start, end) = (own.start, own.end);
         format!("{keys} keys on {bones} bones, {start} s to {end} s, {between}")
     });
     let pinned = match rig.constrained.as_slice() {
