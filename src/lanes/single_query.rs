@@ -69,14 +69,16 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
     lone: bool,
     answer: &mut Answer<'_>,
 ) -> PoseOutcome {
-    let mut race = Race::new(stages, prepared, query, answer);
+    // Beside the race, so that its kilobytes are not moved.
+    let mut group = Group::new(prepared.joints());
+    let mut race = Race::new(stages, prepared, query, answer, &mut group);
     let mut lanes = if lone { 1 } else { V::WIDTH };
     loop {
         race.fill(lanes);
         if race.active == 0 {
             break;
         }
-        let ended = (stages.step)(&mut race.group, &prepared.links, &prepared.settings);
+        let ended = (stages.step)(race.group, &prepared.links, &prepared.settings);
         let failed = race.age(&ended);
         let close = (ended.reached | ended.closing) & race.active;
         let mut over = close | failed;
@@ -116,7 +118,7 @@ struct Race<'a, 'b, V, const N: usize> {
     query: &'a Query<'a>,
     answer: &'a mut Answer<'b>,
     goal_from_first: Placement<f64>,
-    group: Group<V, N>,
+    group: &'a mut Group<V, N>,
     seeds: QuerySeeds,
     /// A configuration on its way into or out of a lane.
     q: [f64; MAX_JOINTS],
@@ -146,6 +148,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         prepared: &'a Prepared,
         query: &'a Query<'a>,
         answer: &'a mut Answer<'b>,
+        group: &'a mut Group<V, N>,
     ) -> Self {
         let links = &prepared.links;
         let by_number = query.search == Prefer::Start;
@@ -155,7 +158,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
             query,
             answer,
             goal_from_first: links.goal_from_first(query.target, prepared.settings.weighted),
-            group: Group::new(links.links.len()),
+            group,
             seeds: QuerySeeds::new(),
             q: [0.0; MAX_JOINTS],
             attempt: [0; MAX_LANES],
@@ -296,9 +299,10 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
 
     /// What the race came to; what is answered is in metres from here on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn outcome(self) -> PoseOutcome {
-        let (prepared, start, answer) = (self.prepared, self.query.start, self.answer);
-        let (reached, errors, winner) = match self.winner {
+    fn outcome(&mut self) -> PoseOutcome {
+        let (prepared, start) = (self.prepared, self.query.start);
+        let answer = &mut *self.answer;
+        let (reached, errors, winner) = match &self.winner {
             Some(winner) => (true, winner.errors, Some(winner.attempt)),
             None => {
                 if self.has_own {
