@@ -5,8 +5,7 @@
 //! the full pose uses, would also vanish half a turn away. Derivatives are exact: with the tip's
 //! position p and the quaternion (w, v), a twist (u, ω) moves p by u + ω × p and 2v by w ω + ω × v.
 
-use super::evaluation::{Evaluation, Weighed};
-use super::judge::Errors;
+use super::evaluation::{Errors, Evaluation, Weighed};
 use super::lane::LaneScalar;
 use super::settings::Settings;
 use crate::scalar::Scalar;

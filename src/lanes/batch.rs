@@ -1,14 +1,14 @@
 //! Many queries: every lane works on its own, and takes the next when it is done.
 
 use super::chain::MAX_JOINTS;
+use super::evaluation::Errors;
 use super::group::Group;
-use super::judge::Errors;
 use super::lane::LaneScalar;
 use super::lm_step::Ended;
 use super::options::{PoseOutcome, Prefer};
 use super::prepared::Prepared;
+use super::query::Query;
 use super::seeds::QuerySeeds;
-use super::single_query::Query;
 use super::stages::Stages;
 use super::turns::unwrap_towards;
 use crate::spatial::Placement;

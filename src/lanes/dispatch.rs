@@ -5,8 +5,8 @@ use super::chain::MAX_JOINTS;
 use super::lane::{LaneScalar, Lanes};
 use super::options::PoseOutcome;
 use super::prepared::Prepared;
+use super::query::{Answer, Query};
 use super::single_query;
-use super::single_query::{Answer, Query};
 use super::stages::{self, Stages};
 
 /// Lanes of a single query and of a batch: a batch has independent work to hide latencies with.

@@ -21,3 +21,12 @@ pub(crate) struct Weighed<V> {
     /// What the step should undo.
     pub(crate) twist: (Vector3<V>, Vector3<V>),
 }
+
+/// How far the tip is from its goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errors {
+    /// Metres.
+    pub(crate) position: f64,
+    /// Radians, 0 to π.
+    pub(crate) orientation: f64,
+}

@@ -1,6 +1,7 @@
 //! The errors of the q that is returned, by forward kinematics at that q in plain `f64`.
 
 use super::axis_residual;
+use super::evaluation::Errors;
 use super::lane::LaneScalar;
 use super::links::Links;
 use super::prepared::Prepared;
@@ -9,15 +10,6 @@ use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3, resolved};
-
-/// How far the tip is from its goal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Errors {
-    /// Metres.
-    pub(crate) position: f64,
-    /// Radians, 0 to π.
-    pub(crate) orientation: f64,
-}
 
 /// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
 /// errors in metres and radians.

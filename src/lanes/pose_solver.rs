@@ -8,7 +8,7 @@ use super::check;
 use super::dispatch;
 use super::options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 use super::prepared::Prepared;
-use super::single_query::{Answer, Query};
+use super::query::{Answer, Query};
 use crate::spatial::Placement;
 
 /// Solves poses for one chain. It never changes once built, and is `Send` and `Sync`; solving

@@ -7,7 +7,7 @@ use super::lane::LaneScalar;
 use super::links::{Link, Links};
 use super::options::Prefer;
 use super::prepared::Prepared;
-use super::single_query::Query;
+use super::query::Query;
 use super::turns::reduced;
 use crate::model::JointKind;
 use crate::random::mix;

@@ -2,14 +2,14 @@
 //!
 //! Inlined into every driver, the same code was compiled for each again, which took minutes.
 
+use super::evaluation::Errors;
 use super::group::Group;
-use super::judge::Errors;
 use super::links::Links;
 use super::lm_step::Ended;
 use super::prepared::Prepared;
+use super::query::Query;
 use super::seeds::QuerySeeds;
 use super::settings::Settings;
-use super::single_query::Query;
 use crate::spatial::Placement;
 
 type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> Ended;
@@ -30,14 +30,14 @@ pub(crate) struct Stages<V, const N: usize> {
 macro_rules! stages {
     ($name:ident $(, #[$features:meta])?) => {
         pub(crate) mod $name {
-            use crate::lanes::judge::Errors;
+            use crate::lanes::evaluation::Errors;
             use crate::lanes::group::Group;
             use crate::lanes::judge;
             use crate::lanes::lm_step::{self, Ended};
             use crate::lanes::lane::LaneScalar;
             use crate::lanes::links::Links;
             use crate::lanes::prepared::Prepared;
-            use crate::lanes::single_query::Query;
+            use crate::lanes::query::Query;
             use crate::lanes::seeds::QuerySeeds;
             use crate::lanes::settings::Settings;
             use crate::spatial::Placement;

@@ -2,10 +2,11 @@
 
 use std::time::Instant;
 
+use super::attempt::{Attempt, Found};
 use super::keeper::Keeper;
 use super::schedule::{Schedule, Trial};
 use crate::problem::{Question, Share};
-use crate::solver::{Counts, Stopping, Termination};
+use crate::solver::{Stopping, Termination};
 
 /// What searches from one start.
 pub(crate) trait Engine {
@@ -17,77 +18,6 @@ pub(crate) trait Engine {
 
     /// Where the last attempt ended, and the residual there.
     fn end(&self) -> (&[f64], &[f64]);
-}
-
-/// What one attempt came to.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Attempt {
-    pub(crate) termination: Termination,
-    pub(crate) cost: f64,
-    pub(crate) reached: bool,
-    pub(crate) iterations: usize,
-    pub(crate) counts: Counts,
-    pub(crate) projected_gradient: Option<f64>,
-}
-
-/// What several attempts came to, by the one that counts; where, is in the [`Keeper`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Found {
-    pub(crate) termination: Termination,
-    /// The last attempt that it took, from 0.
-    pub(crate) number: usize,
-    pub(crate) cost: f64,
-    pub(crate) reached: bool,
-    pub(crate) projected_gradient: Option<f64>,
-    /// Of all attempts together.
-    pub(crate) iterations: usize,
-    pub(crate) attempts: usize,
-    pub(crate) counts: Counts,
-    /// How many attempts stopped as near as the one that counts, itself included.
-    pub(crate) agreeing: usize,
-}
-
-impl Default for Found {
-    /// No attempt.
-    fn default() -> Self {
-        Self {
-            termination: Termination::NonFinite,
-            number: 0,
-            cost: f64::INFINITY,
-            reached: false,
-            projected_gradient: None,
-            iterations: 0,
-            attempts: 0,
-            counts: Counts::default(),
-            agreeing: 0,
-        }
-    }
-}
-
-impl Found {
-    /// Takes further attempts into account; whether one of those counts from now on.
-    pub(crate) fn go_on_with(&mut self, more: &Self) -> bool {
-        let better = more.reached || self.attempts == 0 || more.cost < self.cost;
-        let all = (
-            self.iterations + more.iterations,
-            self.attempts + more.attempts,
-        );
-        if better {
-            let number = self.attempts + more.number;
-            *self = Self { number, ..*more };
-        }
-        (self.iterations, self.attempts) = all;
-        better
-    }
-
-    /// Returns to the attempt that counted earlier; all that were made are counted still.
-    pub(crate) fn fall_back_to(&mut self, earlier: &Self) {
-        *self = Self {
-            iterations: self.iterations,
-            attempts: self.attempts,
-            ..*earlier
-        };
-    }
 }
 
 /// The memory of a search.

@@ -1,6 +1,6 @@
 //! Which of several attempts counts, and how many agree with it.
 
-use super::attempts::{Attempt, Found};
+use super::attempt::{Attempt, Found};
 use super::schedule::{Schedule, Trial};
 use crate::solver::Termination;
 

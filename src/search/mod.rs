@@ -6,6 +6,7 @@
 //! says which attempt counts and how many agree, and [`Solution::measure`] and
 //! [`explain`](Solution::explain) tell what is true of its end.
 
+mod attempt;
 mod attempts;
 mod beyond;
 mod error;
@@ -18,7 +19,8 @@ mod schedule;
 mod solution;
 mod start;
 
-pub(crate) use attempts::{Attempt, Attempts, Engine, Found, run};
+pub(crate) use attempt::{Attempt, Found};
+pub(crate) use attempts::{Attempts, Engine, run};
 pub use error::SolveError;
 pub(crate) use measure::End;
 pub(crate) use pulling::Pulls;

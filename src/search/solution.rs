@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::attempts::Found;
+use super::attempt::Found;
 use super::beyond::Beyond;
 use crate::problem::ReportNames;
 use crate::scalar::elementary;
