@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kinopt::animation::PoseBridge;
+use kinopt::animation::PoseAngles;
 use kinopt::io::gltf::{Scene, ScenePosing};
 use kinopt::io::ply::PlyEncoding;
 use kinopt::io::{gltf, obj, ply};
@@ -90,7 +90,7 @@ pub(crate) enum Skin<'a> {
     },
     Scene {
         scene: &'a Scene,
-        bridge: PoseBridge,
+        bridge: PoseAngles,
     },
 }
 
@@ -103,7 +103,7 @@ impl LoadedModel {
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
         if self.scene.is_some() {
             let scene = with_meshes(self.scene.as_deref(), (file, kind), choice)?;
-            let bridge = PoseBridge::new(&rig.skeleton);
+            let bridge = PoseAngles::new(&rig.skeleton);
             return Ok(Skin::Scene { scene, bridge });
         }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;

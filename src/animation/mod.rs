@@ -67,7 +67,7 @@ pub use crowd::{Character, Crowd, PlayingClip};
 pub use curve::easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerInterpolation, EulerKey, EulerTrack, SampleError};
 pub use ik_layer::{
-    Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseBridge,
+    Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseAngles,
     ReachError, ReachLayer,
 };
 pub use pose::{

@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
 use super::coordinates::Coordinates;
+use super::core_seeds::SeedTable;
 use super::options::Options;
-use super::seed_table::SeedTable;
 use super::serial::Serial;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};

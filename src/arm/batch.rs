@@ -1,7 +1,7 @@
 //! Many questions at once.
 
-use super::answer::QUICK;
 use super::arm::Arm;
+use super::lanes_or_core::QUICK;
 use super::workspace::Errors;
 use super::{PoseOutcome, QueryError};
 use crate::ik::Solution;

@@ -1,8 +1,8 @@
 //! Searches that compare solutions: the nearest, and several that differ.
 
 use super::QueryError;
-use super::answer::Query;
 use super::arm::Arm;
+use super::lanes_or_core::Query;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::ik::Solution;

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::answer::Query;
 use super::arm::Arm;
-use super::seed_table::SeedTable;
+use super::core_seeds::SeedTable;
+use super::lanes_or_core::Query;
 use super::workspace::{ArmWorkspace, stopping};
 use crate::ik::Restarts;
 use crate::lanes::{PoseOutcome, reduced};

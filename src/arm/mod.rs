@@ -22,32 +22,32 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod answer;
+mod after_miss;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod batch;
 mod bend;
+mod bounded_descent;
 mod branch;
 mod builder;
 mod compare;
 mod configuration;
 mod coordinates;
 mod core_search;
+mod core_seeds;
 mod ease;
 mod error;
 mod follower;
 mod kinematic_path;
+mod lanes_or_core;
 mod mechanism;
-mod miss;
 mod move_bounds;
 mod null_space;
 mod options;
 mod pose_question;
 mod retarget;
-mod seed_table;
 mod serial;
 mod servo;
-mod settle;
 mod substeps;
 mod toward_posture;
 mod track;

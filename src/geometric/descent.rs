@@ -2,7 +2,7 @@
 
 use super::goal::Goal;
 use super::sweeps::Sweep;
-use super::turn::{Knob, Slide, Turn, turned};
+use super::turn::{BoundedVariable, Slide, Turn, turned};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
 use crate::problem::Question;
@@ -53,13 +53,13 @@ impl<'a> Descent<'a> {
         }
     }
 
-    fn knob(&self, joint: usize) -> (usize, Knob) {
+    fn bounded_variable(&self, joint: usize) -> (usize, BoundedVariable) {
         let (variable, ratio) = self.question.tree().variable_of(joint);
         let bounds = Limits::new(
             self.question.lower()[variable],
             self.question.upper()[variable],
         );
-        (variable, Knob { bounds, ratio })
+        (variable, BoundedVariable { bounds, ratio })
     }
 
     /// What the goals want of a turning joint.
@@ -98,13 +98,13 @@ impl<'a> Descent<'a> {
     /// are not looked at again in this sweep, so nothing else need be placed anew.
     fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
         let axis = self.question.tree().axis(&self.state, joint);
-        let (variable, knob) = self.knob(joint);
-        let room = knob.room(x[variable]);
+        let (variable, bounded_variable) = self.bounded_variable(joint);
+        let room = bounded_variable.room(x[variable]);
         let by = match axis.turns {
             true => self.turn(joint, &axis).best(room),
             false => self.slide(joint, &axis).best(room),
         };
-        x[variable] = knob.moved(x[variable], by);
+        x[variable] = bounded_variable.moved(x[variable], by);
         let carried = match axis.turns {
             true => {
                 let turn = turned(axis.direction, by);

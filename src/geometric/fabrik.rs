@@ -1,8 +1,8 @@
 //! FABRIK: forward and backward reaching on points, then the joints that come nearest.
 
-use super::fit::JointFit;
 use super::goal::goals;
-use super::layout::joint_points;
+use super::joint_groups::joint_points;
+use super::joints_to_points::JointFit;
 use super::linkage::{Linkage, Pin, Span, lay_straight};
 use super::sweeps::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};

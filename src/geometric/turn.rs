@@ -109,13 +109,13 @@ pub(super) fn two_turns(
 }
 
 /// A variable within its bounds, moved by what its joint should do.
-pub(super) struct Knob {
+pub(super) struct BoundedVariable {
     pub(super) bounds: Limits,
     /// Joint units per variable unit.
     pub(super) ratio: f64,
 }
 
-impl Knob {
+impl BoundedVariable {
     /// How far the joint may move from where it is.
     pub(super) fn room(&self, x: f64) -> Limits {
         let (a, b) = (

@@ -1,9 +1,9 @@
 //! The analytic solution for a limb of two bones.
 
-use super::fit::JointFit;
 use super::goal::goals;
+use super::joint_groups::joint_points;
 use super::joint_points::Group;
-use super::layout::joint_points;
+use super::joints_to_points::JointFit;
 use super::sweeps::{self, Limits, Sweep};
 use super::triangle::triangle;
 use super::{Geometric, GeometricError};

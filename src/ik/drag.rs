@@ -1,6 +1,6 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
-use super::refine::Extent;
+use super::preferences_within_goals::Extent;
 use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;

@@ -1,10 +1,10 @@
 //! Solving a [`Problem`](crate::Problem): a method, restarts, and the truth about the result.
 
 mod drag;
-mod engine;
+mod drag_to_rest;
 mod holding;
-mod refine;
-mod settle;
+mod minimiser;
+mod preferences_within_goals;
 mod solver;
 mod workspace;
 
@@ -12,6 +12,6 @@ pub use crate::search::{
     ActiveLimit, BoundKind, Restarts, RowsReport, Side, Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, Leap};
-pub(crate) use engine::Minimiser;
+pub(crate) use minimiser::Minimiser;
 pub use solver::Solver;
 pub use workspace::Workspace;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::engine::Minimiser;
-use super::refine::{Extent, Limits};
+use super::minimiser::Minimiser;
+use super::preferences_within_goals::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::problem::{Question, Share};
 use crate::search::{Schedule, check_start, run};

@@ -1,7 +1,7 @@
 //! The memory of solving, which belongs to the caller.
 
 use super::Solution;
-use super::refine::{Limits, Refinement, Start};
+use super::preferences_within_goals::{Limits, Refinement, Start};
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempts, End, Found, Pulls};
 use crate::solver::{LeastSquares, Observer, SolverState, Stopping, half_squared};

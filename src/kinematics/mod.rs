@@ -5,18 +5,19 @@
 //! purpose: the joints that move the frames asked for, with everything constant folded in. Who
 //! compiles one has checked ids and sizes, so its loops need not.
 
-mod forward;
+mod forward_kinematics;
+mod forward_pass;
 mod geometric_jacobian;
 mod jacobian;
 mod joint_axis;
+mod motion;
 mod reverse;
-mod state;
 mod tree;
 
-pub use forward::{ForwardKinematics, KinematicsError};
+pub use forward_kinematics::{ForwardKinematics, KinematicsError};
+pub(crate) use forward_pass::TreeState;
 pub(crate) use geometric_jacobian::Partials;
 pub use jacobian::{Jacobian, frame_jacobian};
 pub(crate) use joint_axis::JointAxis;
 pub(crate) use reverse::{Wrench, Wrenches};
-pub(crate) use state::TreeState;
 pub(crate) use tree::{FrameSlot, Tree, TreeMemory};

@@ -1,81 +1,13 @@
 //! A model compiled for evaluation: only the joints that move, constants folded.
 
-use crate::model::{FrameId, JointKind, Model, ParameterMap, Source};
+use super::motion::Motion;
+use crate::model::{FrameId, Model, ParameterMap, Source};
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Which of a tree's frames: the position in the list it was compiled for.
 pub(crate) type FrameSlot = usize;
-
-/// How a node moves; turning about a coordinate axis touches two columns only.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Motion {
-    TurnX,
-    TurnY,
-    TurnZ,
-    Turn(Vector3<f64>),
-    Slide(Vector3<f64>),
-}
-
-impl Motion {
-    fn new(kind: JointKind, axis: Vector3<f64>) -> Option<Self> {
-        let (zero, one) = (0.0, 1.0);
-        match kind {
-            JointKind::Fixed => None,
-            JointKind::Prismatic => Some(Self::Slide(axis)),
-            JointKind::Revolute | JointKind::Continuous => Some(match axis.to_array() {
-                [x, y, z] if [x, y, z] == [one, zero, zero] => Self::TurnX,
-                [x, y, z] if [x, y, z] == [zero, one, zero] => Self::TurnY,
-                [x, y, z] if [x, y, z] == [zero, zero, one] => Self::TurnZ,
-                _ => Self::Turn(axis),
-            }),
-        }
-    }
-
-    pub(super) fn turns(&self) -> bool {
-        !matches!(self, Self::Slide(_))
-    }
-
-    /// The placement after moving by `value`, whose sine and cosine come along.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply<S: Scalar>(
-        &self,
-        placement: Placement<S>,
-        value: S,
-        trigonometry: (S, S),
-    ) -> Placement<S> {
-        let Placement {
-            rotation,
-            translation,
-        } = placement;
-        match self {
-            Self::TurnX => Placement::new(rotation.rotated_about_x(trigonometry), translation),
-            Self::TurnY => Placement::new(rotation.rotated_about_y(trigonometry), translation),
-            Self::TurnZ => Placement::new(rotation.rotated_about_z(trigonometry), translation),
-            Self::Turn(axis) => {
-                let turn = Matrix3::rotation(Vector3::constant(*axis), trigonometry);
-                Placement::new(rotation * turn, translation)
-            }
-            Self::Slide(axis) => {
-                let along = rotation * Vector3::constant(*axis);
-                Placement::new(rotation, along.mul_add(value, translation))
-            }
-        }
-    }
-
-    /// The motion's axis in world axes.
-    #[inline(always)]
-    pub(super) fn world_axis(&self, origin_from_node: &Placement<f64>) -> Vector3<f64> {
-        let rotation = &origin_from_node.rotation;
-        match self {
-            Self::TurnX => rotation.x,
-            Self::TurnY => rotation.y,
-            Self::TurnZ => rotation.z,
-            Self::Turn(axis) | Self::Slide(axis) => *rotation * *axis,
-        }
-    }
-}
 
 /// A placement with what is known of it, so that the identity costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::batch::Work;
 use super::chain::{Chain, MAX_JOINTS};
 use super::check;
-use super::dispatch;
+use super::instruction_set;
 use super::options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 use super::prepared::Prepared;
 use super::query::{Answer, Query};
@@ -120,7 +120,7 @@ impl PoseSolver {
         lone: bool,
         answer: &mut Answer<'_>,
     ) -> PoseOutcome {
-        dispatch::race(&self.prepared, query, lone, answer)
+        instruction_set::race(&self.prepared, query, lone, answer)
     }
 
     /// The start's own attempt alone, for input that is checked already.
@@ -260,7 +260,7 @@ impl PoseSolver {
             q,
             outcomes,
         };
-        dispatch::batch(&self.prepared, work);
+        instruction_set::batch(&self.prepared, work);
     }
 
     /// Follows a path of targets: each query starts from the q of the one before, and takes that
@@ -316,6 +316,6 @@ impl PoseSolver {
             q,
             outcomes,
         };
-        dispatch::batch(&self.prepared, work);
+        instruction_set::batch(&self.prepared, work);
     }
 }

@@ -8,7 +8,6 @@ use super::compiled_task::CompiledTask;
 use super::{Derivatives, Problem, Question, ReportNames, Share};
 use crate::kinematics::{Partials, Tree, TreeState, Wrench, Wrenches};
 use crate::model::Source;
-use crate::scalar::elementary;
 use crate::scalar::{Dual, Scalar};
 use crate::solver::LeastSquares;
 use crate::spatial::{Placement, Vector3};
@@ -28,18 +27,18 @@ pub struct Scratch {
     local: LocalJacobian,
     local_dual: DualScratch,
     wrenches: Wrenches,
-    dual: Box<DualPass>,
-    shifted: Vec<f64>,
-    shifted_residual: [Vec<f64>; 2],
+    pub(super) dual: Box<DualPass>,
+    pub(super) shifted: Vec<f64>,
+    pub(super) shifted_residual: [Vec<f64>; 2],
 }
 
 /// What the forward pass on dual numbers needs.
 #[derive(Clone, Debug)]
-struct DualPass {
-    state: TreeState<Dual<CHUNK>>,
-    x: Vec<Dual<CHUNK>>,
-    q: Vec<Dual<CHUNK>>,
-    gathered: DualScratch,
+pub(super) struct DualPass {
+    pub(super) state: TreeState<Dual<CHUNK>>,
+    pub(super) x: Vec<Dual<CHUNK>>,
+    pub(super) q: Vec<Dual<CHUNK>>,
+    pub(super) gathered: DualScratch,
 }
 
 impl Scratch {
@@ -97,9 +96,9 @@ impl Scratch {
 /// A question to a problem and the memory to evaluate it.
 #[derive(Debug)]
 pub struct Evaluation<'a> {
-    question: Question<'a>,
-    share: Share,
-    scratch: &'a mut Scratch,
+    pub(super) question: Question<'a>,
+    pub(super) share: Share,
+    pub(super) scratch: &'a mut Scratch,
 }
 
 impl<'a> Evaluation<'a> {
@@ -286,80 +285,6 @@ impl<'a> Evaluation<'a> {
             state, wrenches, ..
         } = &mut *self.scratch;
         tree.sweep(state, wrenches, gradient);
-    }
-
-    fn dual_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        let (question, share) = (self.question, self.share);
-        let problem = question.problem;
-        let pass = &mut *self.scratch.dual;
-        for first in (0..x.len()).step_by(CHUNK) {
-            let chunk = first..x.len().min(first + CHUNK);
-            for (k, (value, &at)) in pass.x.iter_mut().zip(x).enumerate() {
-                *value = if chunk.contains(&k) {
-                    Dual::variable(at, k - first)
-                } else {
-                    Dual::constant(at)
-                };
-            }
-            question.tree().forward(&pass.x, &mut pass.state);
-            problem.map.scatter(&pass.x, &mut pass.q);
-            for (index, task, task_rows) in problem.tasks_of(share) {
-                let all = pass.state.frames();
-                let DualScratch {
-                    frames,
-                    joints,
-                    residual,
-                } = &mut pass.gathered;
-                frames.clear();
-                frames.extend(task.frames.iter().map(|&slot| all[slot]));
-                joints.clear();
-                joints.extend(task.coordinates.iter().map(|&c| pass.q[c]));
-                residual.clear();
-                residual.resize(task.rows.len(), Dual::zero());
-                let own = question.residual(index);
-                own.evaluate_dual(frames, joints, residual);
-                let rows = residual.iter().zip(&task.weights).zip(task_rows);
-                for ((value, weight), row) in rows {
-                    let derivatives = value.derivatives();
-                    for k in chunk.clone() {
-                        jacobian[(row, k)] = weight * derivatives[k - first];
-                    }
-                }
-            }
-        }
-    }
-
-    fn difference_jacobian(&mut self, x: &[f64], central: bool, jacobian: &mut DMatrix<f64>) {
-        let mut shifted = std::mem::take(&mut self.scratch.shifted);
-        let mut both = std::mem::take(&mut self.scratch.shifted_residual);
-        shifted.copy_from_slice(x);
-        let rows = self.rows();
-        let [ahead, behind] = both.each_mut().map(|residual| &mut residual[..rows]);
-        if !central {
-            self.residual(x, behind);
-        }
-        let space = self.question.space();
-        let relative_step = if central {
-            elementary::cbrt(f64::EPSILON)
-        } else {
-            f64::EPSILON.sqrt()
-        };
-        for k in 0..x.len() {
-            let step = relative_step * x[k].abs().max(1.0);
-            let mut taken = space.integrate_one(x, k, step, &mut shifted);
-            self.residual(&shifted, ahead);
-            if central {
-                taken -= space.integrate_one(x, k, -step, &mut shifted);
-                self.residual(&shifted, behind);
-            }
-            shifted[k] = x[k];
-            let rows = jacobian.column_mut(k);
-            for ((entry, a), b) in rows.into_iter().zip(&*ahead).zip(&*behind) {
-                *entry = (a - b) / taken;
-            }
-        }
-        self.scratch.shifted = shifted;
-        self.scratch.shifted_residual = both;
     }
 }
 

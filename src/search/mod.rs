@@ -9,6 +9,7 @@
 mod attempt;
 mod attempts;
 mod beyond;
+mod check_start;
 mod error;
 mod explain;
 mod keeper;
@@ -17,14 +18,13 @@ mod pulling;
 mod restarts;
 mod schedule;
 mod solution;
-mod start;
 
 pub(crate) use attempt::{Attempt, Found};
 pub(crate) use attempts::{Attempts, Engine, run};
+pub(crate) use check_start::{check_start, variables_at};
 pub use error::SolveError;
 pub(crate) use measure::End;
 pub(crate) use pulling::Pulls;
 pub use restarts::Restarts;
 pub(crate) use schedule::Schedule;
 pub use solution::{ActiveLimit, BoundKind, RowsReport, Side, Solution, TaskReport};
-pub(crate) use start::{check_start, variables_at};

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::erased::make_room;
+use super::by_dual_numbers::make_room;
 use crate::spatial::Vector3;
 
 /// ∂r/∂twist for each frame and ∂r/∂value for each joint of one residual.

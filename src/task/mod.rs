@@ -8,7 +8,7 @@
 //! A [`Residual`] is written once over the [`Scalar`](crate::Scalar); its derivatives follow
 //! exactly. A [`Task`] gives it weights, tolerances and a name.
 
-mod asked;
+mod by_dual_numbers;
 mod distance;
 mod erased;
 mod goal;
@@ -17,6 +17,7 @@ mod local_jacobian;
 mod look_at;
 mod orientation;
 mod pixel;
+mod place_asked;
 mod plane;
 mod point;
 mod pose;
@@ -28,15 +29,16 @@ mod smoothness;
 mod weighted;
 mod within;
 
-pub(crate) use asked::Asked;
+pub(crate) use by_dual_numbers::{CHUNK, DualScratch};
 pub use distance::Distance;
-pub(crate) use erased::{CHUNK, DualScratch, ErasedResidual};
+pub(crate) use erased::ErasedResidual;
 pub use goal::{Axis, Goal};
 pub use limit_centring::LimitCentring;
 pub use local_jacobian::LocalJacobian;
 pub use look_at::LookAt;
 pub use orientation::Orientation;
 pub use pixel::{Camera, Pixel};
+pub(crate) use place_asked::PlaceAsked;
 pub use plane::Plane;
 pub use point::Point;
 pub use pose::Pose;

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, EulerRot, Quat, Vec3A};
 use kinopt::Solver;
-use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose, PoseBridge, ReachLayer};
+use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose, PoseAngles, ReachLayer};
 use kinopt::model::Limits;
 use kinopt::spatial::Vector3;
 use rand::rngs::StdRng;
@@ -43,7 +43,7 @@ fn both_stand_at_the_same_places() {
     for _ in 0..20 {
         let armature = armature(12, random);
         let skeleton = armature.skeleton("one", |_| FREE).unwrap();
-        let bridge = PoseBridge::new(&skeleton);
+        let bridge = PoseAngles::new(&skeleton);
         let mut pose = armature.rest().clone();
         for round in 0..5 {
             let turn = f64::from(round.min(1)) * 3.0;

@@ -5,7 +5,7 @@
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::Solver;
 use kinopt::animation::{
-    Armature, ArmatureBone, LocalTransform, Pose, PoseBridge, ReachError, ReachLayer,
+    Armature, ArmatureBone, LocalTransform, Pose, PoseAngles, ReachError, ReachLayer,
 };
 use kinopt::problem::ProblemError;
 use kinopt::skeleton::BoneId;
@@ -17,7 +17,7 @@ use support::random::Random;
 fn angles_and_local_rotations_are_the_same_pose() {
     for seed in 0..20 {
         let skeleton = RandomRig::new(seed).skeleton;
-        let (armature, bridge) = (Armature::of_skeleton(&skeleton), PoseBridge::new(&skeleton));
+        let (armature, bridge) = (Armature::of_skeleton(&skeleton), PoseAngles::new(&skeleton));
         let mut random = Random::new(seed);
         let limits: Vec<_> = skeleton.model().limits().collect();
         let q: Vec<f64> = limits
@@ -81,7 +81,7 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
     for seed in 0..8 {
         let rig = RandomRig::new(100 + seed);
         let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
-        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseBridge::new(skeleton));
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
         let mut random = Random::new(seed);
         let limits: Vec<_> = skeleton.model().limits().collect();
         let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
@@ -145,7 +145,7 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
     for seed in 0..8 {
         let rig = RandomRig::new(200 + seed);
         let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
-        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseBridge::new(skeleton));
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
         let mut random = Random::new(seed);
         let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
             let limits = skeleton.model().limits();

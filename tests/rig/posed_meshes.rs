@@ -1,7 +1,7 @@
 //! Promise: from joint angles to a posed mesh in one call, the same as step by step.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::animation::{Armature, PoseBridge};
+use kinopt::animation::{Armature, PoseAngles};
 use kinopt::io::rig::{Rig, RigPosingError};
 use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
 use kinopt::task::Point;
@@ -43,7 +43,7 @@ fn a_solution_poses_the_mesh() {
         let mut posing = rig.posing(method).unwrap();
         assert!(!posing.has_automatic_weights());
         let mut pose = Armature::of_skeleton(skeleton).rest().clone();
-        PoseBridge::new(skeleton).pose_of(&solution.q, &mut pose);
+        PoseAngles::new(skeleton).pose_of(&solution.q, &mut pose);
         let of_pose = posing.mesh_of_pose(&pose).unwrap();
         let pairs = of_pose.positions().iter().zip(posed.positions());
         assert!(pairs.into_iter().all(|(a, b)| a.abs_diff_eq(*b, 1e-5)));

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kinopt::animation::PoseBridge;
+use kinopt::animation::PoseAngles;
 use kinopt::io::bvh;
 use kinopt::skinning::SkinningMethod;
 
@@ -21,7 +21,7 @@ pub(super) enum OutFile {
 /// What goes into the file, made ready before the search.
 pub(super) enum Written<'a> {
     Mesh(&'a MeshFile, Box<Skin<'a>>),
-    Capture(&'a Path, &'a Capture, PoseBridge),
+    Capture(&'a Path, &'a Capture, PoseAngles),
 }
 
 impl OutFile {
@@ -50,7 +50,7 @@ impl OutFile {
             (Self::Capture(path), Some(capture), Some(rig)) => Ok(Written::Capture(
                 path,
                 capture,
-                PoseBridge::new(&rig.skeleton),
+                PoseAngles::new(&rig.skeleton),
             )),
             (Self::Capture(_), ..) => Err(Failure::usage(format!(
                 "{}: a .bvh is written of motion capture; this is a {}",

@@ -1,6 +1,5 @@
 //! Clips: keyed channels of many bones, sampled a whole pose at a time.
 
-mod arcs;
 mod bones;
 mod builder;
 mod channel;
@@ -12,10 +11,11 @@ mod events;
 pub(crate) mod named;
 mod playback;
 mod playhead;
-mod slerps;
+mod rotation_tracks;
+mod slerp_arcs;
 mod timelines;
 mod tracks;
-mod vectors;
+mod vector_tracks;
 
 pub use builder::ClipBuilder;
 pub use channel::{Channel, EulerCurve, Property};

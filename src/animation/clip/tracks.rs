@@ -3,9 +3,9 @@
 use glam::Vec3A;
 
 use super::curved::{CurveSegments, Curved};
-use super::slerps::{SlerpSegments, Slerps};
+use super::rotation_tracks::{SlerpSegments, Slerps};
 use super::timelines::Track;
-use super::vectors::{VectorSegments, Vectors};
+use super::vector_tracks::{VectorSegments, Vectors};
 use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{EulerCurve, Pose};

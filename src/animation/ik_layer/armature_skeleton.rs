@@ -11,7 +11,7 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 impl Armature {
     /// The skeleton with the same bones and ids, at rest where the armature is: what
     /// [`ReachLayer`](super::ReachLayer) and problems are stated on, while
-    /// [`PoseBridge`](super::PoseBridge) takes its angles to this armature's poses. An armature does
+    /// [`PoseAngles`](super::PoseAngles) takes its angles to this armature's poses. An armature does
     /// not say where bones end, so tips are where their bones stand: the tip of a hand is the wrist.
     /// `limits` gives the ranges of a bone's first twist, bend and second twist about the bone's own
     /// x, z and x, in radians.

@@ -3,16 +3,16 @@
 
 mod aim;
 mod armature_skeleton;
-mod bridge;
 mod held;
 mod limb;
 mod placed;
+mod pose_angles;
 mod reach;
 mod reach_error;
 mod stance;
 
 pub use aim::{Aim, AimError, AimGoal};
-pub use bridge::PoseBridge;
 pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
+pub use pose_angles::PoseAngles;
 pub use reach::{NoEffector, ReachLayer};
 pub use reach_error::ReachError;

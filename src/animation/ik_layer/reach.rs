@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 
 use glam::Quat;
 
-use super::bridge::PoseBridge;
 use super::held::Held;
+use super::pose_angles::PoseAngles;
 use super::reach_error::ReachError;
 use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
@@ -28,7 +28,7 @@ const TOLERANCE: f64 = 1e-6;
 /// the solution says of a tip is what the posed bones show: W (ℓ, 0, 0) for a bone of length ℓ.
 #[derive(Clone, Debug)]
 pub struct ReachLayer {
-    bridge: PoseBridge,
+    bridge: PoseAngles,
     stances: Stances,
     problem: Problem,
     targets: Targets,
@@ -102,7 +102,7 @@ impl ReachLayer {
         let problem = builder.build()?;
         let moved = above(skeleton, tips.iter().chain(held));
         Ok(Self {
-            bridge: PoseBridge::new(skeleton),
+            bridge: PoseAngles::new(skeleton),
             targets: problem.targets(),
             tree: problem.tree().clone(),
             problem,

@@ -4,7 +4,7 @@ use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index};
 
-use super::run::Run;
+use super::accessor_view::AccessorView;
 use super::source::Source;
 use crate::io::ReadError;
 
@@ -91,7 +91,7 @@ impl<'a> Source<'a> {
         index: Index<Accessor>,
         count: usize,
         user: &str,
-    ) -> Result<Option<Run<'_>>, ReadError> {
+    ) -> Result<Option<AccessorView<'_>>, ReadError> {
         let accessor = self.accessor(index, user)?;
         let at = |key: &str| format!("accessors[{}].{key}", index.value());
         let fits = match accessor.type_ {

@@ -34,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod accessor_view;
 mod accessors;
 mod animations;
 mod buffers;
@@ -49,7 +50,6 @@ mod omissions;
 mod posing;
 mod primitives;
 mod raw_mesh;
-mod run;
 mod scene;
 mod skins;
 mod source;

@@ -4,15 +4,15 @@ use gltf_json::accessor::sparse::Sparse;
 use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index};
 
-use super::run::Run;
+use super::accessor_view::AccessorView;
 use super::source::Source;
 use crate::io::ReadError;
 
 /// The entries that differ from zero or from the accessor's buffer view.
 pub(super) struct SparseRuns<'a> {
     count: usize,
-    indices: Run<'a>,
-    pub(super) values: Run<'a>,
+    indices: AccessorView<'a>,
+    pub(super) values: AccessorView<'a>,
 }
 
 impl Source<'_> {

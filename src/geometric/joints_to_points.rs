@@ -2,7 +2,7 @@
 //! should be, within limits.
 
 use super::joint_points::{Group, JointPoints};
-use super::turn::{Knob, Turn, turned, two_turns};
+use super::turn::{BoundedVariable, Turn, turned, two_turns};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
 use crate::problem::Question;
@@ -123,9 +123,9 @@ impl<'a> JointFit<'a> {
             true => farthest + apart,
             false => farthest - apart,
         };
-        let (variable, knob) = self.knob(joint);
-        let by = Turn::towards(angle).best(knob.room(x[variable]));
-        x[variable] = knob.moved(x[variable], by);
+        let (variable, bounded_variable) = self.bounded_variable(joint);
+        let by = Turn::towards(angle).best(bounded_variable.room(x[variable]));
+        x[variable] = bounded_variable.moved(x[variable], by);
     }
 
     /// Brings the points of one group near `wanted` and returns by how much they miss.
@@ -191,13 +191,13 @@ impl<'a> JointFit<'a> {
         centre.map(|centre| self.point(centre))
     }
 
-    fn knob(&self, joint: usize) -> (usize, Knob) {
+    fn bounded_variable(&self, joint: usize) -> (usize, BoundedVariable) {
         let (variable, ratio) = self.question.tree().variable_of(joint);
         let bounds = Limits::new(
             self.question.lower()[variable],
             self.question.upper()[variable],
         );
-        (variable, Knob { bounds, ratio })
+        (variable, BoundedVariable { bounds, ratio })
     }
 
     /// Points a bone in closed form with the last two joints of its group, where their axes meet in
@@ -223,11 +223,12 @@ impl<'a> JointFit<'a> {
         let Some(ways) = two_turns(outer_axis.direction, inner_axis.direction, u, v) else {
             return false;
         };
-        let [(first, outer_knob), (second, inner_knob)] = [outer, inner].map(|&j| self.knob(j));
+        let [(first, outer_variable), (second, inner_variable)] =
+            [outer, inner].map(|&j| self.bounded_variable(j));
         let mut best = ((u - v).norm(), None);
         for (by_outer, by_inner) in ways {
-            let outer_turn = Turn::towards(by_outer).best(outer_knob.room(x[first]));
-            let inner_turn = Turn::towards(by_inner).best(inner_knob.room(x[second]));
+            let outer_turn = Turn::towards(by_outer).best(outer_variable.room(x[first]));
+            let inner_turn = Turn::towards(by_inner).best(inner_variable.room(x[second]));
             let turn =
                 turned(outer_axis.direction, outer_turn) * turned(inner_axis.direction, inner_turn);
             let left = (turn * u - v).norm();
@@ -241,8 +242,8 @@ impl<'a> JointFit<'a> {
         let Some((outer_turn, inner_turn, _)) = best.1 else {
             return false;
         };
-        x[first] = outer_knob.moved(x[first], outer_turn);
-        x[second] = inner_knob.moved(x[second], inner_turn);
+        x[first] = outer_variable.moved(x[first], outer_turn);
+        x[second] = inner_variable.moved(x[second], inner_turn);
         true
     }
 
@@ -265,9 +266,9 @@ impl<'a> JointFit<'a> {
             for &(at, to) in &points {
                 turn.pull(axis.direction, at - axis.origin, to - axis.origin, 1.0);
             }
-            let (variable, knob) = self.knob(joint);
-            let by = turn.best(knob.room(x[variable]));
-            x[variable] = knob.moved(x[variable], by);
+            let (variable, bounded_variable) = self.bounded_variable(joint);
+            let by = turn.best(bounded_variable.room(x[variable]));
+            x[variable] = bounded_variable.moved(x[variable], by);
             let turn = turned(axis.direction, by);
             for (at, _) in &mut points {
                 *at = turn * (*at - axis.origin) + axis.origin;

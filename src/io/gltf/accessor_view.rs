@@ -8,7 +8,7 @@ use super::source::Source;
 use crate::io::{Place, ReadError};
 
 /// One run of numbers in a buffer.
-pub(super) struct Run<'a> {
+pub(super) struct AccessorView<'a> {
     bytes: &'a [u8],
     stride: usize,
     component: ComponentType,
@@ -25,7 +25,7 @@ impl Source<'_> {
         component: ComponentType,
         path: &str,
         user: &str,
-    ) -> Result<Run<'_>, ReadError> {
+    ) -> Result<AccessorView<'_>, ReadError> {
         let views = &self.root.buffer_views;
         let own = views.get(view.value()).ok_or_else(|| {
             let problem = format!(
@@ -68,7 +68,7 @@ impl Source<'_> {
                 viewed.len(),
             )
         })?;
-        Ok(Run {
+        Ok(AccessorView {
             bytes,
             stride,
             component,
@@ -82,7 +82,7 @@ fn slice(bytes: &[u8], start: u64, length: u128) -> Option<&[u8]> {
     bytes.get(usize::try_from(start).ok()?..end)
 }
 
-impl Run<'_> {
+impl AccessorView<'_> {
     pub(super) fn entry<const N: usize>(&self, index: usize) -> [f64; N] {
         let size = self.component.size();
         std::array::from_fn(|place| {

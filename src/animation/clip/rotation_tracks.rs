@@ -2,8 +2,8 @@
 
 use glam::{Quat, Vec4};
 
-use super::arcs::{Arc, weights};
 use super::bones::Bones;
+use super::slerp_arcs::{Arc, weights};
 use super::timelines::{Progress, Segment, Timelines, Track};
 use crate::animation::rotation::RotationCurve;
 

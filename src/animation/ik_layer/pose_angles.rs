@@ -46,13 +46,13 @@ pub(super) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
 
 /// A skeleton's rest rotations, to go from angles to local rotations and back.
 #[derive(Clone, Debug)]
-pub struct PoseBridge {
+pub struct PoseAngles {
     rest: Vec<DQuat>,
     limits: Vec<[Limits; 3]>,
 }
 
-impl PoseBridge {
-    /// The bridge of a skeleton and the armature [of it](crate::animation::Armature::of_skeleton).
+impl PoseAngles {
+    /// The angles of a skeleton in poses of the armature [of it](crate::animation::Armature::of_skeleton).
     #[must_use]
     pub fn new(skeleton: &Skeleton) -> Self {
         let armature = crate::animation::Armature::of_skeleton(skeleton);

@@ -1,0 +1,50 @@
+//! The Jacobian by a forward pass on dual numbers, six variables at a time.
+
+use nalgebra::DMatrix;
+
+use super::Evaluation;
+use crate::scalar::{Dual, Scalar};
+use crate::task::{CHUNK, DualScratch};
+
+impl Evaluation<'_> {
+    pub(super) fn dual_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        let (question, share) = (self.question, self.share);
+        let problem = question.problem;
+        let pass = &mut *self.scratch.dual;
+        for first in (0..x.len()).step_by(CHUNK) {
+            let chunk = first..x.len().min(first + CHUNK);
+            for (k, (value, &at)) in pass.x.iter_mut().zip(x).enumerate() {
+                *value = if chunk.contains(&k) {
+                    Dual::variable(at, k - first)
+                } else {
+                    Dual::constant(at)
+                };
+            }
+            question.tree().forward(&pass.x, &mut pass.state);
+            problem.map.scatter(&pass.x, &mut pass.q);
+            for (index, task, task_rows) in problem.tasks_of(share) {
+                let all = pass.state.frames();
+                let DualScratch {
+                    frames,
+                    joints,
+                    residual,
+                } = &mut pass.gathered;
+                frames.clear();
+                frames.extend(task.frames.iter().map(|&slot| all[slot]));
+                joints.clear();
+                joints.extend(task.coordinates.iter().map(|&c| pass.q[c]));
+                residual.clear();
+                residual.resize(task.rows.len(), Dual::zero());
+                let own = question.residual(index);
+                own.evaluate_dual(frames, joints, residual);
+                let rows = residual.iter().zip(&task.weights).zip(task_rows);
+                for ((value, weight), row) in rows {
+                    let derivatives = value.derivatives();
+                    for k in chunk.clone() {
+                        jacobian[(row, k)] = weight * derivatives[k - first];
+                    }
+                }
+            }
+        }
+    }
+}

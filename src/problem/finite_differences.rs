@@ -1,0 +1,47 @@
+//! The Jacobian by differences of the residual, forward or central.
+
+use nalgebra::DMatrix;
+
+use super::Evaluation;
+use crate::scalar::elementary;
+use crate::solver::LeastSquares;
+
+impl Evaluation<'_> {
+    pub(super) fn difference_jacobian(
+        &mut self,
+        x: &[f64],
+        central: bool,
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        let mut shifted = std::mem::take(&mut self.scratch.shifted);
+        let mut both = std::mem::take(&mut self.scratch.shifted_residual);
+        shifted.copy_from_slice(x);
+        let rows = self.rows();
+        let [ahead, behind] = both.each_mut().map(|residual| &mut residual[..rows]);
+        if !central {
+            self.residual(x, behind);
+        }
+        let space = self.question.space();
+        let relative_step = if central {
+            elementary::cbrt(f64::EPSILON)
+        } else {
+            f64::EPSILON.sqrt()
+        };
+        for k in 0..x.len() {
+            let step = relative_step * x[k].abs().max(1.0);
+            let mut taken = space.integrate_one(x, k, step, &mut shifted);
+            self.residual(&shifted, ahead);
+            if central {
+                taken -= space.integrate_one(x, k, -step, &mut shifted);
+                self.residual(&shifted, behind);
+            }
+            shifted[k] = x[k];
+            let rows = jacobian.column_mut(k);
+            for ((entry, a), b) in rows.into_iter().zip(&*ahead).zip(&*behind) {
+                *entry = (a - b) / taken;
+            }
+        }
+        self.scratch.shifted = shifted;
+        self.scratch.shifted_residual = both;
+    }
+}
