@@ -60,8 +60,8 @@ pub(super) fn solve(
 ) -> Result<Solution, GeometricError> {
     let Limits { stopping, restarts } = limits;
     let mut search = Attempts::default();
-    search.fit(question, Share::All);
     search.start = variables_at(question, start)?;
+    search.fit(question, Share::All);
     let deadline = stopping.deadline();
     let mut sweeps = Sweeps::new(question, &search.start, method, observer, deadline);
     let schedule = Schedule::of_sweeps(restarts, stopping);

@@ -133,7 +133,7 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
             assert_eq!(pose.rotations()[index], posed.rotations()[index]);
         }
         let stranger = rig.tips[4];
-        let error = layer.set_goal(stranger, [0.0; 3].into(), 1.0).unwrap_err();
+        let error = layer.set_goal(stranger, [0.0; 3], 1.0).unwrap_err();
         assert_eq!(error.effectors.len(), 2);
     }
     assert!(reached >= 6, "{reached} of 8");
@@ -172,7 +172,7 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
             } else {
                 near
             };
-            layer.set_goal(moves, near.into(), 1.0).unwrap();
+            layer.set_goal(moves, near, 1.0).unwrap();
             let wanted = turned(&there, moves);
             layer
                 .set_rotation(moves, wanted * -2.0, f64::from(weight))
@@ -229,7 +229,7 @@ fn what_cannot_be_reached_for_is_refused_or_left_alone() {
 
     // A target that is not finite leaves the tip to the clip, like a rotation that is none.
     for bad in [f64::NAN, f64::INFINITY] {
-        layer.set_goal(bone, [bad, 0.0, 0.0].into(), 1.0).unwrap();
+        layer.set_goal(bone, [bad, 0.0, 0.0], 1.0).unwrap();
         let mut pose = armature.rest().clone();
         assert!(layer.apply(&mut pose).unwrap().is_none());
         assert_eq!(&pose, armature.rest());
@@ -241,7 +241,7 @@ fn what_cannot_be_reached_for_is_refused_or_left_alone() {
     let poses = [&mut twice, &mut once].map(|layer| {
         let layer = layer.as_mut().unwrap();
         let near = target.to_array().map(|x| x * 0.99);
-        layer.set_goal(bone, near.into(), 1.0).unwrap();
+        layer.set_goal(bone, near, 1.0).unwrap();
         let mut pose = armature.rest().clone();
         layer.apply(&mut pose).unwrap();
         pose

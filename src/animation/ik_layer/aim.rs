@@ -81,7 +81,8 @@ pub struct AimGoal {
 impl AimGoal {
     /// At a point in model coordinates, with weight 1, by the shortest arc.
     #[must_use]
-    pub fn at(target: Vec3A) -> Self {
+    pub fn at(target: impl Into<Vec3A>) -> Self {
+        let target = target.into();
         Self {
             target,
             up: None,
@@ -96,7 +97,12 @@ impl Aim {
     ///
     /// # Errors
     /// An [`AimError`].
-    pub fn new(armature: &Armature, bone: BoneId, forward: Vec3A) -> Result<Self, AimError> {
+    pub fn new(
+        armature: &Armature,
+        bone: BoneId,
+        forward: impl Into<Vec3A>,
+    ) -> Result<Self, AimError> {
+        let forward = forward.into();
         let (bones, index) = (armature.bones(), bone.index());
         if index >= bones {
             return Err(AimError::UnknownBone { bone: index, bones });
@@ -113,7 +119,8 @@ impl Aim {
     ///
     /// # Errors
     /// An axis that is not finite, has no length, or is on the line of the one that points.
-    pub fn with_up(mut self, up: Vec3A) -> Result<Self, AimError> {
+    pub fn with_up(mut self, up: impl Into<Vec3A>) -> Result<Self, AimError> {
+        let up = up.into();
         let up = axis("up", up)?;
         if up.cross(self.forward).length_squared() < 1e-6 {
             return Err(AimError::UpIsForward);
@@ -127,7 +134,8 @@ impl Aim {
     ///
     /// # Errors
     /// A point that is not finite.
-    pub fn with_muzzle(mut self, muzzle: Vec3A) -> Result<Self, AimError> {
+    pub fn with_muzzle(mut self, muzzle: impl Into<Vec3A>) -> Result<Self, AimError> {
+        let muzzle = muzzle.into();
         if !muzzle.is_finite() {
             return Err(AimError::BadMuzzle);
         }

@@ -126,9 +126,10 @@ impl ReachLayer {
     pub fn set_goal(
         &mut self,
         bone: BoneId,
-        target: Vector3<f64>,
+        target: impl Into<Vector3<f64>>,
         weight: f64,
     ) -> Result<(), NoEffector> {
+        let target = target.into();
         let own = self.effectors.iter_mut().find(|own| own.bone == bone);
         if let Some(own) = own {
             let finite = target.to_array().into_iter().all(f64::is_finite);

@@ -58,7 +58,8 @@ pub enum EndRotation {
 impl LimbGoal {
     /// The end at a point in model coordinates, with weight 1, and nothing else asked.
     #[must_use]
-    pub fn at(target: Vec3A) -> Self {
+    pub fn at(target: impl Into<Vec3A>) -> Self {
+        let target = target.into();
         Self {
             target,
             pole: None,

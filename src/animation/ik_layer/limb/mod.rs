@@ -116,7 +116,8 @@ impl Limb {
     ///
     /// # Errors
     /// An axis that is not finite or has no length.
-    pub fn with_hinge(mut self, axis: Vec3A) -> Result<Self, LimbError> {
+    pub fn with_hinge(mut self, axis: impl Into<Vec3A>) -> Result<Self, LimbError> {
+        let axis = axis.into();
         self.hinge = Some(axis.try_normalize().ok_or(LimbError::BadHinge)?);
         Ok(self)
     }
