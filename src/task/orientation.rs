@@ -1,6 +1,6 @@
 //! A frame should have an orientation.
 
-use super::residual::{in_base, not_finite};
+use super::residual::{frame_and_base, in_base, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -81,10 +81,7 @@ impl Residual for Orientation {
     }
 
     fn frames(&self) -> Vec<FrameId> {
-        [Some(self.frame), self.base]
-            .into_iter()
-            .flatten()
-            .collect()
+        frame_and_base(self.frame, self.base)
     }
 
     fn rows(&self) -> Vec<Rows> {

@@ -2,7 +2,7 @@
 
 use super::goal::Goal;
 use super::orientation::check_rotation;
-use super::residual::{in_base, not_finite};
+use super::residual::{frame_and_base, in_base, not_finite};
 use super::within::beyond;
 use super::{LocalJacobian, Orientation, Quantity, Residual, Rows};
 use crate::model::FrameId;
@@ -188,10 +188,7 @@ impl Residual for Pose {
     }
 
     fn frames(&self) -> Vec<FrameId> {
-        [Some(self.frame), self.base]
-            .into_iter()
-            .flatten()
-            .collect()
+        frame_and_base(self.frame, self.base)
     }
 
     fn rows(&self) -> Vec<Rows> {

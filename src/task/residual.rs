@@ -95,6 +95,11 @@ pub trait Residual: Clone + Send + Sync + 'static {
     }
 }
 
+/// The frames that a residual reads whose targets are given in a base, as [`in_base`] takes them.
+pub(super) fn frame_and_base(frame: FrameId, base: Option<FrameId>) -> Vec<FrameId> {
+    std::iter::once(frame).chain(base).collect()
+}
+
 /// Where the first frame stands: in the second, if there is one.
 #[inline]
 pub(super) fn in_base<S: Scalar>(frames: &[Placement<S>]) -> Placement<S> {
