@@ -87,12 +87,7 @@ impl Arm {
     ) -> Found {
         let (termination, iterations) = workspace.settle_within(stopping, query.deadline);
         self.unwrap_towards(query.start, workspace);
-        let mut found = Found {
-            termination,
-            iterations,
-            attempts: 1,
-            ..Found::default()
-        };
+        let mut found = Found::alone(termination, iterations);
         self.judge(workspace, &mut found);
         found
     }

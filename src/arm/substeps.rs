@@ -48,12 +48,7 @@ impl Arm {
                 deadline,
             };
             let (termination, iterations) = workspace.settle_near(&how);
-            let mut found = Found {
-                termination,
-                iterations,
-                attempts: 1,
-                ..Found::default()
-            };
+            let mut found = Found::alone(termination, iterations);
             self.judge(workspace, &mut found);
             if let (true, Some(posture)) = (found.reached, &self.options.posture) {
                 self.descend(workspace, posture, deadline);

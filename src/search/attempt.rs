@@ -72,3 +72,15 @@ impl Found {
         };
     }
 }
+
+impl Found {
+    /// A lone attempt, whose end is not judged yet.
+    pub(crate) fn alone(termination: Termination, iterations: usize) -> Self {
+        Self {
+            termination,
+            iterations,
+            attempts: 1,
+            ..Self::default()
+        }
+    }
+}
