@@ -63,6 +63,9 @@
 // On docs.rs every item says which feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+#[macro_use]
+mod accessors;
+
 pub mod animation;
 #[cfg(feature = "argmin")]
 pub mod argmin_bridge;

@@ -112,22 +112,13 @@ impl TriangleMesh {
         })
     }
 
-    /// The vertices' positions, in the model's own unit.
-    #[must_use]
-    pub fn positions(&self) -> &[Vec3] {
-        &self.positions
-    }
-
-    /// The vertices' normals: empty, or one per vertex, as given (not necessarily of unit length).
-    #[must_use]
-    pub fn normals(&self) -> &[Vec3] {
-        &self.normals
-    }
-
-    /// The triangles' vertex indices, counted from 0.
-    #[must_use]
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+    getters! {
+        /// The vertices' positions, in the model's own unit.
+        pub fn positions(&self) -> &[Vec3] = &self.positions;
+        /// The vertices' normals: empty, or one per vertex, as given (not necessarily of unit length).
+        pub fn normals(&self) -> &[Vec3] = &self.normals;
+        /// The triangles' vertex indices, counted from 0.
+        pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
     }
 
     /// The same triangles over other positions and normals, as after skinning.

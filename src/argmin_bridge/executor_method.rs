@@ -63,16 +63,11 @@ impl<M: Method> ExecutorMethod<M> {
         self
     }
 
-    /// The method, with its settings.
-    #[must_use]
-    pub fn method(&self) -> &M {
-        &self.method
-    }
-
-    /// Which test ended the search; `None` while it goes on, or where the executor ended it.
-    #[must_use]
-    pub fn termination(&self) -> Option<Termination> {
-        self.ended
+    getters! {
+        /// The method, with its settings.
+        pub fn method(&self) -> &M = &self.method;
+        /// Which test ended the search; `None` while it goes on, or where the executor ended it.
+        pub fn termination(&self) -> Option<Termination> = self.ended;
     }
 
     fn stopping(&self) -> Stopping {

@@ -120,16 +120,11 @@ impl Arm {
         self.names.variables.iter().map(String::as_str)
     }
 
-    /// Ids of the free joints in the model the arm was built from, base to tip.
-    #[must_use]
-    pub fn joint_ids(&self) -> &[JointId] {
-        &self.serial.joints
-    }
-
-    /// Number of free joints: the length of a configuration.
-    #[must_use]
-    pub fn joint_count(&self) -> usize {
-        self.serial.joints.len()
+    getters! {
+        /// Ids of the free joints in the model the arm was built from, base to tip.
+        pub fn joint_ids(&self) -> &[JointId] = &self.serial.joints;
+        /// Number of free joints: the length of a configuration.
+        pub fn joint_count(&self) -> usize = self.serial.joints.len();
     }
 
     /// The bounds of the free joints, base to tip, radians or metres.

@@ -110,11 +110,79 @@ impl ArmBuilder<'_> {
         resolved.map_err(|error| unknown.get_or_insert(error)).ok()
     }
 
-    /// A tool on the tip: where it stands in the tip's frame, metres. Default: the tip itself.
-    #[must_use]
-    pub fn with_tool(mut self, tip_from_tool: impl Into<Placement<f64>>) -> Self {
-        self.tip_from_tool = tip_from_tool.into();
-        self
+    setters! {
+        /// A tool on the tip: where it stands in the tip's frame, metres. Default: the tip itself.
+        pub fn with_tool(mut self, tip_from_tool: impl Into<Placement<f64>>) {
+            self.tip_from_tool = tip_from_tool.into();
+        }
+        /// How far the tool may be from its target, metres; positive. Default 1e-6.
+        pub fn with_position_tolerance(mut self, metres: f64) {
+            self.options.position_tolerance = metres;
+        }
+        /// How far the tool may be turned from its target, radians; positive. Default 1e-6.
+        pub fn with_orientation_tolerance(mut self, radians: f64) {
+            self.options.orientation_tolerance = radians;
+        }
+        /// Metres that weigh as much as one radian in the cost, which decides the compromise where a
+        /// target is out of reach; positive. Default: a quarter of the arm's length, so that answers do
+        /// not depend on the unit of length.
+        pub fn with_metres_per_radian(mut self, metres: impl Into<Option<f64>>) {
+            self.options.given_metres_per_radian = metres.into();
+        }
+        /// Which components of the pose count, and how exactly. Default: the full pose.
+        pub fn with_goal(mut self, goal: Goal) { self.options.goal = goal }
+        /// Which of several solutions is wanted. Default [`Search::Start`].
+        pub fn with_search(mut self, search: Search) { self.options.search = search }
+        /// What a radian or metre of each joint weighs in joint distances, one positive number a joint.
+        /// Default 1 for all. Used by [`Search::Nearest`], [`Search::Distinct`] and the posture.
+        pub fn with_joint_weights(mut self, weights: &[f64]) {
+            self.weights = Some(weights.to_vec());
+        }
+        /// How far each joint may move from the start (from the start within its limits), radians or
+        /// metres, one number of at least 0 a joint; infinity for a joint that may go anywhere. A hard
+        /// bound: where no solution is found within it, the answer ends as
+        /// [`CannotContinue`](crate::solver::Termination::CannotContinue) at the nearest place on the
+        /// start's own way. Default: no bound.
+        pub fn with_max_move(mut self, max_move: &[f64]) {
+            self.options.max_move = Some(max_move.to_vec());
+        }
+        /// A posture to prefer where the pose leaves room, one number a joint, radians or metres,
+        /// clamped into the limits: the solution is moved towards it within the null space of the pose,
+        /// within limits, and stays within the tolerances. It goes with the searches `Start` and
+        /// `First`. Default: none.
+        pub fn with_posture(mut self, q_preferred: &[f64]) {
+            self.options.posture = Some(q_preferred.to_vec());
+        }
+        /// No attempt begins after so many iterations of all attempts of a query together, at least 1.
+        /// Default: none where [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
+        pub fn with_iterations(mut self, iterations: impl Into<Option<u32>>) {
+            self.options.iterations = iterations.into();
+        }
+        /// Whether a target that no attempt reaches is answered by the best place that any of them came
+        /// to, wherever that is, and a path whose branch ends goes on by a jump to another. Otherwise a
+        /// miss stays on the start's own way, and a path on its branch, at the nearest place there.
+        /// [`Search::First`] has no start to stay near and always takes the best. Default false.
+        pub fn with_global_search_on_miss(mut self, everywhere: bool) {
+            self.options.leaps = everywhere;
+        }
+        /// While following ([`Arm::track`], [`Arm::follower`], [`Arm::servo`]) the freedom that the goal leaves goes
+        /// to the posture that the arm began in, or to another that is [asked for](Self::with_posture), and keeps
+        /// joints off their limits. This is how strongly: a joint that comes onto its limit is drawn back as if it were so many
+        /// radians from that posture, less before, not at all in the inner 60 % of its range; one that begins in the
+        /// outer 5 % is drawn out of it. At least 0; 0 leaves limits to the posture. Default 4.
+        pub fn with_limit_avoidance(mut self, radians: f64) {
+            self.options.limit_avoidance = radians;
+        }
+        /// A wall-clock limit for each query, looked at between lock-step iterations. Answers then
+        /// depend on the machine. Default: none.
+        pub fn with_time_limit(mut self, limit: impl Into<Option<Duration>>) {
+            self.options.time_limit = limit.into();
+        }
+        /// The seed of everything random: attempt i starts from (seed, i). Default 0.
+        pub fn with_seed(mut self, seed: u64) { self.options.seed = seed }
+        /// Whether to build the engine's seed atlas: a few megabytes and tens of milliseconds, for
+        /// several times fewer iterations. Default true.
+        pub fn with_atlas(mut self, atlas: bool) { self.atlas = atlas }
     }
 
     /// Holds a joint at `value` (radians or metres, within its limits).
@@ -139,72 +207,6 @@ impl ArmBuilder<'_> {
         self
     }
 
-    /// How far the tool may be from its target, metres; positive. Default 1e-6.
-    #[must_use]
-    pub fn with_position_tolerance(mut self, metres: f64) -> Self {
-        self.options.position_tolerance = metres;
-        self
-    }
-
-    /// How far the tool may be turned from its target, radians; positive. Default 1e-6.
-    #[must_use]
-    pub fn with_orientation_tolerance(mut self, radians: f64) -> Self {
-        self.options.orientation_tolerance = radians;
-        self
-    }
-
-    /// Metres that weigh as much as one radian in the cost, which decides the compromise where a
-    /// target is out of reach; positive. Default: a quarter of the arm's length, so that answers do
-    /// not depend on the unit of length.
-    #[must_use]
-    pub fn with_metres_per_radian(mut self, metres: impl Into<Option<f64>>) -> Self {
-        self.options.given_metres_per_radian = metres.into();
-        self
-    }
-
-    /// Which components of the pose count, and how exactly. Default: the full pose.
-    #[must_use]
-    pub fn with_goal(mut self, goal: Goal) -> Self {
-        self.options.goal = goal;
-        self
-    }
-
-    /// Which of several solutions is wanted. Default [`Search::Start`].
-    #[must_use]
-    pub fn with_search(mut self, search: Search) -> Self {
-        self.options.search = search;
-        self
-    }
-
-    /// What a radian or metre of each joint weighs in joint distances, one positive number a joint.
-    /// Default 1 for all. Used by [`Search::Nearest`], [`Search::Distinct`] and the posture.
-    #[must_use]
-    pub fn with_joint_weights(mut self, weights: &[f64]) -> Self {
-        self.weights = Some(weights.to_vec());
-        self
-    }
-
-    /// How far each joint may move from the start (from the start within its limits), radians or
-    /// metres, one number of at least 0 a joint; infinity for a joint that may go anywhere. A hard
-    /// bound: where no solution is found within it, the answer ends as
-    /// [`CannotContinue`](crate::solver::Termination::CannotContinue) at the nearest place on the
-    /// start's own way. Default: no bound.
-    #[must_use]
-    pub fn with_max_move(mut self, max_move: &[f64]) -> Self {
-        self.options.max_move = Some(max_move.to_vec());
-        self
-    }
-
-    /// A posture to prefer where the pose leaves room, one number a joint, radians or metres,
-    /// clamped into the limits: the solution is moved towards it within the null space of the pose,
-    /// within limits, and stays within the tolerances. It goes with the searches `Start` and
-    /// `First`. Default: none.
-    #[must_use]
-    pub fn with_posture(mut self, q_preferred: &[f64]) -> Self {
-        self.options.posture = Some(q_preferred.to_vec());
-        self
-    }
-
     /// Most attempts of one query, at least 1: a target that none reaches has so many, unless
     /// [`with_iterations`](Self::with_iterations) or a time limit ends them first. Default: 200, and no
     /// attempt begins after 2 600 iterations.
@@ -213,58 +215,6 @@ impl ArmBuilder<'_> {
         let attempts = attempts.into();
         self.options.attempts = attempts.unwrap_or(ATTEMPTS);
         self.options.attempts_asked = attempts.is_some();
-        self
-    }
-
-    /// No attempt begins after so many iterations of all attempts of a query together, at least 1.
-    /// Default: none where [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
-    #[must_use]
-    pub fn with_iterations(mut self, iterations: impl Into<Option<u32>>) -> Self {
-        self.options.iterations = iterations.into();
-        self
-    }
-
-    /// Whether a target that no attempt reaches is answered by the best place that any of them came
-    /// to, wherever that is, and a path whose branch ends goes on by a jump to another. Otherwise a
-    /// miss stays on the start's own way, and a path on its branch, at the nearest place there.
-    /// [`Search::First`] has no start to stay near and always takes the best. Default false.
-    #[must_use]
-    pub fn with_global_search_on_miss(mut self, everywhere: bool) -> Self {
-        self.options.leaps = everywhere;
-        self
-    }
-
-    /// While following ([`Arm::track`], [`Arm::follower`], [`Arm::servo`]) the freedom that the goal leaves goes
-    /// to the posture that the arm began in, or to another that is [asked for](Self::with_posture), and keeps
-    /// joints off their limits. This is how strongly: a joint that comes onto its limit is drawn back as if it were so many
-    /// radians from that posture, less before, not at all in the inner 60 % of its range; one that begins in the
-    /// outer 5 % is drawn out of it. At least 0; 0 leaves limits to the posture. Default 4.
-    #[must_use]
-    pub fn with_limit_avoidance(mut self, radians: f64) -> Self {
-        self.options.limit_avoidance = radians;
-        self
-    }
-
-    /// A wall-clock limit for each query, looked at between lock-step iterations. Answers then
-    /// depend on the machine. Default: none.
-    #[must_use]
-    pub fn with_time_limit(mut self, limit: impl Into<Option<Duration>>) -> Self {
-        self.options.time_limit = limit.into();
-        self
-    }
-
-    /// The seed of everything random: attempt i starts from (seed, i). Default 0.
-    #[must_use]
-    pub fn with_seed(mut self, seed: u64) -> Self {
-        self.options.seed = seed;
-        self
-    }
-
-    /// Whether to build the engine's seed atlas: a few megabytes and tens of milliseconds, for
-    /// several times fewer iterations. Default true.
-    #[must_use]
-    pub fn with_atlas(mut self, atlas: bool) -> Self {
-        self.atlas = atlas;
         self
     }
 

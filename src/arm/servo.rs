@@ -203,16 +203,11 @@ impl Servo<'_> {
         self.damping = metres * metres;
     }
 
-    /// How fast the free joints may move, base to tip, radians or metres a second; infinite for none.
-    #[must_use]
-    pub fn velocity_limits(&self) -> &[f64] {
-        &self.velocity_limits
-    }
-
-    /// Where the arm stands, radians or metres.
-    #[must_use]
-    pub fn q(&self) -> &[f64] {
-        &self.q
+    getters! {
+        /// How fast the free joints may move, base to tip, radians or metres a second; infinite for none.
+        pub fn velocity_limits(&self) -> &[f64] = &self.velocity_limits;
+        /// Where the arm stands, radians or metres.
+        pub fn q(&self) -> &[f64] = &self.q;
     }
 
     /// One tick towards a target. Nothing is allocated.

@@ -33,19 +33,12 @@ impl Default for Ccd {
 }
 
 impl Ccd {
-    /// Sets the limits of each attempt; the time limit is for all of them together.
-    #[must_use]
-    pub fn with_stopping(mut self, stopping: Stopping) -> Self {
-        self.limits.stopping = stopping;
-        self
-    }
-
-    /// Sets how often to try again. A chain that is stretched towards its target does not start to
-    /// bend by itself: [`Restarts::none`] is the bare method.
-    #[must_use]
-    pub fn with_restarts(mut self, restarts: Restarts) -> Self {
-        self.limits.restarts = restarts;
-        self
+    setters! {
+        /// Sets the limits of each attempt; the time limit is for all of them together.
+        pub fn with_stopping(mut self, stopping: Stopping) { self.limits.stopping = stopping }
+        /// Sets how often to try again. A chain that is stretched towards its target does not start to
+        /// bend by itself: [`Restarts::none`] is the bare method.
+        pub fn with_restarts(mut self, restarts: Restarts) { self.limits.restarts = restarts }
     }
 }
 

@@ -44,13 +44,10 @@ impl JointPoints {
         Linkage::new(self.parents.clone(), &self.rest)
     }
 
-    /// Which points should be where.
-    pub(super) fn pins(&self) -> &[Pin] {
-        &self.pins
-    }
-
-    /// Where the points are with all variables next to zero.
-    pub(super) fn rest(&self) -> &[Vector3<f64>] {
-        &self.rest
+    getters! {
+        /// Which points should be where.
+        pub(super) fn pins(&self) -> &[Pin] = &self.pins;
+        /// Where the points are with all variables next to zero.
+        pub(super) fn rest(&self) -> &[Vector3<f64>] = &self.rest;
     }
 }

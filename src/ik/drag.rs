@@ -176,10 +176,15 @@ impl Drag {
         self
     }
 
-    /// What is dragged.
-    #[must_use]
-    pub fn problem(&self) -> &Problem {
-        &self.problem
+    getters! {
+        /// What is dragged.
+        pub fn problem(&self) -> &Problem = &self.problem;
+        /// Where the body stands (degrees of freedom).
+        pub fn q(&self) -> &[f64] = &self.q;
+        /// What the last frame came to: empty before the first. Its
+        /// [`active_limits`](Solution::active_limits) tell limits from the most that a joint may move in
+        /// a frame.
+        pub fn solution(&self) -> &Solution = &self.workspace.solution;
     }
 
     /// What is dragged, with the targets as they are now.
@@ -194,20 +199,6 @@ impl Drag {
     /// As there.
     pub fn target_mut<R: Residual>(&mut self, task: TaskId<R>) -> Result<&mut R, ProblemError> {
         self.targets.get_mut(task)
-    }
-
-    /// Where the body stands (degrees of freedom).
-    #[must_use]
-    pub fn q(&self) -> &[f64] {
-        &self.q
-    }
-
-    /// What the last frame came to: empty before the first. Its
-    /// [`active_limits`](Solution::active_limits) tell limits from the most that a joint may move in
-    /// a frame.
-    #[must_use]
-    pub fn solution(&self) -> &Solution {
-        &self.workspace.solution
     }
 
     /// Whether some joint moved as far as a frame allows and would go on: the next frames follow.

@@ -49,36 +49,20 @@ impl Solver {
         }
     }
 
-    /// The limits of each attempt.
-    pub(super) fn stopping(&self) -> &Stopping {
-        &self.stopping
+    getters! {
+        /// The limits of each attempt.
+        pub(super) fn stopping(&self) -> &Stopping = &self.stopping;
+        /// The method's name.
+        pub fn method(&self) -> &'static str = self.method.name();
     }
 
-    /// Sets how far preferences act within what the goals leave free.
-    #[must_use]
-    pub(super) fn with_refining(mut self, extent: Extent) -> Self {
-        self.refining = extent;
-        self
-    }
-
-    /// Sets the limits of each attempt; the time limit is for all of them together.
-    #[must_use]
-    pub fn with_stopping(mut self, stopping: Stopping) -> Self {
-        self.stopping = stopping;
-        self
-    }
-
-    /// Sets how often to try again.
-    #[must_use]
-    pub fn with_restarts(mut self, restarts: Restarts) -> Self {
-        self.restarts = restarts;
-        self
-    }
-
-    /// The method's name.
-    #[must_use]
-    pub fn method(&self) -> &'static str {
-        self.method.name()
+    setters! {
+        /// Sets how far preferences act within what the goals leave free.
+        pub(super) fn with_refining(mut self, extent: Extent) { self.refining = extent }
+        /// Sets the limits of each attempt; the time limit is for all of them together.
+        pub fn with_stopping(mut self, stopping: Stopping) { self.stopping = stopping }
+        /// Sets how often to try again.
+        pub fn with_restarts(mut self, restarts: Restarts) { self.restarts = restarts }
     }
 
     /// Solves a problem, or a [question](Question) to it, from the configuration `start` (degrees of freedom; projected into the

@@ -130,11 +130,12 @@ impl<S: Scalar> ForwardKinematics<S> {
         }
     }
 
-    /// How many numbers [`place`](Self::place) reads: the model's degrees of freedom, or the
-    /// variables of the parameter map.
-    #[must_use]
-    pub fn variables(&self) -> usize {
-        self.tree.variables()
+    getters! {
+        /// How many numbers [`place`](Self::place) reads: the model's degrees of freedom, or the
+        /// variables of the parameter map.
+        pub fn variables(&self) -> usize = self.tree.variables();
+        /// What the last [`place`](Self::place) found; identities before the first.
+        pub fn placements(&self) -> &[Placement<S>] = self.state.frames();
     }
 
     /// world_from_frame of each frame, in the order asked for, at the configuration `q` (radians
@@ -162,11 +163,5 @@ impl<S: Scalar> ForwardKinematics<S> {
 
     pub(super) fn parts(&self) -> (&Tree, &TreeState<S>) {
         (&self.tree, &self.state)
-    }
-
-    /// What the last [`place`](Self::place) found; identities before the first.
-    #[must_use]
-    pub fn placements(&self) -> &[Placement<S>] {
-        self.state.frames()
     }
 }

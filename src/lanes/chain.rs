@@ -119,15 +119,13 @@ impl Chain {
         self
     }
 
-    /// Length of the way from base to tip with the magnitude of every part, slides at zero; metres.
-    pub(crate) fn extent(&self) -> f64 {
-        self.extent
-    }
-
-    /// The joints, base to tip.
-    #[must_use]
-    pub fn joints(&self) -> &[ChainJoint] {
-        &self.joints
+    getters! {
+        /// Length of the way from base to tip with the magnitude of every part, slides at zero; metres.
+        pub(crate) fn extent(&self) -> f64 = self.extent;
+        /// The joints, base to tip.
+        pub fn joints(&self) -> &[ChainJoint] = &self.joints;
+        /// Where the tip stands in the frame of the last joint.
+        pub fn joint_from_tip(&self) -> &Placement<f64> = &self.joint_from_tip;
     }
 
     /// The same joints with another tip, which is rigid.
@@ -150,12 +148,6 @@ impl Chain {
             joints: self.joints.clone(),
             joint_from_tip,
         }
-    }
-
-    /// Where the tip stands in the frame of the last joint.
-    #[must_use]
-    pub fn joint_from_tip(&self) -> &Placement<f64> {
-        &self.joint_from_tip
     }
 
     /// `base_from_tip` at the joint values `q` (radians or metres; missing values count as zero).

@@ -51,15 +51,11 @@ impl PoseSolver {
         })
     }
 
-    /// What it was prepared with.
-    pub(crate) fn options(&self) -> &LaneOptions {
-        &self.prepared.options
-    }
-
-    /// Number of moving joints: the length of a q.
-    #[must_use]
-    pub fn joints(&self) -> usize {
-        self.prepared.joints()
+    getters! {
+        /// What it was prepared with.
+        pub(crate) fn options(&self) -> &LaneOptions = &self.prepared.options;
+        /// Number of moving joints: the length of a q.
+        pub fn joints(&self) -> usize = self.prepared.joints();
     }
 
     /// Bytes the seed atlas holds.

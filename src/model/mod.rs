@@ -70,28 +70,19 @@ impl Model {
         ModelBuilder::new(name)
     }
 
-    /// What its lengths are counted in.
-    #[must_use]
-    pub fn length_unit(&self) -> LengthUnit {
-        self.length_unit
-    }
-
-    /// The model's name.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// All joints, parents before children.
-    #[must_use]
-    pub fn joints(&self) -> &[Joint] {
-        &self.joints
-    }
-
-    /// All frames.
-    #[must_use]
-    pub fn frames(&self) -> &[Frame] {
-        &self.frames
+    getters! {
+        /// What its lengths are counted in.
+        pub fn length_unit(&self) -> LengthUnit = self.length_unit;
+        /// The model's name.
+        pub fn name(&self) -> &str = &self.name;
+        /// All joints, parents before children.
+        pub fn joints(&self) -> &[Joint] = &self.joints;
+        /// All frames.
+        pub fn frames(&self) -> &[Frame] = &self.frames;
+        /// How many numbers a configuration has.
+        pub fn degrees_of_freedom(&self) -> usize = self.moving.len();
+        /// The joint that each coordinate of a configuration moves.
+        pub fn moving_joints(&self) -> &[JointId] = &self.moving;
     }
 
     /// All joint ids, parents before children.
@@ -102,18 +93,6 @@ impl Model {
     /// All frame ids.
     pub fn frame_ids(&self) -> impl Iterator<Item = FrameId> + use<> {
         (0..self.frames.len()).map(FrameId::new)
-    }
-
-    /// How many numbers a configuration has.
-    #[must_use]
-    pub fn degrees_of_freedom(&self) -> usize {
-        self.moving.len()
-    }
-
-    /// The joint that each coordinate of a configuration moves.
-    #[must_use]
-    pub fn moving_joints(&self) -> &[JointId] {
-        &self.moving
     }
 
     /// Where a joint's value stands in a configuration; `None` for a fixed joint or an id beyond

@@ -91,34 +91,17 @@ impl ParameterMap {
         }
     }
 
-    /// How many solver variables there are.
-    #[must_use]
-    pub fn variables(&self) -> usize {
-        self.leaders.len()
-    }
-
-    /// Where each coordinate of q comes from.
-    #[must_use]
-    pub fn sources(&self) -> &[Source] {
-        &self.sources
-    }
-
-    /// For each variable the coordinate of q that it is a copy of.
-    #[must_use]
-    pub fn leaders(&self) -> &[usize] {
-        &self.leaders
-    }
-
-    /// Lower bounds of the variables, those of followers included.
-    #[must_use]
-    pub fn lower(&self) -> &[f64] {
-        &self.lower
-    }
-
-    /// Upper bounds of the variables, those of followers included.
-    #[must_use]
-    pub fn upper(&self) -> &[f64] {
-        &self.upper
+    getters! {
+        /// How many solver variables there are.
+        pub fn variables(&self) -> usize = self.leaders.len();
+        /// Where each coordinate of q comes from.
+        pub fn sources(&self) -> &[Source] = &self.sources;
+        /// For each variable the coordinate of q that it is a copy of.
+        pub fn leaders(&self) -> &[usize] = &self.leaders;
+        /// Lower bounds of the variables, those of followers included.
+        pub fn lower(&self) -> &[f64] = &self.lower;
+        /// Upper bounds of the variables, those of followers included.
+        pub fn upper(&self) -> &[f64] = &self.upper;
     }
 
     /// Narrows one coordinate's limits, and with them the bounds of the variable it comes from.

@@ -49,16 +49,13 @@ pub(crate) struct CompiledTask {
 }
 
 impl CompiledTask {
-    pub(crate) fn name(&self) -> &str {
-        &self.name
+    getters! {
+        pub(crate) fn name(&self) -> &str = &self.name;
+        pub(crate) fn blocks(&self) -> impl Iterator<Item = &Block> = self.blocks.iter();
     }
 
     /// Whether the task wants its rows kept where the goals' own search left them: all that can miss.
     pub(crate) fn keeps(&self, block: &Block) -> bool {
         self.binds && block.can_miss()
-    }
-
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = &Block> {
-        self.blocks.iter()
     }
 }

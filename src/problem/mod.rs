@@ -116,52 +116,34 @@ impl Problem {
         ProblemBuilder::new(model)
     }
 
-    /// How many solver variables there are.
-    #[must_use]
-    pub fn variables(&self) -> usize {
-        self.map.variables()
-    }
-
-    /// How many residual rows there are.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// How many numbers a configuration of the model has.
-    #[must_use]
-    pub fn degrees_of_freedom(&self) -> usize {
-        self.map.sources().len()
-    }
-
-    /// The map from variables to configurations.
-    #[must_use]
-    pub fn parameters(&self) -> &ParameterMap {
-        &self.map
-    }
-
-    /// Lower bounds of the variables.
-    #[must_use]
-    pub fn lower(&self) -> &[f64] {
-        &self.lower
-    }
-
-    /// Upper bounds of the variables.
-    #[must_use]
-    pub fn upper(&self) -> &[f64] {
-        &self.upper
-    }
-
-    /// The model's own length scale in metres.
-    #[must_use]
-    pub fn reach(&self) -> f64 {
-        self.reach
-    }
-
-    /// How many tasks there are.
-    #[must_use]
-    pub fn tasks(&self) -> usize {
-        self.tasks.len()
+    getters! {
+        /// How many solver variables there are.
+        pub fn variables(&self) -> usize = self.map.variables();
+        /// How many residual rows there are.
+        pub fn rows(&self) -> usize = self.rows;
+        /// How many numbers a configuration of the model has.
+        pub fn degrees_of_freedom(&self) -> usize = self.map.sources().len();
+        /// The map from variables to configurations.
+        pub fn parameters(&self) -> &ParameterMap = &self.map;
+        /// Lower bounds of the variables.
+        pub fn lower(&self) -> &[f64] = &self.lower;
+        /// Upper bounds of the variables.
+        pub fn upper(&self) -> &[f64] = &self.upper;
+        /// The model's own length scale in metres.
+        pub fn reach(&self) -> f64 = self.reach;
+        /// How many tasks there are.
+        pub fn tasks(&self) -> usize = self.tasks.len();
+        /// Which derivative route is taken.
+        pub fn derivatives(&self) -> Derivatives = self.derivatives;
+        /// A copy of the residuals that the problem was built with, to move their targets.
+        pub fn targets(&self) -> Targets = self.targets.clone();
+        /// What preferences may cost the goals.
+        pub fn preferences(&self) -> Preferences = self.preferences;
+        /// The compiled kinematics that the tasks' slots refer to.
+        pub(crate) fn tree(&self) -> &Tree = &self.tree;
+        /// The tasks in order.
+        pub(crate) fn compiled_tasks(&self) -> &[CompiledTask] = &self.tasks;
+        pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
     }
 
     /// A task's name.
@@ -170,23 +152,11 @@ impl Problem {
         self.tasks.get(task).map(CompiledTask::name)
     }
 
-    /// Which derivative route is taken.
-    #[must_use]
-    pub fn derivatives(&self) -> Derivatives {
-        self.derivatives
-    }
-
     /// The same problem by another derivative route.
     #[must_use]
     pub fn with_derivatives(mut self, route: Derivatives) -> Self {
         self.derivatives = route;
         self
-    }
-
-    /// A copy of the residuals that the problem was built with, to move their targets.
-    #[must_use]
-    pub fn targets(&self) -> Targets {
-        self.targets.clone()
     }
 
     /// The question with targets of one's own instead of those that the problem was built with.
@@ -208,12 +178,6 @@ impl Problem {
     #[must_use]
     pub fn has_preferences(&self) -> bool {
         self.tasks.iter().any(|task| task.role == Role::Preference)
-    }
-
-    /// What preferences may cost the goals.
-    #[must_use]
-    pub fn preferences(&self) -> Preferences {
-        self.preferences
     }
 
     /// What a solver searches with: the goals alone where preferences act within them, everything
@@ -275,23 +239,9 @@ impl Problem {
         Scratch::new(self)
     }
 
-    /// The compiled kinematics that the tasks' slots refer to.
-    pub(crate) fn tree(&self) -> &Tree {
-        &self.tree
-    }
-
     /// Where the chain of a task's first frame begins, if that is known.
     pub(crate) fn anchor(&self, task: usize) -> Option<&Anchor> {
         self.names.anchors.get(task)?.as_ref()
-    }
-
-    /// The tasks in order.
-    pub(crate) fn compiled_tasks(&self) -> &[CompiledTask] {
-        &self.tasks
-    }
-
-    pub(crate) fn names(&self) -> &Arc<ReportNames> {
-        &self.names
     }
 
     /// Marks the variables that move a missed goal and no reached one, given the weighted residual of

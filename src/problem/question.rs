@@ -30,46 +30,23 @@ impl<'a> From<&'a Problem> for Question<'a> {
 }
 
 impl<'a> Question<'a> {
-    /// The problem that is asked.
-    #[must_use]
-    pub fn problem(&self) -> &'a Problem {
-        self.problem
-    }
-
-    /// How many solver variables there are.
-    #[must_use]
-    pub fn variables(&self) -> usize {
-        self.problem.variables()
-    }
-
-    /// How many residual rows there are.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.problem.rows()
-    }
-
-    /// The map from variables to configurations.
-    #[must_use]
-    pub fn parameters(&self) -> &'a ParameterMap {
-        self.problem.parameters()
-    }
-
-    /// Scratch memory for this problem.
-    #[must_use]
-    pub fn scratch(&self) -> Scratch {
-        self.problem.scratch()
-    }
-
-    /// Lower bounds of the variables.
-    #[must_use]
-    pub fn lower(&self) -> &'a [f64] {
-        self.lower
-    }
-
-    /// Upper bounds of the variables.
-    #[must_use]
-    pub fn upper(&self) -> &'a [f64] {
-        self.upper
+    getters! {
+        /// The problem that is asked.
+        pub fn problem(&self) -> &'a Problem = self.problem;
+        /// How many solver variables there are.
+        pub fn variables(&self) -> usize = self.problem.variables();
+        /// How many residual rows there are.
+        pub fn rows(&self) -> usize = self.problem.rows();
+        /// The map from variables to configurations.
+        pub fn parameters(&self) -> &'a ParameterMap = self.problem.parameters();
+        /// Scratch memory for this problem.
+        pub fn scratch(&self) -> Scratch = self.problem.scratch();
+        /// Lower bounds of the variables.
+        pub fn lower(&self) -> &'a [f64] = self.lower;
+        /// Upper bounds of the variables.
+        pub fn upper(&self) -> &'a [f64] = self.upper;
+        /// The compiled kinematics that the tasks' slots refer to.
+        pub(crate) fn tree(&self) -> &'a Tree = self.tree;
     }
 
     /// The space of the variables, within these bounds.
@@ -95,11 +72,6 @@ impl<'a> Question<'a> {
     /// The same where joints and frames stand elsewhere on their parents.
     pub(crate) fn with_places(self, tree: &'a Tree) -> Self {
         Self { tree, ..self }
-    }
-
-    /// The compiled kinematics that the tasks' slots refer to.
-    pub(crate) fn tree(&self) -> &'a Tree {
-        self.tree
     }
 
     /// Whether joints stand elsewhere than where the problem was built.

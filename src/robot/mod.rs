@@ -69,28 +69,15 @@ impl Robot {
         })
     }
 
-    /// The robot's name.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        self.model.name()
-    }
-
-    /// Its joints, links and limits.
-    #[must_use]
-    pub fn model(&self) -> &Model {
-        &self.model
-    }
-
-    /// All joints free but the mimic ones, which follow.
-    #[must_use]
-    pub fn map(&self) -> &ParameterMap {
-        &self.map
-    }
-
-    /// The joints that follow others.
-    #[must_use]
-    pub fn mimics(&self) -> &[Mimic] {
-        &self.mimics
+    getters! {
+        /// The robot's name.
+        pub fn name(&self) -> &str = self.model.name();
+        /// Its joints, links and limits.
+        pub fn model(&self) -> &Model = &self.model;
+        /// All joints free but the mimic ones, which follow.
+        pub fn map(&self) -> &ParameterMap = &self.map;
+        /// The joints that follow others.
+        pub fn mimics(&self) -> &[Mimic] = &self.mimics;
     }
 
     /// The shapes and mass of a link, which is a frame; `None` for frames that are no links, such as

@@ -45,36 +45,19 @@ impl Restarts {
         }
     }
 
-    /// At most so many attempts, the caller's start included; at least 1.
-    #[must_use]
-    pub fn with_attempts(mut self, attempts: usize) -> Self {
-        self.attempts = attempts.max(1);
-        self
-    }
-
-    /// The seed that all random starts come from.
-    #[must_use]
-    pub fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
-    }
-
-    /// Ends when so many attempts have stopped at the same lowest cost: the target is then most
-    /// likely out of reach. At least 1. All attempts but the first eight then run to their ends, so a
-    /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
-    /// and three are enough.
-    #[must_use]
-    pub fn with_agreeing(mut self, agreeing: usize) -> Self {
-        self.agreeing = Some(agreeing.max(1));
-        self
-    }
-
-    /// After so many steps of all attempts together only one further attempt is made: from where the
-    /// best one stands, if that was cut off.
-    #[must_use]
-    pub fn with_steps(mut self, steps: usize) -> Self {
-        self.steps = steps;
-        self
+    setters! {
+        /// At most so many attempts, the caller's start included; at least 1.
+        pub fn with_attempts(mut self, attempts: usize) { self.attempts = attempts.max(1) }
+        /// The seed that all random starts come from.
+        pub fn with_seed(mut self, seed: u64) { self.seed = seed }
+        /// Ends when so many attempts have stopped at the same lowest cost: the target is then most
+        /// likely out of reach. At least 1. All attempts but the first eight then run to their ends, so a
+        /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
+        /// and three are enough.
+        pub fn with_agreeing(mut self, agreeing: usize) { self.agreeing = Some(agreeing.max(1)) }
+        /// After so many steps of all attempts together only one further attempt is made: from where the
+        /// best one stands, if that was cut off.
+        pub fn with_steps(mut self, steps: usize) { self.steps = steps }
     }
 
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random

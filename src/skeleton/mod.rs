@@ -112,16 +112,11 @@ impl Skeleton {
         self.model.move_frame(frame, tip);
     }
 
-    /// The bones, parents before children.
-    #[must_use]
-    pub fn bones(&self) -> &[Bone] {
-        &self.bones
-    }
-
-    /// The model that the bones compile to; it is what problems are stated on.
-    #[must_use]
-    pub fn model(&self) -> &Model {
-        &self.model
+    getters! {
+        /// The bones, parents before children.
+        pub fn bones(&self) -> &[Bone] = &self.bones;
+        /// The model that the bones compile to; it is what problems are stated on.
+        pub fn model(&self) -> &Model = &self.model;
     }
 
     /// All bone ids in order.

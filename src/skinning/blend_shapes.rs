@@ -145,16 +145,11 @@ impl BlendShapes {
         )
     }
 
-    /// The shapes' names, in the order of the weights.
-    #[must_use]
-    pub fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    /// How many vertices each shape has.
-    #[must_use]
-    pub fn vertex_count(&self) -> usize {
-        self.vertex_count
+    getters! {
+        /// The shapes' names, in the order of the weights.
+        pub fn names(&self) -> &[String] = &self.names;
+        /// How many vertices each shape has.
+        pub fn vertex_count(&self) -> usize = self.vertex_count;
     }
 
     /// p_i = Σ_j w_j p_ij. The weights must sum to 1 within

@@ -29,18 +29,11 @@ impl PointHandle {
         }
     }
 
-    /// The handle dragged to a place.
-    #[must_use]
-    pub fn moved_to(mut self, posed: Vec3) -> Self {
-        self.posed = posed;
-        self
-    }
-
-    /// The handle with a linear map about itself.
-    #[must_use]
-    pub fn turned_by(mut self, linear: Mat3A) -> Self {
-        self.linear = linear;
-        self
+    setters! {
+        /// The handle dragged to a place.
+        pub fn moved_to(mut self, posed: Vec3) { self.posed = posed }
+        /// The handle with a linear map about itself.
+        pub fn turned_by(mut self, linear: Mat3A) { self.linear = linear }
     }
 
     /// v → A (v − rest) + posed, as a transform rest model → posed model.

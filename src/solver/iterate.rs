@@ -28,15 +28,11 @@ impl Deref for Iterate<'_> {
 }
 
 impl Iterate<'_> {
-    /// The space that x is from, with its bounds.
-    #[must_use]
-    pub fn space(&self) -> ConfigurationSpace<'_> {
-        self.problem.space()
-    }
-
-    /// The step Δ, to write; it still holds the last one.
-    pub fn step_mut(&mut self) -> &mut [f64] {
-        &mut self.at.step
+    getters! {
+        /// The space that x is from, with its bounds.
+        pub fn space(&self) -> ConfigurationSpace<'_> = self.problem.space();
+        /// The step Δ, to write; it still holds the last one.
+        pub fn step_mut(&mut self) -> &mut [f64] = &mut self.at.step;
     }
 
     /// Projects the trial x + Δ into the bounds, and makes Δ what is left of the way there.

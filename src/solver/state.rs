@@ -101,64 +101,27 @@ impl Clone for StatePool {
 }
 
 impl SolverState {
-    /// Where the search stands.
-    #[must_use]
-    pub fn x(&self) -> &[f64] {
-        &self.x
-    }
-
-    /// r(x).
-    #[must_use]
-    pub fn residual(&self) -> &[f64] {
-        &self.residual
-    }
-
-    /// ½‖r(x)‖².
-    #[must_use]
-    pub fn cost(&self) -> f64 {
-        self.cost
-    }
-
-    /// Jᵀr at x.
-    #[must_use]
-    pub fn gradient(&self) -> &[f64] {
-        &self.gradient
-    }
-
-    /// J where it was taken last: at x, for methods that need it.
-    #[must_use]
-    pub fn jacobian(&self) -> &DMatrix<f64> {
-        &self.jacobian
-    }
-
-    /// The largest norm of a column of J.
-    #[must_use]
-    pub fn column_norm(&self) -> f64 {
-        self.column_norm
-    }
-
-    /// The variables that are free to move at x: all but those on a bound whose gradient pushes outward.
-    #[must_use]
-    pub fn free(&self) -> &[usize] {
-        &self.free
-    }
-
-    /// The last step.
-    #[must_use]
-    pub fn step(&self) -> &[f64] {
-        &self.step
-    }
-
-    /// r of the last [trial](super::Iterate::evaluate_trial).
-    #[must_use]
-    pub fn trial_residual(&self) -> &[f64] {
-        &self.trial_residual
-    }
-
-    /// Evaluations so far in this search.
-    #[must_use]
-    pub fn counts(&self) -> Counts {
-        self.counts
+    getters! {
+        /// Where the search stands.
+        pub fn x(&self) -> &[f64] = &self.x;
+        /// r(x).
+        pub fn residual(&self) -> &[f64] = &self.residual;
+        /// ½‖r(x)‖².
+        pub fn cost(&self) -> f64 = self.cost;
+        /// Jᵀr at x.
+        pub fn gradient(&self) -> &[f64] = &self.gradient;
+        /// J where it was taken last: at x, for methods that need it.
+        pub fn jacobian(&self) -> &DMatrix<f64> = &self.jacobian;
+        /// The largest norm of a column of J.
+        pub fn column_norm(&self) -> f64 = self.column_norm;
+        /// The variables that are free to move at x: all but those on a bound whose gradient pushes outward.
+        pub fn free(&self) -> &[usize] = &self.free;
+        /// The last step.
+        pub fn step(&self) -> &[f64] = &self.step;
+        /// r of the last [trial](super::Iterate::evaluate_trial).
+        pub fn trial_residual(&self) -> &[f64] = &self.trial_residual;
+        /// Evaluations so far in this search.
+        pub fn counts(&self) -> Counts = self.counts;
     }
 
     /// Takes the shape of `problem` and stands at the projected start, where what is missing or not

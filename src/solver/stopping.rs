@@ -29,72 +29,37 @@ impl Default for Stopping {
 }
 
 impl Stopping {
-    /// At most so many steps, accepted or not.
-    #[must_use]
-    pub fn with_max_iterations(mut self, iterations: usize) -> Self {
-        self.max_iterations = iterations;
-        self
+    setters! {
+        /// At most so many steps, accepted or not.
+        pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
+        /// Stationary when ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖ with s the largest column norm of
+        /// J: the cosine between r and what any free variable can do about it.
+        pub fn with_gradient_tolerance(mut self, tolerance: f64) {
+            self.gradient_tolerance = tolerance.max(0.0);
+        }
+        /// Gives up when no variable moves by more than tolerance · max(1, |x|).
+        pub fn with_step_tolerance(mut self, tolerance: f64) {
+            self.step_tolerance = tolerance.max(0.0);
+        }
+        /// Gives up as stalled when so many steps in a row have not halved the cost. Without it a
+        /// search goes on until it is stationary.
+        pub fn with_patience(mut self, steps: Option<usize>) { self.patience = steps }
+        /// Looks at the clock before every step and stops after `limit`. Results then depend on the
+        /// machine.
+        pub fn with_time_limit(mut self, limit: Duration) { self.time_limit = Some(limit) }
     }
 
-    /// Stationary when ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖ with s the largest column norm of
-    /// J: the cosine between r and what any free variable can do about it.
-    #[must_use]
-    pub fn with_gradient_tolerance(mut self, tolerance: f64) -> Self {
-        self.gradient_tolerance = tolerance.max(0.0);
-        self
-    }
-
-    /// Gives up when no variable moves by more than tolerance · max(1, |x|).
-    #[must_use]
-    pub fn with_step_tolerance(mut self, tolerance: f64) -> Self {
-        self.step_tolerance = tolerance.max(0.0);
-        self
-    }
-
-    /// Gives up as stalled when so many steps in a row have not halved the cost. Without it a
-    /// search goes on until it is stationary.
-    #[must_use]
-    pub fn with_patience(mut self, steps: Option<usize>) -> Self {
-        self.patience = steps;
-        self
-    }
-
-    /// Looks at the clock before every step and stops after `limit`. Results then depend on the
-    /// machine.
-    #[must_use]
-    pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = Some(limit);
-        self
-    }
-
-    /// The most steps of one search.
-    #[must_use]
-    pub fn max_iterations(&self) -> usize {
-        self.max_iterations
-    }
-
-    /// After how many steps that do not halve the cost a search gives up, if it does.
-    #[must_use]
-    pub fn patience(&self) -> Option<usize> {
-        self.patience
-    }
-
-    /// The share of the gradient's scale that counts as stationary.
-    #[must_use]
-    pub fn gradient_tolerance(&self) -> f64 {
-        self.gradient_tolerance
-    }
-
-    /// The relative step that counts as none.
-    #[must_use]
-    pub fn step_tolerance(&self) -> f64 {
-        self.step_tolerance
-    }
-
-    /// The wall-clock limit, if there is one.
-    #[must_use]
-    pub fn time_limit(&self) -> Option<Duration> {
-        self.time_limit
+    getters! {
+        /// The most steps of one search.
+        pub fn max_iterations(&self) -> usize = self.max_iterations;
+        /// After how many steps that do not halve the cost a search gives up, if it does.
+        pub fn patience(&self) -> Option<usize> = self.patience;
+        /// The share of the gradient's scale that counts as stationary.
+        pub fn gradient_tolerance(&self) -> f64 = self.gradient_tolerance;
+        /// The relative step that counts as none.
+        pub fn step_tolerance(&self) -> f64 = self.step_tolerance;
+        /// The wall-clock limit, if there is one.
+        pub fn time_limit(&self) -> Option<Duration> = self.time_limit;
     }
 
     /// The same limits with at most this patience.

@@ -78,10 +78,11 @@ impl Goal {
         }
     }
 
-    /// The half widths: three in metres, three in radians.
-    #[must_use]
-    pub fn half_widths(&self) -> [f64; 6] {
-        self.half_widths
+    getters! {
+        /// The half widths: three in metres, three in radians.
+        pub fn half_widths(&self) -> [f64; 6] = self.half_widths;
+        /// Half widths as rows are measured: metres, then chords; infinite where a component is free.
+        pub(crate) fn bands(&self) -> [f64; 6] = self.bands;
     }
 
     /// The first half width that is no number of at least 0, by the component's name.
@@ -89,11 +90,6 @@ impl Goal {
         let names = ["x", "y", "z", "rx", "ry", "rz"];
         let mut named = names.into_iter().zip(self.half_widths);
         named.find(|(_, h)| h.is_nan() || *h < 0.0)
-    }
-
-    /// Half widths as rows are measured: metres, then chords; infinite where a component is free.
-    pub(crate) fn bands(&self) -> [f64; 6] {
-        self.bands
     }
 
     /// Whether all components count and none has room.

@@ -33,16 +33,11 @@ impl Orientation {
         self
     }
 
-    /// The frame that targets are given in, if it is not the world.
-    #[must_use]
-    pub fn base(&self) -> Option<FrameId> {
-        self.base
-    }
-
-    /// The axes that the frame should have, in columns (world_from_frame, or from the base).
-    #[must_use]
-    pub fn target(&self) -> Matrix3<f64> {
-        self.target
+    getters! {
+        /// The frame that targets are given in, if it is not the world.
+        pub fn base(&self) -> Option<FrameId> = self.base;
+        /// The axes that the frame should have, in columns (world_from_frame, or from the base).
+        pub fn target(&self) -> Matrix3<f64> = self.target;
     }
 
     /// Changes the target.

@@ -28,36 +28,20 @@ impl Point {
         }
     }
 
-    /// Not the origin but this point of the frame, in frame coordinates.
-    #[must_use]
-    pub fn at(mut self, offset: impl Into<Vector3<f64>>) -> Self {
-        self.offset = offset.into();
-        self
+    setters! {
+        /// Not the origin but this point of the frame, in frame coordinates.
+        pub fn at(mut self, offset: impl Into<Vector3<f64>>) { self.offset = offset.into() }
+        /// Targets are given in `base`, which may move with the joints.
+        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
     }
 
-    /// Targets are given in `base`, which may move with the joints.
-    #[must_use]
-    pub fn relative_to(mut self, base: FrameId) -> Self {
-        self.base = Some(base);
-        self
-    }
-
-    /// The frame that targets are given in, if it is not the world.
-    #[must_use]
-    pub fn base(&self) -> Option<FrameId> {
-        self.base
-    }
-
-    /// The point, in frame coordinates.
-    #[must_use]
-    pub fn offset(&self) -> Vector3<f64> {
-        self.offset
-    }
-
-    /// Where the point should be, in world coordinates or the base's.
-    #[must_use]
-    pub fn target(&self) -> Vector3<f64> {
-        self.target
+    getters! {
+        /// The frame that targets are given in, if it is not the world.
+        pub fn base(&self) -> Option<FrameId> = self.base;
+        /// The point, in frame coordinates.
+        pub fn offset(&self) -> Vector3<f64> = self.offset;
+        /// Where the point should be, in world coordinates or the base's.
+        pub fn target(&self) -> Vector3<f64> = self.target;
     }
 
     /// Moves the target.

@@ -61,48 +61,29 @@ impl Pose {
         }
     }
 
-    /// Targets are given in `base`, which may move with the joints (base_from_frame).
-    #[must_use]
-    pub fn relative_to(mut self, base: FrameId) -> Self {
-        self.base = Some(base);
-        self
+    setters! {
+        /// Targets are given in `base`, which may move with the joints (base_from_frame).
+        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
+        /// Not the frame itself but a tool on it should stand at the target: `frame_from_tool`, metres.
+        pub fn with_tool(mut self, frame_from_tool: impl Into<Placement<f64>>) {
+            self.frame_from_tool = Some(frame_from_tool.into());
+        }
+        /// Which components count, and how exactly.
+        pub fn with_goal(mut self, goal: Goal) { self.goal = Some(goal) }
     }
 
-    /// Not the frame itself but a tool on it should stand at the target: `frame_from_tool`, metres.
-    #[must_use]
-    pub fn with_tool(mut self, frame_from_tool: impl Into<Placement<f64>>) -> Self {
-        self.frame_from_tool = Some(frame_from_tool.into());
-        self
-    }
-
-    /// Which components count, and how exactly.
-    #[must_use]
-    pub fn with_goal(mut self, goal: Goal) -> Self {
-        self.goal = Some(goal);
-        self
-    }
-
-    /// Where the frame, or its tool, should stand (world_from_frame, or from the base).
-    #[must_use]
-    pub fn target(&self) -> Placement<f64> {
-        self.target
+    getters! {
+        /// Where the frame, or its tool, should stand (world_from_frame, or from the base).
+        pub fn target(&self) -> Placement<f64> = self.target;
+        /// What counts, where that was said.
+        pub fn goal(&self) -> Option<Goal> = self.goal;
+        /// The frame that targets are given in, if it is not the world.
+        pub fn base(&self) -> Option<FrameId> = self.base;
     }
 
     /// Moves the target.
     pub fn set_target(&mut self, target: impl Into<Placement<f64>>) {
         self.target = target.into();
-    }
-
-    /// What counts, where that was said.
-    #[must_use]
-    pub fn goal(&self) -> Option<Goal> {
-        self.goal
-    }
-
-    /// The frame that targets are given in, if it is not the world.
-    #[must_use]
-    pub fn base(&self) -> Option<FrameId> {
-        self.base
     }
 
     /// Where the tool stands on the frame.

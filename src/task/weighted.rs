@@ -29,50 +29,27 @@ impl<R: Residual> Task<R> {
         }
     }
 
-    /// Names the task in reports; otherwise its kind and first frame do.
-    #[must_use]
-    pub fn named(mut self, name: impl Into<String>) -> Self {
-        self.name = Some(name.into());
-        self
-    }
-
-    /// Multiplies the rows of one quantity: cost units (√) per metre, per radian, …
-    /// Must be finite and not negative. Rows of weight 0 are not asked for: they tell their error but
-    /// never count as missed.
-    #[must_use]
-    pub fn weight(mut self, quantity: Quantity, weight: f64) -> Self {
-        self.weights.push((quantity, weight));
-        self
-    }
-
-    /// How much the task counts beside others: multiplies all its weights, given or default. Must be
-    /// finite and not negative.
-    #[must_use]
-    pub fn times(mut self, factor: f64) -> Self {
-        self.factor *= factor;
-        self
-    }
-
-    /// The error, in the quantity's own unit and before weighting, at which those rows count as
-    /// reached. Must not be negative; infinity means "any error will do".
-    #[must_use]
-    pub fn tolerance(mut self, quantity: Quantity, tolerance: f64) -> Self {
-        self.tolerances.push((quantity, tolerance));
-        self
-    }
-
-    /// Only a preference: it pulls, but missing it is no failure.
-    #[must_use]
-    pub fn preference(mut self) -> Self {
-        self.role = Role::Preference;
-        self
-    }
-
-    /// A goal: it must be met for the solution to count as reached.
-    #[must_use]
-    pub fn goal(mut self) -> Self {
-        self.role = Role::Goal;
-        self
+    setters! {
+        /// Names the task in reports; otherwise its kind and first frame do.
+        pub fn named(mut self, name: impl Into<String>) { self.name = Some(name.into()) }
+        /// Multiplies the rows of one quantity: cost units (√) per metre, per radian, …
+        /// Must be finite and not negative. Rows of weight 0 are not asked for: they tell their error but
+        /// never count as missed.
+        pub fn weight(mut self, quantity: Quantity, weight: f64) {
+            self.weights.push((quantity, weight));
+        }
+        /// How much the task counts beside others: multiplies all its weights, given or default. Must be
+        /// finite and not negative.
+        pub fn times(mut self, factor: f64) { self.factor *= factor }
+        /// The error, in the quantity's own unit and before weighting, at which those rows count as
+        /// reached. Must not be negative; infinity means "any error will do".
+        pub fn tolerance(mut self, quantity: Quantity, tolerance: f64) {
+            self.tolerances.push((quantity, tolerance));
+        }
+        /// Only a preference: it pulls, but missing it is no failure.
+        pub fn preference(mut self) { self.role = Role::Preference }
+        /// A goal: it must be met for the solution to count as reached.
+        pub fn goal(mut self) { self.role = Role::Goal }
     }
 }
 

@@ -71,15 +71,11 @@ impl<R: Residual> Within<R> {
         }
     }
 
-    /// What has room.
-    #[must_use]
-    pub fn residual(&self) -> &R {
-        &self.residual
-    }
-
-    /// What has room, to move its target.
-    pub fn residual_mut(&mut self) -> &mut R {
-        &mut self.residual
+    getters! {
+        /// What has room.
+        pub fn residual(&self) -> &R = &self.residual;
+        /// What has room, to move its target.
+        pub fn residual_mut(&mut self) -> &mut R = &mut self.residual;
     }
 }
 

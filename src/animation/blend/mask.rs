@@ -102,16 +102,11 @@ impl BoneMask {
         Ok(self)
     }
 
-    /// The bones' shares.
-    #[must_use]
-    pub fn bones(&self) -> &[f32] {
-        &self.bones
-    }
-
-    /// The morph targets' shares.
-    #[must_use]
-    pub fn morph_targets(&self) -> &[f32] {
-        &self.morph_targets
+    getters! {
+        /// The bones' shares.
+        pub fn bones(&self) -> &[f32] = &self.bones;
+        /// The morph targets' shares.
+        pub fn morph_targets(&self) -> &[f32] = &self.morph_targets;
     }
 
     pub(super) fn check(&self, pose: &Pose) -> Result<(), SizeMismatch> {

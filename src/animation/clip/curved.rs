@@ -40,12 +40,9 @@ impl<C> Curved<C> {
         Self { timelines, tracks }
     }
 
-    pub(super) fn count(&self) -> usize {
-        self.tracks.len()
-    }
-
-    pub(super) fn tracks(&self) -> &[Track<C>] {
-        &self.tracks
+    getters! {
+        pub(super) fn count(&self) -> usize = self.tracks.len();
+        pub(super) fn tracks(&self) -> &[Track<C>] = &self.tracks;
     }
 
     pub(super) fn start(&self) -> CurveSegments {

@@ -79,16 +79,13 @@ impl Clip {
         ClipBuilder::new(name.into(), armature)
     }
 
-    /// Its name.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The first and last moment, in seconds.
-    #[must_use]
-    pub fn span(&self) -> [f32; 2] {
-        self.span
+    getters! {
+        /// Its name.
+        pub fn name(&self) -> &str = &self.name;
+        /// The first and last moment, in seconds.
+        pub fn span(&self) -> [f32; 2] = self.span;
+        /// How many bones it is for.
+        pub fn bones(&self) -> usize = self.constant.bones();
     }
 
     /// How long it lasts, in seconds.
@@ -96,12 +93,6 @@ impl Clip {
     pub fn duration(&self) -> f64 {
         // Single precision would round, and a loop's end would be its start.
         f64::from(self.span[1]) - f64::from(self.span[0])
-    }
-
-    /// How many bones it is for.
-    #[must_use]
-    pub fn bones(&self) -> usize {
-        self.constant.bones()
     }
 
     /// Whether it is for an armature of this one's size.

@@ -77,26 +77,15 @@ impl Character {
         }
     }
 
-    /// Its clips, each blended over those before it.
-    pub fn clips_mut(&mut self) -> &mut [PlayingClip] {
-        &mut self.clips
-    }
-
-    /// A goal for each limb of the crowd, in model coordinates.
-    pub fn goals_mut(&mut self) -> &mut [LimbGoal] {
-        &mut self.goals
-    }
-
-    /// Its pose as of the last frame.
-    #[must_use]
-    pub fn pose(&self) -> &Pose {
-        &self.pose
-    }
-
-    /// Where its bones are in the model, as of the last frame.
-    #[must_use]
-    pub fn model_from_bone(&self) -> &[Affine3A] {
-        &self.model_from_bone
+    getters! {
+        /// Its clips, each blended over those before it.
+        pub fn clips_mut(&mut self) -> &mut [PlayingClip] = &mut self.clips;
+        /// A goal for each limb of the crowd, in model coordinates.
+        pub fn goals_mut(&mut self) -> &mut [LimbGoal] = &mut self.goals;
+        /// Its pose as of the last frame.
+        pub fn pose(&self) -> &Pose = &self.pose;
+        /// Where its bones are in the model, as of the last frame.
+        pub fn model_from_bone(&self) -> &[Affine3A] = &self.model_from_bone;
     }
 
     /// One frame; `other` is room for a pose.

@@ -69,21 +69,13 @@ impl Crowd {
         Ok(&mut self.characters[last])
     }
 
-    /// What the characters are made of.
-    #[must_use]
-    pub fn armature(&self) -> &Armature {
-        &self.armature
-    }
-
-    /// The characters, in the order they were added.
-    #[must_use]
-    pub fn characters(&self) -> &[Character] {
-        &self.characters
-    }
-
-    /// The same, to change what they play and reach for.
-    pub fn characters_mut(&mut self) -> &mut [Character] {
-        &mut self.characters
+    getters! {
+        /// What the characters are made of.
+        pub fn armature(&self) -> &Armature = &self.armature;
+        /// The characters, in the order they were added.
+        pub fn characters(&self) -> &[Character] = &self.characters;
+        /// The same, to change what they play and reach for.
+        pub fn characters_mut(&mut self) -> &mut [Character] = &mut self.characters;
     }
 
     /// Goes on by so many seconds. Allocates nothing after the first frame.

@@ -173,16 +173,11 @@ impl<V: CurveValue> KeyedCurve<V> {
         Self::new(times, values, Between::Cubic(rates))
     }
 
-    /// Key times, strictly increasing; at least one.
-    #[must_use]
-    pub fn times(&self) -> &[V::Real] {
-        &self.times
-    }
-
-    /// The values at the keys.
-    #[must_use]
-    pub fn values(&self) -> &[V] {
-        &self.values
+    getters! {
+        /// Key times, strictly increasing; at least one.
+        pub fn times(&self) -> &[V::Real] = &self.times;
+        /// The values at the keys.
+        pub fn values(&self) -> &[V] = &self.values;
     }
 
     /// The value at a time; at a key's time the key's value to the bit. A time that is NaN counts

@@ -164,16 +164,13 @@ impl EulerClip {
         })
     }
 
-    /// The tracks, sorted by bone; each has at least one key.
-    #[must_use]
-    pub fn tracks(&self) -> &[EulerTrack] {
-        &self.tracks
-    }
-
-    /// The bones whose tracks were given without keys and left out.
-    #[must_use]
-    pub fn keyless(&self) -> &[BoneId] {
-        &self.keyless
+    getters! {
+        /// The tracks, sorted by bone; each has at least one key.
+        pub fn tracks(&self) -> &[EulerTrack] = &self.tracks;
+        /// The bones whose tracks were given without keys and left out.
+        pub fn keyless(&self) -> &[BoneId] = &self.keyless;
+        /// Whether no bone has keys.
+        pub fn is_empty(&self) -> bool = self.tracks.is_empty();
     }
 
     /// A bone's keys; empty when it has none.
@@ -183,12 +180,6 @@ impl EulerClip {
             Ok(index) => self.tracks.get(index).map_or(&[], |track| &track.keys),
             Err(_) => &[],
         }
-    }
-
-    /// Whether no bone has keys.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.tracks.is_empty()
     }
 
     /// The first and last key times in seconds; `None` without keys.

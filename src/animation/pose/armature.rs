@@ -181,22 +181,18 @@ impl Armature {
         Ok(self)
     }
 
-    /// How many bones there are.
-    #[must_use]
-    pub fn bones(&self) -> usize {
-        self.names.len()
-    }
-
-    /// The bones' names, by index.
-    #[must_use]
-    pub fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    /// The morph targets' names, by index.
-    #[must_use]
-    pub fn morph_targets(&self) -> &[String] {
-        &self.morph_targets
+    getters! {
+        /// How many bones there are.
+        pub fn bones(&self) -> usize = self.names.len();
+        /// The bones' names, by index.
+        pub fn names(&self) -> &[String] = &self.names;
+        /// The morph targets' names, by index.
+        pub fn morph_targets(&self) -> &[String] = &self.morph_targets;
+        /// The pose at rest; all morph weights are zero unless they were
+        /// [set](Self::with_rest_morph_weights).
+        pub fn rest(&self) -> &Pose = &self.rest;
+        /// The inverse of where each bone is at rest: model → the bone at rest (the inverse bind matrix).
+        pub fn rest_from_model(&self) -> &[Affine3A] = &self.rest_from_model;
     }
 
     /// Looks a bone up by name.
@@ -226,19 +222,6 @@ impl Armature {
     pub fn parent(&self, bone: BoneId) -> Option<BoneId> {
         let parent = *self.parents.get(bone.index())?;
         usize::try_from(parent).ok().map(BoneId::new)
-    }
-
-    /// The pose at rest; all morph weights are zero unless they were
-    /// [set](Self::with_rest_morph_weights).
-    #[must_use]
-    pub fn rest(&self) -> &Pose {
-        &self.rest
-    }
-
-    /// The inverse of where each bone is at rest: model → the bone at rest (the inverse bind matrix).
-    #[must_use]
-    pub fn rest_from_model(&self) -> &[Affine3A] {
-        &self.rest_from_model
     }
 
     /// From local to model transforms, parents first: W_j = W_parent(j) L_j. `model_from_bone` has

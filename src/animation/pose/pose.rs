@@ -94,10 +94,19 @@ impl Pose {
         }
     }
 
-    /// How many bones there are.
-    #[must_use]
-    pub fn bones(&self) -> usize {
-        self.rotations.len()
+    getters! {
+        /// How many bones there are.
+        pub fn bones(&self) -> usize = self.rotations.len();
+        /// Where the bones are in their parents, in the model's own unit.
+        pub fn translations(&self) -> &[Vec3A] = &self.translations;
+        /// How the bones are turned in their parents: unit quaternions.
+        pub fn rotations(&self) -> &[Quat] = &self.rotations;
+        /// How the bones are scaled along their own axes.
+        pub fn scales(&self) -> &[Vec3A] = &self.scales;
+        /// The weights of the morph targets.
+        pub fn morph_weights(&self) -> &[f32] = &self.morph_weights;
+        /// The same, to change.
+        pub fn morph_weights_mut(&mut self) -> &mut [f32] = &mut self.morph_weights;
     }
 
     /// A bone's place in its parent; the identity for a bone that is not in the pose.
@@ -171,35 +180,6 @@ impl Pose {
     pub fn set_scale(&mut self, bone: BoneId, scale: Vec3A) -> Result<(), LocalError> {
         let local = self.local(bone);
         self.set_local(bone, LocalTransform { scale, ..local })
-    }
-
-    /// Where the bones are in their parents, in the model's own unit.
-    #[must_use]
-    pub fn translations(&self) -> &[Vec3A] {
-        &self.translations
-    }
-
-    /// How the bones are turned in their parents: unit quaternions.
-    #[must_use]
-    pub fn rotations(&self) -> &[Quat] {
-        &self.rotations
-    }
-
-    /// How the bones are scaled along their own axes.
-    #[must_use]
-    pub fn scales(&self) -> &[Vec3A] {
-        &self.scales
-    }
-
-    /// The weights of the morph targets.
-    #[must_use]
-    pub fn morph_weights(&self) -> &[f32] {
-        &self.morph_weights
-    }
-
-    /// The same, to change.
-    pub fn morph_weights_mut(&mut self) -> &mut [f32] {
-        &mut self.morph_weights
     }
 
     /// Makes this pose the same as another one, without allocating where both have one size.

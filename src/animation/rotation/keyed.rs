@@ -143,16 +143,11 @@ impl RotationCurve {
         })
     }
 
-    /// Key times in seconds, strictly increasing; at least one.
-    #[must_use]
-    pub fn times(&self) -> &[f32] {
-        &self.times
-    }
-
-    /// The rotations at the keys: unit quaternions.
-    #[must_use]
-    pub fn rotations(&self) -> &[Quat] {
-        &self.rotations
+    getters! {
+        /// Key times in seconds, strictly increasing; at least one.
+        pub fn times(&self) -> &[f32] = &self.times;
+        /// The rotations at the keys: unit quaternions.
+        pub fn rotations(&self) -> &[Quat] = &self.rotations;
     }
 
     /// What it does between keys.

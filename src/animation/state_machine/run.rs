@@ -30,6 +30,7 @@ pub struct StateMachineRun {
 impl StateMachineRun {
     /// The most transitions that one update takes.
     pub const MOST_TRANSITIONS: usize = 64;
+
     /// The most events that one update tells: a clip that is tiny beside the step passes its events
     /// without end.
     pub const MOST_EVENTS: usize = 1024;
@@ -66,10 +67,14 @@ impl StateMachineRun {
         &self.machine.states[self.current.state].name
     }
 
-    /// How long it has been in that state, in seconds, from the start of the cross-fade to it.
-    #[must_use]
-    pub fn seconds(&self) -> f64 {
-        self.current.seconds
+    getters! {
+        /// How long it has been in that state, in seconds, from the start of the cross-fade to it.
+        pub fn seconds(&self) -> f64 = self.current.seconds;
+        /// Whether the last update passed more than [`MOST_EVENTS`](Self::MOST_EVENTS) events, of which it
+        /// told the first.
+        pub fn events_left_out(&self) -> bool = self.events_left_out;
+        /// The pose as of the last update.
+        pub fn pose(&self) -> &Pose = &self.pose;
     }
 
     /// How many times through that state's clips have played since it was entered: 0.5 is half of it. 1
@@ -100,19 +105,6 @@ impl StateMachineRun {
     pub fn leaving(&self) -> Option<&str> {
         let leaving = self.fade.as_ref()?.leaving()?;
         Some(&self.machine.states[leaving.state].name)
-    }
-
-    /// Whether the last update passed more than [`MOST_EVENTS`](Self::MOST_EVENTS) events, of which it
-    /// told the first.
-    #[must_use]
-    pub fn events_left_out(&self) -> bool {
-        self.events_left_out
-    }
-
-    /// The pose as of the last update.
-    #[must_use]
-    pub fn pose(&self) -> &Pose {
-        &self.pose
     }
 
     /// Goes on by so many seconds: plays the clips, takes transitions at the moments at which they may

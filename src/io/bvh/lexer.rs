@@ -43,13 +43,12 @@ impl<'a> Lexer<'a> {
         })
     }
 
-    pub(super) fn file(&self) -> &'a str {
-        self.file
-    }
-
-    /// How many bytes are left.
-    pub(super) fn left(&self) -> usize {
-        self.rest.len()
+    getters! {
+        pub(super) fn file(&self) -> &'a str = self.file;
+        /// How many bytes are left.
+        pub(super) fn left(&self) -> usize = self.rest.len();
+        /// The line that the last word stands on.
+        pub(super) fn line(&self) -> usize = self.line;
     }
 
     fn skip_space(&mut self) {
@@ -135,11 +134,6 @@ impl<'a> Lexer<'a> {
 
     pub(super) fn error(&self, line: usize, problem: impl Into<String>) -> ReadError {
         ReadError::malformed(self.file, Place::Line(line), problem)
-    }
-
-    /// The line that the last word stands on.
-    pub(super) fn line(&self) -> usize {
-        self.line
     }
 }
 

@@ -41,16 +41,11 @@ impl MorphTargets {
         })
     }
 
-    /// The targets, in the order of the weights.
-    #[must_use]
-    pub fn targets(&self) -> &[MorphTarget] {
-        &self.targets
-    }
-
-    /// How many vertices the mesh has.
-    #[must_use]
-    pub fn vertex_count(&self) -> usize {
-        self.vertex_count
+    getters! {
+        /// The targets, in the order of the weights.
+        pub fn targets(&self) -> &[MorphTarget] = &self.targets;
+        /// How many vertices the mesh has.
+        pub fn vertex_count(&self) -> usize = self.vertex_count;
     }
 
     /// Adds Σ_k α_k Δ_k to vertices at rest, in place; buffers that are empty are left out. Normals and

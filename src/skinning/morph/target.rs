@@ -108,33 +108,16 @@ impl MorphTarget {
         Ok(own)
     }
 
-    /// The name that clips and files know it by.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The vertices it moves, rising.
-    #[must_use]
-    pub fn vertices(&self) -> &[u32] {
-        &self.vertices
-    }
-
-    /// How far it moves each of those vertices, in the model's unit.
-    #[must_use]
-    pub fn position_deltas(&self) -> &[Vec3] {
-        &self.positions
-    }
-
-    /// What it adds to the normal of each of those vertices; empty where it leaves normals alone.
-    #[must_use]
-    pub fn normal_deltas(&self) -> &[Vec3] {
-        &self.normals
-    }
-
-    /// What it adds to the tangent of each of those vertices; empty where it leaves tangents alone.
-    #[must_use]
-    pub fn tangent_deltas(&self) -> &[Vec3] {
-        &self.tangents
+    getters! {
+        /// The name that clips and files know it by.
+        pub fn name(&self) -> &str = &self.name;
+        /// The vertices it moves, rising.
+        pub fn vertices(&self) -> &[u32] = &self.vertices;
+        /// How far it moves each of those vertices, in the model's unit.
+        pub fn position_deltas(&self) -> &[Vec3] = &self.positions;
+        /// What it adds to the normal of each of those vertices; empty where it leaves normals alone.
+        pub fn normal_deltas(&self) -> &[Vec3] = &self.normals;
+        /// What it adds to the tangent of each of those vertices; empty where it leaves tangents alone.
+        pub fn tangent_deltas(&self) -> &[Vec3] = &self.tangents;
     }
 }

@@ -61,16 +61,11 @@ impl PackedWeights {
         })
     }
 
-    /// How many vertices have weights.
-    #[must_use]
-    pub fn vertex_count(&self) -> usize {
-        self.vertices.len()
-    }
-
-    /// How many bones the skeleton has.
-    #[must_use]
-    pub fn bone_count(&self) -> usize {
-        self.bone_count
+    getters! {
+        /// How many vertices have weights.
+        pub fn vertex_count(&self) -> usize = self.vertices.len();
+        /// How many bones the skeleton has.
+        pub fn bone_count(&self) -> usize = self.bone_count;
     }
 
     /// So many vertices from number `first` on.
