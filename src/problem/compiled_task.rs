@@ -49,9 +49,12 @@ pub(crate) struct CompiledTask {
 }
 
 impl CompiledTask {
-    getters! {
-        pub(crate) fn name(&self) -> &str = &self.name;
-        pub(crate) fn blocks(&self) -> impl Iterator<Item = &Block> = self.blocks.iter();
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = &Block> {
+        self.blocks.iter()
     }
 
     /// Whether the task wants its rows kept where the goals' own search left them: all that can miss.

@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::attributes::{Named, is, refuse_misspelt};
+use super::element::{Element, Named, is};
 use super::error::{Fault, UrdfError};
 use super::joint_element::{self, JointElement, READ};
 use super::link_element;
@@ -36,39 +36,39 @@ pub(super) fn read(reading: &Reading<'_>) -> Result<Document, UrdfError> {
     let root = xml.root_element();
     refuse_macros(reading, root)?;
     if !root.has_tag_name("robot") {
-        let element = format!("<{}>", root.tag_name().name());
-        return Err(reading.fault(root.range().start, element, Fault::NotARobot));
+        let label = format!("<{}>", root.tag_name().name());
+        return Err(Element::new(reading, root, label).fault(Fault::NotARobot));
     }
-    let version = Version::of(root);
+    let robot = Element::new(reading, root, "<robot>".to_owned());
+    let version = Version::of(&robot);
 
     let mut document = Document {
-        robot: robot(reading, root)?,
+        robot: name_of(&robot)?,
         links: Vec::new(),
         joints: Vec::new(),
     };
     for node in root.children().filter(Node::is_element) {
         if is(node, "link") {
-            let named = Named::read(reading, node, "<link>")?;
+            let named = Element::new(reading, node, "<link>".to_owned()).named()?;
             let link = link_element::read(reading, node, &named.name, version);
             document.links.push(LinkElement { named, link });
         } else if is(node, "joint") {
             let joint = joint_element::read(reading, node, version)?;
             document.joints.push(joint);
         } else {
-            refuse_misspelt(reading, node, "<robot>", &["link", "joint"])?;
+            robot.check_child(node, &["link", "joint"])?;
         }
     }
     Ok(document)
 }
 
-fn robot(reading: &Reading<'_>, root: Node<'_, '_>) -> Result<Named, UrdfError> {
-    let read = Named::read(reading, root, "<robot>");
-    if read.is_ok() || !reading.lenient {
+fn name_of(robot: &Element<'_>) -> Result<Named, UrdfError> {
+    let read = robot.named();
+    if read.is_ok() || !robot.reading.lenient {
         return read;
     }
-    let at = root.range().start;
-    reading.note(at, "<robot>", Mended::Named { name: NAMELESS });
-    let name = NAMELESS.to_owned();
+    robot.note(Mended::Named { name: NAMELESS });
+    let (name, at) = (NAMELESS.to_owned(), robot.at());
     Ok(Named { name, at })
 }
 

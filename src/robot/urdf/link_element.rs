@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::attributes::{element_once, is, name_attribute, numbers, text_of};
+use super::element::{Element, is};
 use super::error::{Fault, UrdfError};
 use super::origin;
 use super::reading::Reading;
@@ -13,47 +13,41 @@ use crate::robot::{Geometry, Inertial, Link, Shape};
 const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "mesh"];
 
 /// Reads the link of a name.
-pub(super) fn read(
-    reading: &Reading<'_>,
-    node: Node<'_, '_>,
+pub(super) fn read<'a>(
+    reading: &'a Reading<'a>,
+    node: Node<'a, 'a>,
     name: &str,
     version: Version,
 ) -> Link {
-    let shapes = |tag: &str| {
-        let label = format!("link `{name}`, <{tag}>");
-        node.children()
-            .filter(|child| is(*child, tag))
-            .filter_map(|child| reading.or_left_out(shape(reading, child, &label, version)))
-            .collect()
+    let parts = |tag: &'static str| {
+        let found = node.children().filter(move |child| is(*child, tag));
+        found.map(move |child| Element::new(reading, child, format!("link `{name}`, <{tag}>")))
     };
-    let label = format!("link `{name}`, <inertial>");
-    let inertial = node.children().find(|child| is(*child, "inertial"));
+    let shapes = |tag| {
+        let shapes = parts(tag).map(|part| shape(&part, version));
+        shapes.filter_map(|shape| reading.or_left_out(shape))
+    };
+    let inertial = parts("inertial").next();
     Link {
-        visuals: shapes("visual"),
-        collisions: shapes("collision"),
-        inertial: inertial
-            .and_then(|child| reading.or_left_out(self::inertial(reading, child, &label, version))),
+        visuals: shapes("visual").collect(),
+        collisions: shapes("collision").collect(),
+        inertial: inertial.and_then(|part| reading.or_left_out(self::inertial(&part, version))),
     }
 }
 
-fn shape(
-    reading: &Reading<'_>,
-    node: Node<'_, '_>,
-    label: &str,
-    version: Version,
-) -> Result<Shape, UrdfError> {
-    let geometry = required(reading, node, label, "geometry")?;
-    let body = geometry
-        .children()
-        .find_map(|child| Some((child, SHAPES.into_iter().find(|tag| is(child, tag))?)));
+fn shape(shape: &Element<'_>, version: Version) -> Result<Shape, UrdfError> {
+    let geometry = shape.required("geometry")?;
+    let mut children = geometry.node.children();
+    let body =
+        children.find_map(|child| Some((child, SHAPES.into_iter().find(|tag| is(child, tag))?)));
     let Some((body, tag)) = body else {
-        let fault = Fault::UnknownShape;
-        return Err(reading.fault(geometry.range().start, label.to_owned(), fault));
+        return Err(geometry.fault(Fault::UnknownShape));
     };
-    let length = |attribute| one(reading, body, label, attribute);
+    let body = shape.part(body);
+    let length = |attribute| body.demanded(attribute).map(|[value]| value);
     let geometry = match tag {
         "box" => Geometry::Box {
-            size: demanded(reading, body, label, "size")?,
+            size: body.demanded("size")?,
         },
         "sphere" => Geometry::Sphere {
             radius: length("radius")?,
@@ -67,67 +61,26 @@ fn shape(
             length: length("length")?,
         },
         _ => Geometry::Mesh {
-            file: name_attribute(reading, body, label, "filename")?,
-            scale: numbers(reading, body, label, "scale")?.unwrap_or([1.0; 3]),
+            file: body.name("filename")?,
+            scale: body.numbers("scale")?.unwrap_or([1.0; 3]),
         },
     };
     Ok(Shape {
-        name: text_of(node, "name").map(str::to_owned),
-        link_from_shape: origin::read(reading, node, label, version)?,
+        name: shape.text("name").map(str::to_owned),
+        link_from_shape: origin::read(shape, version)?,
         geometry,
     })
 }
 
-fn inertial(
-    reading: &Reading<'_>,
-    node: Node<'_, '_>,
-    label: &str,
-    version: Version,
-) -> Result<Inertial, UrdfError> {
-    let mass = required(reading, node, label, "mass")?;
-    let inertia = required(reading, node, label, "inertia")?;
-    let moment = |attribute| -> Result<f64, UrdfError> {
-        let read = numbers::<1>(reading, inertia, label, attribute)?;
-        Ok(read.map_or(0.0, |[value]| value))
-    };
+fn inertial(inertial: &Element<'_>, version: Version) -> Result<Inertial, UrdfError> {
+    let (mass, inertia) = (inertial.required("mass")?, inertial.required("inertia")?);
+    let moment = |attribute| Ok::<_, UrdfError>(inertia.number(attribute)?.unwrap_or(0.0));
     let (xy, xz, yz) = (moment("ixy")?, moment("ixz")?, moment("iyz")?);
     let (xx, yy, zz) = (moment("ixx")?, moment("iyy")?, moment("izz")?);
+    let [mass] = mass.demanded("value")?;
     Ok(Inertial {
-        mass: one(reading, mass, label, "value")?,
-        link_from_inertia: origin::read(reading, node, label, version)?,
+        mass,
+        link_from_inertia: origin::read(inertial, version)?,
         moments: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
-    })
-}
-
-fn required<'a, 'input>(
-    reading: &Reading<'_>,
-    node: Node<'a, 'input>,
-    label: &str,
-    child: &'static str,
-) -> Result<Node<'a, 'input>, UrdfError> {
-    element_once(reading, node, label, child)?.ok_or_else(|| {
-        let fault = Fault::MissingElement { child };
-        reading.fault(node.range().start, label.to_owned(), fault)
-    })
-}
-
-fn one(
-    reading: &Reading<'_>,
-    node: Node<'_, '_>,
-    label: &str,
-    attribute: &'static str,
-) -> Result<f64, UrdfError> {
-    demanded::<1>(reading, node, label, attribute).map(|[value]| value)
-}
-
-fn demanded<const N: usize>(
-    reading: &Reading<'_>,
-    node: Node<'_, '_>,
-    label: &str,
-    attribute: &'static str,
-) -> Result<[f64; N], UrdfError> {
-    numbers(reading, node, label, attribute)?.ok_or_else(|| {
-        let fault = Fault::MissingAttribute { attribute };
-        reading.fault(node.range().start, label.to_owned(), fault)
     })
 }

@@ -4,8 +4,8 @@
 //! error with a file, a line and a name, or a model that says what the file says. What a file leaves
 //! to defaults, and what a lenient reader mended, is listed.
 
-mod attributes;
 mod document;
+mod element;
 mod error;
 mod joint_element;
 mod link_element;

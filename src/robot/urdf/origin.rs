@@ -1,10 +1,7 @@
 //! `<origin>`: where something stands, and rotations as URDF writes them.
 
-use roxmltree::Node;
-
-use super::attributes::{element_once, numbers};
+use super::element::Element;
 use super::error::{Fault, UrdfError};
-use super::reading::Reading;
 use super::version::Version;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
@@ -13,23 +10,14 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 const QUARTER_TURN_WITHIN: f64 = 1e-15;
 
 /// Where the child `<origin>` of an element puts it; the identity where there is none.
-pub(super) fn read(
-    reading: &Reading<'_>,
-    node: Node<'_, '_>,
-    label: &str,
-    version: Version,
-) -> Result<Placement<f64>, UrdfError> {
-    let Some(origin) = element_once(reading, node, label, "origin")? else {
+pub(super) fn read(element: &Element<'_>, version: Version) -> Result<Placement<f64>, UrdfError> {
+    let Some(origin) = element.child("origin")? else {
         return Ok(Placement::identity());
     };
-    let label = format!("{label}, <origin>");
-    let xyz = numbers::<3>(reading, origin, &label, "xyz")?.unwrap_or_default();
-    let rpy = numbers::<3>(reading, origin, &label, "rpy")?;
-    let quaternion = numbers::<4>(reading, origin, &label, "quat_xyzw")?;
-    let bad = |problem| {
-        let fault = Fault::BadQuaternion { problem };
-        Err(reading.fault(origin.range().start, label.clone(), fault))
-    };
+    let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
+    let rpy = origin.numbers::<3>("rpy")?;
+    let quaternion = origin.numbers::<4>("quat_xyzw")?;
+    let bad = |problem| Err(origin.fault(Fault::BadQuaternion { problem }));
     let rotation = match (rpy, quaternion) {
         (rpy, None) => from_roll_pitch_yaw(rpy.unwrap_or_default()),
         _ if version < Version(1, 1) => return bad("needs <robot version=\"1.1\">"),

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::collections::VecDeque;
 
-use super::attributes::Named;
 use super::document::Document;
+use super::element::Named;
 use super::error::{Fault, UrdfError};
 use super::joint_element::{Follows, JointElement};
 use super::reading::Reading;

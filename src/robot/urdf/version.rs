@@ -1,16 +1,15 @@
 //! Which version of the standard a file follows.
 
-use roxmltree::Node;
-
-use super::attributes::text_of;
+use super::element::Element;
 
 /// Major and minor version of the URDF standard; 1.0 where the file states none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Version(pub(super) u32, pub(super) u32);
 
 impl Version {
-    pub(super) fn of(robot: Node<'_, '_>) -> Self {
-        text_of(robot, "version")
+    pub(super) fn of(robot: &Element<'_>) -> Self {
+        robot
+            .text("version")
             .and_then(|version| {
                 let (major, minor) = version.trim().split_once('.')?;
                 Some(Self(major.parse().ok()?, minor.parse().ok()?))
