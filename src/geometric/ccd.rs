@@ -17,19 +17,12 @@ use crate::solver::{Observer, Stopping};
 /// ½ Σ ‖cᵢ − tᵢ‖² of the three axes in place of an orientation's squared angle (the same where the
 /// angle is small). Locked joints do not move; a variable that moves several joints takes damped
 /// Gauss-Newton steps of its own before each sweep.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// By default it has the optimisers' tolerances; an iteration is a sweep over all joints. Up to 500 of
+/// them an attempt, which ends when 60 do not halve the cost, and restarts until 2 000 are spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ccd {
     limits: Limits,
-}
-
-impl Default for Ccd {
-    /// The optimisers' tolerances; an iteration is a sweep over all joints. Up to 500 of them an
-    /// attempt, which ends when 60 do not halve the cost, and restarts until 2 000 are spent.
-    fn default() -> Self {
-        Self {
-            limits: Limits::usual(),
-        }
-    }
 }
 
 impl Ccd {

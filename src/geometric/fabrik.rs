@@ -22,19 +22,12 @@ use crate::spatial::Vector3;
 /// place. A single chain whose target is too far away is stretched towards it; one whose target is
 /// too near, because one bone is longer than all others together, is folded. A coupled joint follows
 /// the one of its joints that is nearest to the base.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// By default it has the optimisers' tolerances; an iteration is a pass forward and backward. Up to 500 of
+/// them an attempt, which ends when 60 do not halve the cost, and restarts until 2 000 are spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fabrik {
     limits: Limits,
-}
-
-impl Default for Fabrik {
-    /// The optimisers' tolerances; an iteration is a pass forward and backward. Up to 500 of them an
-    /// attempt, which ends when 60 do not halve the cost, and restarts until 2 000 are spent.
-    fn default() -> Self {
-        Self {
-            limits: Limits::usual(),
-        }
-    }
 }
 
 impl Fabrik {

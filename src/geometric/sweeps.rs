@@ -37,10 +37,10 @@ pub(super) struct Limits {
     pub(super) restarts: Restarts,
 }
 
-impl Limits {
+impl Default for Limits {
     /// Sweeps are cheap and gain little each: more of them than of an optimiser's steps, and an end
     /// where they crawl.
-    pub(super) fn usual() -> Self {
+    fn default() -> Self {
         let stopping = Stopping::default().with_max_iterations(500);
         Self {
             stopping: stopping.with_patience(Some(60)),

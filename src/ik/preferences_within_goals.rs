@@ -102,6 +102,28 @@ pub(super) struct Limits {
     pub(super) deadline: Option<Instant>,
 }
 
+/// What is asked, the memory to evaluate it, and how often that was done.
+struct Asked<'q, 'm> {
+    question: Question<'q>,
+    scratch: &'m mut Scratch,
+    memory: &'m mut SolverState,
+    counts: Counts,
+}
+
+impl Asked<'_, '_> {
+    fn evaluate(&mut self, share: Share) -> Evaluation<'_> {
+        Evaluation::of(share, self.question, self.scratch)
+    }
+
+    fn jacobian(&mut self, share: Share, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        self.counts.jacobians += 1;
+        self.evaluate(share).jacobian(x, jacobian);
+        if share == Share::Goals {
+            release(self.question, jacobian);
+        }
+    }
+}
+
 /// Room for a refinement.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Refinement {
@@ -173,26 +195,47 @@ impl Refinement {
         limits: &Limits,
         observer: &mut dyn Observer,
     ) -> Refined {
-        let mut done = Refined::default();
+        let mut asked = Asked {
+            question,
+            scratch,
+            memory,
+            counts: Counts::default(),
+        };
+        let (iterations, cut) = self.descend(&mut asked, from, limits, observer);
+        Refined {
+            iterations,
+            counts: asked.counts,
+            cut,
+        }
+    }
+
+    /// How many steps it took, and what ended it early.
+    fn descend(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        from: &Start<'_>,
+        limits: &Limits,
+        observer: &mut dyn Observer,
+    ) -> (usize, Option<Termination>) {
+        let question = asked.question;
         self.x.copy_from_slice(from.x);
         self.goals_kept.copy_from_slice(from.residual);
-        self.hold_back(question, scratch, memory, from, limits);
-        let mut cost = self.pull_at_x(question, scratch);
-        done.counts.residuals += 1;
+        self.hold_back(asked, from, limits);
+        let mut cost = self.pull_at_x(asked);
+        asked.counts.residuals += 1;
         let (steps, halvings) = limits.extent.most(from.reached);
         let worthwhile = match from.reached {
             true => WORTHWHILE,
             false => WORTHWHILE_AT_A_MISS,
         };
         let steps = steps.min(limits.stopping.max_iterations());
-        let (mut bend, mut moved, mut last_falls) = (1.0, 0.0, None);
+        let (mut iterations, mut bend, mut moved, mut last_falls) = (0, 1.0, 0.0, None);
         loop {
             if !cost.is_finite() {
-                done.cut = Some(Termination::NonFinite);
-                return done;
+                return (iterations, Some(Termination::NonFinite));
             }
             let seen = observer.observe(&Iteration {
-                index: done.iterations,
+                index: iterations,
                 cost,
                 projected_gradient: None,
                 step: moved,
@@ -200,25 +243,23 @@ impl Refinement {
                 x: &self.x,
             });
             if seen.is_break() {
-                done.cut = Some(Termination::Cancelled);
-                return done;
+                return (iterations, Some(Termination::Cancelled));
             }
             if limits.deadline.is_some_and(|at| Instant::now() >= at) {
-                done.cut = Some(Termination::TimeLimit);
-                return done;
+                return (iterations, Some(Termination::TimeLimit));
             }
-            if done.iterations >= steps {
-                return done;
+            if iterations >= steps {
+                return (iterations, None);
             }
-            let Some(falls) = self.aim(question, scratch, from.reached, &mut done.counts) else {
-                return done;
+            let Some(falls) = self.aim(asked, from.reached) else {
+                return (iterations, None);
             };
             // What the step promises: its fall along the goals alone, without what rounding lets slip.
             let promised = falls.min(inner(&self.effects[0], &self.effects[0]));
             if promised <= 2.0 * worthwhile * cost {
-                return done;
+                return (iterations, None);
             }
-            done.iterations += 1;
+            iterations += 1;
             let Way {
                 slope,
                 stiffness,
@@ -233,14 +274,14 @@ impl Refinement {
                 space.integrate_share(&self.x, share, &self.direction, &mut self.trial);
                 space.project(&mut self.trial);
                 let back = match from.reached {
-                    true => self.correct(question, scratch, &mut done.counts),
-                    false => self.settle(question, scratch, memory, limits, &mut done.counts),
+                    true => self.correct(asked),
+                    false => self.settle(asked, limits),
                 };
                 let now = match back {
-                    true => self.pull_at_trial(question, scratch),
+                    true => self.pull_at_trial(asked),
                     false => f64::INFINITY,
                 };
-                done.counts.residuals += usize::from(back);
+                asked.counts.residuals += usize::from(back);
                 if back && now.is_finite() {
                     let bent = 2.0 * (now - cost + share * slope) / (share * share * stiffness);
                     bend = bent.clamp(BENDS.0, BENDS.1);
@@ -257,7 +298,7 @@ impl Refinement {
                     last_falls = None;
                     continue;
                 }
-                return done;
+                return (iterations, None);
             };
             moved = question.space().distance(&self.trial, &self.x);
             std::mem::swap(&mut self.x, &mut self.trial);
@@ -267,20 +308,14 @@ impl Refinement {
     }
 
     /// Fixes the variables that stand on a bound for the goals' sake.
-    fn hold_back(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        memory: &mut SolverState,
-        from: &Start<'_>,
-        limits: &Limits,
-    ) {
+    fn hold_back(&mut self, asked: &mut Asked<'_, '_>, from: &Start<'_>, limits: &Limits) {
         self.fixed.fill(false);
         if from.reached {
             return;
         }
-        let mut goals = Evaluation::of(Share::Goals, question, scratch);
-        let (slope, column_norm) = memory.slope_at(&mut goals, from.x, from.residual);
+        let question = asked.question;
+        let mut goals = Evaluation::of(Share::Goals, question, asked.scratch);
+        let (slope, column_norm) = asked.memory.slope_at(&mut goals, from.x, from.residual);
         let cost = half_squared(from.residual);
         let negligible = negligible_slope(column_norm, cost, &limits.stopping);
         for (j, fixed) in self.fixed.iter_mut().enumerate() {
@@ -288,44 +323,35 @@ impl Refinement {
         }
     }
 
-    fn pull_at_x(&mut self, question: Question<'_>, scratch: &mut Scratch) -> f64 {
-        Evaluation::of(Share::Pulls, question, scratch).residual(&self.x, &mut self.pulls);
+    fn pull_at_x(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
+        let mut pulls = asked.evaluate(Share::Pulls);
+        pulls.residual(&self.x, &mut self.pulls);
         half_squared(&self.pulls)
     }
 
-    fn pull_at_trial(&mut self, question: Question<'_>, scratch: &mut Scratch) -> f64 {
-        Evaluation::of(Share::Pulls, question, scratch).residual(&self.trial, &mut self.pulls);
+    fn pull_at_trial(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
+        let mut pulls = asked.evaluate(Share::Pulls);
+        pulls.residual(&self.trial, &mut self.pulls);
         half_squared(&self.pulls)
     }
 
     /// Puts the best step into `best`; how fast the pulls' cost falls along it, if it does.
-    fn aim(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        reached: bool,
-        counts: &mut Counts,
-    ) -> Option<f64> {
-        self.pull_at_x(question, scratch);
-        let mut pulls = Evaluation::of(Share::Pulls, question, scratch);
-        pulls.jacobian(&self.x, &mut self.pull_jacobian);
-        counts.jacobians += 1;
+    fn aim(&mut self, asked: &mut Asked<'_, '_>, reached: bool) -> Option<f64> {
+        self.pull_at_x(asked);
+        asked.jacobian(Share::Pulls, &self.x, &mut self.pull_jacobian);
         if !self.step.take_pulls(&self.pull_jacobian, &self.pulls) {
             return None;
         }
         let held = if reached {
-            let mut goals = Evaluation::of(Share::Goals, question, scratch);
-            goals.jacobian(&self.x, &mut self.goal_jacobian);
-            counts.jacobians += 1;
-            release(question, &mut self.goal_jacobian);
+            asked.jacobian(Share::Goals, &self.x, &mut self.goal_jacobian);
             &self.goal_jacobian
         } else {
-            self.take_curvature(question, scratch, counts);
+            self.take_curvature(asked);
             &self.curvature
         };
         let within = StepBounds {
             x: &self.x,
-            space: question.space(),
+            space: asked.question.space(),
             fixed: &self.fixed,
         };
         self.step.pull(
@@ -375,14 +401,11 @@ impl Refinement {
     }
 
     /// The second derivative of the goals' cost at x, by differences of its gradient.
-    fn take_curvature(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        counts: &mut Counts,
-    ) {
+    fn take_curvature(&mut self, asked: &mut Asked<'_, '_>) {
         let n = self.x.len();
-        let mut goals = Evaluation::of(Share::Goals, question, scratch);
+        asked.counts.residuals += n + 1;
+        asked.counts.gradients += n + 1;
+        let mut goals = asked.evaluate(Share::Goals);
         let [here, there] = &mut self.goal_slopes;
         goals.residual(&self.x, &mut self.goals);
         goals.gradient(&self.x, &self.goals, here, &mut self.goal_jacobian);
@@ -399,8 +422,6 @@ impl Refinement {
                 *entry = (there - here) / taken;
             }
         }
-        counts.residuals += n + 1;
-        counts.gradients += n + 1;
     }
 
     /// How much of the step the longest move of one joint allows.
@@ -411,16 +432,12 @@ impl Refinement {
     }
 
     /// Brings the goals at the trial back to what they were; whether they came there.
-    fn correct(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        counts: &mut Counts,
-    ) -> bool {
+    fn correct(&mut self, asked: &mut Asked<'_, '_>) -> bool {
+        let question = asked.question;
         for round in 0..=CORRECTIONS {
-            let mut goals = Evaluation::of(Share::Goals, question, scratch);
+            asked.counts.residuals += 1;
+            let mut goals = asked.evaluate(Share::Goals);
             goals.residual(&self.trial, &mut self.goals);
-            counts.residuals += 1;
             let reached = goals.is_reached(&self.goals);
             for (goal, kept) in self.goals.iter_mut().zip(&self.goals_kept) {
                 *goal -= kept;
@@ -432,9 +449,7 @@ impl Refinement {
             if round == CORRECTIONS || !self.goals.iter().all(|v| v.is_finite()) {
                 break;
             }
-            goals.jacobian(&self.trial, &mut self.goal_jacobian);
-            counts.jacobians += 1;
-            release(question, &mut self.goal_jacobian);
+            asked.jacobian(Share::Goals, &self.trial, &mut self.goal_jacobian);
             let within = StepBounds {
                 x: &self.trial,
                 space: question.space(),
@@ -452,24 +467,18 @@ impl Refinement {
     }
 
     /// Brings the goals at the trial back to their lowest cost; whether it is as low as it was.
-    fn settle(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        memory: &mut SolverState,
-        limits: &Limits,
-        counts: &mut Counts,
-    ) -> bool {
+    fn settle(&mut self, asked: &mut Asked<'_, '_>, limits: &Limits) -> bool {
         let stopping = limits.stopping.with_max_iterations(SETTLING);
+        let memory = &mut *asked.memory;
         LevenbergMarquardt::default().minimise(
-            &mut Evaluation::of(Share::Goals, question, scratch),
+            &mut Evaluation::of(Share::Goals, asked.question, asked.scratch),
             &self.trial,
             &stopping,
             limits.deadline,
             &mut Silent,
             memory,
         );
-        *counts += memory.counts();
+        asked.counts += memory.counts();
         self.trial.copy_from_slice(memory.x());
         memory.cost() <= half_squared(&self.goals_kept) * (1.0 + SAME_MISS)
     }

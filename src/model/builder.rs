@@ -100,15 +100,8 @@ impl ModelBuilder {
         axis: impl Into<Vector3<f64>>,
         limits: Limits,
     ) -> JointId {
-        let kind = JointKind::Revolute;
-        self.joint(Joint::new(
-            name,
-            parent,
-            parent_from_joint,
-            kind,
-            axis,
-            limits,
-        ))
+        let (at, kind) = (parent_from_joint, JointKind::Revolute);
+        self.joint(Joint::new(name, parent, at, kind, axis, limits))
     }
 
     /// Adds a joint that turns about `axis` (own frame) without limits.
@@ -119,15 +112,8 @@ impl ModelBuilder {
         parent_from_joint: impl Into<Placement<f64>>,
         axis: impl Into<Vector3<f64>>,
     ) -> JointId {
-        let kind = JointKind::Continuous;
-        self.joint(Joint::new(
-            name,
-            parent,
-            parent_from_joint,
-            kind,
-            axis,
-            Limits::UNBOUNDED,
-        ))
+        let (at, kind, limits) = (parent_from_joint, JointKind::Continuous, Limits::UNBOUNDED);
+        self.joint(Joint::new(name, parent, at, kind, axis, limits))
     }
 
     /// Adds a joint that slides along `axis` (own frame), limits in metres.
@@ -139,15 +125,8 @@ impl ModelBuilder {
         axis: impl Into<Vector3<f64>>,
         limits: Limits,
     ) -> JointId {
-        let kind = JointKind::Prismatic;
-        self.joint(Joint::new(
-            name,
-            parent,
-            parent_from_joint,
-            kind,
-            axis,
-            limits,
-        ))
+        let (at, kind) = (parent_from_joint, JointKind::Prismatic);
+        self.joint(Joint::new(name, parent, at, kind, axis, limits))
     }
 
     /// Adds a joint that does not move.
@@ -157,15 +136,8 @@ impl ModelBuilder {
         parent: Option<JointId>,
         parent_from_joint: impl Into<Placement<f64>>,
     ) -> JointId {
-        let kind = JointKind::Fixed;
-        self.joint(Joint::new(
-            name,
-            parent,
-            parent_from_joint,
-            kind,
-            Vector3::UNITS[0],
-            Limits::new(0.0, 0.0),
-        ))
+        let (at, kind, held) = (parent_from_joint, JointKind::Fixed, Limits::new(0.0, 0.0));
+        self.joint(Joint::new(name, parent, at, kind, Vector3::UNITS[0], held))
     }
 
     /// Adds a frame on a joint, or in the world.

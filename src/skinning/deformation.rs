@@ -11,6 +11,16 @@ use crate::mesh::TriangleMesh;
 #[cfg(feature = "rayon")]
 const VERTICES_AT_A_TIME: usize = 4096;
 
+/// Buffers of vertices of which one is there.
+macro_rules! only {
+    ($vertices:ident, $part:ident: $buffer:expr) => {
+        $vertices {
+            $part: $buffer,
+            ..$vertices::default()
+        }
+    };
+}
+
 /// One pose, ready to move any buffers of vertices.
 ///
 /// Each vertex depends on nothing but itself and the pose, so any cut into ranges gives the same
@@ -58,15 +68,8 @@ pub trait Deformation: Sync {
     /// # Errors
     /// As [`deform`](Self::deform).
     fn positions(&self, rest: &[Vec3], posed: &mut [Vec3]) -> Result<(), SkinningError> {
-        let rest = RestVertices {
-            positions: rest,
-            ..RestVertices::default()
-        };
-        let posed = PosedVertices {
-            positions: posed,
-            ..PosedVertices::default()
-        };
-        self.deform(rest, posed)
+        let rest = only!(RestVertices, positions: rest);
+        self.deform(rest, only!(PosedVertices, positions: posed))
     }
 
     /// As [`positions`](Self::positions), into a `Vec` that is made as long as the mesh has vertices.
@@ -83,15 +86,8 @@ pub trait Deformation: Sync {
     /// # Errors
     /// As [`deform`](Self::deform).
     fn normals(&self, rest: &[Vec3], posed: &mut [Vec3]) -> Result<(), SkinningError> {
-        let rest = RestVertices {
-            normals: rest,
-            ..RestVertices::default()
-        };
-        let posed = PosedVertices {
-            normals: posed,
-            ..PosedVertices::default()
-        };
-        self.deform(rest, posed)
+        let rest = only!(RestVertices, normals: rest);
+        self.deform(rest, only!(PosedVertices, normals: posed))
     }
 
     /// As [`normals`](Self::normals), into a `Vec` that is made as long as the mesh has vertices.
@@ -108,15 +104,8 @@ pub trait Deformation: Sync {
     /// # Errors
     /// As [`deform`](Self::deform).
     fn tangents(&self, rest: &[Vec4], posed: &mut [Vec4]) -> Result<(), SkinningError> {
-        let rest = RestVertices {
-            tangents: rest,
-            ..RestVertices::default()
-        };
-        let posed = PosedVertices {
-            tangents: posed,
-            ..PosedVertices::default()
-        };
-        self.deform(rest, posed)
+        let rest = only!(RestVertices, tangents: rest);
+        self.deform(rest, only!(PosedVertices, tangents: posed))
     }
 
     /// As [`tangents`](Self::tangents), into a `Vec` that is made as long as the mesh has vertices.

@@ -68,10 +68,21 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The first `count` items and the others; an empty buffer stays empty in both.
+/// Takes the first `count` items off; an empty buffer stays empty.
 #[cfg(feature = "rayon")]
-fn parts<T>(buffer: &[T], count: usize) -> (&[T], &[T]) {
-    buffer.split_at(count.min(buffer.len()))
+fn parts<'a, T>(buffer: &mut &'a [T], count: usize) -> &'a [T] {
+    let (first, others) = buffer.split_at(count.min(buffer.len()));
+    *buffer = others;
+    first
+}
+
+/// [`parts`] of what is written.
+#[cfg(feature = "rayon")]
+fn parts_mut<'a, T>(buffer: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let whole = std::mem::take(buffer);
+    let (first, others) = whole.split_at_mut(count.min(whole.len()));
+    *buffer = others;
+    first
 }
 
 impl RestVertices<'_> {
@@ -84,51 +95,25 @@ impl RestVertices<'_> {
     /// The first `count` vertices and the others.
     #[cfg(feature = "rayon")]
     pub(super) fn split(self, count: usize) -> (Self, Self) {
-        let (positions, normals, tangents) = (
-            parts(self.positions, count),
-            parts(self.normals, count),
-            parts(self.tangents, count),
-        );
-        let side = |positions, normals, tangents| Self {
-            positions,
-            normals,
-            tangents,
+        let mut after = self;
+        let first = Self {
+            positions: parts(&mut after.positions, count),
+            normals: parts(&mut after.normals, count),
+            tangents: parts(&mut after.tangents, count),
         };
-        (
-            side(positions.0, normals.0, tangents.0),
-            side(positions.1, normals.1, tangents.1),
-        )
+        (first, after)
     }
 }
 
 #[cfg(feature = "rayon")]
 impl PosedVertices<'_> {
     /// The first `count` vertices and the others.
-    pub(super) fn split(self, count: usize) -> (Self, Self) {
-        let at = |length: usize| count.min(length);
-        let (positions, positions_after) = {
-            let at = at(self.positions.len());
-            self.positions.split_at_mut(at)
+    pub(super) fn split(mut self, count: usize) -> (Self, Self) {
+        let first = Self {
+            positions: parts_mut(&mut self.positions, count),
+            normals: parts_mut(&mut self.normals, count),
+            tangents: parts_mut(&mut self.tangents, count),
         };
-        let (normals, normals_after) = {
-            let at = at(self.normals.len());
-            self.normals.split_at_mut(at)
-        };
-        let (tangents, tangents_after) = {
-            let at = at(self.tangents.len());
-            self.tangents.split_at_mut(at)
-        };
-        (
-            Self {
-                positions,
-                normals,
-                tangents,
-            },
-            Self {
-                positions: positions_after,
-                normals: normals_after,
-                tangents: tangents_after,
-            },
-        )
+        (first, self)
     }
 }
