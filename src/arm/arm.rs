@@ -11,7 +11,7 @@ use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
-use crate::model::{JointId, JointKind, Limits};
+use crate::model::{JointId, Limits};
 use crate::problem::ReportNames;
 use crate::spatial::Placement;
 
@@ -51,29 +51,25 @@ impl Arm {
         lanes: Option<PoseSolver>,
         coordinates: Coordinates,
         velocity_limits: Vec<f64>,
-        (_base, tip): (&str, &str),
+        tip: &str,
     ) -> Result<Self, ArmError> {
-        let joint = |id: &JointId| serial.model.joints()[id.index()].name.clone();
-        let leader = |&c: &usize| serial.model.moving_joints()[c];
-        let leaders = serial.map.leaders().iter();
-        let turns = |id: JointId| serial.model.joints()[id.index()].kind != JointKind::Prismatic;
+        let workspace = ArmWorkspace::new(&serial, &options)?;
         let names = ReportNames {
-            model: serial.model.name().to_owned(),
-            length_unit: serial.model.length_unit(),
-            variables: leaders.clone().map(|c| joint(&leader(c))).collect(),
-            variable_is_angle: leaders.map(|c| turns(leader(c))).collect(),
             tasks: vec![format!("pose of `{tip}`")],
             task_frames: vec![Some(tip.to_owned())],
-            anchors: Vec::new(),
+            ..(**workspace.question.problem.names()).clone()
         };
-        Self::of_parts(
+        Ok(Self {
+            velocity_limits,
+            scale: serial.scales(options.metres_per_radian),
             serial,
             options,
             lanes,
             coordinates,
-            velocity_limits,
-            Arc::new(names),
-        )
+            names: Arc::new(names),
+            seeds: OnceLock::new(),
+            workspaces: Mutex::new(vec![Box::new(workspace)]),
+        })
     }
 
     /// The same arm for another chain and other options, which leave joints and names as they are.
@@ -83,36 +79,10 @@ impl Arm {
         options: Options,
         lanes: Option<PoseSolver>,
     ) -> Result<Self, ArmError> {
-        let (coordinates, names) = (self.coordinates.clone(), Arc::clone(&self.names));
-        let limits = self.velocity_limits.clone();
-        Self::of_parts(serial, options, lanes, coordinates, limits, names)
-    }
-
-    fn of_parts(
-        serial: Serial,
-        options: Options,
-        lanes: Option<PoseSolver>,
-        coordinates: Coordinates,
-        velocity_limits: Vec<f64>,
-        names: Arc<ReportNames>,
-    ) -> Result<Self, ArmError> {
-        let workspace = ArmWorkspace::new(&serial, &options)?;
-        let names = ReportNames {
-            anchors: workspace.question.problem.names().anchors.clone(),
-            ..(*names).clone()
-        };
-        let names = Arc::new(names);
-        Ok(Self {
-            velocity_limits,
-            scale: serial.scales(options.metres_per_radian),
-            serial,
-            options,
-            lanes,
-            coordinates,
-            names,
-            seeds: OnceLock::new(),
-            workspaces: Mutex::new(vec![Box::new(workspace)]),
-        })
+        let (coordinates, limits) = (self.coordinates.clone(), self.velocity_limits.clone());
+        let tip = self.names.task_frames.first().cloned().flatten();
+        let tip = tip.unwrap_or_default();
+        Self::assemble(serial, options, lanes, coordinates, limits, &tip)
     }
 
     /// Names of the free joints, base to tip: the order of a configuration.

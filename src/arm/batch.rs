@@ -5,6 +5,7 @@ use super::lanes_or_core::QUICK;
 use super::workspace::Errors;
 use super::{PoseOutcome, QueryError};
 use crate::ik::Solution;
+use crate::lanes::Work;
 use crate::search::Found;
 use crate::spatial::Placement;
 
@@ -162,15 +163,15 @@ impl Arm {
         let Some(lanes) = self.lanes.as_ref().filter(|_| plain) else {
             return false;
         };
-        let attempts = options.attempts.min(TOGETHER);
-        lanes.run_batch(
+        lanes.run(Work {
             targets,
             starts,
-            options.search.lanes(),
-            attempts,
+            search: options.search.lanes(),
+            attempts_from: None,
+            attempts: options.attempts.min(TOGETHER),
             q,
             outcomes,
-        );
+        });
         true
     }
 

@@ -245,7 +245,7 @@ impl ArmBuilder<'_> {
             None => None,
         };
         let speeds = self.speeds(&full, &serial);
-        Arm::assemble(serial, options, lanes, coordinates, speeds, name)
+        Arm::assemble(serial, options, lanes, coordinates, speeds, name.1)
     }
 
     /// The way from base to tip, and the names of the two.

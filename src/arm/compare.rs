@@ -64,14 +64,15 @@ impl Arm {
                     let end = (first + count) as usize;
                     workspace.found.resize(end * n, 0.0);
                     workspace.outcomes.resize(end, PoseOutcome::default());
-                    lanes.run_attempts_checked(
-                        query.target,
-                        query.start,
-                        lanes::Prefer::Start,
-                        first,
-                        &mut workspace.found[first as usize * n..],
-                        &mut workspace.outcomes[first as usize..],
-                    );
+                    lanes.run(lanes::Work {
+                        targets: std::slice::from_ref(query.target),
+                        starts: query.start,
+                        search: lanes::Prefer::Start,
+                        attempts_from: Some(first),
+                        attempts: 1,
+                        q: &mut workspace.found[first as usize * n..],
+                        outcomes: &mut workspace.outcomes[first as usize..],
+                    });
                 }
             }
             first += count;

@@ -38,6 +38,7 @@ mod twists;
 
 pub use crate::model::JointKind;
 pub use axis_goal::AxisGoal;
+pub(crate) use batch::Work;
 pub use chain::{Chain, ChainError, ChainJoint, MAX_JOINTS};
 pub use options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 pub use pose_solver::PoseSolver;

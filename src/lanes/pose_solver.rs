@@ -173,14 +173,15 @@ impl PoseSolver {
         outcomes: &mut [PoseOutcome],
     ) -> Result<(), LaneError> {
         check::batch(self.joints(), base_from_targets, starts, q, outcomes)?;
-        self.run_batch(
-            base_from_targets,
+        self.run(Work {
+            targets: base_from_targets,
             starts,
             search,
-            self.attempts(),
+            attempts_from: None,
+            attempts: self.attempts(),
             q,
             outcomes,
-        );
+        });
         Ok(())
     }
 
@@ -208,7 +209,15 @@ impl PoseSolver {
             .zip(q.par_chunks_mut(CHUNK * n))
             .zip(outcomes.par_chunks_mut(CHUNK))
             .for_each(|(((targets, starts), q), outcomes)| {
-                self.run_batch(targets, starts, search, self.attempts(), q, outcomes);
+                self.run(Work {
+                    targets,
+                    starts,
+                    search,
+                    attempts_from: None,
+                    attempts: self.attempts(),
+                    q,
+                    outcomes,
+                });
             });
         Ok(())
     }
@@ -233,21 +242,7 @@ impl PoseSolver {
         check::length("start", start.len(), n)?;
         check::length("q", q.len(), n * outcomes.len())?;
         check::query(0, base_from_target, start)?;
-        self.run_attempts_checked(base_from_target, start, search, first, q, outcomes);
-        Ok(())
-    }
-
-    /// As [`run_attempts`](Self::run_attempts) for input that is checked already.
-    pub(crate) fn run_attempts_checked(
-        &self,
-        base_from_target: &Placement<f64>,
-        start: &[f64],
-        search: Prefer,
-        first: u32,
-        q: &mut [f64],
-        outcomes: &mut [PoseOutcome],
-    ) {
-        let work = Work {
+        self.run(Work {
             targets: std::slice::from_ref(base_from_target),
             starts: start,
             search,
@@ -255,7 +250,12 @@ impl PoseSolver {
             attempts: 1,
             q,
             outcomes,
-        };
+        });
+        Ok(())
+    }
+
+    /// Runs a batch that is checked already.
+    pub(crate) fn run(&self, work: Work<'_>) {
         instruction_set::batch(&self.prepared, work);
     }
 
@@ -290,28 +290,5 @@ impl PoseSolver {
             last[..n].copy_from_slice(q);
         }
         Ok(())
-    }
-
-    /// As [`solve_batch`](Self::solve_batch) for input that is checked already, with at most so many
-    /// attempts each.
-    pub(crate) fn run_batch(
-        &self,
-        targets: &[Placement<f64>],
-        starts: &[f64],
-        search: Prefer,
-        attempts: u32,
-        q: &mut [f64],
-        outcomes: &mut [PoseOutcome],
-    ) {
-        let work = Work {
-            targets,
-            starts,
-            search,
-            attempts_from: None,
-            attempts,
-            q,
-            outcomes,
-        };
-        instruction_set::batch(&self.prepared, work);
     }
 }
