@@ -1,6 +1,6 @@
 //! Promise: `animate` writes the mesh that the keyframes pose, at one time or frame by frame.
 
-use crate::forked_rig::{Folder, json, kinopt, rig, stderr, stdout};
+use crate::forked_rig::{Folder, json, kinopt, refused, rig, says, stderr, stdout};
 use glam::Vec3;
 use kinopt::animation::Playback;
 use kinopt::io::ply;
@@ -74,17 +74,9 @@ fn one_time_is_one_file() {
 fn frames_are_numbered_files_at_even_times() {
     let folder = Folder::new("animate-frames");
     let (rig, out) = (folder.rig(), folder.file("deep/frames"));
-    let document = json(&[
-        "animate",
-        &rig,
-        "--fps=10",
-        "--from=0.7",
-        "--to=1.4",
-        "--format=ply",
-        "--out",
-        &out,
-        "--json",
-    ]);
+    let document = json(&format!(
+        "animate {rig} --fps=10 --from=0.7 --to=1.4 --format=ply --out {out} --json"
+    ));
     let frames = document["frames"].as_array().unwrap();
     assert_eq!((frames.len(), document["vertices"].as_u64()), (8, Some(20)));
     for (number, frame) in frames.iter().enumerate() {
@@ -111,104 +103,39 @@ fn frames_are_numbered_files_at_even_times() {
     );
 }
 
-/// Runs the command, which must end with `code`, say all of `words` and write nothing.
-fn refused(arguments: &[&str], code: i32, words: &[&str]) {
-    let output = kinopt(arguments);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    assert_eq!(stdout(&output), "", "{arguments:?}");
-    for word in words {
-        assert!(
-            message.contains(word),
-            "{arguments:?}: no {word} in {message}"
-        );
-    }
-}
-
 #[test]
 fn what_cannot_be_animated_is_said() {
     let folder = Folder::new("animate-refused");
     let (rig_file, out) = (folder.rig(), folder.file("frames"));
     let file = folder.file("posed.obj");
-    refused(
-        &["animate", &rig_file, "--out", &out],
-        2,
-        &["--time", "--fps"],
-    );
+    refused!("animate {rig_file} --out {out}" => 2, "--time | --fps");
     // What only frames have is not silently left out for one time.
     for option in ["--from=1", "--to=1", "--format=ply"] {
-        refused(
-            &["animate", &rig_file, "--time=1", option, "--out", &file],
-            2,
-            &[option.split_once('=').unwrap().0, "--time"],
-        );
+        let name = option.split_once('=').unwrap().0;
+        refused!("animate {rig_file} --time=1 {option} --out {file}" => 2, "{name} | --time");
     }
-    refused(
-        &["animate", &rig_file, "--time=1", "--fps=2", "--out", &out],
-        2,
-        &["--fps"],
-    );
-    refused(
-        &["animate", &rig_file, "--time=1", "--out", &out],
-        2,
-        &["frames", ".obj", ".ply"],
-    );
-    refused(
-        &["animate", &rig_file, "--fps=2", "--out", &file],
-        2,
-        &["posed.obj", "folder"],
-    );
-    refused(
-        &["animate", &rig_file, "--fps=0", "--out", &out],
-        2,
-        &["above 0"],
-    );
-    refused(
-        &["animate", &rig_file, "--fps=1e9", "--out", &out],
-        2,
-        &["1000000"],
-    );
+    refused!("animate {rig_file} --time=1 --fps=2 --out {out}" => 2, "--fps");
+    refused!("animate {rig_file} --time=1 --out {out}" => 2, "frames | .obj | .ply");
+    refused!("animate {rig_file} --fps=2 --out {file}" => 2, "posed.obj | folder");
+    refused!("animate {rig_file} --fps=0 --out {out}" => 2, "above 0");
+    refused!("animate {rig_file} --fps=1e9 --out {out}" => 2, "1000000");
     let turned = [
         "animate", &rig_file, "--fps=2", "--from=2", "--to=1", "--out", &out,
     ];
-    refused(&turned, 2, &["--from 2", "--to 1"]);
-    refused(
-        &[
-            "animate",
-            &rig_file,
-            "--time=1",
-            "--out",
-            &file,
-            "--skinning",
-            "best",
-        ],
-        2,
-        &["lbs", "dqs"],
-    );
+    refused(&turned, 2, "--from 2 | --to 1");
+    refused!("animate {rig_file} --time=1 --out {file} --skinning best" => 2, "lbs | dqs");
     assert!(!std::path::Path::new(&out).exists() && !std::path::Path::new(&file).exists());
 
     let mut still = rig();
     still.clip = Default::default();
     let still = folder.write("still.json", &still);
-    refused(
-        &["animate", &still, "--time=1", "--out", &file],
-        1,
-        &["still.json", "keyframes"],
-    );
+    refused!("animate {still} --time=1 --out {file}" => 1, "still.json | keyframes");
     let mut bare = rig();
     (bare.weights, bare.mesh) = (None, None);
     let bare = folder.write("bare.json", &bare);
-    refused(
-        &["animate", &bare, "--time=1", "--out", &file],
-        1,
-        &["bare.json", "a mesh"],
-    );
+    refused!("animate {bare} --time=1 --out {file}" => 1, "bare.json | a mesh");
     let blocked = folder.file("rig.json/frames");
-    refused(
-        &["animate", &rig_file, "--fps=2", "--out", &blocked],
-        1,
-        &["cannot be made"],
-    );
+    refused!("animate {rig_file} --fps=2 --out {blocked}" => 1, "cannot be made");
 }
 
 #[test]
@@ -276,7 +203,7 @@ fn a_rig_whose_weights_file_is_missing_is_posed() {
         &out,
         "--skin-weights=heat",
     ]);
-    assert!(stderr(&output).contains("not taken"), "{}", stderr(&output));
+    says(stderr(&output), "not taken");
 }
 
 #[test]
@@ -341,12 +268,11 @@ fn keys_are_interpolated_as_asked() {
     assert!(off.map(|(a, b)| a.distance(b)).fold(0.0, f32::max) > 1e-3);
 
     for (value, words) in [
-        ("smooth", ["smooth", "catmull-rom"]),
-        ("kochanek-bartels:1,2", ["tension", "3 numbers"]),
-        ("linear:1", ["linear", "no numbers"]),
-        ("kochanek-bartels:1e300,0,0", ["--interpolation", "1e150"]),
+        ("smooth", "smooth | catmull-rom"),
+        ("kochanek-bartels:1,2", "tension | 3 numbers"),
+        ("linear:1", "linear | no numbers"),
+        ("kochanek-bartels:1e300,0,0", "--interpolation | 1e150"),
     ] {
-        let arguments = ["fk", &file, "--time=1", "--interpolation", value];
-        refused(&arguments, 2, &words);
+        refused!("fk {file} --time=1 --interpolation {value}" => 2, "{words}");
     }
 }

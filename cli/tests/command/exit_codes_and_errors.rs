@@ -4,25 +4,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::forked_rig::{Folder, json, kinopt, rig, stderr, stdout};
-
-/// Runs the command, which must end with `code` and say all of `words`.
-fn refused(arguments: &[&str], code: i32, words: &[&str]) {
-    let output = kinopt(arguments);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    assert_eq!(stdout(&output), "", "{arguments:?}");
-    for word in words {
-        assert!(
-            message.contains(word),
-            "{arguments:?}: no {word} in {message}"
-        );
-    }
-    if code == 1 {
-        assert_eq!(message.lines().count(), 1, "{message}");
-        assert!(message.starts_with("kinopt: error: "), "{message}");
-    }
-}
+use crate::forked_rig::{Folder, json, kinopt, refused, rig, says, stderr, stdout};
 
 const TARGET: &str = "--target=bone/2=-2.5,0.5,0";
 
@@ -30,92 +12,46 @@ const TARGET: &str = "--target=bone/2=-2.5,0.5,0";
 fn wrong_names_come_with_the_valid_ones() {
     let folder = Folder::new("names");
     let rig = folder.rig();
-    let bones = ["bone/0", "bone/4", "/tip"];
     for target in ["--target=hand=1,2,3", "--ray=hand=0,0,1:0,0,0"] {
-        refused(
-            &["solve", &rig, target],
-            1,
-            &[&bones[..], &["`hand`"]].concat(),
-        );
+        refused!("solve {rig} {target}" => 1, "bone/0 | bone/4 | /tip | `hand`");
     }
-    refused(
-        &["solve", &rig, "--target=bone/5=1,2,3", "--json"],
-        1,
-        &["`bone/5`", "bone/4"],
-    );
-    refused(&["fk", &rig, "--frame", "hand"], 1, &["`hand`", "bone/0"]);
-    let solvers = [
-        "newton",
-        "levenberg-marquardt",
-        "gauss-newton",
-        "projected-gradient-bb",
-    ];
-    refused(&["solve", &rig, TARGET, "--solver", "newton"], 2, &solvers);
-    let routes = ["exact", "analytic", "dual", "fd", "central"];
-    refused(&["solve", &rig, TARGET, "--jacobian", "exact"], 2, &routes);
+    refused!("solve {rig} --target=bone/5=1,2,3 --json" => 1, "`bone/5` | bone/4");
+    refused!("fk {rig} --frame hand" => 1, "`hand` | bone/0");
+    let solvers = "newton | levenberg-marquardt | gauss-newton | projected-gradient-bb";
+    refused!("solve {rig} {TARGET} --solver newton" => 2, "{solvers}");
+    let routes = "exact | analytic | dual | fd | central";
+    refused!("solve {rig} {TARGET} --jacobian exact" => 2, "{routes}");
 }
 
 #[test]
 fn wrong_usage_is_two() {
     let folder = Folder::new("usage");
     let rig = folder.rig();
-    refused(&[], 2, &["info", "fk", "solve"]);
-    refused(&["dance"], 2, &["dance"]);
-    refused(&["info"], 2, &["MODEL"]);
-    refused(&["solve", &rig], 2, &["--target", "--ray"]);
-    refused(&["solve", &rig, "--json"], 2, &["--target"]);
-    refused(&["solve", &rig, TARGET, "--fast"], 2, &["--fast"]);
-    refused(
-        &["solve", &rig, "--target=bone/2=1,2"],
-        2,
-        &["bone/2=1,2", "not 2"],
-    );
-    refused(&["solve", &rig, "--target=bone/2=1,2,nan"], 2, &["`nan`"]);
-    refused(
-        &["solve", &rig, "--target=bone/2=1,2,3,2,0,0,0"],
-        2,
-        &["length 2"],
-    );
-    refused(&["solve", &rig, "--ray=bone/2=1,2,3"], 2, &["colon"]);
-    refused(
-        &["solve", &rig, TARGET, "--start", "home"],
-        2,
-        &["rest", "random"],
-    );
-    refused(&["solve", &rig, TARGET, "--start=1,x"], 2, &["`x`"]);
-    refused(&["solve", &rig, TARGET, "--tolerance=-1"], 2, &["`-1`"]);
-    refused(
-        &["solve", &rig, TARGET, "--time-limit", "0"],
-        2,
-        &["above 0"],
-    );
-    refused(
-        &["solve", &rig, TARGET, "--time-limit", "1e300"],
-        2,
-        &["1e300"],
-    );
-    refused(&["solve", &rig, TARGET, "--restarts", "many"], 2, &["many"]);
-    refused(
-        &["solve", &rig, TARGET, "--out", "posed.stl"],
-        2,
-        &["posed.stl", ".obj", ".ply"],
-    );
-    refused(&["fk", &rig, "--q", "1,two"], 2, &["`two`"]);
-    refused(&["fk", &rig, "--q=1", "--time=1"], 2, &["--time"]);
-    refused(&["fk", &rig, "--loop"], 2, &["--time"]);
+    refused(&[], 2, "info | fk | solve");
+    refused!("dance" => 2, "dance");
+    refused!("info" => 2, "MODEL");
+    refused!("solve {rig}" => 2, "--target | --ray");
+    refused!("solve {rig} --json" => 2, "--target");
+    refused!("solve {rig} {TARGET} --fast" => 2, "--fast");
+    refused!("solve {rig} --target=bone/2=1,2" => 2, "bone/2=1,2 | not 2");
+    refused!("solve {rig} --target=bone/2=1,2,nan" => 2, "`nan`");
+    refused!("solve {rig} --target=bone/2=1,2,3,2,0,0,0" => 2, "length 2");
+    refused!("solve {rig} --ray=bone/2=1,2,3" => 2, "colon");
+    refused!("solve {rig} {TARGET} --start home" => 2, "rest | random");
+    refused!("solve {rig} {TARGET} --start=1,x" => 2, "`x`");
+    refused!("solve {rig} {TARGET} --tolerance=-1" => 2, "`-1`");
+    refused!("solve {rig} {TARGET} --time-limit 0" => 2, "above 0");
+    refused!("solve {rig} {TARGET} --time-limit 1e300" => 2, "1e300");
+    refused!("solve {rig} {TARGET} --restarts many" => 2, "many");
+    refused!("solve {rig} {TARGET} --out posed.stl" => 2, "posed.stl | .obj | .ply");
+    refused!("fk {rig} --q 1,two" => 2, "`two`");
+    refused!("fk {rig} --q=1 --time=1" => 2, "--time");
+    refused!("fk {rig} --loop" => 2, "--time");
     // An option is not silently left out beside one that takes its place.
-    refused(&["fk", &rig, "--q=1", "--loop"], 2, &["--loop"]);
-    refused(
-        &["fk", &rig, "--q=1", "--interpolation=linear"],
-        2,
-        &["--interpolation"],
-    );
-    refused(&["fk", &rig, "--time=1", "--degrees"], 2, &["--degrees"]);
-    refused(
-        &["solve", &rig, "--targets=poses.json", "--skinning=dqs"],
-        2,
-        &["--skinning"],
-    );
+    refused!("fk {rig} --q=1 --loop" => 2, "--loop");
+    refused!("fk {rig} --q=1 --interpolation=linear" => 2, "--interpolation");
+    refused!("fk {rig} --time=1 --degrees" => 2, "--degrees");
+    refused!("solve {rig} --targets=poses.json --skinning=dqs" => 2, "--skinning");
 }
 
 #[test]
@@ -123,22 +59,14 @@ fn what_cannot_be_done_is_one() {
     let folder = Folder::new("failed");
     let rig_file = folder.rig();
     let missing = folder.file("missing.json");
-    refused(&["info", &missing], 1, &["missing.json"]);
-    refused(&["info", "arm.urdx"], 1, &["arm.urdx", ".urdx", ".json"]);
-    refused(&["info", "arm"], 1, &["extension", ".json"]);
+    refused!("info {missing}" => 1, "missing.json");
+    refused!("info arm.urdx" => 1, "arm.urdx | .urdx | .json");
+    refused!("info arm" => 1, "extension | .json");
     let broken = folder.file("broken.json");
     std::fs::write(&broken, "{\"bones\":\n[}").unwrap();
-    refused(&["solve", &broken, TARGET], 1, &["broken.json"]);
-    refused(
-        &["fk", &rig_file, "--q", "1,2,3"],
-        1,
-        &["--q", "3 numbers", "15", "5 bones"],
-    );
-    refused(
-        &["solve", &rig_file, TARGET, "--start", "1"],
-        1,
-        &["--start", "1 numbers", "15"],
-    );
+    refused!("solve {broken} {TARGET}" => 1, "broken.json");
+    refused!("fk {rig_file} --q 1,2,3" => 1, "--q | 3 numbers | 15 | 5 bones");
+    refused!("solve {rig_file} {TARGET} --start 1" => 1, "--start | 1 numbers | 15");
 
     for (name, content, reason) in [
         ("text.json", "hello", "JSON"),
@@ -147,39 +75,23 @@ fn what_cannot_be_done_is_one() {
     ] {
         let file = folder.file(name);
         std::fs::write(&file, content).unwrap();
-        refused(&["fk", &rig_file, "--q-file", &file], 1, &[name, reason]);
+        refused!("fk {rig_file} --q-file {file}" => 1, "{name} | {reason}");
     }
-    refused(
-        &["fk", &rig_file, "--q-file", &missing],
-        1,
-        &["missing.json"],
-    );
+    refused!("fk {rig_file} --q-file {missing}" => 1, "missing.json");
 
     let mut bare = rig();
     bare.weights = None;
     bare.clip = Default::default();
     let bare_file = folder.write("bare.json", &bare);
-    refused(
-        &["fk", &bare_file, "--time", "1"],
-        1,
-        &["--time", "keyframes"],
-    );
+    refused!("fk {bare_file} --time 1" => 1, "--time | keyframes");
     let out = folder.file("posed.obj");
     bare.mesh = None;
     let meshless = folder.write("meshless.json", &bare);
-    refused(
-        &["solve", &meshless, TARGET, "--out", &out],
-        1,
-        &["--out", "a mesh"],
-    );
+    refused!("solve {meshless} {TARGET} --out {out}" => 1, "--out | a mesh");
     assert!(!std::path::Path::new(&out).exists());
 
     let nowhere = folder.file("absent/posed.ply");
-    refused(
-        &["solve", &rig_file, TARGET, "--out", &nowhere],
-        1,
-        &["absent/posed.ply"],
-    );
+    refused!("solve {rig_file} {TARGET} --out {nowhere}" => 1, "absent/posed.ply");
 }
 
 #[test]
@@ -193,14 +105,10 @@ fn a_name_that_may_be_meant_is_suggested_beside_a_short_list() {
     let meant = "did you mean `joint3`? valid names: joint1, ";
     for option in ["--lock=joint33", "--only=joint1,joint33"] {
         let target = "--target=flange=0.4,0.1,0.5";
-        refused(&["solve", &ur5e, target, option], 1, &[meant]);
+        refused!("solve {ur5e} {target} {option}" => 1, "{meant}");
     }
     // What is like none gets the list alone.
-    refused(
-        &["solve", &rig, TARGET, "--hold=tail"],
-        1,
-        &["; valid names: bone/0"],
-    );
+    refused!("solve {rig} {TARGET} --hold=tail" => 1, "; valid names: bone/0");
 }
 
 #[test]
@@ -217,11 +125,7 @@ fn names_are_checked_before_weights_are_made_up() {
         "--weight=hand=2",
         "--base=hand",
     ] {
-        refused(
-            &["solve", &bare, TARGET, wrong, "--out", &out],
-            1,
-            &["`hand`"],
-        );
+        refused!("solve {bare} {TARGET} {wrong} --out {out}" => 1, "`hand`");
     }
 }
 
@@ -231,17 +135,13 @@ fn numbers_whose_squares_overflow_are_refused() {
     let rig = folder.rig();
     let bound = "beyond 1e150";
     for huge in ["--target=bone/2=1e200,0,0", "--ray=bone/2=0,-1e151,3:0,0,0"] {
-        refused(&["solve", &rig, huge], 2, &[bound, "e1"]);
+        refused!("solve {rig} {huge}" => 2, "{bound} | e1");
     }
-    refused(&["solve", &rig, TARGET, "--tool=1e200,0,0"], 2, &[bound]);
+    refused!("solve {rig} {TARGET} --tool=1e200,0,0" => 2, "{bound}");
     let file = folder.file("far.json");
     std::fs::write(&file, "{\"targets\": [[0, 0, 0], [0, 1e200, 0]]}").unwrap();
     let tip = "--tip=bone/2";
-    refused(
-        &["solve", &rig, tip, "--targets", &file],
-        1,
-        &["far.json", "targets[1][1]", bound],
-    );
+    refused!("solve {rig} {tip} --targets {file}" => 1, "far.json | targets[1][1] | {bound}");
     // What is taken is told in finite numbers.
     let panda = format!("{}/../models/franka_panda.urdf", env!("CARGO_MANIFEST_DIR"));
     for (model, target) in [
@@ -291,9 +191,10 @@ fn help_says_units_defaults_and_examples() {
     for subcommand in ["info", "fk", "solve", "animate"] {
         let output = kinopt(&[subcommand, "--help"]);
         assert_eq!(output.status.code(), Some(0));
-        for word in ["Examples:", "metres", "Usage: kinopt", "Default"] {
-            assert!(stdout(&output).contains(word), "{subcommand}: no {word}");
-        }
+        says(
+            stdout(&output),
+            "Examples: | metres | Usage: kinopt | Default",
+        );
     }
     let version = kinopt(&["--version"]);
     assert!(stdout(&version).contains(env!("CARGO_PKG_VERSION")));

@@ -131,16 +131,85 @@ fn strips() -> (TriangleMesh, SkinWeights) {
     (mesh, weights.build().unwrap())
 }
 
-pub(crate) fn kinopt(arguments: &[&str]) -> Output {
+/// The words of a command line: as one text, or one by one where a word holds blanks.
+pub(crate) trait CommandLine {
+    fn words(&self) -> Vec<&str>;
+}
+
+/// Words between blanks, or between quotation marks.
+impl CommandLine for str {
+    fn words(&self) -> Vec<&str> {
+        let parts = self.split('\'').enumerate();
+        let words = parts.map(|(k, part)| match k % 2 {
+            0 => part.split_whitespace().collect(),
+            _ => vec![part],
+        });
+        words.collect::<Vec<_>>().concat()
+    }
+}
+
+impl CommandLine for String {
+    fn words(&self) -> Vec<&str> {
+        self.as_str().words()
+    }
+}
+
+impl CommandLine for [&str] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl<const N: usize> CommandLine for [&str; N] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl CommandLine for Vec<&str> {
+    fn words(&self) -> Vec<&str> {
+        self.clone()
+    }
+}
+
+pub(crate) fn kinopt(line: &(impl CommandLine + ?Sized)) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
-    command.args(arguments).output().unwrap()
+    command.args(line.words()).output().unwrap()
 }
 
 /// The one document of a run that must succeed.
-pub(crate) fn json(arguments: &[&str]) -> Value {
-    let output = kinopt(arguments);
+pub(crate) fn json(line: &(impl CommandLine + ?Sized)) -> Value {
+    let output = kinopt(line);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Runs what must end with `code`, print nothing and say all of `words` (between bars); a failure in one line.
+pub(crate) fn refused(line: &(impl CommandLine + ?Sized), code: i32, words: &str) {
+    let output = kinopt(line);
+    let (message, line) = (stderr(&output), line.words());
+    assert_eq!(output.status.code(), Some(code), "{line:?}: {message}");
+    assert_eq!(stdout(&output), "", "{line:?}");
+    says(message, words);
+    if code == 1 {
+        assert_eq!(message.lines().count(), 1, "{message}");
+        assert!(message.starts_with("kinopt: error: "), "{message}");
+    }
+}
+
+/// As [`refused`](crate::forked_rig::refused), a line each: `refused!("info {rig}" => 1, "this | that")`.
+macro_rules! refused {
+    ($line:literal $(, $part:expr)* => $code:expr, $words:literal) => {
+        $crate::forked_rig::refused(&format!($line $(, $part)*), $code, &format!($words))
+    };
+}
+
+/// Whether a text has all of these words, which stand between bars.
+#[track_caller]
+pub(crate) fn says(text: &str, words: &str) {
+    for word in words.split(" | ") {
+        assert!(text.contains(word), "no {word} in {text}");
+    }
 }
 
 pub(crate) fn stdout(output: &Output) -> &str {

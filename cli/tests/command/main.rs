@@ -1,10 +1,12 @@
 //! What the command promises: a module a promise.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
+mod forked_rig;
+
 mod animated_meshes;
 mod exit_codes_and_errors;
 mod figures_settle;
-mod forked_rig;
 mod held_joints;
 mod holds;
 mod json_output;

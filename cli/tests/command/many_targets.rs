@@ -1,7 +1,7 @@
 //! Promise: a file of targets gives every target's own answer, the same to the bit on any number of
 //! threads, within the limits and on the target; and a malformed file is named with the place.
 
-use crate::forked_rig::{Folder, distance, json, kinopt, numbers, stderr, stdout};
+use crate::forked_rig::{Folder, distance, json, kinopt, numbers, says, stderr, stdout};
 use crate::seeded_robot::Seeded;
 use serde_json::{Value, json};
 
@@ -40,10 +40,8 @@ fn every_reachable_target_is_reached() {
             arguments.extend(&way);
             let document = json(&arguments);
             let summary = &document["summary"];
-            assert_eq!(
-                (&summary["solved"], &summary["total"]),
-                (&40.into(), &40.into())
-            );
+            assert_eq!(summary["solved"], 40);
+            assert_eq!(summary["total"], 40);
             assert!(summary["micros_mean"].as_f64().unwrap() > 0.0);
             let alone = !way.contains(&"--batch");
             for key in ["micros_median", "micros_p99"] {
@@ -124,14 +122,7 @@ fn a_path_goes_on_from_the_last_answer() {
         let content = json!({"targets": targets, "starts": start, "joint_names": names,
             "tip_link": seeded.tip, "base_link": seeded.base});
         let file = write(&folder, "path.json", &content);
-        let document = json(&[
-            "solve",
-            &seeded.file,
-            "--targets",
-            &file,
-            "--track",
-            "--json",
-        ]);
+        let document = json(&format!("solve {seeded} --targets {file} --track --json"));
         assert_eq!(document["summary"]["solved"], 201);
         assert_eq!(document["summary"]["jumps"], json!([]));
         let q = configurations(&document);
@@ -253,16 +244,15 @@ fn positions_alone_and_misses() {
     let file = write(&folder, "targets.json", &content);
     let document = json(&["solve", &panda.file, "--targets", &file, "--json"]);
     let summary = &document["summary"];
-    assert_eq!(
-        (&summary["solved"], &summary["total"]),
-        (&5.into(), &6.into())
-    );
+    assert_eq!(summary["solved"], 5);
+    assert_eq!(summary["total"], 6);
     assert_eq!(document["solutions"][4]["reached"], false);
     let output = kinopt(&["solve", &panda.file, "--targets", &file]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-    for word in ["5 of 6", "median", "target 4: Not reached", "misses by"] {
-        assert!(stdout(&output).contains(word), "{}", stdout(&output));
-    }
+    says(
+        stdout(&output),
+        "5 of 6 | median | target 4: Not reached | misses by",
+    );
     let output = kinopt(&["solve", &panda.file, "--targets", &file, "--batch"]);
     assert!(stdout(&output).contains("mean") && !stdout(&output).contains("median"));
 }
@@ -274,21 +264,13 @@ fn a_rig_s_tip_too() {
     let content = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
     let file = write(&folder, "targets.json", &content);
     for way in ["--track", "--batch", "--threads=2"] {
-        let document = json(&[
-            "solve",
-            &rig,
-            "--targets",
-            &file,
-            "--tip=bone/2",
-            way,
-            "--json",
-        ]);
+        let document = json(&format!(
+            "solve {rig} --targets {file} --tip=bone/2 {way} --json"
+        ));
         assert_eq!(document["summary"]["solved"], 2);
         let first = &document["solutions"][0];
-        assert_eq!(
-            (&first["tasks"][1]["frame"], &first["tasks"][1]["held"]),
-            (&"bone/4".into(), &true.into())
-        );
+        assert_eq!(first["tasks"][1]["frame"], "bone/4");
+        assert_eq!(first["tasks"][1]["held"], true);
         assert!(first["tasks"][0]["position_error"].as_f64().unwrap() < 1e-8);
         assert!(document.get("joints").is_none());
     }
@@ -301,134 +283,52 @@ fn a_rig_s_tip_too() {
 fn malformed_files_are_named_with_the_place() {
     let folder = Folder::new("malformed");
     let panda = Seeded::panda();
-    let pose = "[0.4,0,0.5,0,1,0,0]";
-    for (content, words) in [
-        (String::new(), vec!["is empty"]),
-        ("hello".into(), vec!["is not JSON", "line 1"]),
-        ("{\"targets\": [[NaN,0,0]]}".into(), vec!["is not JSON"]),
-        ("[1,2]".into(), vec!["not an object"]),
-        ("{}".into(), vec!["no key `targets`"]),
-        (
-            "{\"targets\": 3}".into(),
-            vec!["targets: is a number, not a list"],
-        ),
-        ("{\"targets\": []}".into(), vec!["targets: holds no target"]),
-        (
-            "{\"targets\": [[]]}".into(),
-            vec!["targets: holds no target"],
-        ),
-        (
-            "{\"targets\": [[1,2]]}".into(),
-            vec!["targets[0]", "2 numbers"],
-        ),
-        (
-            format!("{{\"targets\": [{pose},[1,2,3]]}}"),
-            vec!["targets[1]", "3 numbers"],
-        ),
-        (
-            format!("{{\"targets\": [{pose},[1,2,3,1,0,null,0]]}}"),
-            vec!["targets[1][5]", "null"],
-        ),
-        (
-            "{\"targets\": [[1,2,1e999]]}".into(),
-            vec!["is not JSON", "range"],
-        ),
-        (
-            "{\"targets\": [[1,2,3,1,1,0,0]]}".into(),
-            vec!["targets[0]", "length 1.41"],
-        ),
-        (
-            format!("{{\"targets\": [{pose}], \"starts\": []}}"),
-            vec!["starts", "1 targets"],
-        ),
-        (
-            format!("{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]]}}"),
-            vec!["starts[0]", "joint4"],
-        ),
-        (
-            format!("{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[\"a\"]]}}"),
-            vec!["starts[0][0]", "a text"],
-        ),
-        (
-            format!(
-                "{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]], \"joint_names\": [\"elbow\"]}}"
-            ),
-            vec!["joint_names", "`elbow`", "joint4"],
-        ),
-        (
-            format!(
-                "{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]], \"joint_names\": [\"hand_mount\"]}}"
-            ),
-            vec!["joint_names", "`hand_mount`", "fixed"],
-        ),
-        (
-            format!(
-                "{{\"tip_link\": \"tool\", \"targets\": [{pose}], \"starts\": [[1]], \"joint_names\": [\"joint1\", \"joint2\"]}}"
-            ),
-            vec!["starts[0]", "1 numbers", "2 joint_names"],
-        ),
-        (
-            format!("{{\"targets\": [{pose}], \"joint_names\": [1]}}"),
-            vec!["joint_names[0]"],
-        ),
-        (
-            format!("{{\"targets\": [{pose}], \"tip_link\": \"claw\"}}"),
-            vec!["`claw`", "no link named"],
-        ),
-        (
-            format!("{{\"targets\": [{pose}], \"tip_link\": 4}}"),
-            vec!["tip_link", "not a name"],
-        ),
-        (
-            format!("{{\"targets\": [{pose}]}}"),
-            vec!["tip_link", "--tip", "finger_left"],
-        ),
-        (
-            format!("{{\"targets\": [{pose}], \"tip_link\": \"tool\", \"base_link\": \"flange\"}}"),
-            vec!["no free joint"],
-        ),
-    ] {
+    // The content of each, and what is said of it.
+    let files = r#"
+ => is empty
+hello => is not JSON | line 1
+{"targets": [[NaN,0,0]]} => is not JSON
+[1,2] => not an object
+{} => no key `targets`
+{"targets": 3} => targets: is a number, not a list
+{"targets": []} => targets: holds no target
+{"targets": [[]]} => targets: holds no target
+{"targets": [[1,2]]} => targets[0] | 2 numbers
+{"targets": [POSE,[1,2,3]]} => targets[1] | 3 numbers
+{"targets": [POSE,[1,2,3,1,0,null,0]]} => targets[1][5] | null
+{"targets": [[1,2,1e999]]} => is not JSON | range
+{"targets": [[1,2,3,1,1,0,0]]} => targets[0] | length 1.41
+{"targets": [POSE], "starts": []} => starts | 1 targets
+{"tip_link": "tool", "targets": [POSE], "starts": [[1]]} => starts[0] | joint4
+{"tip_link": "tool", "targets": [POSE], "starts": [["a"]]} => starts[0][0] | a text
+{"tip_link": "tool", "targets": [POSE], "starts": [[1]], "joint_names": ["elbow"]} => joint_names | `elbow` | joint4
+{"tip_link": "tool", "targets": [POSE], "starts": [[1]], "joint_names": ["hand_mount"]} => joint_names | `hand_mount` | fixed
+{"tip_link": "tool", "targets": [POSE], "starts": [[1]], "joint_names": ["joint1", "joint2"]} => starts[0] | 1 numbers | 2 joint_names
+{"targets": [POSE], "joint_names": [1]} => joint_names[0]
+{"targets": [POSE], "tip_link": "claw"} => `claw` | no link named
+{"targets": [POSE], "tip_link": 4} => tip_link | not a name
+{"targets": [POSE]} => tip_link | --tip | finger_left
+{"targets": [POSE], "tip_link": "tool", "base_link": "flange"} => no free joint
+"#;
+    for line in files.trim_start_matches('\n').lines() {
+        let (content, words) = line.split_once(" => ").unwrap();
         let file = folder.file("targets.json");
-        std::fs::write(&file, &content).unwrap();
-        let output = kinopt(&["solve", &panda.file, "--targets", &file, "--json"]);
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{content}: {message}");
-        assert_eq!(
-            (message.lines().count(), stdout(&output)),
-            (1, ""),
-            "{message}"
-        );
-        for word in words {
-            assert!(message.contains(word), "{content}: no {word} in {message}");
-        }
+        std::fs::write(&file, content.replace("POSE", "[0.4,0,0.5,0,1,0,0]")).unwrap();
+        refused!("solve {panda} --targets {file} --json" => 1, "{words}");
     }
     let missing = folder.file("missing.json");
-    let output = kinopt(&["solve", &panda.file, "--targets", &missing]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(stderr(&output).contains("missing.json"));
+    refused!("solve {panda} --targets {missing}" => 1, "missing.json");
 }
 
 #[test]
 fn wrong_usage() {
     let panda = Seeded::panda();
     let file = "--targets=poses.json";
-    for (arguments, word) in [
-        (vec![file, "--target=tool=1,2,3"], "--target"),
-        (vec![file, "--track", "--batch"], "--batch"),
-        (vec![file, "--track", "--threads=2"], "--threads"),
-        (vec![file, "--threads=0"], "0"),
-        (vec![file, "--out=posed.obj"], "--out"),
-        (vec!["--target=tool=1,2,3", "--batch"], "--batch"),
-        (vec!["--target=tool=1,2,3", "--tip=tool"], "--tip"),
-    ] {
-        let mut all = vec!["solve", panda.file.as_str()];
-        all.extend(&arguments);
-        let output = kinopt(&all);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(
-            stderr(&output).contains(word),
-            "{arguments:?}: {}",
-            stderr(&output)
-        );
-    }
+    refused!("solve {panda} {file} --target=tool=1,2,3" => 2, "--target");
+    refused!("solve {panda} {file} --track --batch" => 2, "--batch");
+    refused!("solve {panda} {file} --track --threads=2" => 2, "--threads");
+    refused!("solve {panda} {file} --threads=0" => 2, "0");
+    refused!("solve {panda} {file} --out=posed.obj" => 2, "--out");
+    refused!("solve {panda} --target=tool=1,2,3 --batch" => 2, "--batch");
+    refused!("solve {panda} --target=tool=1,2,3 --tip=tool" => 2, "--tip");
 }

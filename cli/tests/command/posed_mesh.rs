@@ -20,16 +20,9 @@ fn expected() -> Vec<Vec3> {
 fn solve_to(folder: &Folder, out: &str) {
     let rig = folder.rig();
     let target = "--target=bone/4=2,-1,0";
-    let solution = json(&[
-        "solve",
-        &rig,
-        target,
-        START,
-        "--degrees",
-        "--out",
-        out,
-        "--json",
-    ]);
+    let solution = json(&format!(
+        "solve {rig} {target} {START} --degrees --out {out} --json"
+    ));
     assert_eq!(solution["reached"], true);
 }
 

@@ -1,7 +1,7 @@
 //! Promise: a target may leave room on single axes, frames and joints weigh what they are said to, and
 //! a script hears of a miss by the exit code.
 
-use crate::forked_rig::{Folder, json, kinopt, numbers, stderr, stdout};
+use crate::forked_rig::{Folder, json, kinopt, numbers, says, stderr, stdout};
 use crate::seeded_robot::{Seeded, typed};
 use kinopt::spatial::{Placement, Vector3};
 
@@ -21,14 +21,9 @@ fn room_on_axes() {
         let target = typed("tool", &crate::seeded_robot::seven(&shifted));
         let start: Vec<String> = q.iter().map(f64::to_string).collect();
         let start = format!("--start={}", start.join(","));
-        let solution = json(&[
-            "solve",
-            &panda.file,
-            &target,
-            &start,
-            "--interval=x=-0.01..0.03",
-            "--json",
-        ]);
+        let solution = json(&format!(
+            "solve {panda} {target} {start} --interval=x=-0.01..0.03 --json"
+        ));
         assert_eq!(solution["reached"], true);
         let apart = in_target(&panda, &numbers(&solution["q"]), &shifted);
         let x = apart.translation.x;
@@ -39,52 +34,26 @@ fn room_on_axes() {
     }
     // Turns, in degrees.
     let target = typed("tool", &panda.pose(&q));
-    let solution = json(&[
-        "solve",
-        &panda.file,
-        &target,
-        "--interval=rz=free,y=0.02",
-        "--json",
-    ]);
+    let solution = json(&format!(
+        "solve {panda} {target} --interval=rz=free,y=0.02 --json"
+    ));
     assert_eq!(solution["reached"], true);
     let apart = in_target(&panda, &numbers(&solution["q"]), &wanted);
     assert!((apart.rotation.z.z - 1.0).abs() < 1e-9);
     assert!(apart.translation.y.abs() < 0.02 + 2e-6);
-    let solution = json(&[
-        "solve",
-        &panda.file,
-        &target,
-        "--interval=rx=10",
-        "--degrees",
-        "--json",
-    ]);
+    let solution = json(&format!(
+        "solve {panda} {target} --interval=rx=10 --degrees --json"
+    ));
     assert_eq!(solution["reached"], true);
     let apart = in_target(&panda, &numbers(&solution["q"]), &wanted);
     assert!(
         apart.rotation.x.x > 1.0 - 1e-9 && apart.rotation.y.z.abs() < 10.1_f64.to_radians().sin()
     );
-    for (interval, words) in [
-        ("w=1", "rx, ry, rz"),
-        ("rz=0..1", "either way"),
-        ("x=2..1", "wrong order"),
-    ] {
-        let interval = format!("--interval={interval}");
-        let output = kinopt(&["solve", &panda.file, &target, &interval]);
-        assert_eq!(output.status.code(), Some(2));
-        assert!(stderr(&output).contains(words), "{}", stderr(&output));
-    }
-    let output = kinopt(&[
-        "solve",
-        &panda.file,
-        "--target=tool=0.4,0,0.5",
-        "--interval=rz=1",
-    ]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        stderr(&output).contains("orientation"),
-        "{}",
-        stderr(&output)
-    );
+    refused!("solve {panda} {target} --interval=w=1" => 2, "rx, ry, rz");
+    refused!("solve {panda} {target} --interval=rz=0..1" => 2, "either way");
+    refused!("solve {panda} {target} --interval=x=2..1" => 2, "wrong order");
+    let point = "--target=tool=0.4,0,0.5";
+    refused!("solve {panda} {point} --interval=rz=1" => 2, "orientation");
 }
 
 #[test]
@@ -93,48 +62,24 @@ fn weights_say_who_gives_way() {
     let rig = folder.rig();
     // Both hands ask for what only the tip of one arm each can have; out of reach, they compromise
     // only through the weights of one frame's two targets.
-    let ask = |weight: &[&str]| {
-        let arguments = [
-            &[
-                "solve",
-                &rig,
-                "--target=bone/2=-2.5,0.5,0",
-                "--target=bone/1=-1.5,-0.8,0",
-                "--json",
-            ][..],
-            weight,
-        ]
-        .concat();
-        let solution = json(&arguments);
+    let ask = |weight: &str| {
+        let targets = "--target=bone/2=-2.5,0.5,0 --target=bone/1=-1.5,-0.8,0";
+        let solution = json(&format!("solve {rig} {targets} {weight} --json"));
         let error = |task: usize| solution["tasks"][task]["position_error"].as_f64().unwrap();
         [error(0), error(1)]
     };
-    let even = ask(&[]);
-    let hand = ask(&["--weight=bone/2=20"]);
-    let elbow = ask(&["--weight=bone/1=20"]);
+    let even = ask("");
+    let hand = ask("--weight=bone/2=20");
+    let elbow = ask("--weight=bone/1=20");
     assert!(even[0] > 1e-3 && even[1] > 1e-3, "{even:?}");
     assert!(
         hand[0] < 0.5 * even[0] && elbow[1] < 0.5 * even[1],
         "{even:?} {hand:?} {elbow:?}"
     );
-    let said = |arguments: &[&str], code, words: &str| {
-        let output = kinopt(
-            &[
-                &["solve", &rig, "--target=bone/2=-2.5,0.5,0"][..],
-                arguments,
-            ]
-            .concat(),
-        );
-        assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
-        assert!(stderr(&output).contains(words), "{}", stderr(&output));
-    };
-    said(&["--weight=bone/3=2"], 1, "`bone/3`");
-    said(&["--weight=bone/2=0"], 2, "not above 0");
-    said(
-        &["--weight=bone/2=1", "--weight=bone/2=2"],
-        2,
-        "given twice",
-    );
+    let hand = "--target=bone/2=-2.5,0.5,0 --weight=bone/2";
+    refused!("solve {rig} {hand}=1 --weight=bone/3=2" => 1, "`bone/3`");
+    refused!("solve {rig} {hand}=0" => 2, "not above 0");
+    refused!("solve {rig} {hand}=1 --weight=bone/2=2" => 2, "given twice");
 }
 
 #[test]
@@ -143,14 +88,9 @@ fn joints_weigh_in_the_nearest_answer() {
     let q = panda.configuration(11);
     let target = typed("tool", &panda.pose(&q));
     let moved = |weights: &str| {
-        let solution = json(&[
-            "solve",
-            &panda.file,
-            &target,
-            "--search=nearest",
-            weights,
-            "--json",
-        ]);
+        let solution = json(&format!(
+            "solve {panda} {target} --search=nearest {weights} --json"
+        ));
         assert_eq!(solution["reached"], true);
         let start = numbers(&json(&["solve", &panda.file, &target, "--max-move=0", "--json"])["q"]);
         (numbers(&solution["q"])[0] - start[0]).abs()
@@ -160,13 +100,7 @@ fn joints_weigh_in_the_nearest_answer() {
         moved("--joint-weights=100,1,1,1,1,1,1"),
     );
     assert!(heavy < even, "{heavy} {even}");
-    let output = kinopt(&["solve", &panda.file, &target, "--joint-weights=1,2"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(
-        stderr(&output).contains("--joint-weights"),
-        "{}",
-        stderr(&output)
-    );
+    refused!("solve {panda} {target} --joint-weights=1,2" => 1, "--joint-weights");
     // Which of the two errors of an unreachable pose is the smaller is a matter of weights.
     let far = "--target=tool=1.5,0,0.5,1,0,0,0";
     let angle = |metres: &str| {
@@ -187,29 +121,21 @@ fn scripts_hear_of_misses() {
     )
     .unwrap();
     let far = "--target=flange=2,0,0.2";
-    for (arguments, code, message) in [
-        (vec![far], 0, ""),
-        (vec![far, "--fail-on-miss"], 3, "the target was missed"),
-        (vec!["--target=flange=0.4,0.1,0.2", "--fail-on-miss"], 0, ""),
-        (vec!["--targets", &targets], 0, ""),
-        (
-            vec!["--targets", &targets, "--fail-on-miss"],
-            3,
-            "1 of 2 targets were missed",
-        ),
+    let near = "--target=flange=0.4,0.1,0.2";
+    for (line, code, message) in [
+        (far.to_owned(), 0, ""),
+        (format!("{far} --fail-on-miss"), 3, "target was missed"),
+        (format!("{near} --fail-on-miss"), 0, ""),
+        (format!("--targets {targets}"), 0, ""),
+        (format!("--targets {targets} --fail-on-miss"), 3, "1 of 2"),
     ] {
-        for format in [&[][..], &["--json"]] {
-            let output =
-                kinopt(&[&["solve", scara.file.as_str()][..], &arguments, format].concat());
-            assert_eq!(
-                output.status.code(),
-                Some(code),
-                "{arguments:?}: {}",
-                stderr(&output)
-            );
+        for format in ["", "--json"] {
+            let output = kinopt(&format!("solve {scara} {line} {format}"));
+            let told = stderr(&output);
+            assert_eq!(output.status.code(), Some(code), "{line}: {told}");
             // What came out is told all the same.
             assert!(!stdout(&output).is_empty());
-            assert!(stderr(&output).contains(message), "{}", stderr(&output));
+            says(told, message);
         }
     }
 }

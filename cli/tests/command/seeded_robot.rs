@@ -13,6 +13,13 @@ pub(crate) struct Seeded {
     pub(crate) tip: &'static str,
 }
 
+/// By its file, for command lines.
+impl std::fmt::Display for Seeded {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.file)
+    }
+}
+
 impl Seeded {
     pub(crate) fn new(name: &str, base: &'static str, tip: &'static str) -> Self {
         let file = format!("{}/../models/{name}.urdf", env!("CARGO_MANIFEST_DIR"));

@@ -104,37 +104,18 @@ fn what_makes_no_sense_is_refused() {
     let folder = Folder::new("no-servo");
     let seeded = Seeded::panda();
     let (file, _) = targets(&folder, &seeded, &start(&seeded));
-    let refused = |more: &[&str], words: &str| {
-        let asked = [&["solve", &seeded.file, "--targets", &file], more].concat();
-        let output = kinopt(&asked);
-        assert!(!output.status.success());
-        assert!(stderr(&output).contains(words), "{}", stderr(&output));
-    };
-    refused(&["--servo", "0"], "--servo");
-    refused(&["--servo", "1000", "--track"], "--track");
-    refused(&["--velocity-limits", "1"], "--servo");
-    let one = ["solve", &seeded.file, "--target", "flange=0.4,0.1,0.5"];
-    let alone = kinopt(&[&one[..], &["--velocity-limits", "1"]].concat());
-    assert_eq!(alone.status.code(), Some(2), "{}", stderr(&alone));
-    let few = ["--servo", "1000", "--velocity-limits", "1,2"];
-    refused(&few, "--velocity-limits: 2 numbers given");
-    let rig = format!(
-        "{}/../models/humanoid/humanoid.json",
-        env!("CARGO_MANIFEST_DIR")
+    let asked = format!("solve {seeded} --targets {file}");
+    refused!("{asked} --servo 0" => 2, "--servo");
+    refused!("{asked} --servo 1000 --track" => 2, "--track");
+    refused!("{asked} --velocity-limits 1" => 2, "--servo");
+    let one = "--target flange=0.4,0.1,0.5";
+    refused!("solve {seeded} {one} --velocity-limits 1" => 2, "--servo");
+    let few = "--velocity-limits: 2 numbers given";
+    refused!("{asked} --servo 1000 --velocity-limits 1,2" => 1, "{few}");
+    let rig = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/humanoid/humanoid.json"
     );
-    let output = kinopt(&[
-        "solve",
-        &rig,
-        "--targets",
-        &file,
-        "--tip",
-        "left_hand",
-        "--servo",
-        "1000",
-    ]);
-    assert!(
-        stderr(&output).contains("--servo is for robots"),
-        "{}",
-        stderr(&output)
-    );
+    let ours = "--tip left_hand --servo 1000";
+    refused!("solve {rig} --targets {file} {ours}" => 2, "--servo is for robots");
 }

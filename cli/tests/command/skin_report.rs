@@ -1,7 +1,7 @@
 //! Promise: `skin-report` says what each way to skin keeps of a twisted tube, as a table, as JSON and
 //! as a picture: linear blend loses what theory says, dual quaternions next to nothing.
 
-use crate::forked_rig::{json, kinopt, stderr, stdout};
+use crate::forked_rig::{json, kinopt, says, stderr, stdout};
 
 #[test]
 fn volumes_follow_theory() {
@@ -54,6 +54,6 @@ fn wrong_usage_is_refused() {
     ] {
         let output = kinopt(&["skin-report", arguments[0], arguments[1]]);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(stderr(&output).contains(word), "{}", stderr(&output));
+        says(stderr(&output), word);
     }
 }
