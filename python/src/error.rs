@@ -1,0 +1,107 @@
+//! The library's errors as exceptions, with its own messages.
+
+use kinopt::io::{ReadError, ReadProblem};
+use kinopt::model::UnknownName;
+use kinopt::robot::UrdfError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+/// The exceptions of `kinopt.errors`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Kind {
+    /// A value that cannot be: below `ValueError`.
+    InvalidValue,
+    /// A name that does not exist: below `ValueError` and `KeyError`.
+    UnknownName,
+    /// A file that says what cannot be: below `ValueError`.
+    InvalidFile,
+    /// A file that cannot be read or written: below `OSError`.
+    File,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::InvalidValue => "InvalidValueError",
+            Self::UnknownName => "UnknownNameError",
+            Self::InvalidFile => "InvalidFileError",
+            Self::File => "FileError",
+        }
+    }
+}
+
+/// An exception of this kind.
+pub(crate) fn raise(kind: Kind, message: impl Into<String>) -> PyErr {
+    static MODULE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    let message = message.into();
+    Python::attach(|py| {
+        let module = MODULE.get_or_try_init(py, || py.import("kinopt.errors").map(Bound::unbind));
+        let class = module.and_then(|module| module.bind(py).getattr(kind.name()));
+        match class.and_then(|class| class.call1((message,))) {
+            Ok(error) => PyErr::from_value(error),
+            Err(error) => error,
+        }
+    })
+}
+
+/// A value that cannot be.
+pub(crate) fn invalid(message: impl Into<String>) -> PyErr {
+    raise(Kind::InvalidValue, message)
+}
+
+/// An error of the library.
+pub(crate) trait Fault: std::error::Error + Sized {
+    /// The exception it becomes.
+    fn kind(&self) -> Kind {
+        Kind::InvalidValue
+    }
+}
+
+macro_rules! faults {
+    ($($error:ty),* $(,)?) => {$(impl Fault for $error {})*};
+}
+
+faults!(
+    kinopt::arm::ArmError,
+    kinopt::arm::QueryError,
+    kinopt::kinematics::KinematicsError,
+    kinopt::model::ModelError,
+    kinopt::robot::ToolError,
+    serde_json::Error,
+);
+
+impl Fault for UnknownName {
+    fn kind(&self) -> Kind {
+        Kind::UnknownName
+    }
+}
+
+impl Fault for ReadError {
+    fn kind(&self) -> Kind {
+        match self.problem {
+            ReadProblem::Io(_) => Kind::File,
+            _ => Kind::InvalidFile,
+        }
+    }
+}
+
+impl Fault for UrdfError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Unreadable(error) => error.kind(),
+            _ => Kind::InvalidFile,
+        }
+    }
+}
+
+/// Results of the library as results for Python.
+pub(crate) trait OrRaise<T> {
+    /// The value, or the exception with the library's message.
+    fn or_raise(self) -> PyResult<T>;
+}
+
+impl<T, E: Fault> OrRaise<T> for Result<T, E> {
+    fn or_raise(self) -> PyResult<T> {
+        self.map_err(|error| raise(error.kind(), error.to_string()))
+    }
+}

@@ -1,0 +1,39 @@
+//! The extension module of the Python package `kinopt`: the same concepts under the same names as in
+//! the Rust library, with arrays where that has slices.
+//!
+//! Every class here holds what rebuilds it, so that it can be pickled and copied; none can be changed
+//! behind another's back.
+
+use pyo3::prelude::*;
+
+mod arrays;
+mod error;
+mod model;
+mod placement;
+mod robot;
+
+/// Inverse kinematics by optimisation: the compiled part.
+#[pymodule]
+mod _kinopt {
+    #[pymodule_export]
+    use super::model::{Frame, Joint, Model, ModelBuilder};
+    #[pymodule_export]
+    use super::robot::{Robot, Shape};
+
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        register(module, &[])
+    }
+}
+
+/// Makes the modules inside `module` importable under their own names.
+fn register(module: &Bound<'_, PyModule>, inside: &[&str]) -> PyResult<()> {
+    let loaded = module.py().import("sys")?.getattr("modules")?;
+    for name in inside {
+        loaded.set_item(format!("kinopt._kinopt.{name}"), module.getattr(*name)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,174 @@
+//! Placements as 4 x 4 arrays, and as what other libraries hand over for one.
+
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use numpy::{PyArray2, PyArray3, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::intern;
+use pyo3::prelude::*;
+
+use crate::arrays::{self, shape_text};
+use crate::error::invalid;
+
+/// How far the last row may be from 0 0 0 1.
+const LAST_ROW: f64 = 1e-9;
+
+/// Placements of any number of targets, as numbers where they lie.
+pub(crate) struct Placements<'py>(arrays::Numbers<'py, numpy::ndarray::Ix3>);
+
+impl Placements<'_> {
+    pub(crate) fn len(&self) -> usize {
+        self.0.shape()[0]
+    }
+
+    /// All numbers, sixteen a placement, rows first.
+    pub(crate) fn numbers(&self) -> &[f64] {
+        &self.0
+    }
+
+    /// All of them, checked.
+    pub(crate) fn to_vec(&self, what: &str) -> PyResult<Vec<Placement<f64>>> {
+        let mut placements = Vec::with_capacity(self.len());
+        read_all(self.numbers(), what, 0, &mut placements)?;
+        Ok(placements)
+    }
+}
+
+/// Reads placements of sixteen numbers each; `first` is the number of the first in messages.
+pub(crate) fn read_all(
+    numbers: &[f64],
+    what: &str,
+    first: usize,
+    placements: &mut Vec<Placement<f64>>,
+) -> PyResult<()> {
+    for (i, numbers) in numbers.chunks_exact(16).enumerate() {
+        let Ok(numbers) = numbers.try_into() else {
+            continue;
+        };
+        let placement = of_numbers(numbers)
+            .ok_or_else(|| bad_last_row(&format!("{what} {}", first + i), numbers))?;
+        placements.push(placement);
+    }
+    Ok(())
+}
+
+fn of_numbers(m: &[f64; 16]) -> Option<Placement<f64>> {
+    let last = [m[12], m[13], m[14], m[15] - 1.0];
+    // NaN is not near to anything.
+    let fine = last.iter().all(|value| value.abs() <= LAST_ROW);
+    let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
+    fine.then(|| {
+        Placement::new(
+            Matrix3::from_columns(column(0), column(1), column(2)),
+            column(3),
+        )
+    })
+}
+
+fn bad_last_row(what: &str, m: &[f64; 16]) -> PyErr {
+    invalid(format!(
+        "{what} is no placement: the last row of its matrix is {:?}, not [0, 0, 0, 1]",
+        &m[12..]
+    ))
+}
+
+/// One placement: a 4 x 4 array, anything that numpy makes one of, or an object that has `homogeneous`
+/// (pinocchio's SE3), `as_matrix()` or `A` (spatialmath's).
+pub(crate) fn placement(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Placement<f64>> {
+    if let Ok(array) = value.cast::<PyArray2<f64>>() {
+        if array.shape() == [4, 4] {
+            let array = array
+                .try_readonly()
+                .map_err(|_| invalid(format!("{what} is being written to by another call")))?;
+            let view = array.as_array();
+            let mut numbers = [0.0; 16];
+            for (number, &value) in numbers.iter_mut().zip(view.iter()) {
+                *number = value;
+            }
+            return of_numbers(&numbers).ok_or_else(|| bad_last_row(what, &numbers));
+        }
+    }
+    let matrix = matrix_of(value)?;
+    let converted = arrays::convert::<f64>(&matrix, what)?;
+    match converted.cast::<PyArray2<f64>>() {
+        Ok(array) if array.shape() == [4, 4] => placement(&converted, what),
+        _ => {
+            let shape: Vec<usize> = converted.getattr(intern!(value.py(), "shape"))?.extract()?;
+            Err(invalid(format!(
+                "{what} has shape {}, expected a placement of shape (4, 4)",
+                shape_text(&shape)
+            )))
+        }
+    }
+}
+
+/// Many placements: an array of shape (N, 4, 4), or a list of what [`placement`] takes.
+pub(crate) fn placements<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Placements<'py>> {
+    if value.cast::<PyArray3<f64>>().is_ok() {
+        return Ok(Placements(arrays::matrices(value, what, [4, 4])?));
+    }
+    let py = value.py();
+    if value.hasattr(intern!(py, "shape"))? {
+        return Ok(Placements(arrays::matrices(
+            &matrix_of(value)?,
+            what,
+            [4, 4],
+        )?));
+    }
+    // A list may hold objects of other libraries.
+    let mut numbers = Vec::new();
+    let items = value.try_iter().map_err(|_| {
+        invalid(format!(
+            "{what} must be an array of shape (N, 4, 4) or a list of placements"
+        ))
+    })?;
+    for (i, item) in items.enumerate() {
+        let placement = placement(&item?, &format!("{what} {i}"))?;
+        numbers.extend(to_numbers(&placement));
+    }
+    let count = numbers.len() / 16;
+    let array = arrays::list(py, &numbers).reshape([count, 4, 4])?;
+    Ok(Placements(arrays::matrices(array.as_any(), what, [4, 4])?))
+}
+
+/// The matrix of an object of another library, or the object itself.
+fn matrix_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = value.py();
+    if let Some(matrix) = value.getattr_opt(intern!(py, "homogeneous"))? {
+        return Ok(matrix);
+    }
+    if let Some(method) = value.getattr_opt(intern!(py, "as_matrix"))? {
+        return method.call0();
+    }
+    if let Some(matrix) = value.getattr_opt(intern!(py, "A"))? {
+        return Ok(matrix);
+    }
+    Ok(value.clone())
+}
+
+/// Sixteen numbers, rows first.
+pub(crate) fn to_numbers(placement: &Placement<f64>) -> [f64; 16] {
+    let Matrix3 { x, y, z } = placement.rotation;
+    let t = placement.translation;
+    [
+        x.x, y.x, z.x, t.x, //
+        x.y, y.y, z.y, t.y, //
+        x.z, y.z, z.z, t.z, //
+        0.0, 0.0, 0.0, 1.0,
+    ]
+}
+
+/// A new 4 x 4 array.
+pub(crate) fn to_array<'py>(
+    py: Python<'py>,
+    placement: &Placement<f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    arrays::list(py, &to_numbers(placement)).reshape([4, 4])
+}
+
+/// A new array of shape (N, 4, 4).
+pub(crate) fn to_arrays<'py>(
+    py: Python<'py>,
+    placements: &[Placement<f64>],
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let numbers: Vec<f64> = placements.iter().flat_map(to_numbers).collect();
+    arrays::list(py, &numbers).reshape([placements.len(), 4, 4])
+}
