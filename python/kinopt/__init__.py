@@ -5,7 +5,19 @@ Placements are 4 x 4 arrays (or what has ``homogeneous``, ``as_matrix()`` or ``A
 ``(N, 4, 4)`` targets give ``(N, dof)`` configurations.
 """
 
-from ._kinopt import Frame, Joint, Model, ModelBuilder, Robot, Shape, __version__
+from ._kinopt import (
+    ForwardKinematics,
+    Frame,
+    Jacobian,
+    Joint,
+    Model,
+    ModelBuilder,
+    Robot,
+    Shape,
+    __version__,
+    frame_jacobian,
+    frame_placement,
+)
 from .errors import (
     FileError,
     InvalidFileError,
@@ -16,9 +28,11 @@ from .errors import (
 
 __all__ = [
     "FileError",
+    "ForwardKinematics",
     "Frame",
     "InvalidFileError",
     "InvalidValueError",
+    "Jacobian",
     "Joint",
     "KinoptError",
     "Model",
@@ -27,4 +41,6 @@ __all__ = [
     "Shape",
     "UnknownNameError",
     "__version__",
+    "frame_jacobian",
+    "frame_placement",
 ]

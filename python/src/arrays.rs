@@ -8,6 +8,7 @@ use numpy::{
     Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
     PyUntypedArrayMethods,
 };
+use pyo3::exceptions::PyIndexError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -214,4 +215,17 @@ pub(crate) fn room<'py>(
 /// A new list of numbers.
 pub(crate) fn list<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
     PyArray1::from_slice(py, values)
+}
+
+/// The place of an index that may count from the end.
+pub(crate) fn place(i: isize, count: usize) -> PyResult<usize> {
+    let place = if i < 0 {
+        i.checked_add_unsigned(count)
+    } else {
+        Some(i)
+    };
+    let place = place.and_then(|place| usize::try_from(place).ok());
+    place.filter(|&place| place < count).ok_or_else(|| {
+        PyIndexError::new_err(format!("index {i} is out of range: there are {count}"))
+    })
 }

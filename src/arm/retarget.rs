@@ -1,8 +1,8 @@
-//! Another tool or another goal for an arm that stands: its seed atlas is kept.
+//! Another tool, goal or search for an arm that stands: its seed atlas is kept.
 
 use super::arm::Arm;
 use super::builder::check_tool;
-use super::options::{Options, check_goal, metres_per_radian};
+use super::options::{Options, Search, check_goal, metres_per_radian};
 use super::serial::Serial;
 use super::{ArmError, Goal};
 use crate::lanes::LaneOptions;
@@ -38,7 +38,7 @@ impl Arm {
     pub fn with_tool(&self, tip_from_tool: impl Into<Placement<f64>>) -> Result<Self, ArmError> {
         let tip_from_tool = tip_from_tool.into();
         check_tool(&tip_from_tool)?;
-        self.with(self.serial.with_tool(tip_from_tool)?, self.options.goal)
+        self.with(self.serial.with_tool(tip_from_tool)?, self.options.clone())
     }
 
     /// The same arm with another goal, which shares the seed atlas as [`with_tool`](Self::with_tool)
@@ -48,23 +48,33 @@ impl Arm {
     /// A goal that asks for nothing, or half widths that are no numbers of at least 0.
     pub fn with_goal(&self, goal: Goal) -> Result<Self, ArmError> {
         check_goal(&goal)?;
-        self.with(self.serial.clone(), goal)
+        let mut options = self.options.clone();
+        options.goal = goal;
+        self.with(self.serial.clone(), options)
     }
 
-    fn with(&self, serial: Serial, goal: Goal) -> Result<Self, ArmError> {
-        let given = self.options.given_metres_per_radian;
-        let metres_per_radian = given.unwrap_or_else(|| metres_per_radian(serial.model.reach()));
-        let options = Options {
-            metres_per_radian,
-            goal,
-            ..self.options.clone()
-        };
+    /// The same arm with another search, which shares the seed atlas: several distinct solutions, say, from
+    /// an arm that otherwise gives the start's own.
+    ///
+    /// # Errors
+    /// A search whose numbers are out of range, or that does not go with the arm's posture.
+    pub fn with_search(&self, search: Search) -> Result<Self, ArmError> {
+        let mut options = self.options.clone();
+        options.search = search;
+        options.check(&self.joints().collect::<Vec<_>>())?;
+        self.with(self.serial.clone(), options)
+    }
+
+    fn with(&self, serial: Serial, mut options: Options) -> Result<Self, ArmError> {
+        let given = options.given_metres_per_radian;
+        options.metres_per_radian =
+            given.unwrap_or_else(|| metres_per_radian(serial.model.reach()));
         let lanes = match (&self.lanes, &serial.chain) {
             (Some(lanes), Some(chain)) => Some(lanes.retargeted(
                 chain,
                 LaneOptions {
-                    metres_per_radian,
-                    axes: goal.into(),
+                    metres_per_radian: options.metres_per_radian,
+                    axes: options.goal.into(),
                     ..lanes.options().clone()
                 },
             )?),

@@ -37,6 +37,12 @@ impl Jacobian {
         }
     }
 
+    /// How many numbers [`at`](Self::at) reads, which is the columns of J.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.matrix.ncols()
+    }
+
     /// J at a configuration (radians and metres): 6 × frames rows, a column a coordinate, or a variable
     /// where the kinematics are [under](ForwardKinematics::under) a parameter map.
     ///

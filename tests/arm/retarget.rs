@@ -104,6 +104,34 @@ fn another_goal() {
 }
 
 #[test]
+fn another_search() {
+    let robot = robot("universal_ur5e");
+    let builder = || Arm::builder(&robot, "base", "flange").with_tool(tools()[1]);
+    let arm = builder().build().unwrap();
+    let distinct = Search::Distinct {
+        k: 4,
+        distance: 0.3,
+    };
+    for search in [Search::First, Search::Nearest, distinct] {
+        let anew = builder().with_search(search).build().unwrap();
+        same_answers(&arm.with_search(search).unwrap(), &anew, 5);
+    }
+    let target = arm
+        .base_from_tool(&[0.3, -1.2, 1.1, -1.0, -1.4, 0.2])
+        .unwrap();
+    let several = arm.with_search(distinct).unwrap();
+    let [here, anew] = [&several, &builder().with_search(distinct).build().unwrap()]
+        .map(|arm| arm.solve_all(target, &[0.0; 6]).unwrap());
+    assert_eq!(here.len(), 4);
+    assert!(here.iter().zip(&anew).all(|(a, b)| a.q == b.q));
+    let error = arm.with_search(Search::Distinct {
+        k: 0,
+        distance: 0.1,
+    });
+    assert!(error.unwrap_err().to_string().contains("distinct k"));
+}
+
+#[test]
 fn a_weight_that_was_given_is_kept() {
     let robot = robot("universal_ur5e");
     let builder = || {

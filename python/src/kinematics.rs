@@ -1,0 +1,232 @@
+//! Where frames stand and how they move, for one configuration or many.
+
+use kinopt::kinematics::{
+    ForwardKinematics as Kinematics, Jacobian as Derivative, KinematicsError,
+};
+use kinopt::model::FrameId;
+use numpy::ndarray::IxDyn;
+use numpy::{PyArray, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{self, axes};
+use crate::error::{OrRaise, invalid};
+use crate::model::model_of;
+use crate::placement::to_numbers;
+use crate::pool::Pool;
+
+/// Configurations between two looks at signals.
+const PIECE: usize = 4096;
+
+/// Places frames of one model: built once, asked as often as wanted, from any number of threads.
+///
+/// `model` is a model, a robot, a skeleton or a rig; `frames` names of frames, None for all of them.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct ForwardKinematics {
+    names: Vec<String>,
+    model: Py<PyAny>,
+    frames: Option<Vec<String>>,
+    pool: Pool<Kinematics>,
+}
+
+/// The Jacobians of frames of one model: built once, asked as often as wanted, from any number of threads.
+///
+/// Six rows a frame: the velocity of its origin (m/s), then its angular velocity (rad/s), in world axes
+/// (Pinocchio's `LOCAL_WORLD_ALIGNED`), for a rate of 1 of each coordinate.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Jacobian {
+    names: Vec<String>,
+    model: Py<PyAny>,
+    frames: Option<Vec<String>>,
+    pool: Pool<Derivative>,
+}
+
+/// Compiled kinematics of the frames asked for, and their names.
+fn compile(
+    model: &Bound<'_, PyAny>,
+    frames: Option<&[String]>,
+) -> PyResult<(Vec<String>, Kinematics)> {
+    let model = model_of(model)?;
+    let Some(frames) = frames else {
+        let names = model.frames().iter().map(|frame| frame.name.clone());
+        return Ok((names.collect(), Kinematics::new(&model)));
+    };
+    let ids: Result<Vec<FrameId>, _> = frames.iter().map(|name| model.frame(name)).collect();
+    let kinematics = Kinematics::of_frames(&model, &ids.or_raise()?).or_raise()?;
+    Ok((frames.to_vec(), kinematics))
+}
+
+/// Computes `length` numbers for each configuration: an array of shape `shape` for one of shape (dof,), of
+/// shape (N, ...) for N of them.
+fn for_each_configuration<'py, T: Clone + Send + Sync>(
+    q: &Bound<'py, PyAny>,
+    shape: &[usize],
+    pool: &Pool<T>,
+    compute: impl Fn(&mut T, &[f64], &mut [f64]) -> Result<(), KinematicsError> + Sync,
+    dof: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = q.py();
+    let length = shape.iter().product::<usize>();
+    if axes(q)? < 2 {
+        let q = arrays::vector_of(q, "q", dof)?;
+        let mut numbers = vec![0.0; length];
+        pool.with(|memory| compute(memory, &q, &mut numbers))
+            .or_raise()?;
+        return Ok(arrays::list(py, &numbers).reshape(shape)?.into_any());
+    }
+    let q = arrays::rows(q, "q", dof)?;
+    let mut whole = vec![q.shape()[0]];
+    whole.extend_from_slice(shape);
+    let array = PyArray::<f64, IxDyn>::zeros(py, whole, false);
+    let mut room = array
+        .try_readwrite()
+        .map_err(|error| invalid(error.to_string()))?;
+    let numbers = room
+        .as_slice_mut()
+        .map_err(|error| invalid(error.to_string()))?;
+    if dof > 0 && length > 0 {
+        let pieces = q
+            .chunks(PIECE * dof)
+            .zip(numbers.chunks_mut(PIECE * length));
+        for (piece, (q, numbers)) in pieces.enumerate() {
+            py.check_signals()?;
+            let each = || {
+                pool.with(|memory| {
+                    let rows = q.chunks_exact(dof).zip(numbers.chunks_exact_mut(length));
+                    for (i, (q, numbers)) in rows.enumerate() {
+                        compute(memory, q, numbers).map_err(|error| (piece * PIECE + i, error))?;
+                    }
+                    Ok(())
+                })
+            };
+            let done: Result<(), (usize, KinematicsError)> = py.detach(each);
+            done.map_err(|(row, error)| invalid(format!("row {row} of q: {error}")))?;
+        }
+    }
+    drop(room);
+    Ok(array.into_any())
+}
+
+#[pymethods]
+impl ForwardKinematics {
+    #[new]
+    #[pyo3(signature = (model, frames = None))]
+    fn new(model: &Bound<'_, PyAny>, frames: Option<Vec<String>>) -> PyResult<Self> {
+        let (names, kinematics) = compile(model, frames.as_deref())?;
+        Ok(Self {
+            names,
+            model: model.clone().unbind(),
+            frames,
+            pool: Pool::new(kinematics),
+        })
+    }
+
+    /// Names of the frames, in the order of the placements.
+    #[getter]
+    fn frame_names(&self) -> Vec<String> {
+        self.names.clone()
+    }
+
+    /// world_from_frame of each frame: shape (frames, 4, 4) for `q` of shape (dof,), (N, frames, 4, 4) for
+    /// (N, dof); radians and metres, within limits or not.
+    fn place<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let dof = self.pool.template().variables();
+        let place = |kinematics: &mut Kinematics, q: &[f64], numbers: &mut [f64]| {
+            let placements = kinematics.place(q)?;
+            for (sixteen, placement) in numbers.chunks_exact_mut(16).zip(placements) {
+                sixteen.copy_from_slice(&to_numbers(placement));
+            }
+            Ok(())
+        };
+        for_each_configuration(q, &[self.names.len(), 4, 4], &self.pool, place, dof)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = (self.model.bind(py), self.frames.clone());
+        Ok((py.get_type::<Self>(), arguments)
+            .into_pyobject(py)?
+            .into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("ForwardKinematics({} frames)", self.names.len())
+    }
+}
+
+#[pymethods]
+impl Jacobian {
+    #[new]
+    #[pyo3(signature = (model, frames = None))]
+    fn new(model: &Bound<'_, PyAny>, frames: Option<Vec<String>>) -> PyResult<Self> {
+        let (names, kinematics) = compile(model, frames.as_deref())?;
+        Ok(Self {
+            names,
+            model: model.clone().unbind(),
+            frames,
+            pool: Pool::new(Derivative::new(kinematics)),
+        })
+    }
+
+    /// Names of the frames, in the order of the rows.
+    #[getter]
+    fn frame_names(&self) -> Vec<String> {
+        self.names.clone()
+    }
+
+    /// J at a configuration: shape (6 * frames, dof) for `q` of shape (dof,), (N, 6 * frames, dof) for
+    /// (N, dof).
+    fn at<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let dof = self.pool.template().variables();
+        let at = |jacobian: &mut Derivative, q: &[f64], numbers: &mut [f64]| {
+            let matrix = jacobian.at(q)?;
+            for (row, numbers) in numbers.chunks_exact_mut(dof).enumerate() {
+                for (number, &entry) in numbers.iter_mut().zip(&matrix.row(row)) {
+                    *number = entry;
+                }
+            }
+            Ok(())
+        };
+        for_each_configuration(q, &[6 * self.names.len(), dof], &self.pool, at, dof)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = (self.model.bind(py), self.frames.clone());
+        Ok((py.get_type::<Self>(), arguments)
+            .into_pyobject(py)?
+            .into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Jacobian({} frames)", self.names.len())
+    }
+}
+
+/// Where one frame stands: world_from_frame, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
+///
+/// `ForwardKinematics` does the same without compiling each time, and for several frames.
+#[pyfunction]
+pub(crate) fn frame_placement<'py>(
+    model: &Bound<'py, PyAny>,
+    frame: String,
+    q: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let kinematics = ForwardKinematics::new(model, Some(vec![frame]))?;
+    without_frames(&kinematics.place(q)?, 3)
+}
+
+/// The Jacobian of one frame: linear rows first, then angular, in world axes at the frame's origin; shape
+/// (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
+///
+/// `Jacobian` does the same without compiling each time, and for several frames.
+#[pyfunction]
+pub(crate) fn frame_jacobian<'py>(
+    model: &Bound<'py, PyAny>,
+    frame: String,
+    q: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    Jacobian::new(model, Some(vec![frame]))?.at(q)
+}
+
+/// Takes the axis of frames, which has one entry, out of an array; it is the third from the last.
+fn without_frames<'py>(array: &Bound<'py, PyAny>, from_last: isize) -> PyResult<Bound<'py, PyAny>> {
+    array.call_method1("squeeze", (-from_last,))
+}
