@@ -9,6 +9,10 @@ from ._kinopt import (
     ForwardKinematics,
     Frame,
     Jacobian,
+    ActiveLimit,
+    Counts,
+    Frame,
+    Goal,
     Joint,
     Model,
     ModelBuilder,
@@ -17,6 +21,11 @@ from ._kinopt import (
     __version__,
     frame_jacobian,
     frame_placement,
+    RowsReport,
+    Shape,
+    Solution,
+    TaskReport,
+    __version__,
 )
 from .errors import (
     FileError,
@@ -27,9 +36,12 @@ from .errors import (
 )
 
 __all__ = [
+    "ActiveLimit",
+    "Counts",
     "FileError",
     "ForwardKinematics",
     "Frame",
+    "Goal",
     "InvalidFileError",
     "InvalidValueError",
     "Jacobian",
@@ -38,7 +50,10 @@ __all__ = [
     "Model",
     "ModelBuilder",
     "Robot",
+    "RowsReport",
     "Shape",
+    "Solution",
+    "TaskReport",
     "UnknownNameError",
     "__version__",
     "frame_jacobian",

@@ -14,20 +14,25 @@ use pyo3::prelude::*;
 mod arrays;
 mod error;
 mod kinematics;
+mod goal;
 mod model;
 mod placement;
 mod pool;
 mod robot;
+mod solution;
 
 /// Inverse kinematics by optimisation: the compiled part.
 #[pymodule]
 mod _kinopt {
     #[pymodule_export]
     use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
+    use super::goal::Goal;
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
     #[pymodule_export]
     use super::robot::{Robot, Shape};
+    #[pymodule_export]
+    use super::solution::{ActiveLimit, Counts, RowsReport, Solution, TaskReport};
 
     use super::*;
 

@@ -204,6 +204,33 @@ impl Solution {
         })
     }
 
+    /// The largest error of any goal in rows of `quantity`, in its unit; `None` if no goal has such rows.
+    #[must_use]
+    pub fn error(&self, quantity: Quantity) -> Option<f64> {
+        let goals = self.tasks().filter(|task| task.role == Role::Goal);
+        let errors = goals.filter_map(|task| task.error(quantity));
+        // NaN is larger than any error: nothing is known to be near.
+        errors.reduce(|most, error| {
+            if error > most || error.is_nan() {
+                error
+            } else {
+                most
+            }
+        })
+    }
+
+    /// The largest error of any goal in metres.
+    #[must_use]
+    pub fn position_error(&self) -> Option<f64> {
+        self.error(Quantity::Metres)
+    }
+
+    /// The largest error of any goal in radians.
+    #[must_use]
+    pub fn orientation_error(&self) -> Option<f64> {
+        self.error(Quantity::Radians)
+    }
+
     /// The preferences that keep a missed goal from coming nearer, the strongest first. Only where they
     /// are [traded](crate::problem::Preferences::Traded) off against goals can there be any.
     pub fn pulling_preferences(&self) -> impl Iterator<Item = &str> {

@@ -1,0 +1,101 @@
+//! Which components of a pose count.
+
+use kinopt::task::Axis;
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+
+/// How far each component of a pose may be from its target, in the target's axes (where the placed frame's
+/// own axes come to lie). Tolerances come on top.
+///
+/// Made by `Goal.pose()`, `Goal.position()`, `Goal.free_about("z")`, `Goal.free_along("x")` or
+/// `Goal.within(half_widths)`.
+#[pyclass(frozen, eq, module = "kinopt", skip_from_py_object)]
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Goal {
+    pub(crate) inner: kinopt::task::Goal,
+}
+
+impl From<kinopt::task::Goal> for Goal {
+    fn from(inner: kinopt::task::Goal) -> Self {
+        Self { inner }
+    }
+}
+
+#[pymethods]
+impl Goal {
+    /// Position and orientation, exactly.
+    #[classmethod]
+    fn pose(_class: &Bound<'_, PyType>) -> Self {
+        kinopt::task::Goal::pose().into()
+    }
+
+    /// Position alone, any orientation.
+    #[classmethod]
+    fn position(_class: &Bound<'_, PyType>) -> Self {
+        kinopt::task::Goal::position().into()
+    }
+
+    /// The full pose but for turns about one axis of the frame, "x", "y" or "z", which are free: a drill, a
+    /// pen, a suction cup.
+    #[classmethod]
+    fn free_about(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
+        Ok(kinopt::task::Goal::free_about(self::axis(axis)?).into())
+    }
+
+    /// The full pose but for slides along one axis of the frame, "x", "y" or "z", which are free.
+    #[classmethod]
+    fn free_along(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
+        Ok(kinopt::task::Goal::free_along(self::axis(axis)?).into())
+    }
+
+    /// An interval of plus and minus a half width for each component: shape (6,), three in metres along
+    /// the axes x, y, z, three in radians about them. 0 is exact, inf (for angles pi or more) is free;
+    /// negative ones and NaN raise `InvalidValueError`.
+    #[classmethod]
+    fn within(_class: &Bound<'_, PyType>, half_widths: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let half_widths = arrays::array(half_widths, "half_widths")?;
+        let bad = |value: &f64| value.is_nan() || *value < 0.0;
+        match half_widths.iter().find(|value| bad(value)) {
+            None => Ok(kinopt::task::Goal::within(half_widths).into()),
+            Some(value) => Err(invalid(format!(
+                "half_widths holds {value}, which is no number of at least 0"
+            ))),
+        }
+    }
+
+    /// The half widths: three in metres, three in radians; inf where a component is free.
+    #[getter]
+    fn half_widths(&self) -> [f64; 6] {
+        self.inner.half_widths()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, ([f64; 6],))> {
+        let rebuild = py.get_type::<Self>().getattr("within")?;
+        Ok((rebuild, (self.half_widths(),)))
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hash = 0_u64;
+        for width in self.half_widths() {
+            // What is equal has the same bits but for zeros of both signs.
+            hash = hash.rotate_left(7) ^ (width + 0.0).to_bits();
+        }
+        hash
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Goal.within({:?})", self.half_widths())
+    }
+}
+
+fn axis(name: &str) -> PyResult<Axis> {
+    let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
+    let known = axes.iter().find(|(own, _)| *own == name);
+    known
+        .map(|&(_, axis)| axis)
+        .ok_or_else(|| kinopt::model::UnknownName::new("axis", name, ["x", "y", "z"]))
+        .or_raise()
+}
