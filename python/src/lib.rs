@@ -4,29 +4,30 @@
 //! Every class here holds what rebuilds it, so that it can be pickled and copied; none can be changed
 //! behind another's back.
 
-#![allow(
-    dead_code,
-    reason = "arms and problems, which read more kinds of arrays, follow at once"
-)]
-
 use pyo3::prelude::*;
 
+mod arm;
 mod arrays;
 mod error;
-mod kinematics;
 mod goal;
+mod kinematics;
 mod model;
 mod placement;
 mod pool;
+mod progress;
 mod robot;
 mod solution;
+mod threads;
 
 /// Inverse kinematics by optimisation: the compiled part.
 #[pymodule]
 mod _kinopt {
     #[pymodule_export]
-    use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
+    use super::arm::{Arm, Batch, Follower, Jump, Servo, ServoStep, Track};
+    #[pymodule_export]
     use super::goal::Goal;
+    #[pymodule_export]
+    use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
     #[pymodule_export]

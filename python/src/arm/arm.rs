@@ -1,0 +1,384 @@
+//! The arm, and single questions to it.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use kinopt::arm::{Base, Search};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::batch::{self, Batch};
+use super::track::Track;
+use super::{Follower, Servo, options};
+use crate::arrays::{self, axes};
+use crate::error::{OrRaise, invalid};
+use crate::goal::Goal;
+use crate::model::Model;
+use crate::placement::{placement, placements, to_array, to_arrays};
+use crate::robot::Robot;
+use crate::solution::Solution;
+
+/// An arm that answers pose questions: base, tip and target in, joint values out.
+///
+/// It never changes and may be asked from many threads. Everywhere here a configuration has one number a
+/// free joint between base and tip, in that order (`joint_names`), radians or metres; targets are
+/// base_from_tool: 4 x 4 arrays, metres (or objects with `homogeneous`, `as_matrix()` or `A`).
+///
+/// `base` and `tip` are frames; None for `base` is the world. Options, each None for its default:
+///
+/// tool: the tool's placement on the tip, 4 x 4.
+/// goal: which components of the pose count, a `Goal`.
+/// search: "start" (the solution that the start leads to; the default), "first" (the quickest) or
+///     "nearest" (the nearest to the start).
+/// position_tolerance, orientation_tolerance: metres and radians, 1e-6 each.
+/// metres_per_radian: how many metres weigh as much as a radian; a quarter of the arm's reach.
+/// locked: {joint: value}, held there.
+/// only: joints that are free; all others are held at `held`, a configuration of the model (zeros).
+/// joint_weights: what a radian or metre of each joint counts as, shape (dof,).
+/// max_move: how far each joint may be from its start, shape (dof,), radians or metres.
+/// posture: the configuration a redundant arm prefers, shape (dof,).
+/// attempts, iterations: most attempts of a question, and iterations of all together.
+/// global_search_on_miss: whether a miss is answered by the best of all attempts, wherever that is.
+/// limit_avoidance: how strongly joints keep clear of their limits on paths, radians.
+/// time_limit: seconds a question.
+/// seed: of the attempts after the first.
+/// atlas: whether restarts begin from a table of seeds (35 ms to make, once).
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Arm {
+    pub(super) inner: Arc<kinopt::Arm>,
+    mechanism: Py<PyAny>,
+    base: Option<String>,
+    tip: String,
+    options: Py<PyDict>,
+    /// The last search for distinct solutions, as it is often asked for again.
+    distinct: Mutex<Option<(Search, Arc<kinopt::Arm>)>>,
+}
+
+impl Arm {
+    /// The same arm, changed, with one option told anew.
+    fn changed(
+        &self,
+        py: Python<'_>,
+        inner: kinopt::Arm,
+        option: &str,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let options = self.options.bind(py).copy()?;
+        options.set_item(option, value)?;
+        Ok(Self {
+            inner: Arc::new(inner),
+            mechanism: self.mechanism.clone_ref(py),
+            base: self.base.clone(),
+            tip: self.tip.clone(),
+            options: options.unbind(),
+            distinct: Mutex::new(None),
+        })
+    }
+
+    /// The arm that searches for several solutions.
+    fn searching(&self, search: Search) -> PyResult<Arc<kinopt::Arm>> {
+        let mut kept = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, arm)) = &*kept {
+            if *known == search {
+                return Ok(Arc::clone(arm));
+            }
+        }
+        let arm = Arc::new(self.inner.with_search(search).or_raise()?);
+        *kept = Some((search, Arc::clone(&arm)));
+        Ok(arm)
+    }
+
+    /// The start given, or the configuration nearest to all zeros.
+    fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
+        match start {
+            Some(start) => {
+                Ok(arrays::vector_of(start, "start", self.inner.joint_count())?.to_vec())
+            }
+            None => Ok(self
+                .inner
+                .limits()
+                .map(|limits| limits.clamp(0.0))
+                .collect()),
+        }
+    }
+}
+
+#[pymethods]
+impl Arm {
+    #[new]
+    #[pyo3(
+        signature = (robot, base, tip, **options),
+        text_signature = "(robot, base, tip, *, attempts=None, atlas=None, global_search_on_miss=None, \
+            goal=None, held=None, iterations=None, joint_weights=None, limit_avoidance=None, \
+            locked=None, max_move=None, metres_per_radian=None, only=None, \
+            orientation_tolerance=None, position_tolerance=None, posture=None, search=None, \
+            seed=None, time_limit=None, tool=None)"
+    )]
+    fn new(
+        robot: &Bound<'_, PyAny>,
+        base: Option<String>,
+        tip: String,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let py = robot.py();
+        let options = match options {
+            Some(options) => options.copy()?,
+            None => PyDict::new(py),
+        };
+        // Arrays in it may be changed later by who made them.
+        let options = py.import("copy")?.call_method1("deepcopy", (options,))?;
+        let options = options.cast_into::<PyDict>()?;
+        let from = match &base {
+            Some(base) => Base::from(base),
+            None => Base::World,
+        };
+        let builder = if let Ok(robot) = robot.cast::<Robot>() {
+            kinopt::Arm::builder(&*robot.get().inner, from, &tip)
+        } else if let Ok(model) = robot.cast::<Model>() {
+            kinopt::Arm::builder(&*model.get().inner, from, &tip)
+        } else {
+            let name = robot.get_type().name()?;
+            return Err(invalid(format!(
+                "an arm is made of a Robot or a Model, not {name}"
+            )));
+        };
+        let builder = options::apply(builder, &options)?;
+        let inner = py.detach(|| builder.build()).or_raise()?;
+        Ok(Self {
+            inner: Arc::new(inner),
+            mechanism: robot.clone().unbind(),
+            base,
+            tip,
+            options: options.unbind(),
+            distinct: Mutex::new(None),
+        })
+    }
+
+    /// Names of the free joints, base to tip: the order of a configuration.
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.inner.joints().collect()
+    }
+
+    /// Number of free joints: the length of a configuration.
+    #[getter]
+    fn degrees_of_freedom(&self) -> usize {
+        self.inner.joint_count()
+    }
+
+    /// Lower limits of the free joints, shape (dof,), radians or metres; -inf for none.
+    #[getter]
+    fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.inner.limits().map(|limits| limits.lower))
+    }
+
+    /// Upper limits of the free joints, shape (dof,), radians or metres; inf for none.
+    #[getter]
+    fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.inner.limits().map(|limits| limits.upper))
+    }
+
+    /// Highest speeds of the free joints, shape (dof,), rad/s or m/s; inf for none.
+    #[getter]
+    fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, self.inner.velocity_limits())
+    }
+
+    /// Where the tool stands: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
+    fn base_from_tool<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, dof) = (q.py(), self.inner.joint_count());
+        if axes(q)? < 2 {
+            let q = arrays::vector_of(q, "q", dof)?;
+            let placement = self.inner.base_from_tool(&q).or_raise()?;
+            return Ok(to_array(py, &placement)?.into_any());
+        }
+        let q = arrays::rows(q, "q", dof)?;
+        let q: &[f64] = &q;
+        let all = || {
+            q.chunks_exact(dof)
+                .map(|q| self.inner.base_from_tool(q))
+                .collect()
+        };
+        let placements: Result<Vec<_>, _> = py.detach(all);
+        Ok(to_arrays(py, &placements.or_raise()?)?.into_any())
+    }
+
+    /// Solves for one target from one start: a `Solution`, reached or not.
+    ///
+    /// `target` is base_from_tool (4 x 4, metres), `start` a configuration of shape (dof,), outside the
+    /// limits or not; None is the one nearest to all zeros.
+    #[pyo3(signature = (target, start = None))]
+    fn solve(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+        start: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Solution> {
+        let target = placement(target, "target")?;
+        let solution = match start {
+            Some(start) => {
+                let start = arrays::vector(start, "start")?;
+                let start: &[f64] = &start;
+                py.detach(|| self.inner.solve(target, start))
+            }
+            None => {
+                let start = self.start(None)?;
+                py.detach(|| self.inner.solve(target, &start))
+            }
+        };
+        Ok(Solution::from(solution.or_raise()?))
+    }
+
+    /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than
+    /// `distance` (weighted joint distance, radians); an empty list where the target is out of reach.
+    #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
+    fn distinct(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+        start: Option<&Bound<'_, PyAny>>,
+        k: usize,
+        distance: f64,
+    ) -> PyResult<Vec<Solution>> {
+        let target = placement(target, "target")?;
+        let start = self.start(start)?;
+        let arm = self.searching(Search::Distinct { k, distance })?;
+        let solutions = py.detach(|| arm.solve_all(target, &start)).or_raise()?;
+        Ok(solutions.into_iter().map(Solution::from).collect())
+    }
+
+    /// Solves many targets: a `Batch` of arrays.
+    ///
+    /// `targets` has shape (N, 4, 4), or is a list of placements; `starts` shape (N, dof), or (dof,) for
+    /// one start of all; None is the configuration nearest to all zeros. What a target gives depends on
+    /// nothing but itself and its start: q and errors are `solve`'s bit for bit, on any number of
+    /// `threads` (None: all cores), but for the search "first", where the lowest attempt wins and not the
+    /// quickest. `out` is a float64 array of shape (N, dof) that takes the configurations. `progress` is
+    /// called with (done, total) now and then; True shows a bar, if tqdm is installed. Ctrl-C stops it.
+    #[pyo3(signature = (targets, starts = None, threads = 1, *, out = None, progress = None))]
+    fn solve_batch<'py>(
+        &self,
+        targets: &Bound<'py, PyAny>,
+        starts: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+        out: Option<&Bound<'py, PyAny>>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Batch> {
+        let starts = match starts {
+            Some(starts) => starts.clone(),
+            None => arrays::list(targets.py(), &self.start(None)?).into_any(),
+        };
+        batch::solve(&self.inner, targets, &starts, threads, out, progress)
+    }
+
+    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start` on one branch where there is one:
+    /// a `Track`, which tells every step in which a joint moves further than 0.2 rad.
+    #[pyo3(signature = (targets, start = None))]
+    fn track<'py>(
+        &self,
+        targets: &Bound<'py, PyAny>,
+        start: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Track> {
+        let py = targets.py();
+        let targets = placements(targets, "target")?.to_vec("target")?;
+        let start = self.start(start)?;
+        let track = py
+            .detach(|| self.inner.track(&targets, &start))
+            .or_raise()?;
+        Ok(Track::new(&self.inner, track))
+    }
+
+    /// A `Follower` that stands at `start`, for a path whose targets come one at a time.
+    #[pyo3(signature = (start = None))]
+    fn follower(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Follower> {
+        Follower::new(Arc::clone(&self.inner), &self.start(start)?)
+    }
+
+    /// A `Servo` that stands at `start` and takes a target every `time_step` seconds.
+    ///
+    /// `velocity_limits` are those of the robot's file, or given: shape (dof,), rad/s or m/s, inf for none.
+    /// `damping`: a motion of the tool that takes the joints this many times as many radians is made at
+    /// half its speed; default 0.01.
+    #[pyo3(signature = (start, time_step, *, velocity_limits = None, damping = None))]
+    fn servo(
+        &self,
+        start: &Bound<'_, PyAny>,
+        time_step: f64,
+        velocity_limits: Option<&Bound<'_, PyAny>>,
+        damping: Option<f64>,
+    ) -> PyResult<Servo> {
+        let start = self.start(Some(start))?;
+        let limits = match velocity_limits {
+            Some(limits) => Some(arrays::vector(limits, "velocity_limits")?.to_vec()),
+            None => None,
+        };
+        Servo::new(
+            Arc::clone(&self.inner),
+            &start,
+            time_step,
+            limits.as_deref(),
+            damping,
+        )
+    }
+
+    /// The same arm with another tool on its tip (4 x 4, metres), at once: the table of seeds is shared.
+    fn with_tool(&self, tip_from_tool: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let arm = self
+            .inner
+            .with_tool(placement(tip_from_tool, "tool")?)
+            .or_raise()?;
+        self.changed(tip_from_tool.py(), arm, "tool", tip_from_tool)
+    }
+
+    /// The same arm with another goal, at once.
+    fn with_goal(&self, goal: &Bound<'_, Goal>) -> PyResult<Self> {
+        let arm = self.inner.with_goal(goal.get().inner).or_raise()?;
+        self.changed(goal.py(), arm, "goal", goal)
+    }
+
+    /// Writes the arm's joints `q` (shape (dof,)) into a configuration of the whole model, with joints
+    /// that follow: a new array of shape (model's dof,), whose other numbers are those of `q_model`.
+    fn configuration<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        q_model: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mut whole = arrays::vector(q_model, "q_model")?.to_vec();
+        let q_arm = arrays::vector(q, "q")?;
+        self.inner.configuration(&q_arm, &mut whole).or_raise()?;
+        Ok(arrays::list(q.py(), &whole))
+    }
+
+    /// Reads the arm's joints out of a configuration of the whole model: shape (dof,).
+    fn joint_values<'py>(
+        &self,
+        q_model: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mut q = Vec::new();
+        let whole = arrays::vector(q_model, "q_model")?;
+        self.inner.joint_values(&whole, &mut q).or_raise()?;
+        Ok(arrays::list(q_model.py(), &q))
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = (
+            self.mechanism.bind(py),
+            self.base.as_deref(),
+            self.tip.as_str(),
+        );
+        Ok((arguments, self.options.bind(py))
+            .into_pyobject(py)?
+            .into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Arm({} to {:?}, {} joints)",
+            self.base
+                .as_ref()
+                .map_or("world".to_owned(), |base| format!("{base:?}")),
+            self.tip,
+            self.inner.joint_count()
+        )
+    }
+}

@@ -1,0 +1,71 @@
+//! Paths whose targets come one at a time.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use self_cell::self_cell;
+
+use super::track::Jump;
+use crate::arrays;
+use crate::error::OrRaise;
+use crate::placement::placement;
+use crate::solution::Solution;
+
+use kinopt::arm::Follower as Following;
+
+self_cell!(
+    /// A follower and the arm it moves.
+    struct Cell {
+        owner: Arc<kinopt::Arm>,
+        #[covariant]
+        dependent: Following,
+    }
+);
+
+/// Follows a path whose targets come one at a time, step by step on one branch; made by `Arm.follower`.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Follower {
+    cell: Mutex<Cell>,
+}
+
+impl Follower {
+    pub(super) fn new(arm: Arc<kinopt::Arm>, start: &[f64]) -> PyResult<Self> {
+        let cell = Cell::try_new(arm, |arm| arm.follower(start)).or_raise()?;
+        Ok(Self {
+            cell: Mutex::new(cell),
+        })
+    }
+}
+
+#[pymethods]
+impl Follower {
+    /// Where the last step ended, shape (dof,), radians or metres.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
+        arrays::list(py, cell.borrow_dependent().q())
+    }
+
+    /// Goes on to the next target (4 x 4, metres): the `Solution`, and the `Jump` in it or None.
+    fn advance(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+    ) -> PyResult<(Solution, Option<Jump>)> {
+        let target = placement(target, "target")?;
+        py.detach(|| {
+            let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
+            cell.with_dependent_mut(|arm, follower| {
+                let mut solution = kinopt::Solution::default();
+                let jump = follower.advance(target, &mut solution).or_raise()?;
+                let jump = jump.map(|jump| Jump::new(arm, &jump));
+                Ok((Solution::from(solution), jump))
+            })
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        "Follower()".to_owned()
+    }
+}

@@ -1,0 +1,15 @@
+//! Arms: single poses, batches, paths, followers and servos.
+
+#[allow(clippy::module_inception, reason = "it is the arm itself")]
+mod arm;
+mod batch;
+mod follower;
+mod options;
+mod servo;
+mod track;
+
+pub(crate) use arm::Arm;
+pub(crate) use batch::Batch;
+pub(crate) use follower::Follower;
+pub(crate) use servo::{Servo, ServoStep};
+pub(crate) use track::{Jump, Track};

@@ -1,0 +1,252 @@
+"""Arms solve what forward kinematics says they reach, alone, in batches and along paths."""
+
+import copy
+import pickle
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+MODELS = Path(__file__).parents[2] / "models"
+START = np.array([0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+
+
+@pytest.fixture(scope="module")
+def arm(robot):
+    return kinopt.Arm(robot, "base", "flange")
+
+
+@pytest.fixture(scope="module")
+def targets(arm):
+    q = np.random.default_rng(5).uniform(arm.lower, arm.upper, (300, 7))
+    return arm.base_from_tool(q)
+
+
+def errors_of(arm, q, targets):
+    """Distances and angles between the tool at q and its targets, by numpy."""
+    tool = arm.base_from_tool(q)
+    distance = np.linalg.norm(tool[..., :3, 3] - targets[..., :3, 3], axis=-1)
+    turn = np.swapaxes(tool[..., :3, :3], -1, -2) @ targets[..., :3, :3]
+    sine = np.stack(
+        [
+            turn[..., 2, 1] - turn[..., 1, 2],
+            turn[..., 0, 2] - turn[..., 2, 0],
+            turn[..., 1, 0] - turn[..., 0, 1],
+        ],
+        -1,
+    )
+    cosine = np.trace(turn, axis1=-2, axis2=-1) - 1
+    return distance, np.arctan2(np.linalg.norm(sine, axis=-1), cosine)
+
+
+def test_a_target_is_reached_within_limits(arm, targets):
+    for target in targets[:50]:
+        solution = arm.solve(target, START)
+        assert solution.reached and solution.q.shape == (7,)
+        assert (solution.q >= arm.lower).all() and (solution.q <= arm.upper).all()
+        distance, angle = errors_of(arm, solution.q, target)
+        assert distance < 1.001e-6 and angle < 1.001e-6
+        assert abs(distance - solution.position_error) < 1e-12
+        assert abs(angle - solution.orientation_error) < 1e-12
+
+
+def test_what_other_libraries_call_a_pose_is_one(arm, targets):
+    want = arm.solve(targets[0], START).q
+
+    class Pinocchio:
+        homogeneous = targets[0]
+
+    class Viser:
+        def as_matrix(self):
+            return targets[0]
+
+    class Spatialmath:
+        A = targets[0]
+
+    same = [Pinocchio(), Viser(), Spatialmath(), targets[0].tolist(), np.asfortranarray(targets[0])]
+    for target in same:
+        assert np.array_equal(arm.solve(target, START.tolist()).q, want)
+    batch = arm.solve_batch(same, START)
+    assert all(np.array_equal(q, want) for q in batch.q)
+
+
+def test_a_batch_answers_as_single_questions_do_on_any_number_of_threads(arm, targets):
+    batch = arm.solve_batch(targets, START)
+    assert len(batch) == 300 and batch.reached.all()
+    for i in range(0, 300, 7):
+        solution = arm.solve(targets[i], START)
+        assert np.array_equal(solution.q, batch.q[i])
+        assert solution.position_error == batch.position_error[i]
+        assert np.array_equal(batch[i].q, batch.q[i])
+    starts = np.tile(START, (300, 1))
+    out = np.empty((300, 7))
+    for threads in (2, 3, None):
+        again = arm.solve_batch(targets, starts, threads, out=out)
+        assert again.q is out
+        assert np.array_equal(out, batch.q)
+    assert np.array_equal(errors_of(arm, out, targets)[0] < 1.001e-6, np.ones(300, bool))
+
+
+def test_a_miss_is_said_by_how_much_and_why(arm):
+    far = np.eye(4)
+    far[:3, 3] = 3.0, 0.0, 0.0
+    solution = arm.solve(far, START)
+    assert not solution.reached and solution.position_error > 1
+    assert "Not reached" in solution.explain()
+    batch = arm.solve_batch([far, far], START)
+    assert batch.explain(0) == solution.explain()
+    assert batch.explain() == [solution.explain()] * 2
+    assert not batch.reached.any()
+    assert not arm.distinct(far, START)
+
+
+def test_distinct_solutions_differ_and_all_reach(arm, targets):
+    solutions = arm.distinct(targets[3], START, k=6, distance=0.3)
+    assert 1 < len(solutions) <= 6
+    for i, one in enumerate(solutions):
+        assert one.reached
+        for other in solutions[:i]:
+            assert np.linalg.norm(one.q - other.q) > 0.3
+
+
+def test_a_path_is_followed_without_a_jump(arm):
+    way = np.linspace(0, 1, 200)[:, None] * np.array([0.5, 0.3, -0.4, 0.2, 0.5, -0.3, 0.4])
+    path = arm.base_from_tool(START + way)
+    track = arm.track(path, START)
+    assert track.reached.all() and track.jumps == [] and len(track) == 200
+    assert np.abs(np.diff(track.q, axis=0)).max() < 0.05
+    assert errors_of(arm, track.q, path)[0].max() < 1.001e-6
+    follower = arm.follower(START)
+    for target in path:
+        solution, jump = follower.advance(target)
+        assert solution.reached and jump is None
+    assert np.array_equal(follower.q, solution.q)
+
+
+def test_a_servo_keeps_its_speeds(arm, targets):
+    servo = arm.servo(START, 0.001)
+    last = START
+    for _ in range(300):
+        step = servo.step(targets[0])
+        assert (np.abs(step.q - last) <= arm.velocity_limits * 0.001 + 1e-15).all()
+        last = step.q
+    assert step.status in ("speed_limited", "on_target", "settling", "nearest")
+
+
+def test_options_are_keywords_and_checked(robot, arm, targets):
+    held = kinopt.Arm(robot, "base", "flange", locked={"joint3": 0.25}, goal=kinopt.Goal.position())
+    assert held.joint_names == [name for name in arm.joint_names if name != "joint3"]
+    tool = np.eye(4)
+    tool[2, 3] = 0.1
+    longer = kinopt.Arm(robot, "base", "flange", tool=tool)
+    assert np.allclose(longer.base_from_tool(START), arm.base_from_tool(START) @ tool, atol=1e-15)
+    assert np.array_equal(arm.with_tool(tool).solve(targets[1], START).q, longer.solve(targets[1], START).q)
+    for wrong in (
+        {"atempts": 3},
+        {"attempts": -1},
+        {"position_tolerance": 0.0},
+        {"search": "best"},
+        {"joint_weights": [1.0]},
+        {"locked": {"elbow": 0.0}},
+        {"time_limit": -1.0},
+        {"goal": 6},
+        {"posture": np.full(7, np.nan)},
+        {"tool": np.ones((4, 4))},
+    ):
+        with pytest.raises(kinopt.InvalidValueError):
+            kinopt.Arm(robot, "base", "flange", **wrong)
+    with pytest.raises(kinopt.UnknownNameError, match="did you mean `attempts`|attempts"):
+        kinopt.Arm(robot, "base", "flange", atempts=3)
+
+
+def test_pickles_and_copies_answer_alike(robot, targets):
+    arm = kinopt.Arm(robot, "base", "flange", search="nearest", max_move=np.full(7, 2.0), atlas=False)
+    for twin in (pickle.loads(pickle.dumps(arm)), copy.deepcopy(arm)):
+        for target in targets[:5]:
+            assert np.array_equal(twin.solve(target, START).q, arm.solve(target, START).q)
+    batch = arm.solve_batch(targets[:5], START)
+    assert np.array_equal(batch.q[2], arm.solve(targets[2], START).q)
+
+
+def test_an_array_given_as_option_may_be_changed_later(robot, targets):
+    moves = np.full(7, 0.5)
+    arm = kinopt.Arm(robot, "base", "flange", max_move=moves, atlas=False)
+    before = arm.solve(targets[0], START).q
+    moves[:] = 0.0
+    assert np.array_equal(pickle.loads(pickle.dumps(arm)).solve(targets[0], START).q, before)
+
+
+def test_many_threads_may_ask_one_arm(arm, targets):
+    want = arm.solve_batch(targets, START).q
+    found = np.zeros_like(want)
+
+    def ask(part):
+        for i in range(part, 300, 8):
+            found[i] = arm.solve(targets[i], START).q
+
+    threads = [threading.Thread(target=ask, args=(part,)) for part in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert np.array_equal(found, want)
+
+
+def test_progress_is_told_and_what_it_raises_stops_the_batch(arm, targets):
+    heard = []
+    many = np.repeat(targets, 20, axis=0)
+    arm.solve_batch(many, START, progress=lambda done, total: heard.append((done, total)))
+    assert heard[-1] == (6000, 6000) and len(heard) > 1
+    assert [done for done, _ in heard] == sorted(done for done, _ in heard)
+
+    def stop(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        arm.solve_batch(many, START, progress=stop)
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        np.eye(3),
+        np.full((4, 4), np.nan),
+        2 * np.eye(4),
+        np.diag([1.0, 1.0, -1.0, 1.0]),
+        np.eye(4, dtype=complex),
+        np.eye(4).astype(str),
+        [[1, 2], [3]],
+        None,
+        "pose",
+        np.ones((4, 4)),
+    ],
+)
+def test_what_is_no_pose_is_told(arm, target):
+    with pytest.raises(kinopt.KinoptError):
+        arm.solve(target, START)
+    with pytest.raises(kinopt.KinoptError):
+        arm.solve_batch([target], START)
+
+
+def test_a_bad_target_of_a_batch_is_named(arm, targets):
+    many = np.repeat(targets, 20, axis=0)
+    many[5000, 0, 0] = np.nan
+    with pytest.raises(kinopt.InvalidValueError, match="target 5000"):
+        arm.solve_batch(many, START)
+    with pytest.raises(kinopt.InvalidValueError, match="starts has 3 rows, targets has 300"):
+        arm.solve_batch(targets, np.zeros((3, 7)))
+    for out in (np.empty((300, 6)), np.empty((300, 7), np.float32), np.empty((7, 300)).T):
+        with pytest.raises(kinopt.InvalidValueError, match="out must be"):
+            arm.solve_batch(targets, START, out=out)
+    frozen = np.empty((300, 7))
+    frozen.flags.writeable = False
+    with pytest.raises(kinopt.InvalidValueError, match="writable"):
+        arm.solve_batch(targets, START, out=frozen)
