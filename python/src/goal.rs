@@ -12,7 +12,7 @@ use crate::error::{OrRaise, invalid};
 ///
 /// Made by `Goal.pose()`, `Goal.position()`, `Goal.free_about("z")`, `Goal.free_along("x")` or
 /// `Goal.within(half_widths)`.
-#[pyclass(frozen, eq, module = "kinopt", skip_from_py_object)]
+#[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Goal {
     pub(crate) inner: kinopt::task::Goal,

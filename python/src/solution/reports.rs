@@ -121,7 +121,7 @@ impl TaskReport {
 }
 
 /// The error of a task's rows of one quantity, before weighting.
-#[pyclass(frozen, module = "kinopt", skip_from_py_object)]
+#[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct RowsReport {
     quantity: Quantity,
