@@ -86,6 +86,7 @@ mod random;
 pub mod robot;
 pub mod scalar;
 mod search;
+mod size_mismatch;
 pub mod skeleton;
 pub mod skinning;
 pub mod solver;
@@ -102,6 +103,7 @@ pub use ik::{Solution, Solver, Workspace};
 pub use model::Model;
 pub use problem::Problem;
 pub use scalar::Scalar;
+pub use size_mismatch::SizeMismatch;
 pub use skeleton::Skeleton;
 
 /// The README's examples, run as tests.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec3, Vec3};
 
+use crate::SizeMismatch;
 use crate::spatial::Vector3;
 
 /// Rounds a double-precision vector to the single precision of meshes. A value beyond the range of
@@ -41,14 +42,6 @@ pub enum MeshError {
         /// Which vertex, from 0.
         vertex: usize,
     },
-    /// There are normals, but not one for each vertex.
-    #[error("{normals} normals for {vertices} vertices; there must be none or one per vertex")]
-    NormalCount {
-        /// How many normals.
-        normals: usize,
-        /// How many vertices.
-        vertices: usize,
-    },
     /// A triangle names a vertex that does not exist.
     #[error(
         "triangle {triangle}: vertex index {index} is out of range; there are {vertices} vertices"
@@ -61,14 +54,9 @@ pub enum MeshError {
         /// How many vertices there are.
         vertices: usize,
     },
-    /// New positions for another number of vertices.
-    #[error("{given} positions for a mesh of {vertices} vertices")]
-    PositionCount {
-        /// How many were given.
-        given: usize,
-        /// How many vertices there are.
-        vertices: usize,
-    },
+    /// There are normals, but not one for each vertex, or new positions of another number.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
 }
 
 impl TriangleMesh {
@@ -88,11 +76,8 @@ impl TriangleMesh {
             return Err(MeshError::NonFiniteNormal { vertex });
         }
         let vertices = positions.len();
-        if !normals.is_empty() && normals.len() != vertices {
-            return Err(MeshError::NormalCount {
-                normals: normals.len(),
-                vertices,
-            });
+        if !normals.is_empty() {
+            SizeMismatch::check("normals", normals.len(), vertices)?;
         }
         for (triangle, corners) in triangles.iter().enumerate() {
             for &index in corners {
@@ -130,12 +115,7 @@ impl TriangleMesh {
         positions: Vec<Vec3>,
         normals: Vec<Vec3>,
     ) -> Result<Self, MeshError> {
-        if positions.len() != self.positions.len() {
-            return Err(MeshError::PositionCount {
-                given: positions.len(),
-                vertices: self.positions.len(),
-            });
-        }
+        SizeMismatch::check("positions", positions.len(), self.positions.len())?;
         Self::new(positions, normals, self.triangles.clone())
     }
 

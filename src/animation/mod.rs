@@ -55,6 +55,7 @@ mod pose;
 pub mod rotation;
 mod state_machine;
 
+pub use crate::SizeMismatch;
 pub use affine::{
     Decomposition, NotFinite, PlaneDecomposition, interpolate_affine, interpolate_plane_affine,
 };
@@ -70,9 +71,7 @@ pub use ik_layer::{
     Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseAngles,
     ReachError, ReachLayer,
 };
-pub use pose::{
-    Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose, SizeMismatch,
-};
+pub use pose::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose};
 pub use state_machine::{
     BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
     ParameterDefault, ParameterError, ParameterValue, StateDefinition, StateEvent, StateMachine,

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::ROW_SUM_TOLERANCE;
-use crate::Buffer;
 use crate::mesh::TriangleMesh;
+use crate::{Buffer, SizeMismatch};
 
 /// Key shapes of one mesh, each with a place for every vertex.
 ///
@@ -88,13 +88,8 @@ pub enum BlendShapesError {
         sum: f64,
     },
     /// A buffer is not as long as the shapes.
-    #[error("room for {given} positions, but the shapes have {vertices} vertices")]
-    VertexCount {
-        /// How many there is room for.
-        given: usize,
-        /// How many the shapes have.
-        vertices: usize,
-    },
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
 }
 
 impl BlendShapes {
@@ -165,12 +160,7 @@ impl BlendShapes {
     ) -> Result<(), BlendShapesError> {
         self.check(weights)?;
         let positions = positions.sized(self.vertex_count);
-        if positions.len() != self.vertex_count {
-            return Err(BlendShapesError::VertexCount {
-                given: positions.len(),
-                vertices: self.vertex_count,
-            });
-        }
+        SizeMismatch::check("positions", positions.len(), self.vertex_count)?;
         positions.fill(Vec3::ZERO);
         let active = self.shapes.iter().zip(weights).filter(|(_, w)| **w != 0.0);
         for (shape, &weight) in active {

@@ -5,6 +5,7 @@ use nalgebra as na;
 
 use super::bone_transform::{check, is_rotation};
 use super::{DualQuaternion, SkinningError};
+use crate::SizeMismatch;
 use crate::spatial::Polar;
 
 /// Each bone's rigid motion, and where a pose stretches, what is done before it.
@@ -61,10 +62,7 @@ impl BoneMotions {
         bones: usize,
     ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
-        if pivots.len() != bones {
-            let given = pivots.len();
-            return Err(SkinningError::PivotCount { given, bones });
-        }
+        SizeMismatch::check("pivots", pivots.len(), bones)?;
         let (old, old_stretches) = (self.rigid.len(), self.stretches.len());
         for (bone, (transform, pivot)) in transforms.iter().zip(pivots).enumerate() {
             match two_phases(transform, *pivot) {

@@ -3,6 +3,7 @@
 use glam::{Affine3A, Mat3A};
 
 use super::SkinningError;
+use crate::SizeMismatch;
 use crate::spatial::Placement;
 
 /// How far MᵀM of a rotation may stand from the identity, entry by entry. Single precision and a
@@ -17,12 +18,7 @@ pub fn single_precision_transform(posed_from_rest: &Placement<f64>) -> Affine3A 
 
 /// One finite transform per bone, or which is wrong.
 pub(super) fn check(transforms: &[Affine3A], bones: usize) -> Result<(), SkinningError> {
-    if transforms.len() != bones {
-        return Err(SkinningError::TransformCount {
-            given: transforms.len(),
-            bones,
-        });
-    }
+    SizeMismatch::check("bone transforms", transforms.len(), bones)?;
     match transforms.iter().position(|t| !t.is_finite()) {
         Some(bone) => Err(SkinningError::NonFiniteTransform { bone }),
         None => Ok(()),

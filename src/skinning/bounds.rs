@@ -4,6 +4,7 @@ use glam::{Affine3A, Vec3, Vec3A};
 
 use super::bone_transform::check;
 use super::{SkinWeights, SkinningError};
+use crate::SizeMismatch;
 
 /// For each bone the box at rest of the vertices that it moves.
 ///
@@ -23,13 +24,7 @@ impl BoneBoxes {
     /// # Errors
     /// There is not one position per vertex of the weights, or one is not finite.
     pub fn new(weights: &SkinWeights, rest: &[Vec3]) -> Result<Self, SkinningError> {
-        if rest.len() != weights.vertex_count() {
-            return Err(SkinningError::VertexCount {
-                what: "rest positions",
-                given: rest.len(),
-                vertices: weights.vertex_count(),
-            });
-        }
+        SizeMismatch::check("rest positions", rest.len(), weights.vertex_count())?;
         if let Some(vertex) = rest.iter().position(|p| !p.is_finite()) {
             return Err(SkinningError::NonFinitePosition { vertex });
         }

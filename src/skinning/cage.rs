@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::mean_value::mean_value_coordinates;
-use crate::Buffer;
 use crate::mesh::TriangleMesh;
+use crate::{Buffer, SizeMismatch};
 
 /// What is wrong with a cage or its use.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,16 +31,9 @@ pub enum CageError {
         /// Which point, from 0.
         point: usize,
     },
-    /// A buffer has the wrong length.
-    #[error("{given} {what}, where there are {expected}")]
-    Count {
-        /// "cage corners" or "posed points".
-        what: &'static str,
-        /// How many were given.
-        given: usize,
-        /// How many there must be.
-        expected: usize,
-    },
+    /// Not one corner per corner of the cage, or not one place per point.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
 }
 
 /// Points bound to a closed triangle cage by mean-value coordinates.
@@ -127,19 +120,8 @@ impl CageBinding {
         posed: &mut (impl Buffer<Vec3> + ?Sized),
     ) -> Result<(), CageError> {
         let posed = posed.sized(self.points);
-        let counts = [
-            ("cage corners", cage.len(), self.corners),
-            ("posed points", posed.len(), self.points),
-        ];
-        for (what, given, expected) in counts {
-            if given != expected {
-                return Err(CageError::Count {
-                    what,
-                    given,
-                    expected,
-                });
-            }
-        }
+        SizeMismatch::check("cage corners", cage.len(), self.corners)?;
+        SizeMismatch::check("posed points", posed.len(), self.points)?;
         let rows = self.coordinates.chunks_exact(self.corners.max(1));
         for (row, posed) in rows.zip(posed) {
             *posed = row

@@ -4,8 +4,8 @@ use glam::{Vec3, Vec4};
 
 use super::vertices::check;
 use super::{PosedVertices, RestVertices, SkinningError};
-use crate::Buffer;
 use crate::mesh::TriangleMesh;
+use crate::{Buffer, SizeMismatch};
 
 /// Vertices that one thread takes at a time: enough to hide what handing them over costs.
 #[cfg(feature = "rayon")]
@@ -122,13 +122,7 @@ pub trait Deformation: Sync {
     /// The mesh has another number of vertices than the weights, or the result is not finite.
     fn mesh(&self, rest: &TriangleMesh) -> Result<TriangleMesh, SkinningError> {
         let vertices = self.vertex_count();
-        if rest.positions().len() != vertices {
-            return Err(SkinningError::VertexCount {
-                what: "rest positions",
-                given: rest.positions().len(),
-                vertices,
-            });
-        }
+        SizeMismatch::check("rest positions", rest.positions().len(), vertices)?;
         let mut positions = vec![Vec3::ZERO; rest.positions().len()];
         let mut normals = vec![Vec3::ZERO; rest.normals().len()];
         let at_rest = RestVertices {

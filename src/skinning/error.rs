@@ -1,29 +1,16 @@
 //! What can be wrong with a request to move skin.
 
+use crate::SizeMismatch;
 use crate::mesh::MeshError;
 
 /// Why a mesh cannot be skinned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SkinningError {
-    /// The transforms are for another number of bones than the weights.
-    #[error("{given} bone transforms for weights of {bones} bones")]
-    TransformCount {
-        /// How many were given.
-        given: usize,
-        /// How many bones the weights know.
-        bones: usize,
-    },
-    /// A buffer of vertices is of another length than the weights.
-    #[error("{given} {what} for weights of {vertices} vertices")]
-    VertexCount {
-        /// "rest positions", "posed normals", …
-        what: &'static str,
-        /// How many there are.
-        given: usize,
-        /// How many vertices the weights know.
-        vertices: usize,
-    },
+    /// Transforms or pivots for another number of bones than the weights know, or a buffer for another
+    /// number of vertices.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
     /// A bone's transform holds NaN or an infinity.
     #[error("bone {bone}: the transform holds a number that is not finite")]
     NonFiniteTransform {
@@ -35,14 +22,6 @@ pub enum SkinningError {
     NonFinitePosition {
         /// Which vertex, from 0.
         vertex: usize,
-    },
-    /// The pivots are for another number of bones than the weights.
-    #[error("{given} pivots for weights of {bones} bones")]
-    PivotCount {
-        /// How many were given.
-        given: usize,
-        /// How many bones the weights know.
-        bones: usize,
     },
     /// A bone's pivot is NaN or infinite.
     #[error("bone {bone}: the pivot is not finite")]

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::SkinningError;
+use crate::SizeMismatch;
 
 /// Vertices at rest. A buffer that is empty is not there.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,40 +32,19 @@ pub(super) fn check(
     rest: RestVertices<'_>,
     posed: &PosedVertices<'_>,
     vertices: usize,
-) -> Result<(), SkinningError> {
-    let pairs = [
-        (
-            rest.positions.len(),
-            posed.positions.len(),
-            ["rest positions", "posed positions"],
-        ),
-        (
-            rest.normals.len(),
-            posed.normals.len(),
-            ["rest normals", "posed normals"],
-        ),
-        (
-            rest.tangents.len(),
-            posed.tangents.len(),
-            ["rest tangents", "posed tangents"],
-        ),
-    ];
-    for (at_rest, in_pose, [rest_name, posed_name]) in pairs {
-        if at_rest == in_pose && (at_rest == vertices || at_rest == 0) {
-            continue;
+) -> Result<(), SizeMismatch> {
+    let check = |names: [&'static str; 2], at_rest: usize, in_pose: usize| {
+        if at_rest != 0 || in_pose != 0 {
+            SizeMismatch::check(names[0], at_rest, vertices)?;
         }
-        let (what, given) = if at_rest == vertices {
-            (posed_name, in_pose)
-        } else {
-            (rest_name, at_rest)
-        };
-        return Err(SkinningError::VertexCount {
-            what,
-            given,
-            vertices,
-        });
-    }
-    Ok(())
+        SizeMismatch::check(names[1], in_pose, at_rest)
+    };
+    let positions = ["rest positions", "posed positions"];
+    check(positions, rest.positions.len(), posed.positions.len())?;
+    let normals = ["rest normals", "posed normals"];
+    check(normals, rest.normals.len(), posed.normals.len())?;
+    let tangents = ["rest tangents", "posed tangents"];
+    check(tangents, rest.tangents.len(), posed.tangents.len())
 }
 
 /// Takes the first `count` items off; an empty buffer stays empty.

@@ -115,13 +115,8 @@ fn invalid_parts_are_refused_by_name() {
             vertices: 3
         }
     );
-    assert_eq!(
-        bad(positions.clone(), vec![Vec3::X], vec![]),
-        MeshError::NormalCount {
-            normals: 1,
-            vertices: 3
-        }
-    );
+    let few = bad(positions.clone(), vec![Vec3::X], vec![]).to_string();
+    assert_eq!(few, "1 normals where there must be 3");
     let nan = vec![Vec3::X, Vec3::X, Vec3::new(0.0, f32::NAN, 0.0)];
     assert_eq!(
         bad(positions.clone(), nan.clone(), vec![]),
@@ -132,11 +127,6 @@ fn invalid_parts_are_refused_by_name() {
         MeshError::NonFinitePosition { vertex: 2 }
     );
     let mesh = TriangleMesh::new(positions, vec![], vec![[0, 1, 2]]).unwrap();
-    assert_eq!(
-        mesh.with_vertices(vec![Vec3::ZERO], vec![]).unwrap_err(),
-        MeshError::PositionCount {
-            given: 1,
-            vertices: 3
-        }
-    );
+    let few = mesh.with_vertices(vec![Vec3::ZERO], vec![]).unwrap_err();
+    assert_eq!(few.to_string(), "1 positions where there must be 3");
 }

@@ -171,10 +171,9 @@ fn what_is_not_rigid_is_refused_by_name() {
         SkinningError::Mirrored { bone: 1 }
     );
     let still = with(Affine3A::IDENTITY);
-    assert_eq!(
-        DualQuaternionBlend::stretched(&weights, &still, &pivots[..1]).unwrap_err(),
-        SkinningError::PivotCount { given: 1, bones: 2 }
-    );
+    let few = DualQuaternionBlend::stretched(&weights, &still, &pivots[..1]);
+    let few = few.unwrap_err().to_string();
+    assert_eq!(few, "1 pivots where there must be 2");
     assert_eq!(
         DualQuaternionBlend::stretched(&weights, &still, &[Vec3::ZERO, Vec3::NAN]).unwrap_err(),
         SkinningError::NonFinitePivot { bone: 1 }

@@ -234,38 +234,21 @@ fn wrong_sizes_are_errors_that_say_which() {
     let mut numbers = Numbers(31);
     let weights = weights(&mut numbers, 9, 3, 2);
     let three = [Affine3A::IDENTITY; 3];
-    assert_eq!(
-        LinearBlend::new(&weights, &three[..2]).unwrap_err(),
-        SkinningError::TransformCount { given: 2, bones: 3 }
-    );
+    let few = LinearBlend::new(&weights, &three[..2]).unwrap_err();
+    assert_eq!(few.to_string(), "2 bone transforms where there must be 3");
     let blend = LinearBlend::new(&weights, &three).unwrap();
     let (nine, eight) = ([Vec3::ONE; 9], [Vec3::ONE; 8]);
-    let error = |what| {
-        Err(SkinningError::VertexCount {
-            what,
-            given: 8,
-            vertices: 9,
-        })
+    let refused = |result: Result<(), SkinningError>, what: &str| {
+        let error = result.unwrap_err().to_string();
+        assert_eq!(error, format!("8 {what} where there must be 9"));
     };
-    assert_eq!(
-        blend.positions(&eight, &mut nine.clone()),
-        error("rest positions")
-    );
-    assert_eq!(
+    refused(blend.positions(&eight, &mut nine.clone()), "rest positions");
+    refused(
         blend.positions(&nine, &mut eight.clone()),
-        error("posed positions")
+        "posed positions",
     );
-    assert_eq!(
-        blend.normals(&eight, &mut nine.clone()),
-        error("rest normals")
-    );
-    assert_eq!(
-        blend.normals(&nine, &mut eight.clone()),
-        error("posed normals")
-    );
+    refused(blend.normals(&eight, &mut nine.clone()), "rest normals");
+    refused(blend.normals(&nine, &mut eight.clone()), "posed normals");
     let small = TriangleMesh::new(eight.to_vec(), Vec::new(), Vec::new()).unwrap();
-    assert_eq!(
-        blend.mesh(&small).unwrap_err(),
-        error("rest positions").unwrap_err()
-    );
+    refused(blend.mesh(&small).map(|_| ()), "rest positions");
 }

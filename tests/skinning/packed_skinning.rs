@@ -168,11 +168,9 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
 
     let still = vec![Affine3A::IDENTITY; BONES];
     let mut blend = PackedLinearBlend::new(&packed, &still).unwrap();
-    let few = SkinningError::TransformCount {
-        given: 2,
-        bones: BONES,
-    };
-    assert_eq!(blend.set_transforms(&still[..2]).unwrap_err(), few);
+    let few = format!("2 bone transforms where there must be {BONES}");
+    let error = blend.set_transforms(&still[..2]).unwrap_err();
+    assert_eq!(error.to_string(), few);
     let mut broken = still.clone();
     broken[3].translation.y = f32::INFINITY;
     assert_eq!(

@@ -4,7 +4,7 @@
 use glam::Affine3A;
 use kinopt::skinning::{
     Deformation, DualQuaternionBlend, LinearBlend, PackedDualQuaternionBlend, PackedLinearBlend,
-    PackedWeights, SkinningError,
+    PackedWeights,
 };
 use support::random::Random;
 use support::skins::{Vertices, rigid, weights};
@@ -59,12 +59,7 @@ fn wrong_sizes_are_errors_there_too() {
     let blend = LinearBlend::new(&weights, &[Affine3A::IDENTITY; 3]).unwrap();
     let rest = Vertices::random(&mut random, 11);
     let mut posed = rest.clone();
-    assert_eq!(
-        blend.deform_parallel(rest.rest(), posed.posed()),
-        Err(SkinningError::VertexCount {
-            what: "rest positions",
-            given: 11,
-            vertices: 10
-        })
-    );
+    let error = blend.deform_parallel(rest.rest(), posed.posed());
+    let error = error.unwrap_err().to_string();
+    assert_eq!(error, "11 rest positions where there must be 10");
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::{Affine3A, Quat, Vec3A};
 
-use super::{LocalTransform, Pose, SizeMismatch};
+use super::{LocalTransform, Pose};
 use crate::Buffer;
+use crate::SizeMismatch;
 use crate::mesh::single_precision;
 use crate::model::UnknownName;
 use crate::skeleton::{BoneId, Skeleton};

@@ -5,7 +5,8 @@
 
 use glam::{Affine3A, Quat, Vec3A};
 
-use super::{Armature, LocalError, LocalTransform, Pose, SizeMismatch};
+use super::{Armature, LocalError, LocalTransform, Pose};
+use crate::SizeMismatch;
 use crate::skeleton::BoneId;
 
 /// A parent that shrinks an axis below this share of its longest one flattens space.

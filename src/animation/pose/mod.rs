@@ -9,4 +9,4 @@ mod pose;
 pub use armature::{Armature, ArmatureBone, ArmatureError};
 pub use local_transform::LocalTransform;
 pub(crate) use local_transform::scales_evenly;
-pub use pose::{LocalError, Pose, SizeMismatch};
+pub use pose::{LocalError, Pose};

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3A};
 
 use super::LocalTransform;
+use crate::SizeMismatch;
 use crate::skeleton::BoneId;
 
 /// A local transform for each bone and a weight for each morph target, by property: most clips and
@@ -13,19 +14,6 @@ pub struct Pose {
     pub(crate) rotations: Vec<Quat>,
     pub(crate) scales: Vec<Vec3A>,
     pub(crate) morph_weights: Vec<f32>,
-}
-
-/// Two things of different armatures came together.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{given} {what} where the armature has {expected}")]
-#[non_exhaustive]
-pub struct SizeMismatch {
-    /// Bones, morph targets, …
-    pub what: &'static str,
-    /// How many were given.
-    pub given: usize,
-    /// How many there must be.
-    pub expected: usize,
 }
 
 /// What is wrong with a local transform, or with the bone it is for. Bones are given by index.
@@ -68,20 +56,6 @@ pub enum LocalError {
         /// The bone.
         bone: usize,
     },
-}
-
-impl SizeMismatch {
-    /// Checks one count.
-    pub(crate) fn check(what: &'static str, given: usize, expected: usize) -> Result<(), Self> {
-        if given == expected {
-            return Ok(());
-        }
-        Err(Self {
-            what,
-            given,
-            expected,
-        })
-    }
 }
 
 impl Pose {

@@ -3,6 +3,7 @@
 use glam::{Affine3A, Vec4};
 
 use super::Note;
+use crate::SizeMismatch;
 use crate::animation::{Armature, Clip};
 use crate::mesh::TriangleMesh;
 use crate::skeleton::BoneId;
@@ -60,17 +61,14 @@ pub struct Skin {
 
 /// Parts of a scene that do not go together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("mesh `{mesh}`: {given} {what} where there must be {expected}")]
+#[error("mesh `{mesh}`: {problem}")]
 #[non_exhaustive]
 pub struct SceneError {
     /// The mesh.
     pub mesh: String,
     /// Tangents, vertices with weights, …
-    pub what: &'static str,
-    /// How many there are.
-    pub given: usize,
-    /// How many there must be.
-    pub expected: usize,
+    #[source]
+    pub problem: SizeMismatch,
 }
 
 impl SceneMesh {
@@ -82,14 +80,13 @@ impl SceneMesh {
 
     /// Checks that its parts are of one size and exist in the armature.
     pub(super) fn check(&self, armature: &Armature) -> Result<(), SceneError> {
-        let same = |what, given, expected| match given == expected {
-            true => Ok(()),
-            false => Err(SceneError {
-                mesh: self.name.clone(),
-                what,
-                given,
-                expected,
-            }),
+        let same = |what, given, expected| {
+            let mesh = || self.name.clone();
+            let checked = SizeMismatch::check(what, given, expected);
+            checked.map_err(|problem| SceneError {
+                mesh: mesh(),
+                problem,
+            })
         };
         let exists = |bone: BoneId| same("bones at least", armature.bones(), bone.index() + 1);
         let vertices = self.mesh.positions().len();
@@ -108,27 +105,13 @@ impl SceneMesh {
         let Some(skin) = &self.skin else {
             return Ok(());
         };
-        same(
-            "inverse bind matrices",
-            skin.joint_from_mesh.len(),
-            skin.joints.len(),
-        )?;
-        let finite = skin.joint_from_mesh.iter().filter(|m| m.is_finite());
-        same(
-            "finite inverse bind matrices",
-            finite.count(),
-            skin.joint_from_mesh.len(),
-        )?;
-        same(
-            "bones in the weights",
-            skin.weights.bone_count(),
-            skin.joints.len(),
-        )?;
-        same(
-            "vertices with weights",
-            skin.weights.vertex_count(),
-            vertices,
-        )?;
+        let (joints, bound) = (skin.joints.len(), &skin.joint_from_mesh);
+        same("inverse bind matrices", bound.len(), joints)?;
+        let finite = bound.iter().filter(|m| m.is_finite()).count();
+        same("finite inverse bind matrices", finite, bound.len())?;
+        let weights = &skin.weights;
+        same("bones in the weights", weights.bone_count(), joints)?;
+        same("vertices with weights", weights.vertex_count(), vertices)?;
         let beyond = skin
             .joints
             .iter()

@@ -1,5 +1,7 @@
 //! What may be wrong with morph targets.
 
+use crate::SizeMismatch;
+
 /// What is wrong with a morph target or its use.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -73,13 +75,6 @@ pub enum MorphError {
         weight: f32,
     },
     /// A buffer of vertices is neither empty nor as long as the mesh.
-    #[error("{given} {what} for a mesh of {vertices} vertices")]
-    VertexCount {
-        /// "positions", "normals" or "tangents".
-        what: &'static str,
-        /// How many there are.
-        given: usize,
-        /// How many the mesh has.
-        vertices: usize,
-    },
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
 }

@@ -8,6 +8,8 @@ pub use target::MorphTarget;
 
 use glam::{Vec3, Vec4};
 
+use crate::SizeMismatch;
+
 /// The morph targets of one mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MorphTargets {
@@ -72,12 +74,8 @@ impl MorphTargets {
             ("tangents", tangents.len()),
         ];
         for (what, given) in sizes {
-            if given != 0 && given != self.vertex_count {
-                return Err(MorphError::VertexCount {
-                    what,
-                    given,
-                    vertices: self.vertex_count,
-                });
+            if given != 0 {
+                SizeMismatch::check(what, given, self.vertex_count)?;
             }
         }
         let active = || self.targets.iter().zip(weights).filter(|(_, w)| **w != 0.0);
