@@ -59,9 +59,10 @@ fn flips(own: &[Vec<f64>], track: &Track) -> Vec<usize> {
 fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip);
-    let arm = arm.with_global_search_on_miss(true).build().unwrap();
+    let arm = arm.with_global_search_on_miss(true).with_atlas(!few());
+    let arm = arm.build().unwrap();
     let mut random = Random(31);
-    let legs = if few() { 2 } else { 4 };
+    let legs = if few() { 1 } else { 4 };
     let mut all = 0;
     for _ in 0..count {
         let own = path(&arm, &mut random, legs, margin);
