@@ -1,0 +1,64 @@
+"""Python and Rust give the same bits to the same questions.
+
+The Rust side is a small program of the repository, so these tests need cargo and a checkout.
+"""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+ROOT = Path(__file__).parents[2]
+ARMS = [
+    ("franka_panda", "base", "flange"),
+    ("universal_ur5e", "base", "flange"),
+    ("universal_ur10e", "base", "flange"),
+    ("kuka_iiwa14", "base", "flange"),
+    ("adept_cobra_s600", "base", "flange"),
+    ("rethink_baxter", "torso", "left_tool"),
+    ("aldebaran_nao", "torso", "left_hand"),
+]
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("cargo") is None or not (ROOT / "Cargo.toml").exists(),
+    reason="SKIPPED: needs cargo and a checkout; Python's bits were not held against Rust's",
+)
+
+
+@pytest.fixture(scope="module")
+def rust():
+    """Asks the Rust program."""
+    package = ["-p", "kinopt-test-support", "--bin", "answers"]
+    build = ["cargo", "build", "--quiet", *package]
+    subprocess.run(build, cwd=ROOT, check=True)
+
+    def ask(*arguments, numbers):
+        run = ["cargo", "run", "--quiet", *package, "--", *arguments]
+        asked = np.ascontiguousarray(numbers, "<f8").tobytes()
+        told = subprocess.run(run, cwd=ROOT, check=True, input=asked, capture_output=True)
+        return np.frombuffer(told.stdout, "<f8")
+
+    return ask
+
+
+@pytest.mark.parametrize(("name", "base", "tip"), ARMS)
+def test_two_thousand_poses_of_every_shipped_robot(rust, name, base, tip):
+    robot = kinopt.Robot.from_urdf(ROOT / "models" / f"{name}.urdf")
+    arm = kinopt.Arm(robot, base, tip)
+    rng = np.random.default_rng(11)
+    lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
+    count, dof = 2000, arm.degrees_of_freedom
+    targets = arm.base_from_tool(rng.uniform(lower, upper, (count, dof)))
+    # Some are out of reach.
+    targets[::50, :3, 3] *= 3
+    starts = rng.uniform(lower, upper, (count, dof))
+    numbers = np.hstack([targets.reshape(count, 16), starts])
+    path = f"models/{name}.urdf"
+    answers = rust("arm", path, base, tip, numbers=numbers).reshape(count, dof)
+    batch = arm.solve_batch(targets, starts, threads=2)
+    assert np.array_equal(batch.q, answers)
+    assert batch.reached.sum() > 0.9 * count
