@@ -11,7 +11,6 @@ use nalgebra as na;
 use support::methods::solvers;
 use support::placement;
 use support::random::Random;
-use support::sample::part;
 use support::trees::RandomTree;
 use support::{Rigid, rigid};
 
@@ -187,7 +186,7 @@ fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) 
 fn solutions_tell_the_truth() {
     let mut seen = [0; 2];
     let mut workspace = Workspace::new();
-    for seed in part(0..12, 2) {
+    for seed in 0..12 {
         for reachable in [true, false] {
             let asked = ask(seed, reachable);
             let start = asked.tree.configuration(&mut Random::new(seed + 100));
@@ -208,7 +207,7 @@ fn solutions_tell_the_truth() {
         }
     }
     assert!(
-        seen[0] > 25 && seen[1] > 10,
+        seen[0] > 50 && seen[1] > 20,
         "both outcomes must occur: {seen:?}"
     );
 }

@@ -1,5 +1,0 @@
-"""Skinning: moving a mesh with the handles it is bound to."""
-
-from ._kinopt.skinning import SkinWeights
-
-__all__ = ["SkinWeights"]

@@ -1,0 +1,17 @@
+"""Robots and characters in the browser, dragged with the mouse: `python -m kinopt.view MODEL`.
+
+`Scene` is the same for a script of your own, in a few lines. It needs viser: `pip install 'kinopt[view]'`.
+"""
+
+from importlib.util import find_spec
+
+if find_spec("viser") is None:
+    raise ImportError("kinopt.view needs viser: pip install 'kinopt[view]'")
+
+from .body import Body, Clip, Piece
+from .robot_body import RobotBody
+from .scene import Scene
+from .solids import Solid
+from .target import Target
+
+__all__ = ["Body", "Clip", "Piece", "RobotBody", "Scene", "Solid", "Target"]

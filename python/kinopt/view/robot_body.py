@@ -1,0 +1,135 @@
+"""Robots: meshes where their files are at hand, the file's own simple shapes, clean capsules for the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+import kinopt
+
+from . import look, solids
+from .body import Body, Piece
+from .look import Color
+from .mesh_files import MeshFiles
+from .parts import Parts
+from .solids import Solid
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+Array = NDArray[np.float64]
+Style = Literal["auto", "file", "capsules"]
+
+
+class RobotBody(Body):
+    """A robot in a scene, or anything else with a model, as rigid parts. Assigning `q` moves it."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        thing: Any,
+        name: str,
+        at: Array,
+        *,
+        style: Style = "auto",
+        color: Color | None = None,
+        opacity: float | None = None,
+        beside: str | Path | None = None,
+        packages: Mapping[str, str | Path] | Iterable[str | Path] = (),
+    ) -> None:
+        """As `Scene.add`."""
+        super().__init__(scene, thing, name, at)
+        files = MeshFiles(None if beside is None else Path(beside), packages)
+        if style == "auto" and _says_how_links_lie(thing):
+            style = "capsules"
+        self._pieces = [] if style == "capsules" else list(self._of_shapes(files, color))
+        if not self._pieces:
+            self._pieces = self._of_capsules(color)
+        #: Meshes that could not be drawn, one line each; capsules stand in for them.
+        self.missing = files.missing
+        self._of_frames = np.array([self._index[piece.name] for piece in self._pieces], dtype=int)
+        self._handles = [
+            scene.server.scene.add_mesh_simple(
+                f"/{name}/{i}",
+                vertices=(piece.solid.vertices * scene.drawn).astype(np.float32),
+                faces=piece.solid.triangles,
+                color=piece.color,
+                opacity=opacity,
+            )
+            for i, piece in enumerate(self._pieces)
+        ]
+        self._parts = Parts(scene.server, self._handles, scene.drawn)
+        self._place(self._q)
+
+    def _draw(self, q: Array, world_from_frames: Array) -> None:
+        self._parts.send(world_from_frames[self._of_frames])
+
+    def pieces(self) -> list[Piece]:
+        """Its meshes as they stand now, in the world."""
+        placements = (self.at @ self._kinematics.place(self._q))[self._of_frames]
+        pairs = zip(self._pieces, placements, strict=True)
+        return [Piece(piece.name, piece.solid.moved(place), piece.color) for piece, place in pairs]
+
+    def remove(self) -> None:
+        """Takes it out of the scene."""
+        for handle in self._handles:
+            handle.remove()
+        self.scene.forget(self)
+
+    def _of_shapes(self, files: MeshFiles, color: Color | None) -> Iterable[Piece]:
+        """The links' shapes, each named after the link that carries it; capsules for meshes not at hand."""
+        if not isinstance(self.thing, kinopt.Robot):
+            return
+        found = 0
+        bare: set[str | None] = set()
+        joint_of = {frame.name: frame.joint for frame in self.model.frames}
+        for link in self.thing.frame_names:
+            for shape in self.thing.shapes(link):
+                parts = _solids(shape, files)
+                if parts is None:
+                    bare.add(joint_of[link])
+                    continue
+                for solid, own in parts:
+                    found += 1
+                    yield Piece(link, solid.moved(shape.link_from_shape), color or own or look.LIGHT)
+        if found and bare:
+            yield from self._of_capsules(color, bare)
+
+    def _of_capsules(self, color: Color | None, only: set[str | None] | None = None) -> list[Piece]:
+        """Capsules for what hangs on each joint, or on `only` those joints, each named after its frame."""
+        bodies = look.capsules(self.model, self.size())
+        drawn = (body for body in bodies if only is None or body.joint in only)
+        named = self._frame_of_joint
+        return [Piece(named[body.joint], body.solid, color or body.color) for body in drawn]
+
+
+def _says_how_links_lie(robot: Any) -> bool:
+    """Whether a robot's file draws nothing but cylinders, from joint to joint: capsules show more of it."""
+    if not isinstance(robot, kinopt.Robot):
+        return True
+    return all(shape.kind == "cylinder" for link in robot.frame_names for shape in robot.shapes(link))
+
+
+def _solids(shape: Any, files: MeshFiles) -> list[tuple[Solid, Color | None]] | None:
+    """A shape's meshes in its own frame, and colours; None for a mesh that is not at hand."""
+    measures = shape.measures
+    match shape.kind:
+        case "box":
+            return [(solids.box(measures["size"]), None)]
+        case "cylinder":
+            return [(solids.cylinder(measures["length"], measures["radius"]), None)]
+        case "capsule":
+            return [(solids.capsule(measures["length"], measures["radius"]), None)]
+        case "sphere":
+            return [(solids.sphere(measures["radius"]), None)]
+        case "mesh":
+            read = files.read(measures["file"])
+            if read is None:
+                return None
+            scale = measures["scale"]
+            return [(solids.creased(solid.scaled(scale)), color) for solid, color in read]
+    return []

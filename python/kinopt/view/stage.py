@@ -1,0 +1,83 @@
+"""What a scene stands on: ground with a grid and soft shadows, light, and a camera that sees the whole model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import viser
+
+Array = NDArray[np.float64]
+Up = Literal["+z", "+y"]
+
+#: A model is drawn about this large, in viser's metres: shadows and gizmos are made for such sizes.
+DRAWN = 1.6
+#: Sizes in metres that are drawn as they are.
+USUAL = (0.4, 4.0)
+#: From where the camera looks: right of the front, a little above; for z up, x to the front.
+LOOK_FROM = np.array([1.0, -0.72, 0.36])
+#: The camera's vertical field of view, radians.
+FIELD_OF_VIEW = 0.6
+
+
+def drawn_scale(size: float) -> float:
+    """What a length of 1 is drawn as for a model of this size."""
+    if not np.isfinite(size) or size <= 0.0 or USUAL[0] <= size <= USUAL[1]:
+        return 1.0
+    return DRAWN / size
+
+
+def furnish(server: viser.ViserServer, up: Up) -> None:
+    """Light, and the panel's looks."""
+    server.gui.configure_theme(
+        show_logo=False, show_share_button=False, control_width="medium", brand_color=(38, 106, 171)
+    )
+    server.gui.main_panel.dock_right()
+    scene = server.scene
+    scene.set_up_direction(up)
+    scene.world_axes.visible = False
+    scene.configure_environment_map("studio", environment_intensity=0.55)
+    scene.configure_default_lights(enabled=True, cast_shadow=True)
+
+
+def lay_ground(server: viser.ViserServer, up: Up, height: float, size: float) -> None:
+    """A ground below a model of this size as drawn, at `height` along the way up."""
+    cell = 10.0 ** np.floor(np.log10(max(size, 1e-6))) / 10.0
+    position = (0.0, 0.0, height) if up == "+z" else (0.0, height, 0.0)
+    server.scene.add_grid(
+        "/ground",
+        plane="xy" if up == "+z" else "xz",
+        infinite_grid=True,
+        cell_size=cell,
+        section_size=5.0 * cell,
+        cell_color=(228, 231, 235),
+        section_color=(205, 210, 217),
+        fade_distance=6.0 * size,
+        shadow_opacity=0.22,
+        plane_color=(251, 252, 253),
+        plane_opacity=0.0,
+        position=position,
+    )
+
+
+def look_at(server: viser.ViserServer, up: Up, low: Array, high: Array) -> None:
+    """Places the camera so that the box from `low` to `high`, as drawn, fills the page."""
+    middle = (low + high) / 2
+    radius = max(float(np.linalg.norm(high - low)) / 2, 1e-3)
+    way = LOOK_FROM / np.linalg.norm(LOOK_FROM)
+    if up == "+y":
+        # A character of glTF looks along +z.
+        way = np.array([-way[1], way[2], way[0]])
+    eye = middle + way * radius / np.sin(FIELD_OF_VIEW / 2) * 1.02
+    camera = server.initial_camera
+    camera.up = (0.0, 0.0, 1.0) if up == "+z" else (0.0, 1.0, 0.0)
+    camera.position = tuple(eye)
+    camera.look_at = tuple(middle)
+    camera.fov = FIELD_OF_VIEW
+    for client in server.get_clients().values():
+        client.camera.position = eye
+        client.camera.look_at = middle
+        client.camera.fov = FIELD_OF_VIEW

@@ -1,0 +1,97 @@
+"""Placements as viser wants them: quaternions (w, x, y, z) and positions, for many parts at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def _quaternion_products() -> tuple[Array, Array]:
+    """4 q qᵀ of a rotation's quaternion is linear in its matrix: the map of its nine numbers, and the rest."""
+    products = np.zeros((4, 4, 3, 3))
+    diagonal = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
+    for i, signs in enumerate(diagonal):
+        for axis, sign in enumerate(signs):
+            products[i, i, axis, axis] = sign
+    for a, b, c in [(0, 1, 2), (1, 2, 0), (2, 0, 1)]:
+        products[0, a + 1, c, b] = products[a + 1, 0, c, b] = 1.0
+        products[0, a + 1, b, c] = products[a + 1, 0, b, c] = -1.0
+        products[a + 1, b + 1, a, b] = products[b + 1, a + 1, a, b] = 1.0
+        products[a + 1, b + 1, b, a] = products[b + 1, a + 1, b, a] = 1.0
+    return np.ascontiguousarray(products.reshape(16, 9).T), np.eye(4).reshape(16)
+
+
+_PRODUCTS, _ONES = _quaternion_products()
+
+
+def wxyz_of(rotations: Array) -> Array:
+    """Unit quaternions (w, x, y, z), shape (N, 4), of rotation matrices, shape (N, 3, 3)."""
+    count = len(rotations)
+    products = rotations.reshape(count, 9) @ _PRODUCTS
+    products += _ONES
+    # The row of the largest component has no cancellation, near half turns too.
+    largest = products[:, ::5].argmax(axis=1)
+    rows: Array = products.reshape(count, 4, 4)[np.arange(count), largest]
+    rows /= np.sqrt(np.einsum("ij,ij->i", rows, rows))[:, None]
+    return rows
+
+
+def matrix_of(wxyz: Array, position: Array) -> Array:
+    """The placement, shape (4, 4), of a quaternion (w, x, y, z) of any length and a position."""
+    w, x, y, z = np.asarray(wxyz, dtype=float) / np.linalg.norm(wxyz)
+    placement = np.eye(4)
+    placement[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    placement[:3, 3] = position
+    return placement
+
+
+def placement_of(value: object, name: str = "placement") -> Array:
+    """A 4 x 4 array of what stands for a placement: an array, or what has `homogeneous`, `as_matrix()` or `A`.
+
+    Three numbers are a position. A shape that is neither is a `ValueError`.
+    """
+    for attribute in ("homogeneous", "as_matrix", "A"):
+        found = getattr(value, attribute, None)
+        if found is not None:
+            value = found() if callable(found) else found
+            break
+    array = np.asarray(value, dtype=float)
+    if array.shape == (3,):
+        moved = np.eye(4)
+        moved[:3, 3] = array
+        return moved
+    if array.shape != (4, 4):
+        raise ValueError(f"{name} has shape {array.shape}: (4, 4), or (3,) for a position")
+    return array
+
+
+def inverse(placement: Array) -> Array:
+    """The inverse of a rigid placement, shape (4, 4)."""
+    turned = placement[:3, :3].T
+    result = np.eye(4)
+    result[:3, :3] = turned
+    result[:3, 3] = -turned @ placement[:3, 3]
+    return result
+
+
+def between(first: Array, second: Array, share: float) -> Array:
+    """A placement on the way from one to another: positions straight, rotations by the shortest turn."""
+    if share >= 1.0:
+        return second
+    a, b = wxyz_of(np.stack([first[:3, :3], second[:3, :3]]))
+    cosine = float(a @ b)
+    if cosine < 0.0:
+        b, cosine = -b, -cosine
+    angle = np.arccos(min(cosine, 1.0))
+    if angle < 1e-6:
+        turned = (1.0 - share) * a + share * b
+    else:
+        turned = np.sin((1.0 - share) * angle) * a + np.sin(share * angle) * b
+    position = (1.0 - share) * first[:3, 3] + share * second[:3, 3]
+    return matrix_of(turned, position)

@@ -1,0 +1,237 @@
+"""Scenes: what is drawn is where the library says, and only what moved is sent."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+viser = pytest.importorskip(
+    "viser", reason="SKIPPED: the viewer's tests need viser (pip install 'kinopt[view]')"
+)
+
+from kinopt.view import Scene, solids  # noqa: E402
+from kinopt.view.transforms import between, matrix_of, wxyz_of  # noqa: E402
+
+MODELS = Path(__file__).parents[2] / "models"
+
+
+@pytest.fixture
+def scene():
+    with Scene(port=8200) as scene:
+        yield scene
+
+
+def panda():
+    return kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+
+
+def random_rotations(count, seed=0):
+    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(count, 3, 3)))
+    q *= np.sign(np.diagonal(r, axis1=1, axis2=2))[:, None]
+    q[np.linalg.det(q) < 0.0, :, 0] *= -1.0
+    return q
+
+
+def half_turns():
+    axes = np.random.default_rng(1).normal(size=(50, 3))
+    axes = np.concatenate([axes, np.eye(3), [[1, -1, 0], [0, 1, -1], [-1, 0, 1]]])
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    return 2.0 * axes[:, :, None] * axes[:, None, :] - np.eye(3)
+
+
+@pytest.mark.parametrize("rotations", [random_rotations(500), half_turns(), np.eye(3)[None]])
+def test_quaternions_are_their_rotations_near_half_turns_too(rotations):
+    wxyz = wxyz_of(rotations)
+    assert np.allclose(np.linalg.norm(wxyz, axis=1), 1.0, atol=1e-15)
+    back = np.stack([matrix_of(one, np.zeros(3))[:3, :3] for one in wxyz])
+    assert np.abs(back - rotations).max() < 1e-14
+
+
+def test_the_way_between_placements_is_straight_and_turns_evenly():
+    first, second = np.eye(4), np.eye(4)
+    second[:3, :3] = random_rotations(1, 5)[0]
+    second[:3, 3] = [1.0, 2.0, 3.0]
+    middle = between(first, second, 0.5)
+    assert np.allclose(middle[:3, 3], [0.5, 1.0, 1.5])
+    assert np.allclose(middle[:3, :3] @ middle[:3, :3], second[:3, :3], atol=1e-12)
+    assert np.array_equal(between(first, second, 1.0), second)
+
+
+def volume(solid):
+    a, b, c = (solid.vertices[solid.triangles[:, i]] for i in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
+
+
+def area(solid):
+    a, b, c = (solid.vertices[solid.triangles[:, i]] for i in range(3))
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0
+
+
+def test_simple_bodies_enclose_their_volumes():
+    ball = 4.0 / 3.0 * np.pi * 0.2**3
+    assert volume(solids.sphere(0.2)) == pytest.approx(ball, rel=0.02)
+    assert volume(solids.capsule(0.7, 0.2)) == pytest.approx(ball + 0.7 * np.pi * 0.2**2, rel=0.01)
+    assert volume(solids.cylinder(0.7, 0.2)) == pytest.approx(0.7 * np.pi * 0.2**2, rel=0.01)
+    assert volume(solids.box([0.1, 0.2, 0.3])) == pytest.approx(0.006)
+    assert volume(solids.box([0.1, 0.2, 0.3]).scaled([-2.0, 1.0, 1.0])) == pytest.approx(0.012)
+    moved = solids.capsule_between(np.array([1.0, 0.0, 0.0]), np.array([1.0, 0.5, 0.5]), 0.1)
+    middle = (moved.vertices.min(axis=0) + moved.vertices.max(axis=0)) / 2
+    assert np.allclose(middle, [1.0, 0.25, 0.25])
+
+
+def test_creases_split_sharp_edges_and_leave_smooth_ones():
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    box = solids.box([1.0, 1.0, 1.0]).moved(matrix_of(np.array([1.0, 0, 0, 0]), np.full(3, 0.5)))
+    shared = np.array([[np.abs(corners - vertex).sum(axis=1).argmin() for vertex in box.vertices]]).reshape(
+        -1
+    )
+    welded = solids.Solid(corners, shared[box.triangles].astype(np.uint32))
+    split = solids.creased(welded)
+    assert len(split.vertices) == 24
+    assert volume(split) == pytest.approx(1.0)
+    ball = solids.sphere(1.0)
+    smooth = solids.creased(ball)
+    assert len(smooth.vertices) <= len(ball.vertices)
+    assert area(smooth) == pytest.approx(area(ball))
+
+
+def sent(scene, kind):
+    """Transforms that wait for the page, by the node's name."""
+    messages = scene.server._websock_server._broadcast_buffer.message_from_id.values()
+    return {m.name: m for m in messages if type(m).__name__ == kind}
+
+
+@pytest.mark.parametrize("style", ["auto", "file", "capsules"])
+def test_a_robot_stands_where_its_kinematics_says(scene, style):
+    robot = panda()
+    at = np.eye(4)
+    at[:3, 3] = [0.5, -1.0, 0.2]
+    body = scene.add(robot, at=at, style=style)
+    q = robot.random_configuration(3)
+    body.q = q
+    assert np.array_equal(body.q, q)
+    assert np.allclose(body.frame("tool"), at @ kinopt.frame_placement(robot, "tool", q))
+    joint5 = body.frame("joint/joint5")
+    assert np.allclose(joint5, at @ kinopt.frame_placement(robot, "link5", q))
+    low, high = body.box()
+    assert (low < body.frame("hand")[:3, 3]).all() and (body.frame("hand")[:3, 3] < high).all()
+    places = [m.position for m in sent(scene, "SetPositionMessage").values()]
+    origin = at @ kinopt.frame_placement(robot, "link6", q)
+    assert np.abs(np.array(places) - origin[:3, 3]).sum(axis=1).min() < 1e-9
+
+
+def test_only_parts_that_moved_are_sent(scene):
+    body = scene.add(panda())
+    q = body.q
+    body.q = q
+    before = scene.server._websock_server._broadcast_buffer.message_counter
+    body.q = q
+    assert scene.server._websock_server._broadcast_buffer.message_counter == before
+    q[6] += 0.3
+    body.q = q
+    # The seventh joint carries the hand alone.
+    moved = scene.server._websock_server._broadcast_buffer.message_counter - before
+    assert 0 < moved < len(sent(scene, "SetPositionMessage"))
+
+
+def test_what_is_wrong_is_said_by_the_library(scene):
+    body = scene.add(panda())
+    with pytest.raises(kinopt.InvalidValueError):
+        body.q = [0.0, 1.0]
+    with pytest.raises(kinopt.InvalidValueError):
+        body.q = np.full(9, np.nan)
+    with pytest.raises(kinopt.UnknownNameError, match="nowhere"):
+        body.frame("nowhere")
+    with pytest.raises(ValueError, match="placement has shape"):
+        scene.target("goal", np.eye(3))
+
+
+URDF = """<robot name="one"><link name="a"><visual><geometry><mesh filename="{file}" scale="2 2 2"/></geometry>
+</visual></link><link name="b"/><joint name="j" type="revolute"><origin xyz="0 0 1"/><parent link="a"/>
+<child link="b"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    "file", ["package://parts/meshes/cube.stl", "meshes/cube.stl", "../parts/meshes/cube.stl"]
+)
+def test_meshes_at_hand_are_drawn(scene, tmp_path, file):
+    import trimesh
+
+    folder = tmp_path / "parts" / "meshes"
+    folder.mkdir(parents=True)
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(folder / "cube.stl")
+    robot = kinopt.Robot.from_urdf_text(URDF.format(file=file))
+    body = scene.add(robot, beside=tmp_path / "parts")
+    assert body.missing == []
+    assert sum(volume(piece.solid) for piece in body.pieces()) == pytest.approx(8.0)
+
+
+def test_meshes_that_are_not_at_hand_are_told_and_capsules_stand_for_them(scene, tmp_path):
+    (tmp_path / "broken.stl").write_text("no mesh at all")
+    for file in ("package://parts/meshes/cube.stl", "broken.stl"):
+        body = scene.add(kinopt.Robot.from_urdf_text(URDF.format(file=file)), beside=tmp_path)
+        assert len(body.missing) == 1 and file.split("/")[-1] in body.missing[0]
+        assert body.pieces()
+
+
+def test_large_and_small_models_are_drawn_in_a_usual_size():
+    for factor in (1e-3, 1.0, 100.0):
+        builder = kinopt.ModelBuilder("chain", "units")
+        place = np.eye(4)
+        place[2, 3] = factor
+        builder.joint("one", axis=[1.0, 0.0, 0.0])
+        builder.joint("two", parent="one", parent_from_joint=place, axis=[1.0, 0.0, 0.0])
+        builder.frame("tip", "two", place)
+        with Scene(port=8210) as scene:
+            body = scene.add(builder.build())
+            assert 0.4 <= scene.drawn * 2.0 * factor <= 4.0
+            body.q = [0.0, np.pi / 2]
+            assert np.allclose(body.frame("tip")[:3, 3], [0.0, -factor, factor])
+
+
+def test_a_target_glides_between_the_places_that_the_page_sends(scene):
+    body = scene.add(panda())
+    target = scene.target("goal", body.frame("tool"))
+    heard = []
+    target.on_move(heard.append)
+    end = body.frame("tool")
+    end[:3, 3] += [0.3, 0.0, 0.0]
+    scene.loop.call(lambda: target._hear(end, "start"))
+    assert target.held and heard == []
+    scene.loop.call(lambda: target._hear(end, "update"))
+    while not heard or not np.array_equal(heard[-1], end):
+        scene.loop.call(lambda: None)
+    ways = np.array([place[0, 3] for place in heard])
+    assert len(ways) >= 3 and (np.diff(ways) >= 0.0).all()
+    scene.loop.call(lambda: target._hear(end, "end"))
+    assert not target.held
+    assert np.array_equal(target.placement, end)
+
+
+def test_a_scripts_own_mistake_is_shown_and_the_page_goes_on(scene, capsys):
+    body = scene.add(panda())
+    target = scene.target("goal", body.frame("tool"))
+    target.on_move(lambda place: 1 / 0)
+    scene.loop.post(lambda: target._hear(np.eye(4), "end"))
+    assert scene.loop.call(lambda: 7) == 7
+    assert "ZeroDivisionError" in scene.loop.failure
+    assert "ZeroDivisionError" in capsys.readouterr().err
+
+
+def test_the_same_name_replaces_and_removal_forgets(scene):
+    first = scene.add(panda(), "robot")
+    second = scene.add(panda(), "robot", color=(200, 100, 50))
+    assert repr(scene).count("robot") == 1 and first is not second
+    second.remove()
+    assert "empty" in repr(scene)
+
+
+def test_frames_points_and_paths_are_drawn(scene):
+    scene.frame("axes", np.eye(4))
+    scene.points("cloud", np.zeros((5, 3)), np.tile([255, 0, 0], (5, 1)))
+    scene.path("way", np.tile(np.eye(4), (4, 1, 1)))
+    scene.label("note", "here", [0.0, 0.0, 1.0])
+    assert "iframe" in scene._repr_html_() and scene.url in scene._repr_html_()
+    assert len(scene.snapshot()) > 10_000
