@@ -1,12 +1,12 @@
-//! Numbers from Python: arrays of float64 in C order are read where they lie, everything else that
-//! numpy can make such an array of is converted.
+//! Numbers from Python: arrays of float64 (of float32 where vertices are meant) in C order are read
+//! where they lie, everything else that numpy can make such an array of is converted.
 
 use std::ops::Deref;
 
-use numpy::ndarray::{Dimension, Ix1, Ix2, Ix3};
+use numpy::ndarray::{Dimension, Ix1, Ix2, Ix3, IxDyn};
 use numpy::{
-    Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
-    PyUntypedArrayMethods,
+    Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyIndexError;
 use pyo3::intern;
@@ -16,18 +16,18 @@ use pyo3::types::PyDict;
 use crate::error::invalid;
 
 /// Numbers of an array in C order.
-pub(crate) struct Numbers<'py, D: Dimension>(PyReadonlyArray<'py, f64, D>);
+pub(crate) struct Numbers<'py, D: Dimension, T: Element = f64>(PyReadonlyArray<'py, T, D>);
 
-impl<D: Dimension> Numbers<'_, D> {
+impl<D: Dimension, T: Element> Numbers<'_, D, T> {
     pub(crate) fn shape(&self) -> &[usize] {
         self.0.shape()
     }
 }
 
-impl<D: Dimension> Deref for Numbers<'_, D> {
-    type Target = [f64];
+impl<D: Dimension, T: Element> Deref for Numbers<'_, D, T> {
+    type Target = [T];
 
-    fn deref(&self) -> &[f64] {
+    fn deref(&self) -> &[T] {
         // `numbers` lets through what is contiguous alone.
         self.0.as_slice().unwrap_or_default()
     }
@@ -41,6 +41,88 @@ pub(crate) type Rows<'py> = Numbers<'py, Ix2>;
 /// A list of numbers; `what` is its name in messages.
 pub(crate) fn vector<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vector<'py>> {
     numbers(value, what, "one list of numbers")
+}
+
+/// One question or many: configurations of shape (k,) or (N, k), numbers of shape () or (N,).
+pub(crate) struct Questions<'py> {
+    numbers: Numbers<'py, IxDyn>,
+    columns: usize,
+    /// How many, where it is not one alone.
+    count: Option<usize>,
+}
+
+impl<'py> Questions<'py> {
+    /// Configurations of so many numbers each; `what` is their name in messages.
+    pub(crate) fn rows(value: &Bound<'py, PyAny>, what: &str, columns: usize) -> PyResult<Self> {
+        let numbers: Numbers<'py, IxDyn> = numbers(value, what, "an array")?;
+        let count = match numbers.shape() {
+            [own] if *own == columns => None,
+            [count, own] if *own == columns => Some(*count),
+            shape => {
+                return Err(invalid(format!(
+                    "{what} has shape {}, expected ({columns},) or (N, {columns})",
+                    shape_text(shape)
+                )));
+            }
+        };
+        Ok(Self {
+            numbers,
+            columns,
+            count,
+        })
+    }
+
+    /// Single numbers, such as times.
+    pub(crate) fn numbers(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Self> {
+        // Converting makes a list of one number of a number, so it is asked first.
+        let one = axes(value)? == 0;
+        let numbers: Numbers<'py, IxDyn> = numbers(value, what, "a number or a list of numbers")?;
+        let count = match numbers.shape() {
+            [_] if one => None,
+            [] => None,
+            [count] => Some(*count),
+            shape => {
+                return Err(invalid(format!(
+                    "{what} has shape {}, expected () or (N,)",
+                    shape_text(shape)
+                )));
+            }
+        };
+        Ok(Self {
+            numbers,
+            columns: 1,
+            count,
+        })
+    }
+
+    /// The shape of answers that have the shape `each` for one question.
+    pub(crate) fn shape(&self, each: &[usize]) -> Vec<usize> {
+        self.count.iter().chain(each).copied().collect()
+    }
+
+    /// Calls `work` with each question and its part of the room, without the GIL; looks at signals
+    /// after every so many.
+    pub(crate) fn each<T: Send>(
+        &self,
+        py: Python<'py>,
+        room: &mut [T],
+        at_a_time: usize,
+        mut work: impl FnMut(&[f64], &mut [T]) -> PyResult<()> + Send,
+    ) -> PyResult<()> {
+        let count = self.count.unwrap_or(1);
+        let width = room.len() / count.max(1);
+        let (q, columns) = (&*self.numbers, self.columns);
+        for first in (0..count).step_by(at_a_time) {
+            py.check_signals()?;
+            py.detach(|| {
+                (first..count.min(first + at_a_time)).try_for_each(|i| {
+                    let q = &q[i * columns..(i + 1) * columns];
+                    work(q, &mut room[i * width..(i + 1) * width])
+                })
+            })?;
+        }
+        Ok(())
+    }
 }
 
 /// A list of `length` numbers.
@@ -115,18 +197,18 @@ pub(crate) fn numpy(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
 }
 
 /// Numbers with as many axes as `D` has.
-fn numbers<'py, D: Dimension>(
+pub(crate) fn numbers<'py, D: Dimension, T: Element>(
     value: &Bound<'py, PyAny>,
     what: &str,
     expected: &str,
-) -> PyResult<Numbers<'py, D>> {
-    if let Ok(array) = value.cast::<PyArray<f64, D>>() {
+) -> PyResult<Numbers<'py, D, T>> {
+    if let Ok(array) = value.cast::<PyArray<T, D>>() {
         if array.is_c_contiguous() {
             return readonly(array, what);
         }
     }
-    let converted = convert::<f64>(value, what)?;
-    let array = converted.cast::<PyArray<f64, D>>().map_err(|_| {
+    let converted = convert::<T>(value, what)?;
+    let array = converted.cast::<PyArray<T, D>>().map_err(|_| {
         let shape: Vec<usize> = converted
             .cast::<PyUntypedArray>()
             .map(|array| array.shape().to_vec())
@@ -139,10 +221,10 @@ fn numbers<'py, D: Dimension>(
     readonly(array, what)
 }
 
-fn readonly<'py, D: Dimension>(
-    array: &Bound<'py, PyArray<f64, D>>,
+fn readonly<'py, D: Dimension, T: Element>(
+    array: &Bound<'py, PyArray<T, D>>,
     what: &str,
-) -> PyResult<Numbers<'py, D>> {
+) -> PyResult<Numbers<'py, D, T>> {
     match array.try_readonly() {
         Ok(array) => Ok(Numbers(array)),
         Err(_) => Err(invalid(format!(
@@ -193,23 +275,49 @@ pub(crate) fn room<'py>(
     rows: usize,
     columns: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let array = room_of::<f64>(py, out, &[rows, columns])?;
+    Ok(array.cast_into::<PyArray2<f64>>()?)
+}
+
+/// An array of the caller's of any shape to write into, or a new one.
+pub(crate) fn room_of<'py, T: Element>(
+    py: Python<'py>,
+    out: Option<&Bound<'py, PyAny>>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let Some(out) = out else {
-        return Ok(PyArray2::zeros(py, [rows, columns], false));
+        return Ok(PyArrayDyn::zeros(py, shape, false));
     };
     let unfit = || {
         invalid(format!(
-            "out must be a writable float64 array of shape ({rows}, {columns}) in C order"
+            "out must be a writable {} array of shape {} in C order",
+            T::get_dtype(py),
+            shape_text(shape)
         ))
     };
-    let array = out.cast::<PyArray2<f64>>().map_err(|_| unfit())?;
+    let array = out.cast::<PyArrayDyn<T>>().map_err(|_| unfit())?;
     let writable: bool = out
         .getattr(intern!(py, "flags"))?
         .getattr(intern!(py, "writeable"))?
         .extract()?;
-    match array.shape() == [rows, columns] && array.is_c_contiguous() && writable {
+    match array.shape() == shape && array.is_c_contiguous() && writable {
         true => Ok(array.clone()),
         false => Err(unfit()),
     }
+}
+
+/// Calls `fill` with the numbers of an array in C order, which nobody else may read or write then.
+pub(crate) fn fill<T: Element, D: Dimension>(
+    array: &Bound<'_, PyArray<T, D>>,
+    fill: impl FnOnce(&mut [T]) -> PyResult<()>,
+) -> PyResult<()> {
+    let mut room = array
+        .try_readwrite()
+        .map_err(|_| invalid("out is being read or written to by another call, or is an input"))?;
+    let numbers = room
+        .as_slice_mut()
+        .map_err(|error| invalid(error.to_string()))?;
+    fill(numbers)
 }
 
 /// A new list of numbers.

@@ -1,8 +1,9 @@
 //! The library's errors as exceptions, with its own messages.
 
-use kinopt::io::{ReadError, ReadProblem};
+use kinopt::io::{ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
 use kinopt::robot::UrdfError;
+use kinopt::skinning::UnknownSkinning;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -64,11 +65,25 @@ macro_rules! faults {
 faults!(
     kinopt::arm::ArmError,
     kinopt::arm::QueryError,
+    kinopt::animation::ClipError,
+    kinopt::animation::SampleError,
+    kinopt::io::rig::RigPosingError,
     kinopt::kinematics::KinematicsError,
+    kinopt::mesh::MeshError,
     kinopt::model::ModelError,
     kinopt::robot::ToolError,
+    kinopt::skeleton::SkeletonError,
+    kinopt::skinning::AutomaticWeightsError,
+    kinopt::skinning::SkinningError,
+    kinopt::skinning::WeightsError,
     serde_json::Error,
 );
+
+impl Fault for UnknownSkinning {
+    fn kind(&self) -> Kind {
+        Kind::UnknownName
+    }
+}
 
 impl Fault for UnknownName {
     fn kind(&self) -> Kind {
@@ -81,6 +96,16 @@ impl Fault for ReadError {
         match self.problem {
             ReadProblem::Io(_) => Kind::File,
             _ => Kind::InvalidFile,
+        }
+    }
+}
+
+impl Fault for WriteError {
+    fn kind(&self) -> Kind {
+        match self.problem.kind() {
+            // What is written cannot be said in the format, or not under this name.
+            std::io::ErrorKind::InvalidInput => Kind::InvalidValue,
+            _ => Kind::File,
         }
     }
 }

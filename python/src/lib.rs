@@ -6,22 +6,30 @@
 
 use pyo3::prelude::*;
 
+mod animation;
 mod arm;
 mod arrays;
 mod error;
 mod goal;
 mod kinematics;
+mod mesh;
 mod model;
 mod placement;
 mod pool;
 mod progress;
+mod rig;
 mod robot;
+mod skeleton;
+mod skinning;
 mod solution;
 mod threads;
+mod vertices;
 
 /// Inverse kinematics by optimisation: the compiled part.
 #[pymodule]
 mod _kinopt {
+    #[pymodule_export]
+    use super::animation::animation;
     #[pymodule_export]
     use super::arm::{Arm, Batch, Follower, Jump, Servo, ServoStep, Track};
     #[pymodule_export]
@@ -29,9 +37,17 @@ mod _kinopt {
     #[pymodule_export]
     use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
     #[pymodule_export]
+    use super::mesh::TriangleMesh;
+    #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
     #[pymodule_export]
+    use super::rig::{Rig, RigPosing};
+    #[pymodule_export]
     use super::robot::{Robot, Shape};
+    #[pymodule_export]
+    use super::skeleton::{Bone, Skeleton, SkeletonBuilder};
+    #[pymodule_export]
+    use super::skinning::skinning;
     #[pymodule_export]
     use super::solution::{ActiveLimit, Counts, RowsReport, Solution, TaskReport};
 
@@ -40,7 +56,7 @@ mod _kinopt {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        register(module, &[])
+        register(module, &["animation", "skinning"])
     }
 }
 

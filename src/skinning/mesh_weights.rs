@@ -3,8 +3,8 @@
 use glam::{Affine3A, Vec3};
 
 use super::{
-    Deformation, DualQuaternionBlend, PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights,
-    SkinWeights, SkinningError, SkinningMethod,
+    Deformation, DualQuaternionBlend, LinearBlend, PackedDualQuaternionBlend, PackedLinearBlend,
+    PackedWeights, PosedVertices, RestVertices, SkinWeights, SkinningError, SkinningMethod,
 };
 use crate::mesh::TriangleMesh;
 
@@ -61,21 +61,49 @@ impl MeshWeights {
         rest: &TriangleMesh,
         transforms: &[Affine3A],
     ) -> Result<TriangleMesh, SkinningError> {
+        self.blend(method, transforms, |blend| blend.mesh(rest))?
+    }
+
+    /// As [`mesh`](Self::mesh), into buffers of the caller's: whichever of positions, normals and
+    /// tangents are there.
+    ///
+    /// # Errors
+    /// As [`mesh`](Self::mesh), but that posed vertices are not looked at.
+    pub fn deform(
+        &self,
+        method: SkinningMethod,
+        transforms: &[Affine3A],
+        rest: RestVertices<'_>,
+        posed: PosedVertices<'_>,
+    ) -> Result<(), SkinningError> {
+        self.blend(method, transforms, |blend| blend.deform(rest, posed))?
+    }
+
+    /// What `then` does with the pose.
+    fn blend<T>(
+        &self,
+        method: SkinningMethod,
+        transforms: &[Affine3A],
+        then: impl FnOnce(&dyn Deformation) -> T,
+    ) -> Result<T, SkinningError> {
         use SkinningMethod::{DualQuaternion, LinearBlend as Linear};
-        match (&self.form, method, &self.pivots) {
+        Ok(match (&self.form, method, &self.pivots) {
             (Form::Packed(weights), Linear, _) => {
-                PackedLinearBlend::new(weights, transforms)?.mesh(rest)
+                then(&PackedLinearBlend::new(weights, transforms)?)
             }
             (Form::Packed(weights), DualQuaternion, None) => {
-                PackedDualQuaternionBlend::new(weights, transforms)?.mesh(rest)
+                then(&PackedDualQuaternionBlend::new(weights, transforms)?)
             }
-            (Form::Packed(weights), DualQuaternion, Some(pivots)) => {
-                PackedDualQuaternionBlend::stretched(weights, transforms, pivots)?.mesh(rest)
+            (Form::Packed(weights), DualQuaternion, Some(pivots)) => then(
+                &PackedDualQuaternionBlend::stretched(weights, transforms, pivots)?,
+            ),
+            (Form::Any(weights), Linear, _) => then(&LinearBlend::new(weights, transforms)?),
+            (Form::Any(weights), DualQuaternion, None) => {
+                then(&DualQuaternionBlend::new(weights, transforms)?)
             }
-            (Form::Any(weights), DualQuaternion, Some(pivots)) => {
-                DualQuaternionBlend::stretched(weights, transforms, pivots)?.mesh(rest)
-            }
-            (Form::Any(weights), method, _) => method.mesh(rest, weights, transforms),
-        }
+            (Form::Any(weights), DualQuaternion, Some(pivots)) => then(
+                &DualQuaternionBlend::stretched(weights, transforms, pivots)?,
+            ),
+        })
     }
 }

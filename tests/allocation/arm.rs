@@ -103,3 +103,34 @@ fn followers_and_servos() {
     assert_eq!(allocations(&mut go), 0);
     assert!(missed > 40, "{missed}");
 }
+
+/// A path that stays out of reach looks for a way round where its branch ends, and not at every miss again.
+#[test]
+fn a_way_round_is_sought_once() {
+    let robot = robot("adept_cobra_s600");
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    // The first joint runs into its limit; the elbow bent the other way would reach on.
+    let limit = arm.limits().next().unwrap().upper;
+    let start = [limit - 0.1, -0.9, 0.1, 0.0];
+    let first = arm.base_from_tool(&start).unwrap();
+    let path: Vec<_> = (0..60)
+        .map(|k| {
+            let turn = 0.01 * f64::from(k);
+            let about = kinopt::spatial::Matrix3::identity().rotated_about_z(turn.sin_cos());
+            Placement::new(about * first.rotation, about * first.translation)
+        })
+        .collect();
+    let mut missed = 0;
+    let mut count = |steps: usize| {
+        let mut track = None;
+        let made = allocations(&mut || track = Some(arm.track(&path[..steps], &start).unwrap()));
+        let solutions = track.unwrap().solutions;
+        missed = solutions.iter().filter(|s| !s.reached).count();
+        made
+    };
+    count(60);
+    let [few, many] = [20, 60].map(&mut count);
+    assert!(missed > 40, "{missed}");
+    // A step's solution is a few.
+    assert!(many - few <= 40 * 8, "{few} {many}");
+}

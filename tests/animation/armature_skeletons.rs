@@ -7,13 +7,12 @@ use kinopt::Solver;
 use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose, PoseAngles, ReachLayer};
 use kinopt::model::Limits;
 use kinopt::spatial::Vector3;
-use rand::rngs::StdRng;
-use rand::{Rng, SeedableRng};
+use support::random::Random;
 
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
 
-fn armature(bones: usize, random: &mut StdRng) -> Armature {
-    let mut number = |most: f32| random.random_range(-most..most);
+fn armature(bones: usize, random: &mut Random) -> Armature {
+    let mut number = |most: f32| most * random.within(-1.0, 1.0) as f32;
     let mut made: Vec<ArmatureBone> = Vec::new();
     for index in 0..bones {
         let turn = [3.0, 1.5, 3.0].map(&mut number);
@@ -39,7 +38,7 @@ fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
 
 #[test]
 fn both_stand_at_the_same_places() {
-    let random = &mut StdRng::seed_from_u64(3);
+    let random = &mut Random::new(3);
     for _ in 0..20 {
         let armature = armature(12, random);
         let skeleton = armature.skeleton("one", |_| FREE).unwrap();
@@ -48,7 +47,7 @@ fn both_stand_at_the_same_places() {
         for round in 0..5 {
             let turn = f64::from(round.min(1)) * 3.0;
             let q: Vec<f64> = (0..skeleton.angles())
-                .map(|_| random.random_range(-1.0..1.0) * turn)
+                .map(|_| random.within(-turn, turn))
                 .collect();
             bridge.pose_of(&q, &mut pose);
             let placed = skeleton.pose(&q).unwrap();
@@ -70,7 +69,7 @@ fn both_stand_at_the_same_places() {
 
 #[test]
 fn a_hand_is_dragged() {
-    let random = &mut StdRng::seed_from_u64(4);
+    let random = &mut Random::new(4);
     for _ in 0..10 {
         let armature = armature(8, random);
         let skeleton = armature.skeleton("one", |_| FREE).unwrap();
@@ -78,7 +77,7 @@ fn a_hand_is_dragged() {
         let mut layer = ReachLayer::new(&skeleton, &[hand], Solver::default()).unwrap();
         // Where another pose has it, so it can be reached.
         let q: Vec<f64> = (0..skeleton.angles())
-            .map(|_| random.random_range(-1.0..1.0))
+            .map(|_| random.within(-1.0, 1.0))
             .collect();
         let target = skeleton.pose(&q).unwrap().tip(&skeleton, hand).unwrap();
         layer.set_goal(hand, target, 1.0).unwrap();
@@ -135,11 +134,11 @@ fn a_bone_may_be_called_as_a_tip_is() {
 
 #[test]
 fn a_figure_rests_in_a_pose_of_its_own() {
-    let random = &mut StdRng::seed_from_u64(6);
+    let random = &mut Random::new(6);
     let armature = armature(6, random);
     let mut pose = armature.rest().clone();
     for bone in (0..6).filter_map(|bone| armature.bone_at(bone)) {
-        let turn = Quat::from_rotation_y(random.random_range(-1.0..1.0));
+        let turn = Quat::from_rotation_y(random.within(-1.0, 1.0) as f32);
         pose.set_rotation(bone, turn).unwrap();
     }
     let expected = places(&armature, &pose);
@@ -188,6 +187,6 @@ fn uneven_scales_with_children_are_refused() {
     }
     assert!(with([2.0; 3], true).is_ok());
     let backwards = |_| [Limits::new(1.0, -1.0); 3];
-    let armature = armature(2, &mut StdRng::seed_from_u64(5));
+    let armature = armature(2, &mut Random::new(5));
     assert!(armature.skeleton("one", backwards).is_err());
 }

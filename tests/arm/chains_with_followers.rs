@@ -42,7 +42,7 @@ fn follower_arm(number: u64) -> Option<(Arm, String, String)> {
 
 #[test]
 fn random_chains_reach_what_they_can() {
-    let count = cases(60, 12);
+    let count = cases(60, 6);
     for number in 0..24 {
         let Some((arm, text, tip)) = follower_arm(number) else {
             continue;
@@ -92,7 +92,7 @@ fn searches_that_compare_look_from_seeds_too() {
         .with_search(Search::Nearest)
         .build()
         .unwrap();
-    assert_eq!(missed(&nearest, &tree, ("l0", &tip), 5, cases(60, 10)), 0);
+    assert_eq!(missed(&nearest, &tree, ("l0", &tip), 5, cases(60, 5)), 0);
 }
 
 /// The winner is the attempt that reached, which ends the search: the last of those that were made.

@@ -69,16 +69,19 @@ fn plain(search: Search) -> &'static Arm {
     })
 }
 
-/// Solves random poses from random starts with a goal, and hands (wanted, found) to a judge.
-fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) {
+/// Solves random poses from random starts with a goal, and hands (wanted, found) to a judge; how many.
+fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) -> usize {
+    let count = cases(count, count.div_ceil(3));
+    let mut all = 0;
     for search in [Search::Start, Search::First, Search::Nearest] {
         let arm = plain(search).with_goal(goal).unwrap();
         let mut random = Random(41);
         let count = if search == Search::Nearest {
-            count / 3
+            count.div_ceil(3)
         } else {
             count
         };
+        all += count;
         for _ in 0..count {
             let wanted = base_from_tip(&random.configuration(&arm));
             let start = random.configuration(&arm);
@@ -88,24 +91,25 @@ fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) {
             judge(&wanted, &base_from_tip(&solution.q));
         }
     }
+    all
 }
 
 #[test]
 fn the_position_alone() {
     let mut turned = 0;
-    solved(Goal::position(), 30, |wanted, found| {
+    let all = solved(Goal::position(), 30, |wanted, found| {
         let (metres, radians) = apart(wanted, found);
         assert!(metres <= 1e-6, "{metres:e}");
         turned += usize::from(radians > 0.1);
     });
-    assert!(turned > 40, "the freedom was not used: {turned}");
+    assert!(2 * turned > all, "the freedom was not used: {turned}");
 }
 
 #[test]
 fn any_axis_of_the_tool_free_to_turn_about() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut turned = 0;
-        solved(Goal::free_about(axis), 18, |wanted, found| {
+        let all = solved(Goal::free_about(axis), 18, |wanted, found| {
             let (metres, radians) = apart(wanted, found);
             let tilt = angle(column(wanted, j), column(found, j));
             assert!(
@@ -114,7 +118,7 @@ fn any_axis_of_the_tool_free_to_turn_about() {
             );
             turned += usize::from(radians > 0.1);
         });
-        assert!(turned > 20, "the freedom was not used: {turned}");
+        assert!(3 * turned > all, "the freedom was not used: {turned}");
     }
 }
 
@@ -122,7 +126,7 @@ fn any_axis_of_the_tool_free_to_turn_about() {
 fn any_axis_of_the_tool_free_to_slide_along() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut slid = 0;
-        solved(Goal::free_along(axis), 12, |wanted, found| {
+        let all = solved(Goal::free_along(axis), 12, |wanted, found| {
             let mut off = column(&product(&inverse(wanted), found), 3);
             slid += usize::from(off[j].abs() > 0.01);
             off[j] = 0.0;
@@ -132,7 +136,7 @@ fn any_axis_of_the_tool_free_to_slide_along() {
                 "{axis:?}: {off:?} {radians:e}"
             );
         });
-        assert!(slid > 10, "the freedom was not used: {slid}");
+        assert!(3 * slid > all, "the freedom was not used: {slid}");
     }
 }
 
@@ -146,7 +150,7 @@ fn intervals_in_the_tool_frame() {
         [inf, 0.03, 0.0, 0.2, pi, 0.0],
     ] {
         let mut used = 0;
-        solved(Goal::within(half_widths), 9, |wanted, found| {
+        let all = solved(Goal::within(half_widths), 9, |wanted, found| {
             let off = product(&inverse(wanted), found);
             let excess = |value: f64, room: f64| (value.abs() - room).max(0.0);
             let (p, v) = (column(&off, 3), quaternion_vector(&off));
@@ -166,7 +170,7 @@ fn intervals_in_the_tool_frame() {
             let (metres, radians) = apart(wanted, found);
             used += usize::from(metres > 1e-4 || radians > 1e-3);
         });
-        assert!(used > 10, "the room was not used: {used}");
+        assert!(3 * used > all, "the room was not used: {used}");
     }
 }
 
@@ -176,7 +180,7 @@ fn tolerances_as_wide_and_as_narrow_as_asked() {
         let arm = builder().with_position_tolerance(metres);
         let arm = arm.with_orientation_tolerance(radians).build().unwrap();
         let mut random = Random(42);
-        for _ in 0..30 {
+        for _ in 0..cases(30, 10) {
             let wanted = base_from_tip(&random.configuration(&arm));
             let start = random.configuration(&arm);
             let solution = arm.solve(placement(&wanted), &start).unwrap();
@@ -233,14 +237,15 @@ fn null_space_part(arm: &Arm, q: &[f64], wanted: &[f64]) -> f64 {
 #[test]
 fn a_posture_is_as_near_as_the_null_space_allows() {
     for search in [Search::Start, Search::First] {
-        let plain = builder().with_search(search).build().unwrap();
-        let posed = builder().with_search(search).with_posture(&POSTURE);
-        let posed = posed.build().unwrap();
+        let plain = plain(search);
+        let atlas = search == Search::First;
+        let posed = builder().with_search(search).with_atlas(atlas);
+        let posed = posed.with_posture(&POSTURE).build().unwrap();
         let mut random = Random(43);
         let (mut nearer, mut best) = (0, 0);
         for _ in 0..40 {
-            let wanted = base_from_tip(&random.configuration(&plain));
-            let start = random.configuration(&plain);
+            let wanted = base_from_tip(&random.configuration(plain));
+            let start = random.configuration(plain);
             let a = plain.solve(placement(&wanted), &start).unwrap();
             let b = posed.solve(placement(&wanted), &start).unwrap();
             assert!(a.reached && b.reached && within_limits(&posed, &b.q));
@@ -270,7 +275,7 @@ fn weights_say_what_near_means() {
             .sqrt()
     };
     let mut random = Random(44);
-    let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, cases(20, 12));
+    let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, cases(20, 8));
     for _ in 0..cases {
         let wanted = placement(&base_from_tip(&random.configuration(even)));
         let start = random.configuration(even);

@@ -10,6 +10,7 @@ use kinopt::arm::{Arm, ArmError, Axis, Goal, Mechanism, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
+use support::sample::cases;
 
 const UNIT_Z: Vector3<f64> = Vector3::UNITS[2];
 
@@ -175,15 +176,15 @@ fn seeds_fit_whatever_the_tool() {
         let bare = builder().build().unwrap();
         let unseeded = builder().with_atlas(false).build().unwrap();
         let mean = |arm: &Arm| {
-            let (mut random, mut iterations) = (Random(11), 0);
-            for _ in 0..150 {
+            let (mut random, mut iterations, count) = (Random(11), 0, cases(150, 60));
+            for _ in 0..count {
                 let [start, goal] = [(); 2].map(|()| random.configuration(arm));
                 let target = arm.base_from_tool(&goal).unwrap();
                 let solution = arm.solve(target, &start).unwrap();
                 assert!(solution.reached, "{}", solution.explain());
                 iterations += solution.iterations;
             }
-            iterations as f64 / 150.0
+            iterations as f64 / count as f64
         };
         let own = mean(&bare);
         for tool in tools() {

@@ -7,7 +7,7 @@ use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
 use kinopt::spatial::Placement;
 use rayon::prelude::*;
 use support::arms::{Random, panda, robot};
-use support::sample::cases;
+use support::sample::{cases, part};
 
 type Questions = (Vec<Placement<f64>>, Vec<f64>);
 
@@ -60,7 +60,7 @@ fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
         .flat_map(|s| &s.q)
         .map(|v| v.to_bits())
         .collect();
-    for threads in [1, 2, 8] {
+    for threads in part([8, 1, 2], 2) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
             let parallel = arm.solve_batch_parallel(goals, starts).unwrap();
@@ -111,7 +111,7 @@ fn searches_that_compare() {
     for search in [Search::Nearest, distinct] {
         let builder = Arm::builder(&robot, base, tip);
         let builder = builder.with_search(search).with_attempts(30);
-        the_same_bits(&builder.with_atlas(false), cases(5, 3));
+        the_same_bits(&builder.with_atlas(false), cases(5, 2));
     }
 }
 
@@ -119,17 +119,17 @@ fn searches_that_compare() {
 fn options_that_leave_the_lanes() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
-    the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 3));
-    the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 3));
+    the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 2));
+    the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
     let goal = Goal::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
-    the_same_bits(&builder().with_goal(goal).with_seed(5), cases(6, 3));
+    the_same_bits(&builder().with_goal(goal).with_seed(5), cases(6, 2));
 }
 
 #[test]
 fn a_chain_with_a_follower() {
     let robot = robot("aldebaran_nao");
     let builder = Arm::builder(&robot, "left_sole", "right_sole");
-    the_same_bits(&builder.with_atlas(false), cases(6, 3));
+    the_same_bits(&builder.with_atlas(false), cases(6, 2));
 }
 
 #[test]
@@ -142,10 +142,10 @@ fn several_answers_and_a_path() {
     let builder = Arm::builder(&robot, base, tip);
     let builder = builder.with_search(distinct).with_atlas(false);
     let arm = builder.build().unwrap();
-    let (goals, starts) = questions(&arm, 6);
-    let path: Vec<_> = (0..40)
+    let (goals, starts) = questions(&arm, cases(6, 3));
+    let path: Vec<_> = (0..cases(40, 20))
         .map(|k| {
-            let s = f64::from(k) * 0.02;
+            let s = k as f64 * 0.02;
             let q = [0.1 + s, -0.4, 0.2, -1.8 + s, 0.3, 1.7, 0.5 - s];
             arm.base_from_tool(&q).unwrap()
         })
@@ -159,7 +159,7 @@ fn several_answers_and_a_path() {
         bits(&all)
     };
     let once = run();
-    for threads in [1, 2, 8] {
+    for threads in part([8, 1, 2], 2) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let runs: Vec<_> = pool
             .build()

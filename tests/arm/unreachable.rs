@@ -11,7 +11,7 @@ use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use support::arms::{Random, apart, base_from_tip, robot, within_limits};
-use support::sample::cases;
+use support::sample::{cases, few};
 
 /// Metres that weigh as much as a radian.
 const WEIGHT: f64 = 0.25;
@@ -105,7 +105,7 @@ fn stationary(name: &str, base: &str, tip: &str) {
     let arm = arm.build().unwrap();
     let mut random = Random(17);
     let (mut missed, mut held) = (0, 0);
-    let count = cases(40, 18);
+    let count = cases(40, 12);
     for k in 0..count {
         let q = random.configuration(&arm);
         let at = base_from_tip(robot.model(), &arm, &q, base, tip);
@@ -244,9 +244,9 @@ fn no_attempts_are_made_in_vain_beyond_all_reach() {
         let robot = robot(file);
         let builder = || Arm::builder(&robot, "base", tip);
         for search in [Search::Start, Search::Nearest] {
-            let arm = builder().with_search(search).build().unwrap();
-            let many = builder().with_search(search).with_attempts(40);
-            let many = many.build().unwrap();
+            let builder = || builder().with_search(search).with_atlas(!few());
+            let arm = builder().build().unwrap();
+            let many = builder().with_attempts(40).build().unwrap();
             let mut random = Random(8);
             for _ in 0..cases(20, 3) {
                 let q = random.configuration(&arm);

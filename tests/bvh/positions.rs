@@ -7,8 +7,7 @@ use glam::{Affine3A, Quat, Vec3};
 use kinopt::animation::rotation::EulerOrder;
 use kinopt::animation::{Cursor, Playback};
 use kinopt::io::bvh::{self, BvhChannel, MotionCapture};
-use rand::rngs::StdRng;
-use rand::{Rng, SeedableRng};
+use support::random::Random;
 
 const POSITIONS: &str = "Xposition Yposition Zposition";
 
@@ -54,16 +53,16 @@ fn check(file: &File, case: &str) {
 }
 
 fn frames(joints: &[Joint], count: usize, seed: u64) -> Vec<Vec<f64>> {
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = Random::new(seed);
     let channels = joints.iter().flat_map(|joint| &joint.channels);
     let channels: Vec<&String> = channels.collect();
     let mut frame = || {
         let values = channels
             .iter()
             .map(|channel| match channel.contains("pos") {
-                true => random.random_range(-3.0..3.0),
+                true => random.within(-3.0, 3.0),
                 // Beyond whole turns as well.
-                false => random.random_range(-500.0..500.0),
+                false => random.within(-500.0, 500.0),
             });
         values.collect()
     };

@@ -12,8 +12,7 @@ use kinopt::animation::{
     Armature, ArmatureBone, Channel, Clip, Cursor, LocalTransform, Playback, Pose,
 };
 use kinopt::io::bvh::{self, BvhChannel, BvhError, MotionCapture};
-use rand::rngs::StdRng;
-use rand::{Rng, SeedableRng};
+use support::random::Random;
 
 fn bone(name: &str, parent: Option<usize>, translation: Vec3A, rotation: Quat) -> ArmatureBone {
     let rest = LocalTransform {
@@ -25,20 +24,20 @@ fn bone(name: &str, parent: Option<usize>, translation: Vec3A, rotation: Quat) -
     ArmatureBone { name, parent, rest }
 }
 
-fn turn(random: &mut StdRng) -> Quat {
-    let mut component = || random.random_range(-1.0..1.0f32);
+fn turn(random: &mut Random) -> Quat {
+    let mut component = || random.within(-1.0, 1.0) as f32;
     Quat::from_xyzw(component(), component(), component(), component()).normalize()
 }
 
-fn vector(random: &mut StdRng) -> Vec3A {
+fn vector(random: &mut Random) -> Vec3A {
     Vec3A::from(std::array::from_fn::<f32, 3, _>(|_| {
-        random.random_range(-1.0..1.0)
+        random.within(-1.0, 1.0) as f32
     }))
 }
 
 /// Six bones in two trees; not in the order of a file, as a branch goes on after its sibling.
 fn armature(turned: bool) -> Armature {
-    let mut random = StdRng::seed_from_u64(5);
+    let mut random = Random::new(5);
     let mut bones = Vec::new();
     for (name, parent) in [
         ("hips", None),
@@ -62,7 +61,7 @@ fn armature(turned: bool) -> Armature {
 
 /// Poses with every bone turned, the roots and the foot moved.
 fn poses(armature: &Armature, count: usize) -> Vec<Pose> {
-    let mut random = StdRng::seed_from_u64(6);
+    let mut random = Random::new(6);
     let poses = (0..count).map(|_| {
         let mut pose = armature.rest().clone();
         for index in 0..5 {

@@ -9,28 +9,25 @@ use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, LocalTransform};
 use kinopt::io::gltf::{self, Scene, SceneMesh, ScenePosing, Skin, WriteOptions};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MorphTarget, MorphTargets, SkinWeights, SkinningMethod};
-use rand::rngs::StdRng;
-use rand::{Rng, SeedableRng};
 use support::gltf_text::at;
+use support::random::Random;
 
 const BONES: usize = 9;
 const VERTICES: usize = 40;
 
-fn vector(random: &mut StdRng) -> Vec3 {
-    Vec3::from_array(std::array::from_fn(|_| random.random_range(-2.0f32..2.0)))
+fn vector(random: &mut Random) -> Vec3 {
+    Vec3::from_array(std::array::from_fn(|_| random.within(-2.0, 2.0) as f32))
 }
 
-fn rotation(random: &mut StdRng) -> Quat {
+fn rotation(random: &mut Random) -> Quat {
     let [a, b, c] = vector(random).to_array();
     Quat::from_euler(EulerRot::XYZ, a, b, c)
 }
 
-fn armature(random: &mut StdRng) -> Armature {
+fn armature(random: &mut Random) -> Armature {
     let bones = (0..BONES).map(|index| ArmatureBone {
         name: format!("bone {index}"),
-        parent: index
-            .checked_sub(1)
-            .map(|last| random.random_range(0..=last)),
+        parent: index.checked_sub(1).map(|last| random.below(last + 1)),
         rest: LocalTransform {
             translation: vector(random).into(),
             rotation: rotation(random),
@@ -43,16 +40,16 @@ fn armature(random: &mut StdRng) -> Armature {
     armature.with_rest_morph_weights(&[0.0, 0.3, -0.1]).unwrap()
 }
 
-fn mesh(random: &mut StdRng) -> TriangleMesh {
+fn mesh(random: &mut Random) -> TriangleMesh {
     let positions = (0..VERTICES).map(|_| vector(random)).collect();
     let normals = (0..VERTICES).map(|_| vector(random).normalize()).collect();
-    let corner = |random: &mut StdRng| random.random_range(0..VERTICES as u32);
+    let corner = |random: &mut Random| random.below(VERTICES) as u32;
     let triangles = (0..30).map(|_| std::array::from_fn(|_| corner(random)));
     TriangleMesh::new(positions, normals, triangles.collect()).unwrap()
 }
 
-fn targets(random: &mut StdRng) -> MorphTargets {
-    let list = |vertices: &[u32], random: &mut StdRng| -> Vec<Vec3> {
+fn targets(random: &mut Random) -> MorphTargets {
+    let list = |vertices: &[u32], random: &mut Random| -> Vec<Vec3> {
         vertices.iter().map(|_| vector(random)).collect()
     };
     let few = vec![0, 3, 17];
@@ -68,30 +65,28 @@ fn targets(random: &mut StdRng) -> MorphTargets {
 }
 
 /// Weights whose sum is 1 also in single precision: multiples of 2⁻¹⁰. Some vertices have six.
-fn weights(joints: usize, random: &mut StdRng) -> SkinWeights {
+fn weights(joints: usize, random: &mut Random) -> SkinWeights {
     let mut builder = SkinWeights::builder(VERTICES, joints);
     for vertex in 0..VERTICES {
         let count = 1 + vertex % 6;
-        let first = random.random_range(0..joints);
+        let first = random.below(joints);
         let mut left = 1024;
         for place in 0..count {
             let share = match place + 1 == count {
                 true => left,
-                false => random.random_range(1..=left / 3),
+                false => 1 + random.below(left / 3),
             };
             left -= share;
             let bone = (first + place) % joints;
-            builder
-                .add(vertex, bone, f64::from(share) / 1024.0)
-                .unwrap();
+            builder.add(vertex, bone, share as f64 / 1024.0).unwrap();
         }
     }
     builder.build().unwrap()
 }
 
-fn skin(armature: &Armature, bones: &[usize], random: &mut StdRng) -> Skin {
+fn skin(armature: &Armature, bones: &[usize], random: &mut Random) -> Skin {
     // Not the inverse of the rest pose.
-    let bound = |random: &mut StdRng| {
+    let bound = |random: &mut Random| {
         let scale = Vec3::ONE + vector(random) * 0.1;
         Affine3A::from_scale_rotation_translation(scale, rotation(random), vector(random))
     };
@@ -108,7 +103,7 @@ fn skin(armature: &Armature, bones: &[usize], random: &mut StdRng) -> Skin {
 
 /// A scene whose every part glTF has.
 fn scene() -> Scene {
-    let random = &mut StdRng::seed_from_u64(7);
+    let random = &mut Random::new(7);
     let armature = armature(random);
     let none = || MorphTargets::new(VERTICES, Vec::new()).unwrap();
     let body = SceneMesh {
@@ -168,23 +163,23 @@ fn scene() -> Scene {
     }
 }
 
-fn times(count: usize, random: &mut StdRng) -> Vec<f32> {
+fn times(count: usize, random: &mut Random) -> Vec<f32> {
     let mut time = 0.25;
     let mut next = || {
-        time += random.random_range(0.01f32..0.3);
+        time += random.within(0.01, 0.3) as f32;
         time
     };
     (0..count).map(|_| next()).collect()
 }
 
 /// Every kind of curve that glTF has.
-fn walk(armature: &Armature, random: &mut StdRng) -> Clip {
+fn walk(armature: &Armature, random: &mut Random) -> Clip {
     let mut builder = Clip::builder("walk", armature);
     let bone = |index| armature.bone_at(index).unwrap();
-    let vectors = |count: usize, random: &mut StdRng| -> Vec<Vec3A> {
+    let vectors = |count: usize, random: &mut Random| -> Vec<Vec3A> {
         (0..count).map(|_| vector(random).into()).collect()
     };
-    let turns = |count: usize, random: &mut StdRng| -> Vec<Quat> {
+    let turns = |count: usize, random: &mut Random| -> Vec<Quat> {
         (0..count).map(|_| rotation(random)).collect()
     };
     let shared = times(12, random);
@@ -265,9 +260,9 @@ fn walk(armature: &Armature, random: &mut StdRng) -> Clip {
     for (index, channel) in channels {
         builder.channel(bone(index), channel).unwrap();
     }
-    let numbers = |random: &mut StdRng| {
+    let numbers = |random: &mut Random| {
         (0..5)
-            .map(|_| random.random_range(-1.0f32..1.0))
+            .map(|_| random.within(-1.0, 1.0) as f32)
             .collect::<Vec<_>>()
     };
     for target in 0..2 {

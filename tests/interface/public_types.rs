@@ -69,7 +69,7 @@ each! { value:
     io::Place, io::bvh::BvhChannel, io::bvh::BvhNote, io::bvh::MotionCapture,
     io::dmat::DmatEncoding, io::gltf::Note, io::gltf::Scene, io::gltf::SceneMesh,
     io::gltf::ScenePosing, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
-    io::rig::Rig, io::rig::RigNote, io::rig::RigPosing,
+    io::rig::Rig, io::rig::RigNote, io::rig::RigPosing<&io::rig::Rig>,
 }
 
 each! { value:

@@ -113,3 +113,30 @@ fn what_a_long_slide_cannot_resolve_is_not_reached() {
         assert_eq!(outcome.reached, reached, "{x}: {outcome:?}");
     }
 }
+
+/// Rounding of every link adds up: of links that would resolve the tolerance each alone, so many do not.
+#[test]
+fn what_many_long_links_cannot_resolve_is_not_reached() {
+    let link = Placement::translation(Vector3::new(1e8, 0.0, 0.0));
+    let axes = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    let joint = |k: usize| ChainJoint {
+        parent_from_joint: link,
+        axis: Vector3::from(axes[k % 3]),
+        kind: JointKind::Revolute,
+        lower: -1.0,
+        upper: 1.0,
+    };
+    let reached = |joints: usize| {
+        let chain = Chain::new((0..joints).map(joint).collect(), link).unwrap();
+        let options = LaneOptions {
+            atlas: false,
+            ..LaneOptions::default()
+        };
+        let solver = PoseSolver::new(&chain, options).unwrap();
+        let q = vec![0.1; joints];
+        let goal = chain.base_from_tip(&q);
+        let outcome = solver.solve(&goal, &q, Prefer::Start, None, &mut vec![0.0; joints]);
+        outcome.unwrap().reached
+    };
+    assert!(reached(1) && !reached(8));
+}

@@ -160,7 +160,7 @@ fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
 #[test]
 fn the_default_solver_ends_no_higher_than_the_best_of_the_references() {
     let (models, problems) = reference();
-    let looked_at: Vec<_> = part(&problems, 3).collect();
+    let looked_at: Vec<_> = part(&problems, 5).collect();
     let verdicts: Vec<Verdict<'_>> = std::thread::scope(|scope| {
         // By turns, so that every thread gets its share of the large ones.
         let workers: Vec<_> = (0..THREADS)

@@ -1,9 +1,12 @@
 //! Promise: from joint angles to a posed mesh in one call, the same as step by step.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::sync::Arc;
+
+use glam::Vec3;
 use kinopt::animation::{Armature, PoseAngles};
-use kinopt::io::rig::{Rig, RigPosingError};
-use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
+use kinopt::io::rig::{Rig, RigPosing, RigPosingError};
+use kinopt::skinning::{MeshWeights, PosedVertices, SkinningMethod, single_precision_transform};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver};
 
@@ -48,6 +51,28 @@ fn a_solution_poses_the_mesh() {
         let pairs = of_pose.positions().iter().zip(posed.positions());
         assert!(pairs.into_iter().all(|(a, b)| a.abs_diff_eq(*b, 1e-5)));
         assert_eq!(posing.mesh(&solution.q).unwrap(), posed);
+
+        // Into memory of the caller's, by what owns the rig.
+        let mut owned = RigPosing::new(Arc::new(rig.clone()), method).unwrap();
+        let mut positions = vec![Vec3::ZERO; posed.positions().len()];
+        let buffers = PosedVertices {
+            positions: &mut positions,
+            ..PosedVertices::default()
+        };
+        owned.deform(&solution.q, buffers).unwrap();
+        assert_eq!(positions, posed.positions());
+        let mut normals = vec![Vec3::ZERO; posed.normals().len()];
+        let buffers = PosedVertices {
+            normals: &mut normals,
+            ..PosedVertices::default()
+        };
+        owned.deform_to_pose(&pose, buffers).unwrap();
+        assert_eq!(normals, of_pose.normals());
+        let short = PosedVertices {
+            positions: &mut positions[1..],
+            ..PosedVertices::default()
+        };
+        assert!(owned.deform(&solution.q, short).is_err());
     }
 }
 

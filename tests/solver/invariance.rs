@@ -14,6 +14,7 @@ use kinopt::task::{Orientation, Point, Pose, Quantity};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
 use support::random::Random;
+use support::sample::part;
 use support::trees::configuration_of;
 use support::{placement, rigid};
 
@@ -108,7 +109,7 @@ fn metres_and_millimetres() {
 #[test]
 fn a_power_of_two_changes_no_bit() {
     // Scaling by a power of two is exact, and so must be everything that follows from it.
-    for seed in 0..4 {
+    for seed in part(0..4, 2) {
         let own = RandomRig::new(seed);
         let in_metres = problem(&own, 1.0, seed);
         for unit in [1024.0, 1.0 / 64.0] {

@@ -11,6 +11,7 @@ use nalgebra as na;
 use support::methods::solvers;
 use support::placement;
 use support::random::Random;
+use support::sample::part;
 use support::trees::RandomTree;
 use support::{Rigid, rigid};
 
@@ -186,7 +187,7 @@ fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) 
 fn solutions_tell_the_truth() {
     let mut seen = [0; 2];
     let mut workspace = Workspace::new();
-    for seed in 0..12 {
+    for seed in part(0..12, 2) {
         for reachable in [true, false] {
             let asked = ask(seed, reachable);
             let start = asked.tree.configuration(&mut Random::new(seed + 100));
@@ -207,7 +208,7 @@ fn solutions_tell_the_truth() {
         }
     }
     assert!(
-        seen[0] > 50 && seen[1] > 20,
+        seen[0] > 25 && seen[1] > 10,
         "both outcomes must occur: {seen:?}"
     );
 }

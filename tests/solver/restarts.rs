@@ -414,3 +414,24 @@ fn evaluations_of_all_attempts_are_counted() {
         assert!(solution.counts.jacobians >= attempts, "{solution:?}");
     }
 }
+
+/// No attempt need agree with none: the search goes on until one has come to an end.
+#[test]
+fn at_least_one_attempt_comes_to_an_end() {
+    let model = support::planar_arm(&[1.0, 0.7, 0.4], Some((-1.0, 1.0)));
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [1.5, 3.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let mut later = 0;
+    for most in 1..12 {
+        let [none, one] = [0, 1].map(|agreeing| {
+            let solver = Solver::default()
+                .with_stopping(Stopping::default().with_max_iterations(most))
+                .with_restarts(Restarts::default().with_agreeing(agreeing));
+            solver.solve_once(&problem, &[-0.9, 0.8, -0.9]).unwrap()
+        });
+        assert_eq!((&none.q, none.attempts), (&one.q, one.attempts));
+        later += usize::from(one.attempts > 1);
+    }
+    assert!(later > 2, "{later}");
+}

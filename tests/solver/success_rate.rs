@@ -17,7 +17,7 @@ const RIGS: u64 = 50;
 fn ninety_nine_of_a_hundred() {
     let solver = Solver::default();
     let mut workspace = Workspace::new();
-    let problems = cases(1000, 250) as u64;
+    let problems = cases(1000, 100) as u64;
     let mut reached = 0;
     let mut missed = Vec::new();
     for k in 0..problems {

@@ -7,6 +7,7 @@ use kinopt::task::{Orientation, Point};
 use kinopt::{Problem, Solver, Workspace};
 use support::bones::RandomRig;
 use support::random::Random;
+use support::sample::cases;
 
 /// Two tips of a rig at the given places.
 fn problem(rig: &RandomRig, places: [[f64; 3]; 2]) -> (Problem, [TaskId<Point>; 2]) {
@@ -29,7 +30,7 @@ fn threads_share_a_problem() {
                 let mut random = Random::new(seed);
                 let mut workspace = Workspace::new();
                 let mut targets = shared.targets();
-                for _ in 0..5 {
+                for _ in 0..cases(5, 2) {
                     let places = [0; 2].map(|_| random.vector(1.0).into());
                     for (id, place) in ids.into_iter().zip(places) {
                         targets.get_mut(id).unwrap().set_target(place);

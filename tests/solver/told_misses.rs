@@ -3,6 +3,7 @@
 
 use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::Problem;
+use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Pose, Quantity, Residual, Rows, Task};
 use kinopt::{Scalar, Solver};
@@ -209,4 +210,22 @@ fn a_slide_reaches_to_its_further_end() {
             assert_eq!(solution.is_out_of_reach(), beyond, "{}", solution.explain());
         }
     }
+}
+
+/// A miss that attempts came to agrees with itself at least, wherever its last trial went on from another.
+#[test]
+fn a_miss_that_is_told_agrees_with_itself() {
+    let mut told = 0;
+    for seed in 0..6 {
+        let rig = support::bones::RandomRig::new(seed);
+        let mut random = Random::new(seed);
+        let problem = rig.drawn_to(|| random.vector(1.5));
+        let start = configuration_of(rig.skeleton.model(), &mut random);
+        let solution = Solver::default().solve_once(&problem, &start).unwrap();
+        if solution.termination == Termination::Stationary {
+            assert!(solution.agreeing >= 1, "{seed}: {}", solution.explain());
+            told += 1;
+        }
+    }
+    assert!(told >= 3, "{told}");
 }

@@ -52,9 +52,8 @@ pub fn lines(arm: &Arm, random: &mut Random, count: usize) -> Vec<Line> {
 fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
     /// Metres of the search for the end of the branch.
     const COARSE: f64 = 5e-3;
-    /// Metres before and behind the end.
-    const BEFORE: f64 = 0.03;
-    const BEHIND: f64 = 0.03;
+    // Metres before the end and as many behind it.
+    let around = if few() { 0.015 } else { 0.03 };
     let q = inner(arm, random);
     let first = arm.base_from_tool(&q).ok()?;
     let mut unit = || 2.0 * random.unit() - 1.0;
@@ -71,10 +70,10 @@ fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
             known.push(solution.q.clone());
             continue;
         }
-        let back = (BEFORE / COARSE) as usize;
+        let back = (around / COARSE) as usize;
         let place = known.len().checked_sub(1 + back)?;
         let from = place as f64 * COARSE;
-        let steps = ((BEFORE + BEHIND) / STEP) as usize;
+        let steps = (2.0 * around / STEP) as usize;
         return Some(Line {
             start: known[place].clone(),
             out: (0..steps).map(|k| at(from + k as f64 * STEP)).collect(),

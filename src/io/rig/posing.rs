@@ -1,24 +1,28 @@
 //! A rig's mesh in a pose.
 
+use std::borrow::Borrow;
+use std::sync::Arc;
+
 use glam::Affine3A;
 
 use super::Rig;
 use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::kinematics::KinematicsError;
 use crate::mesh::TriangleMesh;
-use crate::skeleton::{Posing, Skeleton};
+use crate::skeleton::Posing;
 use crate::skinning::{
-    AutomaticWeights, AutomaticWeightsError, MeshWeights, SkinningError, SkinningMethod,
-    single_precision_transform,
+    AutomaticWeights, AutomaticWeightsError, MeshWeights, PosedVertices, RestVertices,
+    SkinningError, SkinningMethod, single_precision_transform,
 };
 
 /// Poses the mesh of a rig again and again: its weights made ready once, and room for transforms.
+/// `R` is a `&Rig`, or what owns one, such as an `Arc<Rig>`.
 #[derive(Clone, Debug)]
-pub struct RigPosing<'a> {
-    skeleton: &'a Skeleton,
-    mesh: &'a TriangleMesh,
+pub struct RigPosing<R> {
+    rig: R,
     method: SkinningMethod,
-    weights: MeshWeights,
+    /// Shared by clones.
+    weights: Arc<MeshWeights>,
     automatic: bool,
     posing: Posing,
     armature: Armature,
@@ -67,30 +71,43 @@ impl Rig {
     ///
     /// # Errors
     /// The rig has no mesh, or no weights and none can be made.
-    pub fn posing(&self, method: SkinningMethod) -> Result<RigPosing<'_>, RigPosingError> {
-        let skeleton = &self.skeleton;
-        let mesh = self.mesh.as_ref().ok_or(RigPosingError::NoMesh)?;
-        let weights = match &self.weights {
+    pub fn posing(&self, method: SkinningMethod) -> Result<RigPosing<&Self>, RigPosingError> {
+        RigPosing::new(self, method)
+    }
+}
+
+impl<R: Borrow<Rig>> RigPosing<R> {
+    /// As [`Rig::posing`], which borrows the rig; this takes what owns it as well.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(rig: R, method: SkinningMethod) -> Result<Self, RigPosingError> {
+        let Rig {
+            skeleton,
+            mesh,
+            weights,
+            ..
+        } = rig.borrow();
+        let mesh = mesh.as_ref().ok_or(RigPosingError::NoMesh)?;
+        let automatic = weights.is_none();
+        let weights = match weights {
             Some(weights) => weights.clone(),
             None => AutomaticWeights::default()
                 .for_skeleton(mesh, skeleton)
                 .map_err(RigPosingError::Weights)?,
         };
-        Ok(RigPosing {
-            skeleton,
-            mesh,
+        Ok(Self {
             method,
-            weights: weights.into(),
-            automatic: self.weights.is_none(),
+            weights: Arc::new(weights.into()),
+            automatic,
             posing: Posing::new(skeleton),
             armature: Armature::of_skeleton(skeleton),
             model_from_bone: Vec::new(),
             posed_from_rest: Vec::new(),
+            rig,
         })
     }
-}
 
-impl RigPosing<'_> {
     /// Whether the rig has no weights of its own, so that vertices follow the bones next to them.
     #[must_use]
     pub fn has_automatic_weights(&self) -> bool {
@@ -102,12 +119,18 @@ impl RigPosing<'_> {
     /// # Errors
     /// Another number of angles, or a number that is not finite.
     pub fn mesh(&mut self, q: &[f64]) -> Result<TriangleMesh, RigPosingError> {
-        let pose = self.posing.pose(q)?;
-        self.posed_from_rest.clear();
-        let transforms = pose.skinning_transforms(self.skeleton);
-        let transforms = transforms.map(|transform| single_precision_transform(&transform));
-        self.posed_from_rest.extend(transforms);
+        self.place(q)?;
         self.skin()
+    }
+
+    /// As [`mesh`](Self::mesh), into buffers of the caller's: whichever of positions and normals are
+    /// there. Rigs have no tangents.
+    ///
+    /// # Errors
+    /// As there, or a buffer has not one entry for each of the mesh's.
+    pub fn deform(&mut self, q: &[f64], posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
+        self.place(q)?;
+        self.skin_into(posed)
     }
 
     /// The mesh in a pose of the skeleton's [armature](Armature::of_skeleton), such as a clip's.
@@ -115,15 +138,64 @@ impl RigPosing<'_> {
     /// # Errors
     /// A pose of another armature, or a number that is not finite.
     pub fn mesh_of_pose(&mut self, pose: &Pose) -> Result<TriangleMesh, RigPosingError> {
+        self.place_pose(pose)?;
+        self.skin()
+    }
+
+    /// As [`mesh_of_pose`](Self::mesh_of_pose), into buffers of the caller's, as
+    /// [`deform`](Self::deform) has it.
+    ///
+    /// # Errors
+    /// As both.
+    pub fn deform_to_pose(
+        &mut self,
+        pose: &Pose,
+        posed: PosedVertices<'_>,
+    ) -> Result<(), RigPosingError> {
+        self.place_pose(pose)?;
+        self.skin_into(posed)
+    }
+
+    /// Each bone's transform for `q`, rest → posed.
+    fn place(&mut self, q: &[f64]) -> Result<(), RigPosingError> {
+        let pose = self.posing.pose(q)?;
+        self.posed_from_rest.clear();
+        let transforms = pose.skinning_transforms(&self.rig.borrow().skeleton);
+        let transforms = transforms.map(|transform| single_precision_transform(&transform));
+        self.posed_from_rest.extend(transforms);
+        Ok(())
+    }
+
+    /// Each bone's transform in a pose, rest → posed.
+    fn place_pose(&mut self, pose: &Pose) -> Result<(), RigPosingError> {
         let placed = &mut self.model_from_bone;
         self.armature.local_to_model(pose, placed)?;
         self.armature
             .skinning_transforms(placed, &mut self.posed_from_rest)?;
-        self.skin()
+        Ok(())
     }
 
     fn skin(&self) -> Result<TriangleMesh, RigPosingError> {
+        let mesh = self.rest()?;
         let transforms = &self.posed_from_rest;
-        Ok(self.weights.mesh(self.method, self.mesh, transforms)?)
+        Ok(self.weights.mesh(self.method, mesh, transforms)?)
+    }
+
+    fn skin_into(&self, posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
+        let mesh = self.rest()?;
+        let mut rest = RestVertices::default();
+        if !posed.positions.is_empty() {
+            rest.positions = mesh.positions();
+        }
+        if !posed.normals.is_empty() {
+            rest.normals = mesh.normals();
+        }
+        let transforms = &self.posed_from_rest;
+        Ok(self.weights.deform(self.method, transforms, rest, posed)?)
+    }
+
+    fn rest(&self) -> Result<&TriangleMesh, RigPosingError> {
+        let mesh = self.rig.borrow().mesh.as_ref();
+        mesh.ok_or(RigPosingError::NoMesh)
     }
 }

@@ -1,0 +1,23 @@
+//! What a clip does outside its own span of time.
+
+use kinopt::animation::Playback;
+use kinopt::model::UnknownName;
+use pyo3::prelude::*;
+
+use crate::error::OrRaise;
+
+/// The names by which state machines' files call them too.
+const NAMES: [(&str, Playback); 3] = [
+    ("hold", Playback::Hold),
+    ("loop", Playback::Loop),
+    ("ping_pong", Playback::PingPong),
+];
+
+/// A way to play by its name.
+pub(crate) fn of(name: &str) -> PyResult<Playback> {
+    let found = NAMES.iter().find(|(known, _)| *known == name);
+    found
+        .map(|(_, playback)| *playback)
+        .ok_or_else(|| UnknownName::new("playback", name, NAMES.map(|(name, _)| name)))
+        .or_raise()
+}

@@ -1,0 +1,312 @@
+//! Rigs: a skeleton with the mesh it moves, its keyframes and its pinned tips.
+
+mod posing;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kinopt::io::{Place, ReadError, ReadProblem};
+use pyo3::exceptions::{PyFileNotFoundError, PyKeyError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyType};
+
+pub(crate) use self::posing::RigPosing;
+use crate::animation::EulerClip;
+use crate::error::{OrRaise, invalid};
+use crate::mesh::TriangleMesh;
+use crate::model::Model;
+use crate::skeleton::Skeleton;
+use crate::skinning::SkinWeights;
+
+/// A skeleton with the mesh it moves, its keyframes and its pinned tips, in a unit of the rig's own.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Rig {
+    pub(crate) inner: Arc<kinopt::io::rig::Rig>,
+    skeleton: Py<Skeleton>,
+    mesh: Option<Py<TriangleMesh>>,
+    weights: Option<Py<SkinWeights>>,
+    clip: Py<EulerClip>,
+}
+
+impl Rig {
+    fn of(py: Python<'_>, rig: kinopt::io::rig::Rig) -> PyResult<Self> {
+        let skeleton = Arc::new(rig.skeleton.clone());
+        let clip = EulerClip {
+            inner: Arc::new(rig.clip.clone()),
+            skeleton: Arc::clone(&skeleton),
+        };
+        let mesh = rig.mesh.clone().map(TriangleMesh::from);
+        let weights = rig.weights.clone().map(SkinWeights::from);
+        Ok(Self {
+            inner: Arc::new(rig),
+            skeleton: Py::new(py, Skeleton::from(skeleton))?,
+            mesh: mesh.map(|mesh| Py::new(py, mesh)).transpose()?,
+            weights: weights.map(|weights| Py::new(py, weights)).transpose()?,
+            clip: Py::new(py, clip)?,
+        })
+    }
+}
+
+#[pymethods]
+impl Rig {
+    /// A rig of its parts. `weights` have a vertex for each of the mesh's and a bone for each of the
+    /// skeleton's; `clip` is of this skeleton; `constrained` are the names of bones whose tips are pinned.
+    ///
+    /// Raises `InvalidValueError` where parts do not go together, `UnknownNameError` for a bone that does
+    /// not exist.
+    #[new]
+    #[pyo3(signature = (skeleton, mesh = None, weights = None, clip = None, constrained = Vec::new()))]
+    fn new(
+        py: Python<'_>,
+        skeleton: &Bound<'_, Skeleton>,
+        mesh: Option<&Bound<'_, TriangleMesh>>,
+        weights: Option<&Bound<'_, SkinWeights>>,
+        clip: Option<&Bound<'_, EulerClip>>,
+        constrained: Vec<String>,
+    ) -> PyResult<Self> {
+        let skeleton = &skeleton.get().inner;
+        let bones = skeleton.bones().len();
+        if let Some(weights) = weights {
+            let weights = &weights.get().inner;
+            let vertices = mesh.map_or(0, |mesh| mesh.get().inner.positions().len());
+            if weights.bone_count() != bones || mesh.is_some() && weights.vertex_count() != vertices
+            {
+                return Err(invalid(format!(
+                    "weights are of {} vertices and {} bones, but the rig has {vertices} and {bones}",
+                    weights.vertex_count(),
+                    weights.bone_count()
+                )));
+            }
+        }
+        let clip = match clip {
+            Some(clip) if clip.get().skeleton.bones().len() != bones => {
+                return Err(invalid("clip is of another skeleton"));
+            }
+            Some(clip) => kinopt::animation::EulerClip::clone(&clip.get().inner),
+            None => kinopt::animation::EulerClip::default(),
+        };
+        let constrained = constrained
+            .iter()
+            .map(|name| skeleton.bone(name).or_raise());
+        let rig = kinopt::io::rig::Rig {
+            constrained: constrained.collect::<PyResult<_>>()?,
+            skeleton: kinopt::Skeleton::clone(skeleton),
+            mesh: mesh.map(|mesh| kinopt::mesh::TriangleMesh::clone(&mesh.get().inner)),
+            weights: weights.map(|w| kinopt::skinning::SkinWeights::clone(&w.get().inner)),
+            clip,
+            notes: Vec::new(),
+        };
+        Self::of(py, rig)
+    }
+
+    /// Reads a rig's JSON file and the mesh (PLY) and weights (DMAT) that it names.
+    ///
+    /// Raises `FileError` where a file cannot be opened, `InvalidFileError` naming the file and the place
+    /// in it for what it says.
+    #[classmethod]
+    fn read(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
+        let py = class.py();
+        let rig = py.detach(|| kinopt::io::rig::Rig::read(&path)).or_raise()?;
+        Self::of(py, rig)
+    }
+
+    /// Reads a rig from its JSON, a text or bytes; `name` is what messages call it.
+    ///
+    /// `open` is called with the names of the mesh's and weights' files, as the JSON has them, and gives
+    /// their bytes: `dict.__getitem__` of a dictionary will do. Without it there may be none.
+    ///
+    /// Raises `InvalidFileError` naming the place in the JSON, and whatever `open` raises; a
+    /// `FileNotFoundError` or `KeyError` of it is a file that does not exist.
+    #[classmethod]
+    #[pyo3(signature = (json, name = "rig.json", open = None))]
+    fn parse(
+        class: &Bound<'_, PyType>,
+        json: &Bound<'_, PyAny>,
+        name: &str,
+        open: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let json = text_or_bytes(json, "json")?;
+        let mut raised = None;
+        let rig = kinopt::io::rig::Rig::parse(&json, name, |file| opened(open, file, &mut raised));
+        match raised {
+            Some(error) => Err(error),
+            None => Self::of(class.py(), rig.or_raise()?),
+        }
+    }
+
+    /// Writes the rig to `path`, a JSON file, and its mesh and weights beside it under the same name with
+    /// the extensions ply and dmat. Reading it again gives the same rig to the bit, except for angles that
+    /// no number of degrees converts to.
+    ///
+    /// Raises `FileError`, and `InvalidValueError` for a name that the format cannot hold.
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.inner.write(&path)).or_raise()
+    }
+
+    /// The rig's JSON, which names its mesh's and its weights' files so.
+    #[pyo3(signature = (model_file = "rig.ply", weights_file = "rig.dmat"))]
+    fn to_json(&self, model_file: &str, weights_file: &str) -> String {
+        self.inner.to_json(model_file, weights_file)
+    }
+
+    /// The bones.
+    #[getter]
+    fn skeleton(&self, py: Python<'_>) -> Py<Skeleton> {
+        self.skeleton.clone_ref(py)
+    }
+
+    /// The model that the bones compile to; it is what problems are stated on.
+    #[getter]
+    fn model(&self) -> Model {
+        self.skeleton.get().model()
+    }
+
+    /// The mesh at rest; None for bones alone.
+    #[getter]
+    fn mesh(&self, py: Python<'_>) -> Option<Py<TriangleMesh>> {
+        self.mesh.as_ref().map(|mesh| mesh.clone_ref(py))
+    }
+
+    /// How strongly each bone moves each vertex; None where the file has no weights.
+    #[getter]
+    fn weights(&self, py: Python<'_>) -> Option<Py<SkinWeights>> {
+        self.weights.as_ref().map(|weights| weights.clone_ref(py))
+    }
+
+    /// The keyframes; empty where the file has none.
+    #[getter]
+    fn clip(&self, py: Python<'_>) -> Py<EulerClip> {
+        self.clip.clone_ref(py)
+    }
+
+    /// Names of the bones whose tips are pinned.
+    #[getter]
+    fn constrained(&self) -> Vec<&str> {
+        let bones = self.inner.skeleton.bones();
+        let ids = self.inner.constrained.iter();
+        ids.map(|id| bones[id.index()].name.as_str()).collect()
+    }
+
+    /// What reading did without, one text each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.inner.notes.iter().map(ToString::to_string).collect()
+    }
+
+    /// Memory for posing the mesh again and again by `method`: "lbs" (linear blend) or "dqs" (dual
+    /// quaternions). A mesh without weights gets some from the bones next to each vertex.
+    ///
+    /// Raises `InvalidValueError` where there is no mesh.
+    #[pyo3(signature = (method = "lbs"))]
+    fn posing(slf: &Bound<'_, Self>, method: &str) -> PyResult<RigPosing> {
+        RigPosing::make(slf, crate::skinning::method(method)?)
+    }
+
+    /// The mesh in the pose of the stacked angles `q`, shape (3 * bones,), radians. `posing` does the same
+    /// for many poses, in the caller's memory.
+    ///
+    /// Raises `InvalidValueError` where there is no mesh or `q` has another size or is not finite.
+    #[pyo3(signature = (q, method = "lbs"))]
+    fn posed_mesh(
+        &self,
+        py: Python<'_>,
+        q: &Bound<'_, PyAny>,
+        method: &str,
+    ) -> PyResult<TriangleMesh> {
+        let by = crate::skinning::method(method)?;
+        let q = crate::arrays::vector_of(q, "q", self.inner.skeleton.angles())?;
+        let q: &[f64] = &q;
+        py.detach(|| self.inner.posed_mesh(q, by))
+            .or_raise()
+            .map(TriangleMesh::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let notes = self.inner.notes.iter().map(|note| match note {
+            kinopt::io::rig::RigNote::NoWeightsFile { file } => file.as_str(),
+            _ => "",
+        });
+        let notes: Vec<&str> = notes.collect();
+        let parts = (
+            self.skeleton(py),
+            self.mesh(py),
+            self.weights(py),
+            self.clip(py),
+            self.constrained(),
+            notes,
+        );
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        py: Python<'_>,
+        skeleton: &Bound<'_, Skeleton>,
+        mesh: Option<&Bound<'_, TriangleMesh>>,
+        weights: Option<&Bound<'_, SkinWeights>>,
+        clip: Option<&Bound<'_, EulerClip>>,
+        constrained: Vec<String>,
+        notes: Vec<String>,
+    ) -> PyResult<Self> {
+        let rig = Self::new(py, skeleton, mesh, weights, clip, constrained)?;
+        let mut inner = kinopt::io::rig::Rig::clone(&rig.inner);
+        let note = |file| kinopt::io::rig::RigNote::NoWeightsFile { file };
+        inner.notes = notes.into_iter().map(note).collect();
+        let inner = Arc::new(inner);
+        Ok(Self { inner, ..rig })
+    }
+
+    fn __repr__(&self) -> String {
+        let mesh = self.inner.mesh.as_ref();
+        format!(
+            "Rig({} bones, {} vertices{})",
+            self.inner.skeleton.bones().len(),
+            mesh.map_or(0, |mesh| mesh.positions().len()),
+            match self.inner.weights {
+                Some(_) => "",
+                None => ", no weights",
+            }
+        )
+    }
+}
+
+/// The bytes of a text, or bytes as they are.
+pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u8>> {
+    if let Ok(text) = value.extract::<String>() {
+        return Ok(text.into_bytes());
+    }
+    let bytes = value.extract::<Vec<u8>>();
+    bytes.map_err(|_| invalid(format!("{what} must be a text or bytes")))
+}
+
+/// A file's bytes by a function of the caller's, whose exception is kept.
+pub(crate) fn opened(
+    open: Option<&Bound<'_, PyAny>>,
+    file: &str,
+    raised: &mut Option<PyErr>,
+) -> Result<Vec<u8>, ReadError> {
+    let fail = |kind, text: String| ReadError {
+        file: file.to_owned(),
+        place: Place::File,
+        problem: ReadProblem::Io(std::io::Error::new(kind, text)),
+    };
+    let missing = |text: &str| fail(std::io::ErrorKind::NotFound, text.to_owned());
+    let open = open.ok_or_else(|| missing("no `open` was given"))?;
+    let bytes = open
+        .call1((file,))
+        .and_then(|bytes| match bytes.cast::<PyBytes>() {
+            Ok(bytes) => Ok(bytes.as_bytes().to_vec()),
+            Err(_) => bytes.extract::<Vec<u8>>(),
+        });
+    bytes.map_err(|error| {
+        let py = open.py();
+        if error.is_instance_of::<PyFileNotFoundError>(py) || error.is_instance_of::<PyKeyError>(py)
+        {
+            return missing("not found");
+        }
+        let text = error.to_string();
+        *raised = Some(error);
+        fail(std::io::ErrorKind::Other, text)
+    })
+}

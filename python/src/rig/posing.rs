@@ -1,0 +1,153 @@
+//! A rig's mesh in many poses.
+
+use std::sync::Arc;
+
+use kinopt::skinning::{PosedVertices, SkinningMethod};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use super::Rig;
+use crate::arrays::{self, Questions};
+use crate::error::OrRaise;
+use crate::mesh::TriangleMesh;
+use crate::pool::Pool;
+
+/// Poses that are computed between two looks at signals.
+const POSES_AT_A_TIME: usize = 16;
+
+/// Poses the mesh of a rig again and again: its weights made ready once, and room for transforms.
+///
+/// Made by `Rig.posing`; asked as often as wanted, from any number of threads.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct RigPosing {
+    rig: Py<Rig>,
+    method: SkinningMethod,
+    posings: Pool<kinopt::io::rig::RigPosing<Arc<kinopt::io::rig::Rig>>>,
+}
+
+/// What is asked of each vertex.
+#[derive(Clone, Copy)]
+enum Part {
+    Positions,
+    Normals,
+}
+
+impl Part {
+    /// Buffers that have room for this alone.
+    fn of(self, room: &mut [f32]) -> PosedVertices<'_> {
+        let room = bytemuck::cast_slice_mut(room);
+        match self {
+            Self::Positions => PosedVertices {
+                positions: room,
+                ..PosedVertices::default()
+            },
+            Self::Normals => PosedVertices {
+                normals: room,
+                ..PosedVertices::default()
+            },
+        }
+    }
+}
+
+impl RigPosing {
+    pub(super) fn make(rig: &Bound<'_, Rig>, method: SkinningMethod) -> PyResult<Self> {
+        let owned = Arc::clone(&rig.get().inner);
+        let made = rig
+            .py()
+            .detach(|| kinopt::io::rig::RigPosing::new(owned, method));
+        Ok(Self {
+            posings: Pool::new(made.or_raise()?),
+            rig: rig.clone().unbind(),
+            method,
+        })
+    }
+
+    fn each_pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        part: Part,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let rig = &self.rig.get().inner;
+        let q = Questions::rows(q, "q", rig.skeleton.angles())?;
+        let mesh = rig.mesh.as_ref();
+        let vertices = mesh.map_or(0, |mesh| match part {
+            Part::Positions => mesh.positions().len(),
+            Part::Normals => mesh.normals().len(),
+        });
+        let array = arrays::room_of::<f32>(py, out, &q.shape(&[vertices, 3]))?;
+        self.posings.with(|posing| {
+            arrays::fill(&array, |room| {
+                q.each(py, room, POSES_AT_A_TIME, |q, room| {
+                    posing.deform(q, part.of(room)).or_raise()
+                })
+            })
+        })?;
+        Ok(array)
+    }
+}
+
+#[pymethods]
+impl RigPosing {
+    /// The rig.
+    #[getter]
+    fn rig(&self, py: Python<'_>) -> Py<Rig> {
+        self.rig.clone_ref(py)
+    }
+
+    /// The way the skin moves: "lbs" or "dqs".
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.method.name()
+    }
+
+    /// Whether the rig has no weights of its own, so that vertices follow the bones next to them.
+    #[getter]
+    fn has_automatic_weights(&self) -> bool {
+        self.rig.get().inner.weights.is_none()
+    }
+
+    /// The vertices' positions, float32, shape (V, 3) for `q` of shape (3 * bones,), radians, and (N, V, 3)
+    /// for (N, 3 * bones); in the rig's own unit. `out`, a float32 array of that shape, takes the result.
+    ///
+    /// Raises `InvalidValueError` for another number of angles or one that is not finite.
+    #[pyo3(signature = (q, *, out = None))]
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.each_pose(py, q, out, Part::Positions)
+    }
+
+    /// The vertices' unit normals, float32, as `positions` has it; of shape (0, 3) where the mesh has none.
+    #[pyo3(signature = (q, *, out = None))]
+    fn normals<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.each_pose(py, q, out, Part::Normals)
+    }
+
+    /// The mesh for `q`, shape (3 * bones,), radians: positions, and normals where the mesh has them.
+    fn mesh(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<TriangleMesh> {
+        let angles = self.rig.get().inner.skeleton.angles();
+        let q = arrays::vector_of(q, "q", angles)?;
+        let q: &[f64] = &q;
+        let posed = py.detach(|| self.posings.with(|posing| posing.mesh(q)));
+        posed.or_raise().map(TriangleMesh::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = self.rig.bind(py).getattr("posing")?;
+        Ok((rebuild, (self.method(),)).into_pyobject(py)?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("RigPosing({:?})", self.method.name())
+    }
+}

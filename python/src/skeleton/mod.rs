@@ -1,0 +1,294 @@
+//! Skeletons: bones, the model they compile to, and where they stand in a pose.
+
+mod bone;
+
+use std::sync::Arc;
+
+use kinopt::model::UnknownName;
+use kinopt::skeleton::{BonePlacements, Posing};
+use kinopt::spatial::Placement;
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+pub(crate) use self::bone::{Bone, SkeletonBuilder};
+use crate::arrays::{self, Questions};
+use crate::error::OrRaise;
+use crate::model::Model;
+use crate::placement;
+use crate::pool::Pool;
+
+/// Poses that are computed between two looks at signals.
+const POSES_AT_A_TIME: usize = 256;
+
+/// A checked tree of bones, parents before children, and the model it compiles to.
+///
+/// A configuration `q` stacks three angles a bone, shape (3 * bones,), radians: first twist, bend and second
+/// twist of the first bone, of the second, ... The model's frames are a bone's name (its own frame, origin
+/// at its tail) and `NAME/tip`; its joints `NAME/twist2`, `NAME/bend` and `NAME/twist1`.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Skeleton {
+    pub(crate) inner: Arc<kinopt::Skeleton>,
+    model: Arc<kinopt::Model>,
+    posings: Pool<Posing>,
+}
+
+impl From<Arc<kinopt::Skeleton>> for Skeleton {
+    fn from(inner: Arc<kinopt::Skeleton>) -> Self {
+        Self {
+            model: Arc::new(inner.model().clone()),
+            posings: Pool::new(Posing::new(&inner)),
+            inner,
+        }
+    }
+}
+
+impl From<kinopt::Skeleton> for Skeleton {
+    fn from(skeleton: kinopt::Skeleton) -> Self {
+        Arc::new(skeleton).into()
+    }
+}
+
+impl Skeleton {
+    fn frame_name(&self, frame: kinopt::model::FrameId) -> String {
+        self.model.frames()[frame.index()].name.clone()
+    }
+
+    /// Calls `write` with each pose and the room for it; the GIL is free meanwhile.
+    fn each_pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        write: impl Fn(&BonePlacements, &mut [f64]) + Sync,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let q = Questions::rows(q, "q", self.inner.angles())?;
+        let bones = self.inner.bones().len();
+        let array = arrays::room_of::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
+        self.posings.with(|posing| {
+            arrays::fill(&array, |room| {
+                q.each(py, room, POSES_AT_A_TIME, |q, room| {
+                    write(posing.pose(q).or_raise()?, room);
+                    Ok(())
+                })
+            })
+        })?;
+        Ok(array)
+    }
+}
+
+#[pymethods]
+impl Skeleton {
+    /// A skeleton of bones, parents before children.
+    ///
+    /// Raises `InvalidValueError` naming the first bone that is wrong, `UnknownNameError` for a parent that
+    /// does not come before its child.
+    #[new]
+    fn new(name: &str, bones: Vec<Bound<'_, Bone>>) -> PyResult<Self> {
+        let bones: Vec<Bone> = bones.iter().map(|bone| bone.get().clone()).collect();
+        bone::skeleton(name, &bones)
+    }
+
+    /// Starts an empty skeleton.
+    #[classmethod]
+    fn builder(_class: &Bound<'_, PyType>, name: String) -> SkeletonBuilder {
+        SkeletonBuilder::new(name)
+    }
+
+    /// The model that the bones compile to; it is what problems are stated on.
+    #[getter]
+    pub(crate) fn model(&self) -> Model {
+        let inner = Arc::clone(&self.model);
+        Model { inner }
+    }
+
+    /// The skeleton's name.
+    #[getter]
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    /// The bones, parents before children.
+    #[getter]
+    fn bones(&self) -> Vec<Bone> {
+        let bones = self.inner.bones();
+        bones.iter().map(|bone| Bone::of(bones, bone)).collect()
+    }
+
+    /// Names of the bones, in their order.
+    #[getter]
+    fn bone_names(&self) -> Vec<&str> {
+        let bones = self.inner.bones().iter();
+        bones.map(|bone| bone.name.as_str()).collect()
+    }
+
+    /// Each bone's parent as its place in `bones`, shape (bones,), int64; -1 for roots.
+    #[getter]
+    fn parents<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let parent = |bone: &kinopt::skeleton::Bone| bone.parent.map_or(-1, |p| p.index() as i64);
+        PyArray1::from_iter(py, self.inner.bones().iter().map(parent))
+    }
+
+    /// Names of the model's frames at the tips of bones on which no other bone stands: hands, feet, a head.
+    #[getter]
+    fn tips(&self) -> Vec<String> {
+        let bones = self.inner.bones();
+        let stands = |id: &kinopt::skeleton::BoneId| bones.iter().any(|b| b.parent == Some(*id));
+        let ends = self.inner.bone_ids().filter(|id| !stands(id));
+        ends.map(|id| self.frame_name(self.inner.tip(id))).collect()
+    }
+
+    /// How many angles a configuration has: three for each bone.
+    #[getter]
+    fn angles(&self) -> usize {
+        self.inner.angles()
+    }
+
+    /// Lowest and highest angles, shape (bones, 3, 2), radians: first twist, bend, second twist; infinite
+    /// for none.
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let bones = self.inner.bones();
+        let limits = bones.iter().flat_map(|bone| bone.limits);
+        let ends: Vec<f64> = limits.flat_map(|l| [l.lower, l.upper]).collect();
+        let array = arrays::list(py, &ends).reshape([bones.len(), 3, 2])?;
+        Ok(array.to_dyn().clone())
+    }
+
+    /// The diagonal of the box around all tails and tips at rest, in the rig's own unit. Tolerances scale
+    /// with it.
+    #[getter]
+    fn size(&self) -> f64 {
+        self.inner.size()
+    }
+
+    /// A bone by its name.
+    ///
+    /// Raises `UnknownNameError`, which lists the bones.
+    fn bone(&self, name: &str) -> PyResult<Bone> {
+        let id = self.inner.bone(name).or_raise()?;
+        let bones = self.inner.bones();
+        Ok(Bone::of(bones, &bones[id.index()]))
+    }
+
+    /// The name of the model's frame at a bone's tail, with the bone's axes.
+    fn tail(&self, bone: &str) -> PyResult<String> {
+        let id = self.inner.bone(bone).or_raise()?;
+        Ok(self.frame_name(self.inner.tail(id)))
+    }
+
+    /// The name of the model's frame at a bone's tip, with the bone's axes.
+    fn tip(&self, bone: &str) -> PyResult<String> {
+        let id = self.inner.bone(bone).or_raise()?;
+        Ok(self.frame_name(self.inner.tip(id)))
+    }
+
+    /// The names of a bone's joints in the order of its angles: first twist, bend, second twist.
+    fn joints(&self, bone: &str) -> PyResult<Vec<String>> {
+        let id = self.inner.bone(bone).or_raise()?;
+        let joints = self.inner.joints(id).into_iter();
+        Ok(joints
+            .map(|joint| self.model.joints()[joint.index()].name.clone())
+            .collect())
+    }
+
+    /// The bone that a frame of the model belongs to, and whether the frame is its tip.
+    fn bone_of_frame(&self, frame: &str) -> PyResult<(&str, bool)> {
+        let id = self.model.frame(frame).or_raise()?;
+        let (bone, is_tip) = self
+            .inner
+            .bone_of_frame(id)
+            .ok_or_else(|| {
+                let names = self.inner.bones().iter().map(|bone| bone.name.as_str());
+                UnknownName::new("bone's frame", frame, names)
+            })
+            .or_raise()?;
+        Ok((&self.inner.bones()[bone.index()].name, is_tip))
+    }
+
+    /// The same bones with the root placed generally in a larger scene by a 4 x 4 placement, in the rig's
+    /// own unit. Angles and limits mean what they did.
+    fn placed(&self, scene_from_model: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let placement = placement::placement(scene_from_model, "scene_from_model")?;
+        self.inner.placed(placement).or_raise().map(Self::from)
+    }
+
+    /// Where the bones stand: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and
+    /// (N, bones, 4, 4) for (N, 3 * bones); radians in, the rig's own unit out. `out` takes the result.
+    #[pyo3(signature = (q, *, out = None))]
+    fn pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each_pose(py, q, out, |pose, room| {
+            write_all(pose.model_from_bone.iter().copied(), room);
+        })
+    }
+
+    /// The transforms that carry skin along, rest -> posed, shape (bones, 4, 4) or (N, bones, 4, 4), as
+    /// `pose` has it.
+    #[pyo3(signature = (q, *, out = None))]
+    fn skinning_transforms<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each_pose(py, q, out, |pose, room| {
+            write_all(pose.skinning_transforms(&self.inner), room);
+        })
+    }
+
+    /// The names of what should stay where it is while the tips of the `dragged` bones are: {"trunk": the
+    /// bones that do not turn, "back": those that hardly bend, "ends": those whose tips stay}.
+    fn holds(&self, dragged: Vec<String>) -> PyResult<std::collections::BTreeMap<&str, Vec<&str>>> {
+        let ids = dragged.iter().map(|name| self.inner.bone(name).or_raise());
+        let holds = self.inner.holds(&ids.collect::<PyResult<Vec<_>>>()?);
+        let names = |ids: &[kinopt::skeleton::BoneId]| {
+            let bones = self.inner.bones();
+            ids.iter()
+                .map(|id| bones[id.index()].name.as_str())
+                .collect()
+        };
+        Ok([
+            ("trunk", names(&holds.trunk)),
+            ("back", names(&holds.back)),
+            ("ends", names(&holds.ends)),
+        ]
+        .into())
+    }
+
+    /// The same skeleton as JSON, which `Skeleton.from_json` reads.
+    fn to_json(&self) -> PyResult<String> {
+        serde_json::to_string(&*self.inner).or_raise()
+    }
+
+    /// A skeleton from what `to_json` wrote; it is checked anew.
+    #[classmethod]
+    fn from_json(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        let skeleton = serde_json::from_str::<kinopt::Skeleton>(text);
+        skeleton.or_raise().map(Self::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let rebuild = py.get_type::<Self>().getattr("from_json")?;
+        Ok((rebuild, (self.to_json()?,)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Skeleton({:?}, {} bones)",
+            self.model.name(),
+            self.inner.bones().len()
+        )
+    }
+}
+
+/// Placements as sixteen numbers each.
+fn write_all(placements: impl Iterator<Item = Placement<f64>>, room: &mut [f64]) {
+    for (placement, room) in placements.zip(room.chunks_exact_mut(16)) {
+        room.copy_from_slice(&placement::to_numbers(&placement));
+    }
+}

@@ -1,0 +1,120 @@
+//! Vertices: float32 arrays of three columns, which are the library's vectors where they lie.
+
+use std::ops::Deref;
+
+use kinopt::glam::Vec3;
+use numpy::ndarray::Ix2;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{self, Numbers, shape_text};
+use crate::error::invalid;
+
+/// Vectors of single precision: `V` is one of glam's.
+pub(crate) struct Vectors<'py, V> {
+    numbers: Numbers<'py, Ix2, f32>,
+    kind: std::marker::PhantomData<V>,
+}
+
+impl<V: bytemuck::Pod> Deref for Vectors<'_, V> {
+    type Target = [V];
+
+    fn deref(&self) -> &[V] {
+        bytemuck::cast_slice(&self.numbers)
+    }
+}
+
+/// Positions, normals or other vectors, shape (N, 3); `what` is their name in messages.
+pub(crate) fn vectors<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vectors<'py, Vec3>> {
+    of_columns(value, what, 3)
+}
+
+fn of_columns<'py, V>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+    columns: usize,
+) -> PyResult<Vectors<'py, V>> {
+    let numbers: Numbers<'py, Ix2, f32> = arrays::numbers(value, what, &format!("(N, {columns})"))?;
+    match numbers.shape()[1] == columns {
+        true => Ok(Vectors {
+            numbers,
+            kind: std::marker::PhantomData,
+        }),
+        false => Err(invalid(format!(
+            "{what} has shape {}, expected (N, {columns})",
+            shape_text(numbers.shape())
+        ))),
+    }
+}
+
+/// A new array of shape (N, 3) that takes the vectors' memory over.
+pub(crate) fn into_array(py: Python<'_>, vectors: Vec<Vec3>) -> PyResult<Bound<'_, PyArray2<f32>>> {
+    let count = vectors.len();
+    let numbers: Vec<f32> = bytemuck::allocation::try_cast_vec(vectors)
+        .unwrap_or_else(|(_, vectors)| bytemuck::cast_slice(&vectors).to_vec());
+    PyArray1::from_vec(py, numbers).reshape([count, 3])
+}
+
+/// A new array of shape (N, columns) of vectors of so many numbers.
+pub(crate) fn to_array<'py, V: bytemuck::Pod>(
+    py: Python<'py>,
+    vectors: &[V],
+    columns: usize,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let numbers: &[f32] = bytemuck::cast_slice(vectors);
+    PyArray1::from_slice(py, numbers).reshape([vectors.len(), columns])
+}
+
+/// Indices of vertices by threes, shape (N, 3), of any whole type.
+pub(crate) fn triangles(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    let expected = "(N, 3)";
+    if is_u32(value) {
+        let numbers: Numbers<'_, Ix2, u32> = arrays::numbers(value, "triangles", expected)?;
+        check_three(numbers.shape())?;
+        return Ok(bytemuck::cast_slice(&numbers).to_vec());
+    }
+    let numbers: Numbers<'_, Ix2, i64> = whole(value, "triangles", expected)?;
+    check_three(numbers.shape())?;
+    let corner = |index: i64| {
+        u32::try_from(index)
+            .map_err(|_| invalid(format!("triangles: {index} is no index of a vertex")))
+    };
+    let corners: Vec<u32> = numbers
+        .iter()
+        .map(|&i| corner(i))
+        .collect::<PyResult<_>>()?;
+    Ok(bytemuck::cast_slice(&corners).to_vec())
+}
+
+/// Whole numbers of any type.
+pub(crate) fn whole<'py, D: numpy::ndarray::Dimension>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+    expected: &str,
+) -> PyResult<Numbers<'py, D, i64>> {
+    let array = arrays::numpy(value.py())?
+        .call_method1("asarray", (value,))
+        .map_err(|error| invalid(format!("{what} holds no numbers: {error}")))?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    let empty = array
+        .cast::<PyUntypedArray>()
+        .is_ok_and(|array| array.is_empty());
+    if !matches!(kind.as_str(), "i" | "u") && !empty {
+        return Err(invalid(format!("{what} must be whole numbers")));
+    }
+    arrays::numbers(&array, what, expected)
+}
+
+fn is_u32(value: &Bound<'_, PyAny>) -> bool {
+    value.cast::<PyArray2<u32>>().is_ok()
+}
+
+fn check_three(shape: &[usize]) -> PyResult<()> {
+    match shape[1] == 3 {
+        true => Ok(()),
+        false => Err(invalid(format!(
+            "triangles has shape {}, expected (N, 3)",
+            shape_text(shape)
+        ))),
+    }
+}
