@@ -77,8 +77,11 @@ def pinocchio_loop(limits):
 def contenders(arm):
     first = kinopt.Arm(kinopt.Robot.from_urdf(URDF), BASE, TIP, search="first")
     closed = frankik.FrankaKinematics(frankik.RobotType.PANDA)
-    # Its end stands elsewhere on the flange, always the same way.
-    to_frankik = np.linalg.inv(arm.base_from_tool(np.zeros(7))) @ closed.forward(np.zeros(7))
+    # Its end is turned on the flange, always the same way; its own matrix for that is rounded to 0.707.
+    half = np.sqrt(0.5)
+    hand = np.array([[half, half, 0, 0], [-half, half, 0, 0], [0, 0, 1, 0.1034], [0, 0, 0, 1]])
+    flange = arm.base_from_tool(np.zeros(7))
+    to_frankik = np.linalg.inv(flange) @ closed.forward(np.zeros(7)) @ np.linalg.inv(hand)
     tree = optik.Robot.from_urdf_file(URDF, BASE, TIP)
     tree.set_parallelism(1)
     config = optik.SolverConfig("speed", max_time=0.05, tol_f=TOLERANCE**2)
@@ -95,7 +98,7 @@ def contenders(arm):
 
     def by_toolbox(target, start):
         found = chain.ik_LM(target, q0=start, tol=0.5 * TOLERANCE**2)
-        return found[0] if found[1] else None
+        return found.q if found.success else None
 
     return {
         "kinopt": (arm.solve, lambda t, s, q: (t, s), lambda found: found.q),
