@@ -50,6 +50,14 @@ pub(crate) fn read_all(
     Ok(())
 }
 
+/// A placement of the sixteen numbers of a matrix.
+fn of_matrix(numbers: &[f64], what: &str) -> PyResult<Placement<f64>> {
+    let numbers = numbers
+        .try_into()
+        .map_err(|_| invalid(format!("{what} is no matrix of 4 x 4")))?;
+    of_numbers(numbers).ok_or_else(|| bad_last_row(what, numbers))
+}
+
 fn of_numbers(m: &[f64; 16]) -> Option<Placement<f64>> {
     let last = [m[12], m[13], m[14], m[15] - 1.0];
     // NaN is not near to anything.
@@ -74,16 +82,11 @@ fn bad_last_row(what: &str, m: &[f64; 16]) -> PyErr {
 /// (pinocchio's SE3), `as_matrix()` or `A` (spatialmath's).
 pub(crate) fn placement(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Placement<f64>> {
     if let Ok(array) = value.cast::<PyArray2<f64>>() {
-        if array.shape() == [4, 4] {
-            let array = array
-                .try_readonly()
-                .map_err(|_| invalid(format!("{what} is being written to by another call")))?;
-            let view = array.as_array();
-            let mut numbers = [0.0; 16];
-            for (number, &value) in numbers.iter_mut().zip(view.iter()) {
-                *number = value;
+        if array.shape() == [4, 4] && array.is_c_contiguous() {
+            // Copied, as booking a borrow would take longer.
+            if let Ok(numbers) = array.to_vec() {
+                return of_matrix(&numbers, what);
             }
-            return of_numbers(&numbers).ok_or_else(|| bad_last_row(what, &numbers));
         }
     }
     let matrix = matrix_of(value)?;

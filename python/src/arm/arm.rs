@@ -215,17 +215,11 @@ impl Arm {
         start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
         let target = placement(target, "target")?;
-        let solution = match start {
-            Some(start) => {
-                let start = arrays::vector(start, "start")?;
-                let start: &[f64] = &start;
-                py.detach(|| self.inner.solve(target, start))
-            }
-            None => {
-                let start = self.start(None)?;
-                py.detach(|| self.inner.solve(target, &start))
-            }
+        let start = match start {
+            Some(start) => arrays::copied(start, "start")?,
+            None => self.start(None)?,
         };
+        let solution = py.detach(|| self.inner.solve(target, &start));
         Ok(Solution::from(solution.or_raise()?))
     }
 
