@@ -46,7 +46,7 @@
 
 mod affine;
 mod blend;
-mod clip;
+pub(crate) mod clip;
 mod crowd;
 pub mod curve;
 mod euler_clip;

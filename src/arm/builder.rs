@@ -11,8 +11,7 @@ use super::serial::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
 use crate::model::{
-    FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, ParameterMapBuilder, Source,
-    UnknownName,
+    FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, ParameterMapBuilder, UnknownName,
 };
 use crate::robot::Mimic;
 use crate::spatial::Placement;
@@ -261,12 +260,8 @@ impl ArmBuilder<'_> {
         let mut speeds = vec![f64::INFINITY; serial.joints.len()];
         for (coordinate, id) in self.model.moving_joints().iter().enumerate() {
             let limit = self.velocity_limits.get(id.index()).copied().flatten();
-            if let (
-                Source::Variable {
-                    variable, ratio, ..
-                },
-                Some(limit),
-            ) = (source_of(full, coordinate), limit)
+            if let (Some((variable, ratio)), Some(limit)) =
+                (source_of(full, coordinate).slope(), limit)
             {
                 let leader = self.model.moving_joints()[full.leaders()[variable]];
                 let own = serial.joints.iter().position(|joint| *joint == leader);

@@ -23,11 +23,7 @@ impl Arm {
         for (coordinate, source, limits) in &self.coordinates.entries {
             q_model[*coordinate] = match *source {
                 Source::Constant(value) => value,
-                Source::Variable {
-                    variable,
-                    ratio,
-                    offset,
-                } => limits.clamp(q_arm[variable] * ratio + offset),
+                source => limits.clamp(source.at(q_arm)),
             };
         }
         Ok(())

@@ -52,15 +52,11 @@ struct Assembly<'a> {
 
 /// Where a coordinate's value comes from; a variable with one value is a constant.
 pub(super) fn source_of(full: &ParameterMap, coordinate: usize) -> Source {
-    match full.sources()[coordinate] {
-        Source::Variable {
-            variable,
-            ratio,
-            offset,
-        } if full.lower()[variable] == full.upper()[variable] => {
-            Source::Constant(ratio * full.lower()[variable] + offset)
-        }
-        source => source,
+    let source = full.sources()[coordinate];
+    let one_value = |(variable, _): (usize, f64)| full.lower()[variable] == full.upper()[variable];
+    match source.slope().is_some_and(one_value) {
+        true => Source::Constant(source.at(full.lower())),
+        false => source,
     }
 }
 

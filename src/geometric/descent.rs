@@ -53,15 +53,6 @@ impl<'a> Descent<'a> {
         }
     }
 
-    fn bounded_variable(&self, joint: usize) -> (usize, BoundedVariable) {
-        let (variable, ratio) = self.question.tree().variable_of(joint);
-        let bounds = Limits::new(
-            self.question.lower()[variable],
-            self.question.upper()[variable],
-        );
-        (variable, BoundedVariable { bounds, ratio })
-    }
-
     /// What the goals want of a turning joint.
     fn turn(&self, joint: usize, axis: &JointAxis) -> Turn {
         let mut turn = Turn::default();
@@ -98,7 +89,7 @@ impl<'a> Descent<'a> {
     /// are not looked at again in this sweep, so nothing else need be placed anew.
     fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
         let axis = self.question.tree().axis(&self.state, joint);
-        let (variable, bounded_variable) = self.bounded_variable(joint);
+        let (variable, bounded_variable) = BoundedVariable::of(self.question, joint);
         let room = bounded_variable.room(x[variable]);
         let by = match axis.turns {
             true => self.turn(joint, &axis).best(room),

@@ -4,7 +4,6 @@
 use super::joint_points::{Group, JointPoints};
 use super::turn::{BoundedVariable, Turn, turned, two_turns};
 use crate::kinematics::{JointAxis, TreeState};
-use crate::model::Limits;
 use crate::problem::Question;
 use crate::scalar::elementary;
 use crate::spatial::Vector3;
@@ -123,7 +122,7 @@ impl<'a> JointFit<'a> {
             true => farthest + apart,
             false => farthest - apart,
         };
-        let (variable, bounded_variable) = self.bounded_variable(joint);
+        let (variable, bounded_variable) = BoundedVariable::of(self.question, joint);
         let by = Turn::towards(angle).best(bounded_variable.room(x[variable]));
         x[variable] = bounded_variable.moved(x[variable], by);
     }
@@ -191,15 +190,6 @@ impl<'a> JointFit<'a> {
         centre.map(|centre| self.point(centre))
     }
 
-    fn bounded_variable(&self, joint: usize) -> (usize, BoundedVariable) {
-        let (variable, ratio) = self.question.tree().variable_of(joint);
-        let bounds = Limits::new(
-            self.question.lower()[variable],
-            self.question.upper()[variable],
-        );
-        (variable, BoundedVariable { bounds, ratio })
-    }
-
     /// Points a bone in closed form with the last two joints of its group, where their axes meet in
     /// the bone's centre. Says whether it moved them.
     fn point_with_two(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) -> bool {
@@ -224,7 +214,7 @@ impl<'a> JointFit<'a> {
             return false;
         };
         let [(first, outer_variable), (second, inner_variable)] =
-            [outer, inner].map(|&j| self.bounded_variable(j));
+            [outer, inner].map(|&j| BoundedVariable::of(self.question, j));
         let mut best = ((u - v).norm(), None);
         for (by_outer, by_inner) in ways {
             let outer_turn = Turn::towards(by_outer).best(outer_variable.room(x[first]));
@@ -266,7 +256,7 @@ impl<'a> JointFit<'a> {
             for &(at, to) in &points {
                 turn.pull(axis.direction, at - axis.origin, to - axis.origin, 1.0);
             }
-            let (variable, bounded_variable) = self.bounded_variable(joint);
+            let (variable, bounded_variable) = BoundedVariable::of(self.question, joint);
             let by = turn.best(bounded_variable.room(x[variable]));
             x[variable] = bounded_variable.moved(x[variable], by);
             let turn = turned(axis.direction, by);

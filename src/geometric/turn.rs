@@ -15,6 +15,7 @@ use std::f64::consts::TAU;
 
 use crate::kinematics::JointAxis;
 use crate::model::Limits;
+use crate::problem::Question;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};
 
@@ -116,6 +117,13 @@ pub(super) struct BoundedVariable {
 }
 
 impl BoundedVariable {
+    /// The variable of a joint.
+    pub(super) fn of(question: Question<'_>, joint: usize) -> (usize, Self) {
+        let (variable, ratio) = question.tree().variable_of(joint);
+        let bounds = Limits::new(question.lower()[variable], question.upper()[variable]);
+        (variable, Self { bounds, ratio })
+    }
+
     /// How far the joint may move from where it is.
     pub(super) fn room(&self, x: f64) -> Limits {
         let (a, b) = (

@@ -23,6 +23,39 @@ pub enum Source {
     },
 }
 
+impl Source {
+    /// The variable itself.
+    pub(crate) const fn copy_of(variable: usize) -> Self {
+        Self::Variable {
+            variable,
+            ratio: 1.0,
+            offset: 0.0,
+        }
+    }
+
+    /// The coordinate at x.
+    pub(crate) fn at(&self, x: &[f64]) -> f64 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Variable {
+                variable,
+                ratio,
+                offset,
+            } => ratio * x[variable] + offset,
+        }
+    }
+
+    /// Which variable moves the coordinate, and its derivative by that variable.
+    pub(crate) const fn slope(&self) -> Option<(usize, f64)> {
+        match *self {
+            Self::Constant(_) => None,
+            Self::Variable {
+                variable, ratio, ..
+            } => Some((variable, ratio)),
+        }
+    }
+}
+
 /// A checked map from variables x to configurations q of one model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterMap {
@@ -40,35 +73,21 @@ impl ParameterMap {
     /// locked coordinates into constants.
     #[must_use]
     pub fn identity(model: &Model) -> Self {
-        let limits: Vec<Limits> = model.limits().collect();
-        let own = |variable| Source::Variable {
-            variable,
-            ratio: 1.0,
-            offset: 0.0,
-        };
-        Self {
-            sources: (0..limits.len()).map(own).collect(),
-            leaders: (0..limits.len()).collect(),
-            lower: limits.iter().map(|l| l.lower).collect(),
-            upper: limits.iter().map(|l| l.upper).collect(),
-            limits,
-        }
+        Self::of_own_variables(model, |_| true)
     }
 
     /// Every coordinate its own variable, except those whose limits leave one value.
     #[must_use]
     pub fn free(model: &Model) -> Self {
+        Self::of_own_variables(model, |limits| !limits.is_locked())
+    }
+
+    fn of_own_variables(model: &Model, varies: impl Fn(&Limits) -> bool) -> Self {
         let limits: Vec<Limits> = model.limits().collect();
-        let leaders: Vec<usize> = (0..limits.len())
-            .filter(|&c| !limits[c].is_locked())
-            .collect();
+        let leaders: Vec<usize> = (0..limits.len()).filter(|&c| varies(&limits[c])).collect();
         let mut sources: Vec<Source> = limits.iter().map(|l| Source::Constant(l.lower)).collect();
         for (variable, &leader) in leaders.iter().enumerate() {
-            sources[leader] = Source::Variable {
-                variable,
-                ratio: 1.0,
-                offset: 0.0,
-            };
+            sources[leader] = Source::copy_of(variable);
         }
         Self {
             lower: leaders.iter().map(|&c| limits[c].lower).collect(),
@@ -85,8 +104,8 @@ impl ParameterMap {
         ParameterMapBuilder {
             model,
             limits: model.limits().collect(),
-            roles: vec![Role::Free; model.degrees_of_freedom()],
-            told: vec![[false; 2]; model.degrees_of_freedom()],
+            roles: vec![None; model.degrees_of_freedom()],
+            named: vec![[false; 2]; model.degrees_of_freedom()],
             problem: None,
         }
     }
@@ -244,25 +263,15 @@ fn check_numbers(what: &'static str, numbers: &[f64]) -> Result<(), ModelError> 
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Role {
-    Free,
-    Locked(f64),
-    Follows {
-        master: usize,
-        ratio: f64,
-        offset: f64,
-    },
-}
-
 /// Gives joints their roles. A joint may be locked once and coupled once, of which the last counts.
 #[derive(Clone, Debug)]
 pub struct ParameterMapBuilder<'m> {
     model: &'m Model,
     limits: Vec<Limits>,
-    roles: Vec<Role>,
+    /// Of each coordinate; `None` is free, and a variable is the coordinate that it follows.
+    roles: Vec<Option<Source>>,
     /// Which joints were locked and coupled by name: twice is a slip that nobody would find.
-    told: Vec<[bool; 2]>,
+    named: Vec<[bool; 2]>,
     problem: Option<ModelError>,
 }
 
@@ -271,7 +280,7 @@ impl ParameterMapBuilder<'_> {
     #[must_use]
     pub fn lock(mut self, joint: JointId, value: f64) -> Self {
         if let Some(coordinate) = self.moving(joint, "locked") {
-            self.set(coordinate, Role::Locked(value));
+            self.set(coordinate, Source::Constant(value));
         }
         self
     }
@@ -283,8 +292,8 @@ impl ParameterMapBuilder<'_> {
             self.moving(joint, "coupled"),
             self.moving(master, "followed"),
         ) {
-            let role = Role::Follows {
-                master,
+            let role = Source::Variable {
+                variable: master,
                 ratio,
                 offset,
             };
@@ -317,9 +326,9 @@ impl ParameterMapBuilder<'_> {
         self = self.checked(q);
         let limits = &self.limits;
         for (coordinate, role) in self.roles.iter_mut().enumerate() {
-            if *role == Role::Free && !keep[coordinate] {
+            if role.is_none() && !keep[coordinate] {
                 let value = q.get(coordinate).copied().unwrap_or(f64::NAN);
-                *role = Role::Locked(limits[coordinate].clamp(value));
+                *role = Some(Source::Constant(limits[coordinate].clamp(value)));
             }
         }
         self
@@ -342,46 +351,41 @@ impl ParameterMapBuilder<'_> {
         };
 
         let mut roles = self.roles;
-        for (c, role) in roles.iter_mut().enumerate() {
-            if *role == Role::Free && limits[c].is_locked() {
-                *role = Role::Locked(limits[c].lower);
-            }
-            check_role(role, &limits[c], || name(c))?;
-        }
-
         let mut leaders = Vec::new();
         let mut variable_of = vec![usize::MAX; roles.len()];
-        for (c, role) in roles.iter().enumerate() {
-            if *role == Role::Free {
-                variable_of[c] = leaders.len();
-                leaders.push(c);
+        for (c, role) in roles.iter_mut().enumerate() {
+            if role.is_none() && limits[c].is_locked() {
+                *role = Some(Source::Constant(limits[c].lower));
+            }
+            match role {
+                Some(source) => check(source, &limits[c], ["the ratio", "the offset"], || name(c))?,
+                None => {
+                    variable_of[c] = leaders.len();
+                    leaders.push(c);
+                }
             }
         }
 
+        // Products along a chain of masters may overflow though every factor is finite.
+        let through = [
+            "the ratio through its masters",
+            "the offset through its masters",
+        ];
         let mut sources = Vec::with_capacity(roles.len());
         let mut bounds: Vec<Limits> = leaders.iter().map(|&c| limits[c]).collect();
         for c in 0..roles.len() {
             let source = resolve(c, &roles, &variable_of)
                 .ok_or_else(|| ModelError::CouplingCycle { joint: name(c) })?;
-            check_finite(&source, || name(c))?;
-            match source {
-                Source::Constant(value) if !limits[c].contains(value) => {
-                    return Err(ModelError::LockedOutsideLimits {
-                        joint: name(c),
-                        value,
-                        lower: limits[c].lower,
-                        upper: limits[c].upper,
-                    });
-                }
-                Source::Variable {
-                    variable,
-                    ratio,
-                    offset,
-                } if variable_of[c] == usize::MAX => {
-                    let allowed = preimage(&limits[c], ratio, offset);
-                    bounds[variable] = bounds[variable].intersection(&allowed);
-                }
-                _ => {}
+            check(&source, &limits[c], through, || name(c))?;
+            if let Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } = source
+                && roles[c].is_some()
+            {
+                let allowed = preimage(&limits[c], ratio, offset);
+                bounds[variable] = bounds[variable].intersection(&allowed);
             }
             sources.push(source);
         }
@@ -410,20 +414,20 @@ impl ParameterMapBuilder<'_> {
     }
 
     /// Gives a role by name, which happens once for each.
-    fn set(&mut self, coordinate: usize, new: Role) {
+    fn set(&mut self, coordinate: usize, new: Source) {
         let model = self.model;
         let (kind, role) = match new {
-            Role::Follows { .. } => (1, "coupled"),
-            _ => (0, "locked"),
+            Source::Variable { .. } => (1, "coupled"),
+            Source::Constant(_) => (0, "locked"),
         };
-        let told = &mut self.told[coordinate][kind];
-        if *told && self.problem.is_none() {
+        let named = &mut self.named[coordinate][kind];
+        if *named && self.problem.is_none() {
             let joint = &model.joints()[model.moving_joints()[coordinate].index()];
             let joint = joint.name.clone();
             self.problem = Some(ModelError::RoleTwice { joint, role });
         }
-        *told = true;
-        self.roles[coordinate] = new;
+        *named = true;
+        self.roles[coordinate] = Some(new);
     }
 
     fn moving(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
@@ -444,80 +448,55 @@ impl ParameterMapBuilder<'_> {
     }
 }
 
-fn check_role(
-    role: &Role,
+/// Whether a source's numbers, of these names, are finite and a constant is within the limits.
+fn check(
+    source: &Source,
     limits: &Limits,
+    [ratio_is, offset_is]: [&'static str; 2],
     name: impl FnOnce() -> String,
 ) -> Result<(), ModelError> {
-    let not_finite = |what, value| (what, value);
-    let bad = match *role {
-        Role::Free => None,
-        Role::Locked(value) if !value.is_finite() => Some(not_finite("the locked value", value)),
-        Role::Locked(value) if !limits.contains(value) => {
-            return Err(ModelError::LockedOutsideLimits {
+    let numbers = match *source {
+        Source::Constant(value) => [("the locked value", value); 2],
+        Source::Variable { ratio, offset, .. } => [(ratio_is, ratio), (offset_is, offset)],
+    };
+    if let Some(&(what, value)) = numbers.iter().find(|(_, number)| !number.is_finite()) {
+        let joint = name();
+        return Err(ModelError::NotFinite { joint, what, value });
+    }
+    match *source {
+        Source::Constant(value) if !limits.contains(value) => {
+            Err(ModelError::LockedOutsideLimits {
                 joint: name(),
                 value,
                 lower: limits.lower,
                 upper: limits.upper,
-            });
+            })
         }
-        Role::Locked(_) => None,
-        Role::Follows { ratio, .. } if !ratio.is_finite() => Some(not_finite("the ratio", ratio)),
-        Role::Follows { offset, .. } if !offset.is_finite() => {
-            Some(not_finite("the offset", offset))
-        }
-        Role::Follows { .. } => None,
-    };
-    match bad {
-        None => Ok(()),
-        Some((what, value)) => Err(ModelError::NotFinite {
-            joint: name(),
-            what,
-            value,
-        }),
-    }
-}
-
-/// Products along a chain of masters may overflow though every factor is finite.
-fn check_finite(source: &Source, name: impl FnOnce() -> String) -> Result<(), ModelError> {
-    let numbers = match *source {
-        Source::Constant(value) => [("the locked value", value); 2],
-        Source::Variable { ratio, offset, .. } => [
-            ("the ratio through its masters", ratio),
-            ("the offset through its masters", offset),
-        ],
-    };
-    match numbers.iter().find(|(_, number)| !number.is_finite()) {
-        None => Ok(()),
-        Some(&(what, value)) => Err(ModelError::NotFinite {
-            joint: name(),
-            what,
-            value,
-        }),
+        _ => Ok(()),
     }
 }
 
 /// Follows masters to their end; `None` when they run in a ring.
-fn resolve(coordinate: usize, roles: &[Role], variable_of: &[usize]) -> Option<Source> {
-    let (mut ratio, mut offset, mut at) = (1.0, 0.0, coordinate);
+fn resolve(coordinate: usize, roles: &[Option<Source>], variable_of: &[usize]) -> Option<Source> {
+    let (mut total, mut shift, mut at) = (1.0, 0.0, coordinate);
     for _ in 0..=roles.len() {
         match roles[at] {
-            Role::Free => {
+            None => {
                 return Some(Source::Variable {
                     variable: variable_of[at],
-                    ratio,
-                    offset,
+                    ratio: total,
+                    offset: shift,
                 });
             }
-            Role::Locked(value) => return Some(Source::Constant(ratio * value + offset)),
-            Role::Follows {
-                master,
-                ratio: next_ratio,
-                offset: next_offset,
-            } => {
-                // ratio·(r m + o) + offset
-                offset += ratio * next_offset;
-                ratio *= next_ratio;
+            Some(Source::Constant(value)) => return Some(Source::Constant(total * value + shift)),
+            Some(Source::Variable {
+                variable: master,
+                ratio,
+                offset,
+            }) => {
+                // total·(ratio m + offset) + shift
+                shift += total * offset;
+                total *= ratio;
                 at = master;
             }
         }

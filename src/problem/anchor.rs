@@ -1,6 +1,6 @@
 //! Where the chain of a frame begins, and how far from there the frame can be.
 
-use crate::model::{FrameId, JointKind, Model, ParameterMap, Source};
+use crate::model::{FrameId, JointKind, Model, ParameterMap};
 use crate::spatial::{Placement, Vector3};
 
 /// The ball that a frame cannot leave.
@@ -72,16 +72,7 @@ pub(super) fn anchor(model: &Model, map: &ParameterMap, frame: FrameId) -> Optio
 
 /// How far from zero a coordinate can be.
 fn farthest(map: &ParameterMap, coordinate: usize) -> f64 {
-    match map.sources()[coordinate] {
-        Source::Constant(value) => value.abs(),
-        Source::Variable {
-            variable,
-            ratio,
-            offset,
-        } => {
-            let ends = [map.lower()[variable], map.upper()[variable]];
-            let [one, other] = ends.map(|end| (ratio * end + offset).abs());
-            one.max(other)
-        }
-    }
+    let source = map.sources()[coordinate];
+    let [one, other] = [map.lower(), map.upper()].map(|end| source.at(end).abs());
+    one.max(other)
 }

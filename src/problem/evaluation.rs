@@ -7,7 +7,6 @@ use nalgebra::DMatrix;
 use super::compiled_task::CompiledTask;
 use super::{Derivatives, Problem, Question, ReportNames, Share};
 use crate::kinematics::{Partials, Tree, TreeState, Wrench, Wrenches};
-use crate::model::Source;
 use crate::scalar::{Dual, Scalar};
 use crate::solver::LeastSquares;
 use crate::spatial::{Placement, Vector3};
@@ -201,10 +200,7 @@ impl<'a> Evaluation<'a> {
             }
             let entries = jacobian.as_mut_slice();
             for (k, &coordinate) in task.coordinates.iter().enumerate() {
-                if let Source::Variable {
-                    variable, ratio, ..
-                } = problem.map.sources()[coordinate]
-                {
+                if let Some((variable, ratio)) = problem.map.sources()[coordinate].slope() {
                     for (row, entry) in local.joint(k) {
                         entries[variable * rows + task_rows.start + row] += ratio * entry;
                     }
@@ -272,10 +268,7 @@ impl<'a> Evaluation<'a> {
                 tree.push(state, frame, wrench, wrenches);
             }
             for (k, &coordinate) in task.coordinates.iter().enumerate() {
-                if let Source::Variable {
-                    variable, ratio, ..
-                } = problem.map.sources()[coordinate]
-                {
+                if let Some((variable, ratio)) = problem.map.sources()[coordinate].slope() {
                     let sum: f64 = local.joint(k).map(|(row, entry)| entry * r[row]).sum();
                     gradient[variable] += ratio * sum;
                 }

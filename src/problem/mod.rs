@@ -29,7 +29,7 @@ pub use targets::Targets;
 use std::sync::Arc;
 
 use crate::kinematics::Tree;
-use crate::model::{Model, ParameterMap, Source};
+use crate::model::{Model, ParameterMap};
 use crate::task::{Quantity, Role};
 pub(crate) use anchor::Anchor;
 pub(crate) use compiled_task::CompiledTask;
@@ -296,12 +296,10 @@ impl Problem {
             .frames
             .iter()
             .flat_map(|&slot| self.tree.variables_moving(slot));
-        let by_joints = task.coordinates.iter().filter_map(|&coordinate| {
-            match self.map.sources()[coordinate] {
-                Source::Variable { variable, .. } => Some(variable),
-                Source::Constant(_) => None,
-            }
-        });
+        let by_joints = task
+            .coordinates
+            .iter()
+            .filter_map(|&coordinate| Some(self.map.sources()[coordinate].slope()?.0));
         by_frames.chain(by_joints)
     }
 

@@ -187,10 +187,7 @@ impl<'a> ClipBuilder<'a> {
     pub fn build(self) -> Clip {
         let mut curves = Curves::default();
         let mut constant = self.armature.rest().clone();
-        let times = self.channels.iter().map(|(_, channel)| channel.times());
-        let times = times.chain(self.morphs.iter().map(|(_, curve)| curve.times()));
-        let ends = times.filter_map(|times| Some([*times.first()?, *times.last()?]));
-        let keyed = ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)]);
+        let keyed = keyed_span(&self.channels, &self.morphs);
         for (bone, channel) in self.channels {
             add(bone.index(), channel, &mut curves, &mut constant);
         }
@@ -210,6 +207,17 @@ impl<'a> ClipBuilder<'a> {
             events,
         }
     }
+}
+
+/// From the first to the last key of all.
+pub(crate) fn keyed_span(
+    channels: &[(BoneId, Channel)],
+    morphs: &[(usize, KeyedCurve<f32>)],
+) -> Option<[f32; 2]> {
+    let times = channels.iter().map(|(_, channel)| channel.times());
+    let times = times.chain(morphs.iter().map(|(_, curve)| curve.times()));
+    let ends = times.filter_map(|times| Some([*times.first()?, *times.last()?]));
+    ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)])
 }
 
 /// Takes up a curve, or its only value.

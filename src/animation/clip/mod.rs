@@ -18,6 +18,8 @@ mod tracks;
 mod vector_tracks;
 
 pub use builder::ClipBuilder;
+#[cfg(feature = "gltf")]
+pub(crate) use builder::keyed_span;
 pub use channel::{Channel, EulerCurve, Property};
 pub use cursor::Cursor;
 pub use error::ChannelError;

@@ -10,7 +10,7 @@ use super::UnwritableScene;
 use super::buffer::Document;
 use super::keys::{ChannelKeys, Keys, exact, of_channel, sample_times};
 use crate::animation::curve::KeyedCurve;
-use crate::animation::{Armature, Channel, Clip, Property};
+use crate::animation::{Armature, Channel, Clip, Property, clip};
 use crate::io::gltf::scene::{Scene, SceneMesh};
 use crate::skeleton::BoneId;
 
@@ -35,10 +35,7 @@ pub(super) fn add(
     };
     let channels = clip.channels(armature).map_err(wrong)?;
     let morphs = clip.morph_channels(armature).map_err(wrong)?;
-    let times = channels.iter().map(|(_, channel)| times(channel));
-    let times = times.chain(morphs.iter().map(|(_, curve)| curve.times()));
-    let ends = times.filter_map(|times| Some([*times.first()?, *times.last()?]));
-    let keyed = ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)]);
+    let keyed = clip::keyed_span(&channels, &morphs);
     let [start, end] = clip.span();
     let [first, last] = keyed.map_or([start, end], |[s, e]| [s.min(start), e.max(end)]);
     let mut growing = Growing {
@@ -76,14 +73,6 @@ pub(super) fn add(
         document.root.animations.push(animation);
     }
     Ok(())
-}
-
-fn times(channel: &Channel) -> &[f32] {
-    match channel {
-        Channel::Translation(curve) | Channel::Scale(curve) => curve.times(),
-        Channel::Rotation(curve) => curve.times(),
-        Channel::Euler(curve) => curve.angles.times(),
-    }
 }
 
 impl Growing<'_> {
