@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (index, (frequency, swing)) in SWINGS.into_iter().enumerate() {
             let angle = swing * (TAU * frequency * time / PERIOD).sin();
             if let Some(bone) = armature.bone_at(index) {
-                let mut local = pose.local(bone);
+                let mut local = pose.local(bone)?;
                 local.rotation = Quat::from_rotation_z(angle);
                 pose.set_local(bone, local)?;
             }

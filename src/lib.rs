@@ -70,6 +70,7 @@ pub mod animation;
 #[cfg(feature = "argmin")]
 pub mod argmin_bridge;
 pub mod arm;
+mod bad_option;
 mod buffer;
 mod file;
 pub mod geometric;
@@ -98,6 +99,7 @@ pub use glam;
 pub use nalgebra;
 
 pub use arm::Arm;
+pub use bad_option::BadOption;
 pub use buffer::Buffer;
 pub use ik::{Solution, Solver, Workspace};
 pub use model::Model;

@@ -88,11 +88,7 @@ fn engine(
 
 /// One attempt a query, all from random starts: hardly anything but iterations.
 fn iterations(group: &mut BenchmarkGroup<WallTime>, chain: &Chain, ask: &ArmPoses) {
-    let options = LaneOptions {
-        atlas: false,
-        attempts: 1,
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default().with_atlas(false).with_attempts(1);
     let solver = PoseSolver::new(chain, options).expect("valid options");
     let mut q = vec![0.0; solver.joints() * POSES];
     let mut outcomes = vec![PoseOutcome::default(); POSES];

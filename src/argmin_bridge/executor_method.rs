@@ -129,6 +129,8 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
         problem: &mut Problem<O>,
         mut state: MethodState,
     ) -> Result<(MethodState, Option<KV>), Error> {
+        self.method.check()?;
+        self.stopping().check()?;
         let least_squares = inner(problem)?;
         let start = state
             .take_param()

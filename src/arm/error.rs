@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::bad_option::BadOption;
 use crate::lanes::LaneError;
 use crate::model::{ModelError, UnknownName};
 use crate::problem::ProblemError;
@@ -25,15 +26,8 @@ pub enum ArmError {
         tip: String,
     },
     /// An option out of its range.
-    #[error("option {option} is {value}: {allowed}")]
-    Option {
-        /// Which option.
-        option: &'static str,
-        /// The value given.
-        value: f64,
-        /// What it may be.
-        allowed: &'static str,
-    },
+    #[error(transparent)]
+    Option(#[from] BadOption),
     /// An option that has one number a joint, given another number of them.
     #[error(
         "option {option} has {given} numbers, the arm has {} free joints: {}",

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::{ArmError, Goal};
+use crate::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption, NOT_NEGATIVE, POSITIVE, Range};
 
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,16 +63,6 @@ pub(super) fn metres_per_radian(reach: f64) -> f64 {
         1.0
     }
 }
-
-/// Numbers that an option may be, and what they are called.
-type Range = (fn(f64) -> bool, &'static str);
-
-const POSITIVE: Range = (|v| v > 0.0 && v.is_finite(), "a positive finite number");
-const NOT_NEGATIVE: Range = (
-    |v| v >= 0.0 && v.is_finite(),
-    "a finite number of at least 0",
-);
-const AT_LEAST_ONE: Range = (|v| v >= 1.0, "at least 1");
 
 /// All options.
 #[derive(Clone, Debug)]
@@ -152,7 +143,7 @@ impl Options {
         };
         one_a_joint("joint_weights", &self.weights, POSITIVE)?;
         if let Some(moves) = &self.max_move {
-            one_a_joint("max_move", moves, (|v| v >= 0.0, "numbers of at least 0"))?;
+            one_a_joint("max_move", moves, AT_LEAST_0)?;
         }
         if let Some(posture) = &self.posture {
             one_a_joint("posture", posture, (f64::is_finite, "finite numbers"))?;
@@ -197,13 +188,9 @@ pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
     }
 }
 
-fn check(option: &'static str, values: &[f64], (fine, allowed): Range) -> Result<(), ArmError> {
-    match values.iter().find(|value| !fine(**value)) {
-        None => Ok(()),
-        Some(&value) => Err(ArmError::Option {
-            option,
-            value,
-            allowed,
-        }),
+fn check(option: &'static str, values: &[f64], range: Range) -> Result<(), ArmError> {
+    for &value in values {
+        BadOption::check(option, value, range)?;
     }
+    Ok(())
 }

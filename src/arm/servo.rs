@@ -14,6 +14,7 @@ use super::move_bounds::within;
 use super::pose_question::PoseQuestion;
 use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
+use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::ik::Side;
 use crate::solver::Termination;
 use crate::spatial::Placement;
@@ -168,12 +169,8 @@ impl Servo<'_> {
                 joints: self.arm.joints().map(str::to_owned).collect(),
             });
         }
-        if let Some(&value) = limits.iter().find(|limit| limit.is_nan() || **limit < 0.0) {
-            return Err(ArmError::Option {
-                option: "velocity_limits",
-                value,
-                allowed: "numbers of at least 0",
-            });
+        for &limit in limits {
+            BadOption::check("velocity_limits", limit, AT_LEAST_0)?;
         }
         self.velocity_limits.copy_from_slice(limits);
         Ok(self)
@@ -187,13 +184,7 @@ impl Servo<'_> {
     /// # Errors
     /// A number that is negative or not finite.
     pub fn with_damping(mut self, radians: f64) -> Result<Self, ArmError> {
-        if !(radians >= 0.0 && radians.is_finite()) {
-            return Err(ArmError::Option {
-                option: "damping",
-                value: radians,
-                allowed: "a finite number of at least 0",
-            });
-        }
+        BadOption::check("damping", radians, NOT_NEGATIVE)?;
         self.set_damping(radians);
         Ok(self)
     }

@@ -9,7 +9,7 @@ use crate::ik::SolveError;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GeometricError {
-    /// A start of the wrong length or with a number that is not finite.
+    /// A start of the wrong length or with a number that is not finite, or an option out of its range.
     #[error(transparent)]
     Start(#[from] SolveError),
     /// A task that the method does not understand.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::GeometricError;
 use crate::ik::{Restarts, Solution};
 use crate::problem::{Evaluation, Question, Scratch, Share};
-use crate::search::{Attempt, Attempts, End, Engine, Schedule, run, variables_at};
+use crate::search::{Attempt, Attempts, End, Engine, Schedule, SolveError, run, variables_at};
 use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, SolverState, Stopping, Termination, half_squared,
 };
@@ -59,13 +59,15 @@ pub(super) fn solve(
     observer: &mut dyn Observer,
 ) -> Result<Solution, GeometricError> {
     let Limits { stopping, restarts } = limits;
+    stopping.check().map_err(SolveError::from)?;
+    restarts.check().map_err(SolveError::from)?;
     let mut search = Attempts::default();
     search.start = variables_at(question, start)?;
     search.fit(question, Share::All);
     let deadline = stopping.deadline();
     let mut sweeps = Sweeps::new(question, &search.start, method, observer, deadline);
     let schedule = Schedule::of_sweeps(restarts, stopping);
-    let mut found = run(
+    let found = run(
         question,
         Share::All,
         &schedule,
@@ -73,7 +75,6 @@ pub(super) fn solve(
         &mut sweeps,
         &mut search,
     );
-    found.agreeing = 0;
     let mut solution = Solution::default();
     solution.tell(&found);
     let end = End {

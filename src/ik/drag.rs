@@ -2,6 +2,7 @@
 
 use super::preferences_within_goals::Extent;
 use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace};
+use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::check_start;
@@ -138,42 +139,49 @@ impl Drag {
         let look = Solver::default().with_stopping(look);
         let look = look.with_restarts(Restarts::none());
         solve(&look, (&drag.problem).into(), &drag.q, &mut drag.trial);
-        Ok(drag.with_solver(
-            Solver::default(),
-            Stopping::default().with_max_iterations(STEPS),
-        ))
+        let steps = Stopping::default().with_max_iterations(STEPS);
+        Ok(drag.with_solver(Solver::default(), steps)?)
     }
 
     /// The method of another solver, within these limits a frame: at most 40 steps unless set. Its
     /// restarts are not used.
-    #[must_use]
-    pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Self {
+    ///
+    /// # Errors
+    /// An option out of its range.
+    pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Result<Self, BadOption> {
+        stopping.check()?;
         let few = stopping.max_iterations().min(NUDGE_STEPS);
         let once = solver.with_restarts(Restarts::none());
+        once.check()?;
         let nudged = once.clone().with_refining(Extent::Nothing);
         self.nudged = nudged.with_stopping(stopping.with_max_iterations(few));
         self.solver = once.with_refining(Extent::Frame).with_stopping(stopping);
-        self
+        Ok(self)
     }
 
     /// How far a joint may move in a frame, in radians: 0.15 unless set; slides as far as a joint
-    /// would carry what is a quarter of the model's reach away. Must be positive; infinity lets a
-    /// joint go where its branch takes it. Anything else changes nothing.
-    #[must_use]
-    pub fn with_max_move(mut self, radians: f64) -> Self {
-        if radians > 0.0 {
-            self.max_move = radians;
-        }
-        self
+    /// would carry what is a quarter of the model's reach away. Infinity lets a joint go where its
+    /// branch takes it.
+    ///
+    /// # Errors
+    /// A number that is not above 0.
+    pub fn with_max_move(mut self, radians: f64) -> Result<Self, BadOption> {
+        let above = |radians| radians > 0.0;
+        BadOption::check("max_move", radians, (above, "a number above 0"))?;
+        self.max_move = radians;
+        Ok(self)
     }
 
     /// Where a frame settles on a miss, searches from other places too, and goes to what is better by
     /// a thousandth of the cost: told as a [`leap`](Self::leap). Such a frame costs what a whole
     /// solve costs. Without it a drag never leaps.
-    #[must_use]
-    pub fn with_search(mut self, restarts: Restarts) -> Self {
+    ///
+    /// # Errors
+    /// An option out of its range.
+    pub fn with_search(mut self, restarts: Restarts) -> Result<Self, BadOption> {
+        restarts.check()?;
         self.search = Some(Solver::default().with_restarts(restarts));
-        self
+        Ok(self)
     }
 
     getters! {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::minimiser::Minimiser;
 use super::preferences_within_goals::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
+use crate::bad_option::BadOption;
 use crate::problem::{Question, Share};
 use crate::search::{Schedule, check_start, run};
 use crate::solver::{AnyMethod, LevenbergMarquardt, Method, Observer, Silent, Stopping};
@@ -65,11 +66,18 @@ impl Solver {
         pub fn with_restarts(mut self, restarts: Restarts) { self.restarts = restarts }
     }
 
+    /// Whether every option is in its range.
+    pub(super) fn check(&self) -> Result<(), BadOption> {
+        self.method.check()?;
+        self.stopping.check()?;
+        self.restarts.check()
+    }
+
     /// Solves a problem, or a [question](Question) to it, from the configuration `start` (degrees of freedom; projected into the
     /// limits; locked and following joints take their values from the parameter map).
     ///
     /// # Errors
-    /// A start of the wrong length, or one that is not finite. A target that is not reached is no
+    /// A start of the wrong length, or one that is not finite; an option out of its range. A target that is not reached is no
     /// error: see [`Solution::reached`] and [`Solution::explain`].
     pub fn solve<'a, 'w>(
         &self,
@@ -108,6 +116,7 @@ impl Solver {
     ) -> Result<&'w Solution, SolveError> {
         let question = question.into();
         let problem = question.problem;
+        self.check()?;
         check_start(problem, start)?;
         let mut scratch = workspace.fit(question);
         let map = problem.parameters();

@@ -1,5 +1,6 @@
 //! Which of the six components of a pose matter, and how much.
 
+use crate::bad_option::{BadOption, NOT_NEGATIVE};
 use crate::task::Goal;
 
 /// Weights and dead bands of a pose's components, in the target's axes.
@@ -67,15 +68,14 @@ impl AxisGoal {
     }
 
     /// Whether all numbers are finite and none negative.
-    pub(crate) fn is_valid(&self) -> bool {
-        [
+    pub(crate) fn check(&self) -> Result<(), BadOption> {
+        let numbers = [
             self.position_weights,
             self.orientation_weights,
             self.position_half_widths,
             self.orientation_half_widths,
-        ]
-        .as_flattened()
-        .iter()
-        .all(|v| v.is_finite() && *v >= 0.0)
+        ];
+        let mut numbers = numbers.into_iter().flatten();
+        numbers.try_for_each(|number| BadOption::check("axes", number, NOT_NEGATIVE))
     }
 }

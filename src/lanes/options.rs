@@ -1,6 +1,7 @@
 //! What a solver is told, what it answers, and what can be wrong with a call.
 
 use super::axis_goal::AxisGoal;
+use crate::bad_option::{BadOption, POSITIVE};
 
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,35 +18,18 @@ pub enum Prefer {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LaneOptions {
-    /// How far the tip may be from the target, metres; positive. Default 1e-6.
-    pub position_tolerance: f64,
-    /// How far the tip may be turned from the target, radians; positive. Default 1e-6.
-    pub orientation_tolerance: f64,
-    /// Metres that weigh as much as one radian in the cost; positive. Default 0.3.
-    pub metres_per_radian: f64,
-    /// Which components of the pose count. Default all.
-    pub axes: AxisGoal,
-    /// Levenberg-Marquardt's λ at the start of an attempt is this times twice the cost. Default 0.07.
-    pub damping: f64,
-    /// An attempt whose error has not halved in this many iterations is given up, ten
-    /// times as many where the cost is below 1e-6 of the chain's reach squared. Default 6.
-    pub stall_limit: u32,
-    /// Most iterations of one attempt. Default 100.
-    pub iterations: u32,
-    /// Most attempts of one query, at least 1. Default 200.
-    pub attempts: u32,
-    /// No attempt begins after so many iterations of all attempts of a query together. Goals at the
-    /// end of a narrow valley (an arm nearly stretched, a joint on its limit) would otherwise take
-    /// ten times as many as others that are out of reach. Default 3 000.
-    pub total_iterations: u32,
-    /// Seed of the atlas and of the random attempts: attempt i begins from (seed, i). Default 0.
-    pub seed: u64,
-    /// Whether to build the seed atlas: a few megabytes and tens of milliseconds, and several times
-    /// fewer iterations. Chains of fewer than 4 or more than 12 joints have none. Default true.
-    pub atlas: bool,
-    /// Whether to use the portable kernels even where faster instructions are there: for comparing
-    /// them. Default false.
-    pub portable: bool,
+    pub(crate) position_tolerance: f64,
+    pub(crate) orientation_tolerance: f64,
+    pub(crate) metres_per_radian: f64,
+    pub(crate) axes: AxisGoal,
+    pub(crate) damping: f64,
+    pub(crate) stall_limit: u32,
+    pub(crate) iterations: u32,
+    pub(crate) attempts: u32,
+    pub(crate) total_iterations: u32,
+    pub(crate) seed: u64,
+    pub(crate) atlas: bool,
+    pub(crate) portable: bool,
 }
 
 impl Default for LaneOptions {
@@ -68,6 +52,38 @@ impl Default for LaneOptions {
 }
 
 impl LaneOptions {
+    setters! {
+        /// How far the tip may be from the target, metres; positive. Default 1e-6.
+        pub fn with_position_tolerance(mut self, position_tolerance: f64) { self.position_tolerance = position_tolerance }
+        /// How far the tip may be turned from the target, radians; positive. Default 1e-6.
+        pub fn with_orientation_tolerance(mut self, orientation_tolerance: f64) { self.orientation_tolerance = orientation_tolerance }
+        /// Metres that weigh as much as one radian in the cost; positive. Default 0.3.
+        pub fn with_metres_per_radian(mut self, metres_per_radian: f64) { self.metres_per_radian = metres_per_radian }
+        /// Which components of the pose count. Default all.
+        pub fn with_axes(mut self, axes: AxisGoal) { self.axes = axes }
+        /// Levenberg-Marquardt's λ at the start of an attempt is this times twice the cost. Default 0.07.
+        pub fn with_damping(mut self, damping: f64) { self.damping = damping }
+        /// An attempt whose error has not halved in this many iterations is given up, ten
+        /// times as many where the cost is below 1e-6 of the chain's reach squared. Default 6.
+        pub fn with_stall_limit(mut self, stall_limit: u32) { self.stall_limit = stall_limit }
+        /// Most iterations of one attempt. Default 100.
+        pub fn with_iterations(mut self, iterations: u32) { self.iterations = iterations }
+        /// Most attempts of one query, at least 1. Default 200.
+        pub fn with_attempts(mut self, attempts: u32) { self.attempts = attempts }
+        /// No attempt begins after so many iterations of all attempts of a query together. Goals at the
+        /// end of a narrow valley (an arm nearly stretched, a joint on its limit) would otherwise take
+        /// ten times as many as others that are out of reach. Default 3 000.
+        pub fn with_total_iterations(mut self, total_iterations: u32) { self.total_iterations = total_iterations }
+        /// Seed of the atlas and of the random attempts: attempt i begins from (seed, i). Default 0.
+        pub fn with_seed(mut self, seed: u64) { self.seed = seed }
+        /// Whether to build the seed atlas: a few megabytes and tens of milliseconds, and several times
+        /// fewer iterations. Chains of fewer than 4 or more than 12 joints have none. Default true.
+        pub fn with_atlas(mut self, atlas: bool) { self.atlas = atlas }
+        /// Whether to use the portable kernels even where faster instructions are there: for comparing
+        /// them. Default false.
+        pub fn with_portable(mut self, portable: bool) { self.portable = portable }
+    }
+
     /// Whether every number is in its range.
     ///
     /// # Errors
@@ -79,15 +95,9 @@ impl LaneOptions {
             ("metres_per_radian", self.metres_per_radian),
             ("damping", self.damping),
         ] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(LaneError::Option(name));
-            }
+            BadOption::check(name, value, POSITIVE)?;
         }
-        if self.axes.is_valid() {
-            Ok(())
-        } else {
-            Err(LaneError::Option("axes"))
-        }
+        Ok(self.axes.check()?)
     }
 }
 
@@ -111,9 +121,9 @@ pub struct PoseOutcome {
 /// What is wrong with a call.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LaneError {
-    /// A tolerance or weight that is no positive number.
-    #[error("option {0} must be a positive finite number")]
-    Option(&'static str),
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] BadOption),
     /// A slice of another length than the chain and the number of targets ask for.
     #[error("{what} holds {found} numbers, {expected} are needed")]
     Length {

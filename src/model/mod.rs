@@ -6,6 +6,7 @@ mod id;
 mod joint;
 mod length_unit;
 mod parameter_map;
+mod parameter_map_builder;
 mod path;
 mod random_configuration;
 mod reference;
@@ -20,7 +21,8 @@ pub use error::ModelError;
 pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
 pub use length_unit::LengthUnit;
-pub use parameter_map::{ParameterMap, ParameterMapBuilder, Source};
+pub use parameter_map::{ParameterMap, Source};
+pub use parameter_map_builder::ParameterMapBuilder;
 pub use reference::{FrameRef, JointRef, Reference};
 pub use unknown_name::UnknownName;
 

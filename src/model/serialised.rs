@@ -1,6 +1,7 @@
-//! A model as serde writes it. One that is read is built and checked anew.
+//! A model and a parameter map as serde writes them. What is read is built and checked anew.
 
-use super::{Frame, Joint, JointId, LengthUnit, Model, ModelError};
+use super::parameter_map::Source;
+use super::{Frame, Joint, JointId, LengthUnit, Limits, Model, ModelError, ParameterMap};
 
 /// How far what is built may be from what was written for that to count as the same number.
 const ROUNDING: f64 = 1e-14;
@@ -48,5 +49,86 @@ impl TryFrom<Parts> for Model {
             }
         }
         Ok(model)
+    }
+}
+
+/// A parameter map; bounds may be infinite, which limits can write.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub(super) struct Map {
+    sources: Vec<Source>,
+    limits: Vec<Limits>,
+    leaders: Vec<usize>,
+    bounds: Vec<Limits>,
+}
+
+/// What of a map that was read contradicts itself.
+#[derive(Debug, thiserror::Error)]
+#[error("a parameter map whose {0}")]
+pub(super) struct NoMap(&'static str);
+
+impl From<ParameterMap> for Map {
+    fn from(map: ParameterMap) -> Self {
+        let bounds = map.lower.iter().zip(&map.upper);
+        Self {
+            bounds: bounds.map(|(&l, &u)| Limits::new(l, u)).collect(),
+            sources: map.sources,
+            limits: map.limits,
+            leaders: map.leaders,
+        }
+    }
+}
+
+impl TryFrom<Map> for ParameterMap {
+    type Error = NoMap;
+
+    fn try_from(map: Map) -> Result<Self, NoMap> {
+        let Map {
+            sources,
+            limits,
+            leaders,
+            bounds,
+        } = map;
+        let known = |source: &Source| match *source {
+            Source::Constant(value) => value.is_finite(),
+            Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } => variable < leaders.len() && ratio.is_finite() && offset.is_finite(),
+        };
+        let leads = |(k, &c): (usize, &usize)| sources.get(c) == Some(&Source::copy_of(k));
+        for (fine, what) in [
+            (
+                limits.len() == sources.len(),
+                "limits are not one for each coordinate",
+            ),
+            (
+                bounds.len() == leaders.len(),
+                "bounds are not one for each variable",
+            ),
+            (
+                limits.iter().chain(&bounds).all(Limits::is_valid),
+                "limits or bounds leave nothing",
+            ),
+            (
+                sources.iter().all(known),
+                "sources are not finite or of no variable",
+            ),
+            (
+                leaders.iter().enumerate().all(leads),
+                "variables lead no coordinate",
+            ),
+        ] {
+            if !fine {
+                return Err(NoMap(what));
+            }
+        }
+        Ok(Self {
+            lower: bounds.iter().map(|bound| bound.lower).collect(),
+            upper: bounds.iter().map(|bound| bound.upper).collect(),
+            sources,
+            limits,
+            leaders,
+        })
     }
 }

@@ -13,7 +13,7 @@ pub use urdf::{Fault, Mended, Repair, UrdfError, UrdfReader};
 use drive::Drive;
 
 use crate::model::{
-    FrameId, JointId, Model, ModelBuilder, ModelError, ParameterMap, ParameterMapBuilder,
+    FrameId, FrameRef, JointId, Model, ModelBuilder, ModelError, ParameterMap, ParameterMapBuilder,
     UnknownName,
 };
 use crate::spatial::Placement;
@@ -121,9 +121,14 @@ impl Robot {
     /// to where both meet and down to the tip.
     ///
     /// # Errors
-    /// An unknown frame name; the error lists the valid ones.
-    pub fn chain(&self, base: &str, tip: &str) -> Result<Vec<JointId>, UnknownName> {
-        let (base, tip) = (self.model.frame(base)?, self.model.frame(tip)?);
+    /// A frame that the robot does not have; the error lists the valid names.
+    pub fn chain<'a>(
+        &self,
+        base: impl Into<FrameRef<'a>>,
+        tip: impl Into<FrameRef<'a>>,
+    ) -> Result<Vec<JointId>, UnknownName> {
+        let base = base.into().resolve(&self.model)?;
+        let tip = tip.into().resolve(&self.model)?;
         Ok(chain::between(&self.model, base, tip))
     }
 
@@ -149,13 +154,13 @@ impl Robot {
     ///
     /// # Errors
     /// An unknown `link`, a `name` that is taken, or a placement that is not rigid.
-    pub fn with_tool(
+    pub fn with_tool<'a>(
         self,
         name: &str,
-        link: &str,
+        link: impl Into<FrameRef<'a>>,
         link_from_tool: impl Into<Placement<f64>>,
     ) -> Result<Self, ToolError> {
-        let link = &self.model.frames()[self.model.frame(link)?.index()];
+        let link = &self.model.frames()[link.into().resolve(&self.model)?.index()];
         let (joint, joint_from_tool) = (link.joint, link.joint_from_frame * link_from_tool.into());
         let mut builder = ModelBuilder::from_model(&self.model);
         builder.frame(name, joint, joint_from_tool);

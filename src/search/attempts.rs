@@ -60,7 +60,7 @@ pub(crate) fn run(
         x,
         local,
     } = search;
-    keeper.begin(schedule.restarts().attempts);
+    keeper.begin(schedule);
     for trial in schedule.trials() {
         if !keeper.wants(trial, schedule) {
             continue;
@@ -90,5 +90,5 @@ pub(crate) fn run(
             break;
         }
     }
-    keeper.found()
+    keeper.found(schedule)
 }

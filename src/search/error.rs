@@ -2,10 +2,15 @@
 
 use thiserror::Error;
 
+use crate::bad_option::BadOption;
+
 /// Why a solve did not start. Missing a target is not an error but a [`Solution`](super::Solution).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SolveError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] BadOption),
     /// A start of the wrong length.
     #[error("the start has {given} numbers, a configuration of `{model}` has {expected}")]
     StartLength {

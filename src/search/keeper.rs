@@ -28,7 +28,7 @@ pub(crate) struct Keeper {
     first_may_win: bool,
     /// How many ended at the lowest cost, of those whose end says something.
     agreeing: usize,
-    /// The cost of every attempt that came to its end or stalled.
+    /// The cost of every attempt that came to its end or stalled, where the schedule tells agreement.
     costs: Vec<f64>,
 }
 
@@ -40,13 +40,16 @@ impl Keeper {
         self.residual.resize(rows, 0.0);
     }
 
-    /// Forgets the last search; the next makes so many attempts at most.
-    pub(super) fn begin(&mut self, attempts: usize) {
+    /// Forgets the last search, before one by a schedule.
+    pub(super) fn begin(&mut self, schedule: &Schedule) {
         self.found = Found::default();
         (self.first_is_best, self.first_may_win) = (true, false);
         self.agreeing = 0;
         self.costs.clear();
-        self.costs.reserve(attempts.min(USUAL_ATTEMPTS));
+        if schedule.tells_agreement() {
+            let attempts = schedule.restarts().attempts;
+            self.costs.reserve(attempts.min(USUAL_ATTEMPTS));
+        }
     }
 
     /// Whether a trial makes sense after those before.
@@ -88,7 +91,7 @@ impl Keeper {
         found.counts += attempt.counts;
         let settled = schedule.settles(attempt.termination);
         let ended = settled || attempt.termination == Termination::Stalled;
-        if ended && !trial.goes_on() {
+        if ended && !trial.goes_on() && schedule.tells_agreement() {
             self.costs.push(attempt.cost);
         }
         let lower = attempt.cost < found.cost * (1.0 - SAME_COST);
@@ -127,10 +130,12 @@ impl Keeper {
     }
 
     /// What the attempts came to.
-    pub(super) fn found(&mut self) -> Found {
-        let alike = self.found.cost * (1.0 + NEARLY_SAME);
-        let agreeing = self.costs.iter().filter(|cost| **cost <= alike);
-        self.found.agreeing = agreeing.count().max(1);
+    pub(super) fn found(&mut self, schedule: &Schedule) -> Found {
+        if schedule.tells_agreement() {
+            let alike = self.found.cost * (1.0 + NEARLY_SAME);
+            let agreeing = self.costs.iter().filter(|cost| **cost <= alike);
+            self.found.agreeing = agreeing.count().max(1);
+        }
         self.found
     }
 }

@@ -3,6 +3,7 @@
 //! Attempt 0 is the caller's start. Attempt i > 0 is drawn from (seed, i) alone, so attempts could
 //! run in any order; the lowest index that succeeds wins.
 
+use crate::bad_option::{AT_LEAST_ONE, BadOption};
 use crate::problem::Question;
 use crate::random::RandomStream;
 
@@ -47,17 +48,24 @@ impl Restarts {
 
     setters! {
         /// At most so many attempts, the caller's start included; at least 1.
-        pub fn with_attempts(mut self, attempts: usize) { self.attempts = attempts.max(1) }
+        pub fn with_attempts(mut self, attempts: usize) { self.attempts = attempts }
         /// The seed that all random starts come from.
         pub fn with_seed(mut self, seed: u64) { self.seed = seed }
         /// Ends when so many attempts have stopped at the same lowest cost: the target is then most
         /// likely out of reach. At least 1. All attempts but the first eight then run to their ends, so a
         /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
         /// and three are enough.
-        pub fn with_agreeing(mut self, agreeing: usize) { self.agreeing = Some(agreeing.max(1)) }
+        pub fn with_agreeing(mut self, agreeing: usize) { self.agreeing = Some(agreeing) }
         /// After so many steps of all attempts together only one further attempt is made: from where the
         /// best one stands, if that was cut off.
         pub fn with_steps(mut self, steps: usize) { self.steps = steps }
+    }
+
+    /// Whether both numbers of attempts are in their ranges.
+    pub(crate) fn check(&self) -> Result<(), BadOption> {
+        let agreeing = self.agreeing.unwrap_or(1);
+        BadOption::check("attempts", self.attempts as f64, AT_LEAST_ONE)?;
+        BadOption::check("agreeing", agreeing as f64, AT_LEAST_ONE)
     }
 
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random

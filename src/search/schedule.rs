@@ -135,6 +135,11 @@ impl Schedule {
         self.restarts.agreeing.unwrap_or(unset)
     }
 
+    /// Whether a search says how many attempts agree: sweeps that end alike may creep alike.
+    pub(super) fn tells_agreement(&self) -> bool {
+        self.kind != Kind::Sweeps
+    }
+
     /// Whether an attempt ended because nothing better is near, rather than for lack of patience.
     pub(super) fn settles(&self, termination: Termination) -> bool {
         match self.kind {

@@ -4,6 +4,7 @@
 use super::line_search::along_projected_path;
 use super::linear::{CompleteOrthogonal, DampedNormal};
 use super::{Iterate, Method, SolverState, Step};
+use crate::bad_option::BadOption;
 
 /// Gauss-Newton with a rank-revealing factorisation: where J loses rank, as in singular poses,
 /// the shortest Δ among the minimisers is taken.
@@ -20,14 +21,9 @@ const LONGEST: f64 = 10.0;
 const MOST_TRIALS: [usize; 2] = [6, 30];
 
 impl GaussNewton {
-    /// Diagonal entries of R below `tolerance` times the largest count as zero. Taken as the
-    /// nearest within [ε, ½]; NaN changes nothing.
-    #[must_use]
-    pub fn with_rank_tolerance(mut self, tolerance: f64) -> Self {
-        if !tolerance.is_nan() {
-            self.rank_tolerance = tolerance.clamp(f64::EPSILON, 0.5);
-        }
-        self
+    setters! {
+        /// Diagonal entries of R below `tolerance` times the largest count as zero. From ε to ½.
+        pub fn with_rank_tolerance(mut self, tolerance: f64) { self.rank_tolerance = tolerance }
     }
 }
 
@@ -66,6 +62,15 @@ impl Method for GaussNewton {
 
     fn needs_jacobian(&self) -> bool {
         true
+    }
+
+    fn check(&self) -> Result<(), BadOption> {
+        let range = |tolerance| (f64::EPSILON..=0.5).contains(&tolerance);
+        BadOption::check(
+            "rank_tolerance",
+            self.rank_tolerance,
+            (range, "from 2.2e-16 to 0.5"),
+        )
     }
 
     fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {

@@ -4,6 +4,7 @@
 use super::curvature::{Curvature, Differences};
 use super::linear::{CurvedModel, CurvedNormal, DampedNormal};
 use super::{Iterate, Method, SolverState, Step};
+use crate::bad_option::{BadOption, POSITIVE};
 
 /// The first λ, as a share of max diag(JᵀJ), that is tried to make an indefinite model convex, and
 /// how often it is quadrupled: to far above any curvature.
@@ -45,14 +46,10 @@ impl LevenbergMarquardt {
         Self { damping, initial }
     }
 
-    /// The first damping: τ in λ₀ = τ · max diag(JᵀJ) for the gain ratio, μ in λ = μ · cost for
-    /// the error-proportional rule. Must be positive and finite; anything else changes nothing.
-    #[must_use]
-    pub fn with_initial_damping(mut self, initial: f64) -> Self {
-        if initial > 0.0 && initial.is_finite() {
-            self.initial = initial;
-        }
-        self
+    setters! {
+        /// The first damping: τ in λ₀ = τ · max diag(JᵀJ) for the gain ratio, μ in λ = μ · cost for
+        /// the error-proportional rule. Positive and finite.
+        pub fn with_initial_damping(mut self, initial: f64) { self.initial = initial }
     }
 }
 
@@ -97,6 +94,10 @@ impl Method for LevenbergMarquardt {
 
     fn needs_jacobian(&self) -> bool {
         true
+    }
+
+    fn check(&self) -> Result<(), BadOption> {
+        BadOption::check("initial_damping", self.initial, POSITIVE)
     }
 
     fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {

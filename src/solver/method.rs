@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::minimise::search;
 use super::{Iterate, LeastSquares, Observer, Outcome, SolverState, Stopping};
+use crate::bad_option::BadOption;
 
 /// What a step did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +32,14 @@ pub trait Method: Send + Sync + 'static {
 
     /// Whether [`step`](Self::step) needs the Jacobian or only the gradient.
     fn needs_jacobian(&self) -> bool;
+
+    /// Whether its settings are in their ranges, asked before a search.
+    ///
+    /// # Errors
+    /// The first that is not.
+    fn check(&self) -> Result<(), BadOption> {
+        Ok(())
+    }
 
     /// Forgets the last search, and makes room for one with so many rows and variables, before anything is
     /// evaluated.
@@ -64,7 +73,13 @@ pub trait AnyMethod: Send + Sync {
     /// As [`Method::needs_jacobian`].
     fn needs_jacobian(&self) -> bool;
 
-    /// As [`minimise`](super::minimise()), with a deadline that several searches may share.
+    /// As [`Method::check`].
+    ///
+    /// # Errors
+    /// As there.
+    fn check(&self) -> Result<(), BadOption>;
+
+    /// As [`minimise`](super::minimise()), without that check and with a deadline that several searches may share.
     fn minimise(
         &self,
         problem: &mut dyn LeastSquares,
@@ -83,6 +98,10 @@ impl<M: Method> AnyMethod for M {
 
     fn needs_jacobian(&self) -> bool {
         Method::needs_jacobian(self)
+    }
+
+    fn check(&self) -> Result<(), BadOption> {
+        Method::check(self)
     }
 
     fn minimise(

@@ -7,6 +7,7 @@ use super::{
     AnyMethod, Iterate, Iteration, LeastSquares, Method, Observer, SolverState, Stopping,
     Termination,
 };
+use crate::bad_option::BadOption;
 
 /// How a search ended; where, is in the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,9 @@ pub struct Outcome {
 /// is not finite ends at once as [`Termination::NonFinite`], standing at the bounded value next to
 /// the start, where what is missing or not finite counts as zero; so does a problem whose bounds are
 /// not n numbers.
+///
+/// # Errors
+/// A setting of the method or a tolerance out of its range.
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     method: &dyn AnyMethod,
@@ -32,9 +36,11 @@ pub fn minimise(
     stopping: &Stopping,
     observer: &mut dyn Observer,
     state: &mut SolverState,
-) -> Outcome {
+) -> Result<Outcome, BadOption> {
+    method.check()?;
+    stopping.check()?;
     let deadline = stopping.deadline();
-    method.minimise(problem, start, stopping, deadline, observer, state)
+    Ok(method.minimise(problem, start, stopping, deadline, observer, state))
 }
 
 /// The loop around a method's steps.

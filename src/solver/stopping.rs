@@ -3,8 +3,9 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// Limits of one search. `with_…` methods document their ranges; out-of-range values are taken as
-/// the nearest sensible one.
+use crate::bad_option::{AT_LEAST_0, BadOption};
+
+/// Limits of one search. What is asked to search refuses values out of their ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stopping {
@@ -33,14 +34,10 @@ impl Stopping {
         /// At most so many steps, accepted or not.
         pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
         /// Stationary when ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖ with s the largest column norm of
-        /// J: the cosine between r and what any free variable can do about it.
-        pub fn with_gradient_tolerance(mut self, tolerance: f64) {
-            self.gradient_tolerance = tolerance.max(0.0);
-        }
-        /// Gives up when no variable moves by more than tolerance · max(1, |x|).
-        pub fn with_step_tolerance(mut self, tolerance: f64) {
-            self.step_tolerance = tolerance.max(0.0);
-        }
+        /// J: the cosine between r and what any free variable can do about it. At least 0.
+        pub fn with_gradient_tolerance(mut self, tolerance: f64) { self.gradient_tolerance = tolerance }
+        /// Gives up when no variable moves by more than tolerance · max(1, |x|). At least 0.
+        pub fn with_step_tolerance(mut self, tolerance: f64) { self.step_tolerance = tolerance }
         /// Gives up as stalled when so many steps in a row have not halved the cost. Without it a
         /// search goes on until it is stationary.
         pub fn with_patience(mut self, steps: Option<usize>) { self.patience = steps }
@@ -60,6 +57,12 @@ impl Stopping {
         pub fn step_tolerance(&self) -> f64 = self.step_tolerance;
         /// The wall-clock limit, if there is one.
         pub fn time_limit(&self) -> Option<Duration> = self.time_limit;
+    }
+
+    /// Whether both tolerances are in their ranges.
+    pub(crate) fn check(&self) -> Result<(), BadOption> {
+        BadOption::check("gradient_tolerance", self.gradient_tolerance, AT_LEAST_0)?;
+        BadOption::check("step_tolerance", self.step_tolerance, AT_LEAST_0)
     }
 
     /// The same limits with at most this patience.

@@ -61,7 +61,9 @@ convert! {
     };
     Quaternion<f64> => Matrix3<f64>: |q| q.to_matrix();
 
+    UnitQuaternion<f64> => Quaternion<f64>: |q| Self { w: q.w, v: Vector3::new(q.i, q.j, q.k) };
     DQuat => Quaternion<f64>: |q| Self { w: q.w, v: Vector3::new(q.x, q.y, q.z) };
+    Quat => Quaternion<f64>: |q| q.as_dquat().into();
     Quaternion<f64> => DQuat: |q| Self::from_xyzw(q.v.x, q.v.y, q.v.z, q.w);
 
     /// The translation alone.

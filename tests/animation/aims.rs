@@ -130,7 +130,7 @@ fn a_scaled_bone_points_from_its_muzzle_too() {
     for (armature, hand, mut pose, _, mut random) in cases(100) {
         // One scale above the bone and one of its own.
         for bone in [armature.bone("hips").unwrap(), hand] {
-            let mut local = pose.local(bone);
+            let mut local = pose.local(bone).unwrap();
             local.scale = Vec3A::splat(random.within(0.3, 3.0) as f32);
             pose.set_local(bone, local).unwrap();
         }

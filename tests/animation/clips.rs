@@ -113,7 +113,7 @@ fn expected(armature: &Armature, channels: &[(usize, Channel)], time: f32) -> Po
     let mut pose = armature.rest().clone();
     for (index, channel) in channels {
         let bone = armature.bone_at(*index).unwrap();
-        let mut local = pose.local(bone);
+        let mut local = pose.local(bone).unwrap();
         match channel {
             Channel::Translation(curve) => local.translation = curve.at(time),
             Channel::Scale(curve) => local.scale = curve.at(time),

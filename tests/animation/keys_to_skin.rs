@@ -84,7 +84,7 @@ impl Keys {
             // glam takes the shorter way as well.
             let turned = from.normalize().slerp(to.normalize(), alpha);
             let [from, to] = [key, key + 1].map(|k| self.translations[index][k].as_dvec3());
-            let scale = armature.rest().local(bone).scale.as_dvec3();
+            let scale = armature.rest().local(bone).unwrap().scale.as_dvec3();
             let moved = from * (1.0 - alpha) + to * alpha;
             let local = DAffine3::from_scale_rotation_translation(scale, turned, moved);
             let parent = armature.parent(bone).map(|parent| world[parent.index()]);
@@ -102,7 +102,7 @@ fn rest_in_model(armature: &Armature) -> Vec<DAffine3> {
             translation,
             rotation,
             scale,
-        } = armature.rest().local(bone);
+        } = armature.rest().local(bone).unwrap();
         let turned: DQuat = rotation.as_dquat().normalize();
         let [scale, moved] = [scale, translation].map(|v| v.as_dvec3());
         let local = DAffine3::from_scale_rotation_translation(scale, turned, moved);

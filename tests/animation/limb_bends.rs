@@ -42,7 +42,8 @@ fn a_straight_limb_without_a_pole_does_not_roll() {
     for _ in 0..100 {
         let mut pose = bent(&armature, &mut random);
         let lower = armature.bone("lower").unwrap();
-        pose.set_local(lower, armature.rest().local(lower)).unwrap();
+        pose.set_local(lower, armature.rest().local(lower).unwrap())
+            .unwrap();
         let before = places(&armature, &pose);
         let way = (before.end - before.root).normalize();
         // Next to the end, as far from the root: the shortest way there is a turn by 0.02.
@@ -60,7 +61,8 @@ fn stretched(random: &mut Random) -> (kinopt::animation::Armature, kinopt::anima
     let armature = arm();
     let mut pose = bent(&armature, random);
     let lower = armature.bone("lower").unwrap();
-    pose.set_local(lower, armature.rest().local(lower)).unwrap();
+    pose.set_local(lower, armature.rest().local(lower).unwrap())
+        .unwrap();
     (armature, pose)
 }
 
@@ -77,7 +79,10 @@ fn a_stretched_limb_bends_about_its_hinge_the_way_it_may() {
         let mut posed = pose.clone();
         limb.reach(&armature, &mut posed, &goal).unwrap();
         assert!((places(&armature, &posed).end - goal.target).length() < 2e-5);
-        let elbow = posed.local(armature.bone("lower").unwrap()).rotation;
+        let elbow = posed
+            .local(armature.bone("lower").unwrap())
+            .unwrap()
+            .rotation;
         let elbow = (elbow * elbow.w.signum()).to_scaled_axis();
         assert!(elbow.truncate().length() < 4e-3, "{elbow}");
         assert!(elbow.z > 0.0, "{elbow}");

@@ -56,7 +56,7 @@ fn a_limb_to_a_bone_brings_that_bone_to_the_target() {
         assert_eq!(same, by_point);
         // A hand that the clip has moved in the forearm is where it is, not where it rests.
         let bone = armature.bone("hand").unwrap();
-        let mut local = pose.local(bone);
+        let mut local = pose.local(bone).unwrap();
         local.translation += Vec3A::new(0.02, 0.01, -0.03);
         pose.set_local(bone, local).unwrap();
         let posed = reached(&armature, &pose, &goal);
@@ -75,7 +75,7 @@ fn held_it_stays_turned_as_the_pose_had_it() {
         let followed = reached(&armature, &pose, &goal);
         let same = |name: &str| {
             let bone = armature.bone(name).unwrap();
-            posed.local(bone) == followed.local(bone)
+            posed.local(bone).unwrap() == followed.local(bone).unwrap()
         };
         assert!(["upper", "twist", "lower", "bystander"].map(same) == [true; 4]);
     }
@@ -116,7 +116,7 @@ fn nothing_asked_or_nonsense_leaves_it_to_the_lower_bone() {
     for (armature, pose, goal, rotation) in cases().take(20) {
         let followed = reached(&armature, &pose, &goal);
         let bone = armature.bone("hand").unwrap();
-        assert_eq!(followed.local(bone), pose.local(bone));
+        assert_eq!(followed.local(bone).unwrap(), pose.local(bone).unwrap());
         let ends = [
             EndRotation::Hold { weight: 0.0 },
             EndRotation::Hold { weight: f32::NAN },

@@ -110,7 +110,8 @@ fn the_elbow_goes_towards_the_pole_from_a_straight_arm_too() {
         let mut pose = bent(&armature, &mut random);
         if case % 2 == 0 {
             let lower = armature.bone("lower").unwrap();
-            pose.set_local(lower, armature.rest().local(lower)).unwrap();
+            pose.set_local(lower, armature.rest().local(lower).unwrap())
+                .unwrap();
         }
         let before = places(&armature, &pose);
         let target = reachable(&mut random, &before);

@@ -62,7 +62,7 @@ fn the_planar_arm_of_the_sources() {
         let rotation = Quat::from_rotation_z(turn);
         let local = LocalTransform {
             rotation,
-            ..pose.local(bone)
+            ..pose.local(bone).unwrap()
         };
         pose.set_local(bone, local).unwrap();
     }
@@ -119,7 +119,7 @@ fn the_hand_of_a_swinging_arm() {
             heading += angle;
             expected += glam::DVec2::from_angle(heading) * lengths[k];
             let bone = armature.bone_at(k).unwrap();
-            let mut local = pose.local(bone);
+            let mut local = pose.local(bone).unwrap();
             local.rotation = Quat::from_rotation_z(angle as f32);
             pose.set_local(bone, local).unwrap();
         }
@@ -214,7 +214,7 @@ fn bad_local_transforms_are_refused_or_made_right() {
     let armature = armature(3, &mut random);
     let bone = armature.bone_at(1).unwrap();
     let mut pose = armature.rest().clone();
-    let good = pose.local(bone);
+    let good = pose.local(bone).unwrap();
     let with = |rotation| LocalTransform { rotation, ..good };
     let zero = with(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
     let refused = pose.set_local(bone, zero).unwrap_err();

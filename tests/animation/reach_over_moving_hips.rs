@@ -28,7 +28,7 @@ fn target(of: Vec3A) -> kinopt::spatial::Vector3<f64> {
 fn move_and_scale(pose: &mut Pose, armature: &Armature, random: &mut Random) {
     for index in 0..armature.bones() {
         let bone = armature.bone_at(index).unwrap();
-        let mut local = pose.local(bone);
+        let mut local = pose.local(bone).unwrap();
         local.translation += vector(random, if index == 0 { 2.0 } else { 0.05 });
         local.scale = Vec3A::splat(random.within(0.9, 1.1) as f32);
         pose.set_local(bone, local).unwrap();
@@ -108,7 +108,7 @@ fn hips_alone_move() {
     assert_eq!(steps, 0);
     let root = armature.bone_at(0).unwrap();
     let mut pose = armature.rest().clone();
-    let mut local = pose.local(root);
+    let mut local = pose.local(root).unwrap();
     local.translation += Vec3A::new(0.2, -0.1, 0.1);
     pose.set_local(root, local).unwrap();
     let told = layer.apply(&mut pose).unwrap().unwrap();
@@ -133,7 +133,7 @@ fn a_bone_that_would_shear_what_hangs_on_it_is_named() {
     ] {
         let mut pose = armature.rest().clone();
         let trunk = armature.bone_at(1).unwrap();
-        let mut local = pose.local(trunk);
+        let mut local = pose.local(trunk).unwrap();
         local.scale = scale;
         pose.set_local(trunk, local).unwrap();
         let before = pose.clone();
@@ -147,7 +147,7 @@ fn a_bone_that_would_shear_what_hangs_on_it_is_named() {
         // A bone on which nothing of the layer hangs may be scaled as it likes.
         let mut pose = armature.rest().clone();
         let other = rig.tips[4];
-        let mut local = pose.local(other);
+        let mut local = pose.local(other).unwrap();
         local.scale = scale;
         pose.set_local(other, local).unwrap();
         assert!(layer.apply(&mut pose).is_ok());
@@ -169,7 +169,7 @@ fn a_captured_walk_is_reached_with_where_it_is() {
         ArmatureBone {
             name: capture.armature.names()[index].replace('/', " "),
             parent: capture.armature.parent(bone).map(BoneId::index),
-            rest: capture.armature.rest().local(bone),
+            rest: capture.armature.rest().local(bone).unwrap(),
         }
     });
     let armature = &Armature::new(bones.collect(), Vec::new()).unwrap();

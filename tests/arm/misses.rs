@@ -90,11 +90,7 @@ fn targets_beyond_all_numbers() {
 #[test]
 fn targets_beyond_all_numbers_for_the_lanes() {
     let chain = support::lane_chains::panda();
-    let options = LaneOptions {
-        atlas: false,
-        attempts: 6,
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default().with_atlas(false).with_attempts(6);
     let solver = PoseSolver::new(&chain, options).unwrap();
     let target = far(&Placement::identity(), 1e200);
     let start = [9.0; 7];

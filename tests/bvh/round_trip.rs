@@ -66,7 +66,7 @@ fn poses(armature: &Armature, count: usize) -> Vec<Pose> {
         let mut pose = armature.rest().clone();
         for index in 0..5 {
             let bone = armature.bone_at(index).unwrap();
-            let mut local = pose.local(bone);
+            let mut local = pose.local(bone).unwrap();
             local.rotation = turn(&mut random);
             if matches!(index, 0 | 3 | 4) {
                 local.translation = vector(&mut random);
@@ -310,7 +310,7 @@ fn tips_that_move_are_joints() {
     let armature = armature(false);
     let tip = armature.bone("spine/tip").unwrap();
     let mut poses = poses(&armature, 3);
-    let mut local = poses[1].local(tip);
+    let mut local = poses[1].local(tip).unwrap();
     local.rotation = Quat::from_rotation_x(1e-3);
     poses[1].set_local(tip, local).unwrap();
     let text = bvh::poses_to_text(&armature, &poses, 1.0).unwrap();
@@ -345,7 +345,7 @@ fn what_the_format_cannot_say_is_refused() {
     }
     let mut poses = poses(&good, 2);
     let foot = good.bone("left foot").unwrap();
-    let mut local = poses[1].local(foot);
+    let mut local = poses[1].local(foot).unwrap();
     local.scale.y = 1.5;
     poses[1].set_local(foot, local).unwrap();
     let error = write(&good, &poses, 1.0).to_string();

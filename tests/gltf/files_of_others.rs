@@ -147,7 +147,7 @@ fn steps_lines_and_splines_of_another_program() {
             .position(|own| own.name() == clip)
             .unwrap();
         let bone = scene.armature.bone(node).unwrap();
-        at(&scene, clip, time).local(bone).translation.y
+        at(&scene, clip, time).local(bone).unwrap().translation.y
     };
     let step = |time| height("Step Translation", "Cube.006", time);
     assert_eq!([step(0.8), step(0.85), step(1.3)], [10.0, 6.0, 10.0]);

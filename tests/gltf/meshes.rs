@@ -147,7 +147,8 @@ fn a_matrix_is_taken_apart() {
         let rest = scene
             .armature
             .rest()
-            .local(scene.armature.bone_at(0).unwrap());
+            .local(scene.armature.bone_at(0).unwrap())
+            .unwrap();
         let again = DMat4::from(rest.to_affine().as_daffine3());
         let apart = (again - matrix)
             .to_cols_array()

@@ -9,7 +9,7 @@ use kinopt::animation::{EulerClip, EulerInterpolation, EulerKey, EulerTrack};
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::lanes::LaneOptions;
-use kinopt::model::{Limits, Model};
+use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::robot::Robot;
 use kinopt::skinning::{AutomaticWeights, HeatWeights};
 use kinopt::solver::Stopping;
@@ -64,6 +64,28 @@ fn models_and_skeletons() {
     same_model(Robot::read("models/franka_panda.urdf").unwrap().model());
     same(&Limits::UNBOUNDED);
     same(&Limits::new(f64::NEG_INFINITY, 0.1 + 0.2));
+}
+
+#[test]
+fn parameter_maps() {
+    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    same(robot.map());
+    for seed in 0..20 {
+        let model = RandomTree::new(seed, 9).model;
+        same(&ParameterMap::identity(&model));
+        same(&ParameterMap::free(&model));
+    }
+    let text = serde_json::to_string(robot.map()).unwrap();
+    for (from, to, what) in [
+        ("\"variable\":1,", "\"variable\":99,", "sources"),
+        ("\"leaders\":[0,1,", "\"leaders\":[1,0,", "variables"),
+        ("\"leaders\":[0,", "\"leaders\":[", "bounds"),
+    ] {
+        assert!(text.contains(from), "{text}");
+        let read = serde_json::from_str::<ParameterMap>(&text.replacen(from, to, 1));
+        let problem = read.unwrap_err().to_string();
+        assert!(problem.contains(what), "{problem}");
+    }
 }
 
 #[test]

@@ -49,15 +49,8 @@ fn tiny_angles_keep_their_relative_precision() {
 #[test]
 fn portable_and_fused_kernels_agree() {
     let chain = panda();
-    let fast = LaneOptions {
-        atlas: false,
-        attempts: 1,
-        ..LaneOptions::default()
-    };
-    let portable = LaneOptions {
-        portable: true,
-        ..fast.clone()
-    };
+    let fast = LaneOptions::default().with_atlas(false).with_attempts(1);
+    let portable = fast.clone().with_portable(true);
     let solvers = [fast, portable].map(|options| PoseSolver::new(&chain, options).unwrap());
     let mut random = Random(2);
     let (mut compared, mut steps) = (0, [0; 2]);

@@ -7,11 +7,7 @@ use support::lane_chains::{
 };
 
 fn check(chain: &Chain, seed: u64, queries: usize) {
-    let options = LaneOptions {
-        atlas: false,
-        attempts: 6,
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default().with_atlas(false).with_attempts(6);
     let solver = PoseSolver::new(chain, options).unwrap();
     let n = solver.joints();
     let mut random = Random(seed);
@@ -105,10 +101,7 @@ fn wide_joints_come_back_as_near_to_the_start_as_bounds_allow() {
 fn the_first_point_is_within_bounds() {
     for seed in 0..4 {
         let chain = random_chain(40 + seed, 7, 0, false);
-        let options = LaneOptions {
-            iterations: 1,
-            ..LaneOptions::default()
-        };
+        let options = LaneOptions::default().with_iterations(1);
         let solver = PoseSolver::new(&chain, options).unwrap();
         let mut random = Random(seed);
         for _ in 0..20 {

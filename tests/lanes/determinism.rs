@@ -44,11 +44,7 @@ fn split(solver: &PoseSolver, goals: &[Placement<f64>], starts: &[f64], size: us
 }
 
 fn check(chain: &Chain, atlas: bool) {
-    let options = LaneOptions {
-        atlas,
-        attempts: 8,
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default().with_atlas(atlas).with_attempts(8);
     let solver = PoseSolver::new(chain, options.clone()).unwrap();
     let (goals, starts) = work(chain, 60);
     let whole = split(&solver, &goals, &starts, 60);
@@ -103,10 +99,7 @@ fn any_split_and_any_thread_count_give_the_same_bits() {
 #[test]
 fn numbered_attempts_are_those_of_a_batch() {
     let chain = panda();
-    let options = LaneOptions {
-        atlas: false,
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default().with_atlas(false);
     let solver = PoseSolver::new(&chain, options).unwrap();
     let (goals, starts) = work(&chain, 12);
     let (bits, outcomes) = split(&solver, &goals, &starts, 12);
@@ -211,13 +204,11 @@ fn attempts_of_unbounded_slides_begin_near_the_start() {
 #[test]
 fn iterations_and_attempts_are_counted() {
     let chain = panda();
-    let options = LaneOptions {
-        atlas: false,
-        attempts: 7,
-        iterations: 5,
-        stall_limit: 40,
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default()
+        .with_atlas(false)
+        .with_attempts(7)
+        .with_iterations(5)
+        .with_stall_limit(40);
     let solver = PoseSolver::new(&chain, options).unwrap();
     let (mut random, goal) = (Random(6), far_away());
     for _ in 0..4 {
@@ -244,10 +235,7 @@ fn iterations_and_attempts_are_counted() {
 #[test]
 fn an_orientation_that_is_free_has_no_say() {
     let chain = panda();
-    let options = LaneOptions {
-        axes: AxisGoal::position_only(),
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default().with_axes(AxisGoal::position_only());
     let solver = PoseSolver::new(&chain, options).unwrap();
     let mut random = Random(7);
     let (mut alike, mut q) = (0, [[0.0; 7]; 2]);

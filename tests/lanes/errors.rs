@@ -6,11 +6,7 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
 fn check(chain: &Chain, seed: u64) {
-    let options = LaneOptions {
-        atlas: false,
-        attempts: 5,
-        ..LaneOptions::default()
-    };
+    let options = LaneOptions::default().with_atlas(false).with_attempts(5);
     let solver = PoseSolver::new(chain, options).unwrap();
     let mut random = Random(seed);
     let mut q = vec![0.0; solver.joints()];

@@ -10,14 +10,12 @@ const METRES_PER_RADIAN: f64 = 0.5;
 #[test]
 fn the_best_attempt_is_kept() {
     let chain = panda();
-    let options = LaneOptions {
-        atlas: false,
-        attempts: 7,
-        // So few that hardly any attempt comes to its end.
-        iterations: 3,
-        metres_per_radian: METRES_PER_RADIAN,
-        ..LaneOptions::default()
-    };
+    // So few iterations that hardly any attempt comes to its end.
+    let options = LaneOptions::default()
+        .with_atlas(false)
+        .with_attempts(7)
+        .with_iterations(3)
+        .with_metres_per_radian(METRES_PER_RADIAN);
     let solver = PoseSolver::new(&chain, options).unwrap();
     let (mut random, mut not_last) = (Random(41), 0);
     for _ in 0..20 {

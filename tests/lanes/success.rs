@@ -49,11 +49,7 @@ fn all_solved(chain: &Chain, options: LaneOptions, seed: u64, count: usize) {
 }
 
 fn without_atlas() -> LaneOptions {
-    LaneOptions {
-        atlas: false,
-        attempts: 1000,
-        ..LaneOptions::default()
-    }
+    LaneOptions::default().with_atlas(false).with_attempts(1000)
 }
 
 #[test]
@@ -118,10 +114,7 @@ fn fewer_joints_than_components() {
 #[test]
 fn a_planar_arm_reaches_positions() {
     let chain = planar();
-    let options = LaneOptions {
-        axes: AxisGoal::position_only(),
-        ..without_atlas()
-    };
+    let options = without_atlas().with_axes(AxisGoal::position_only());
     let solver = PoseSolver::new(&chain, options).unwrap();
     let mut random = Random(4);
     for _ in 0..30 {
@@ -150,14 +143,7 @@ fn a_free_tool_axis() {
         orientation_weights: [1.0, 1.0, 0.0],
         ..AxisGoal::full_pose()
     };
-    let solver = PoseSolver::new(
-        &chain,
-        LaneOptions {
-            axes,
-            ..without_atlas()
-        },
-    )
-    .unwrap();
+    let solver = PoseSolver::new(&chain, without_atlas().with_axes(axes)).unwrap();
     let mut random = Random(5);
     let mut spun = 0;
     for _ in 0..30 {
@@ -185,14 +171,7 @@ fn a_component_with_room() {
         position_half_widths: [0.0, 0.0, 0.05],
         ..AxisGoal::full_pose()
     };
-    let solver = PoseSolver::new(
-        &chain,
-        LaneOptions {
-            axes,
-            ..without_atlas()
-        },
-    )
-    .unwrap();
+    let solver = PoseSolver::new(&chain, without_atlas().with_axes(axes)).unwrap();
     let mut random = Random(6);
     for _ in 0..20 {
         let goal = target(&chain, &random.configuration(&chain));

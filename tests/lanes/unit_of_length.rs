@@ -32,12 +32,9 @@ fn chain_in(chain: &Chain, by: f64) -> Chain {
 }
 
 fn options_in(by: f64) -> LaneOptions {
-    let metres = LaneOptions::default();
-    LaneOptions {
-        position_tolerance: metres.position_tolerance * by,
-        metres_per_radian: metres.metres_per_radian * by,
-        ..metres
-    }
+    LaneOptions::default()
+        .with_position_tolerance(1e-6 * by)
+        .with_metres_per_radian(0.3 * by)
 }
 
 /// q in units of one, and the outcomes: single, both searches, and batch; reached and not.
@@ -187,11 +184,7 @@ fn room_is_in_the_unit_of_the_chain() {
             position_half_widths: [room; 3],
             ..AxisGoal::full_pose()
         };
-        let options = LaneOptions {
-            axes,
-            atlas: false,
-            ..options_in(by)
-        };
+        let options = options_in(by).with_axes(axes).with_atlas(false);
         let solver = PoseSolver::new(&chain, options).unwrap();
         let mut random = Random(9);
         let (mut q, mut used) = ([0.0; 6], 0.0_f64);

@@ -93,17 +93,15 @@ fn lanes() -> [u64; 2] {
             } else {
                 &mut weighted
             };
-            let options = LaneOptions {
-                attempts: 12,
-                iterations: 30,
-                total_iterations: 160,
-                metres_per_radian: 0.3,
-                seed: 5,
-                // The smallest, which is soon made.
-                atlas: joints == 4,
-                axes,
-                ..LaneOptions::default()
-            };
+            // The smallest atlas, which is soon made.
+            let options = LaneOptions::default()
+                .with_attempts(12)
+                .with_iterations(30)
+                .with_total_iterations(160)
+                .with_metres_per_radian(0.3)
+                .with_seed(5)
+                .with_atlas(joints == 4)
+                .with_axes(axes);
             let solver = PoseSolver::new(&chain, options).unwrap();
             let targets: Vec<_> = (0..6)
                 .map(|_| chain.base_from_tip(&draw(&mut random)))

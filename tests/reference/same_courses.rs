@@ -206,7 +206,8 @@ fn drags(rig: &Skeleton) -> u64 {
         }
         let mut drag = Drag::new(tasks.build().unwrap(), &rest).unwrap();
         if search {
-            drag = drag.with_search(few(3)).with_max_move(0.3);
+            drag = drag.with_search(few(3)).unwrap();
+            drag = drag.with_max_move(0.3).unwrap();
         }
         for frame in 0..24_i32 {
             let out = 0.15 * f64::from((frame - 12).abs());

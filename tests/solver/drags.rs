@@ -60,7 +60,7 @@ fn a_frame_tells_limits_as_the_model_has_them() {
     let (drag, hand, from) = drag(&rig, &start);
     // Frames of a single step end by their count.
     let once = kinopt::solver::Stopping::default().with_max_iterations(1);
-    let mut drag = drag.with_solver(kinopt::Solver::default(), once);
+    let mut drag = drag.with_solver(kinopt::Solver::default(), once).unwrap();
     let far = from + Vector3::new(0.7, 0.5, -0.6) * rig.skeleton.size();
     let model = rig.skeleton.model();
     let (mut limits_told, mut moves_told) = (0, 0);
@@ -236,7 +236,7 @@ fn a_search_leaps_only_where_asked_for_and_is_told() {
         assert!(!calm.advance().reached);
         assert_eq!(calm.leap(), None);
     }
-    let mut keen = drag().with_search(Restarts::default());
+    let mut keen = drag().with_search(Restarts::default()).unwrap();
     let mut leaps = 0;
     for _ in 0..60 {
         let before = keen.q().to_vec();
@@ -294,7 +294,7 @@ fn slides_move_by_their_own_measure() {
     builder.add(Point::new(tip, [30.0, 0.0, 0.0]));
     let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
     for most in [0.15, 0.04] {
-        drag = drag.with_max_move(most);
+        drag = drag.with_max_move(most).unwrap();
         let before = drag.q()[0];
         drag.advance();
         let moved = drag.q()[0] - before;
@@ -329,9 +329,11 @@ fn a_leap_along_a_slide_is_told_in_metres() {
         let mut builder = Problem::builder(&model);
         builder.add(Task::new(OfJoint(slide, Valleys)).tolerance(Quantity::Ratio, 1e-6));
         let drag = Drag::new(builder.build().unwrap(), &[-2.99, 0.3]).unwrap();
-        let drag = drag.with_max_move(most);
+        let drag = drag.with_max_move(most).unwrap();
         match search {
-            true => drag.with_search(Restarts::default().with_attempts(20)),
+            true => drag
+                .with_search(Restarts::default().with_attempts(20))
+                .unwrap(),
             false => drag,
         }
     };

@@ -131,7 +131,8 @@ impl Linear {
             &stopping,
             &mut watch,
             &mut memory,
-        );
+        )
+        .unwrap();
         seen
     }
 

@@ -158,7 +158,8 @@ fn methods_share_memory_but_no_state() {
             &stopping,
             &mut watch,
             state,
-        );
+        )
+        .unwrap();
         (state.x().to_vec(), lengths)
     };
     let mut state = SolverState::default();

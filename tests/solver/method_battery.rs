@@ -43,7 +43,7 @@ fn search<F: Function>(
         ControlFlow::Continue(())
     };
     let stopping = patience(method);
-    let outcome = minimise(problem, method, start, &stopping, &mut watch, &mut memory);
+    let outcome = minimise(problem, method, start, &stopping, &mut watch, &mut memory).unwrap();
     assert!(
         memory.cost() <= lowest,
         "{}: not the best seen",
@@ -303,7 +303,8 @@ fn gauss_newton_takes_the_shortest_step_of_a_rank_deficient_problem() {
             &once,
             &mut Silent,
             &mut memory,
-        );
+        )
+        .unwrap();
         let error = (DVector::from_column_slice(memory.x()) - expected).amax();
         assert!(
             error < 1e-12,

@@ -76,7 +76,7 @@ fn a_nudge_is_of_the_model_s_size() {
         builder.tolerance(Quantity::Metres, 1e-6 * unit);
         let drag = Drag::new(builder.build().unwrap(), &[0.0]).unwrap();
         let once = Stopping::default().with_max_iterations(1);
-        let mut drag = drag.with_solver(Solver::default(), once);
+        let mut drag = drag.with_solver(Solver::default(), once).unwrap();
         drag.advance();
         drag.q()[0] / unit
     };

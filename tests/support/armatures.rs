@@ -73,7 +73,7 @@ pub fn model_by_ancestors(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
         let mut next = armature.bone_at(index);
         let mut product = glam::DAffine3::IDENTITY;
         while let Some(bone) = next {
-            let local = pose.local(bone);
+            let local = pose.local(bone).unwrap();
             let own = glam::DAffine3::from_scale_rotation_translation(
                 local.scale.as_dvec3(),
                 local.rotation.as_dquat().normalize(),

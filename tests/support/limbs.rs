@@ -38,7 +38,7 @@ pub fn limb(armature: &Armature) -> Limb {
 
 pub fn turn(armature: &Armature, pose: &mut Pose, name: &str, by: Quat) {
     let bone = armature.bone(name).unwrap();
-    let mut local = pose.local(bone);
+    let mut local = pose.local(bone).unwrap();
     local.rotation *= by;
     pose.set_local(bone, local).unwrap();
 }

@@ -91,7 +91,8 @@ fn search(lower: &[f64], upper: &[f64], start: &[f64]) -> Vec<(Outcome, Vec<f64>
             &stopping,
             &mut Silent,
             &mut memory,
-        );
+        )
+        .unwrap();
         ends.push((outcome, memory.x().to_vec()));
     }
     ends

@@ -66,7 +66,11 @@ fn limb(armature: &Armature, end: usize) -> Limb {
     let hand = armature.bone_at(end).expect("it is there");
     let lower = armature.parent(hand).expect("not a root");
     let upper = armature.parent(lower).expect("not a root");
-    let reach = armature.rest().local(hand).translation;
+    let reach = armature
+        .rest()
+        .local(hand)
+        .expect("it is there")
+        .translation;
     Limb::new(armature, upper, lower, reach).expect("a chain")
 }
 

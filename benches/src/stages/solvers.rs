@@ -53,7 +53,8 @@ fn search(method: impl Method + 'static) -> Result<Run, Box<dyn Error>> {
             &stopping,
             &mut Silent,
             &mut memory,
-        );
+        )
+        .expect("settings in range");
         black_box(outcome.iterations)
     };
     if run() != ITERATIONS {

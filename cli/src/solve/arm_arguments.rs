@@ -11,7 +11,7 @@ use crate::number_list::{self, Numbers};
 /// distance.
 const APART: f64 = 0.5;
 
-/// Options of robots' single frames; none goes with the general solvers.
+/// Options of robots' single frames, some of figures too; those of an arm do not go with the general solvers.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ArmArguments {
     /// Which of several answers is wanted. Default: start.
@@ -46,21 +46,20 @@ pub(crate) struct ArmArguments {
           conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) posture: Option<Numbers>,
 
-    /// An axis of the tip's frame about which it may turn freely (a drill, a suction cup). Robots
-    /// only. Default: none.
-    #[arg(long, value_name = "AXIS", value_enum,
-          conflicts_with_all = ["position_only", "solver", "jacobian", "max_iterations", "rays"],
+    /// An axis of the target's frame about which its frame may turn freely (a drill, a suction cup).
+    /// Default: none.
+    #[arg(long, value_name = "AXIS", value_enum, conflicts_with = "position_only",
           help_heading = TARGETS, hide_short_help = true)]
     pub(super) free_axis: Option<FreeAxis>,
 
     /// Room on axes of the target's frame, separated by commas: in metres along x, y, z, in radians
-    /// (--degrees) about them as rx, ry, rz. Robots only. Default: none.
+    /// (--degrees) about them as rx, ry, rz. For one --target, or for --targets. Default: none.
     ///
     /// `x=0.01` is 1 cm either way, `x=-0.01..0.03` from 1 cm before the target to 3 cm beyond it,
     /// `x=free` anywhere. Turns are either way: `rz=0.5`, `rz=free`. A target without an orientation
     /// has the axes of --base.
     #[arg(long = "interval", value_name = "AXIS=WIDTH,…", value_delimiter = ',',
-          allow_hyphen_values = true, value_parser = Interval::parse, conflicts_with_all = GENERAL,
+          allow_hyphen_values = true, value_parser = Interval::parse,
           help_heading = TARGETS, hide_short_help = true)]
     pub(super) intervals: Vec<Interval>,
 
@@ -116,8 +115,6 @@ impl ArmArguments {
             ("--search", searched),
             ("--max-move", self.max_move.is_some()),
             ("--posture", self.posture.is_some()),
-            ("--free-axis", self.free_axis.is_some()),
-            ("--interval", !self.intervals.is_empty()),
             ("--joint-weights", self.joint_weights.is_some()),
             (
                 "--global-search-on-miss",

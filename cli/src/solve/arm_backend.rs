@@ -3,15 +3,15 @@
 use std::time::Instant;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Base, Goal, Search, Servo};
+use kinopt::arm::{Arm, ArmBuilder, Base, Search, Servo};
 use kinopt::robot::Robot;
 use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
 
 use super::arguments::Arguments;
 use super::backend::{QueryBackend, microseconds};
-use super::goals::{Goals, TargetFrame};
-use super::interval::{self, Interval};
+use super::goals::Goals;
+use super::interval::Room;
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::BareName;
@@ -25,8 +25,7 @@ pub(super) struct ArmBackend<'a> {
     loaded: &'a LoadedModel,
     arm: Arm,
     search: Search,
-    /// Where the middle of the room lies in a target, where it is not the target itself.
-    shift: Option<Placement<f64>>,
+    room: Room,
     columns: JointColumns,
     tasks: [TaskName; 1],
     idle: Vec<usize>,
@@ -55,12 +54,12 @@ impl<'a> ArmBackend<'a> {
         let frame = |name| loaded.frame(name, BareName::Tail);
         let base = goals.base.as_deref().map(frame).transpose()?;
         let tip = frame(&target.name)?;
-        let (goal, shift) = goal(arguments, target)?;
+        let room = Room::of(arguments, target.turns)?;
         let (options, tool) = (&arguments.arm, arguments.chain.tool);
         let (length, angle) = arguments.tolerances(loaded);
         let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
             .with_tool(tool.unwrap_or_else(Placement::identity))
-            .with_goal(goal)
+            .with_goal(room.goal)
             .with_search(options.search.unwrap_or_default())
             .with_global_search_on_miss(options.global_search_on_miss)
             .with_seed(arguments.rng_seed)
@@ -78,7 +77,7 @@ impl<'a> ArmBackend<'a> {
             loaded,
             arm: builder.build()?,
             search: options.search.unwrap_or_default(),
-            shift,
+            room,
             columns,
             tasks: [TaskName {
                 frame: target.name.clone(),
@@ -91,8 +90,7 @@ impl<'a> ArmBackend<'a> {
     /// Where the tip is to stand, the room about it even.
     pub(super) fn target(&self, query: &Query) -> Placement<f64> {
         let target = query.targets.first().copied();
-        let target = target.unwrap_or_else(Placement::identity);
-        self.shift.map_or(target, |shift| target * shift)
+        self.room.middle(target.unwrap_or_else(Placement::identity))
     }
 
     /// The names of the free joints from base to tip.
@@ -250,28 +248,6 @@ impl QueryBackend for ArmBackend<'_> {
         let answers = answers.map(|(query, solution)| self.answer_of(query, solution, None));
         Ok((answers.collect::<Outcome<_>>()?, micros))
     }
-}
-
-/// What of a target counts, and where the middle of the room lies in it.
-fn goal(arguments: &Arguments, target: &TargetFrame) -> Outcome<(Goal, Option<Placement<f64>>)> {
-    let options = &arguments.arm;
-    let only_turning = match options.free_axis {
-        _ if target.turns => None,
-        _ if options.intervals.iter().any(Interval::turns) => Some("--interval of a turn"),
-        free_axis => free_axis.map(|_| "--free-axis"),
-    };
-    if let Some(option) = only_turning {
-        return Err(Failure::usage(format!(
-            "{option} is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
-        )));
-    }
-    let goal = match options.free_axis {
-        _ if !target.turns => Goal::position(),
-        Some(axis) => Goal::free_about(axis.into()),
-        None => Goal::pose(),
-    };
-    let (intervals, degrees) = (&options.intervals, arguments.degrees);
-    Ok(interval::goal(goal.half_widths(), intervals, degrees))
 }
 
 /// The joints that the command holds.

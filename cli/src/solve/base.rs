@@ -4,7 +4,7 @@ use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::problem::{ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Pose, Task};
+use kinopt::task::{Goal, Point, Pose, Task};
 
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
@@ -52,19 +52,21 @@ impl Base {
     }
 
     /// Adds the task that brings `tip` to a target in this frame, by its name and its weight beside
-    /// others; without `turns` its orientation does not matter.
+    /// others; of a target with room only what its goal says counts, else without `turns` its orientation
+    /// does not matter.
     pub(super) fn add_target(
         &self,
         builder: &mut ProblemBuilder,
         tip: FrameId,
         base_from_target: Placement<f64>,
-        turns: bool,
+        (turns, goal): (bool, Option<Goal>),
         (name, weight): (String, f64),
     ) -> TargetTask {
         let target = self.placed(base_from_target);
         let frame = self.moving_frame();
-        if turns {
+        if turns || goal.is_some() {
             let pose = Pose::new(tip, target);
+            let pose = goal.map_or(pose, |goal| pose.with_goal(goal));
             let pose = frame.map_or(pose, |base| pose.relative_to(base));
             TargetTask::Pose(builder.add(Task::new(pose).named(name).times(weight)))
         } else {

@@ -15,6 +15,7 @@ use super::backend::{QueryBackend, microseconds};
 use super::base::{Base, TargetTask};
 use super::goals::Goals;
 use super::held::Held;
+use super::interval::Room;
 use super::pose_finder::PoseFinder;
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use super::weights::Weights;
@@ -31,6 +32,8 @@ pub(super) struct GeneralBackend<'a> {
     base: Base,
     /// Those with targets, then those with rays.
     frames: Vec<FrameId>,
+    /// Of the one target, if it has any.
+    room: Option<Room>,
     held: Held,
     weights: Weights,
     tasks: Vec<TaskName>,
@@ -78,11 +81,18 @@ impl<'a> GeneralBackend<'a> {
             finder: PoseFinder::new(loaded, arguments),
             base,
             frames,
+            room: Room::asked(arguments, goals)?,
             held,
             weights,
             tasks,
             idle,
         })
+    }
+
+    /// Moves a target, the room about it even.
+    fn aim(&self, body: &mut Drag, task: TargetTask, target: Placement<f64>) -> Outcome<()> {
+        let target = self.room.map_or(target, |room| room.middle(target));
+        Ok(self.base.aim(body, task, target)?)
     }
 
     /// The problem for queries that start at `start`, where what is held still stays. Targets and held
@@ -100,9 +110,9 @@ impl<'a> GeneralBackend<'a> {
         let targets = targets.map(|(target, frame)| {
             let name = format!("target {}", target.name);
             let (named, anywhere) = ((name, self.weights.weight(frame)), Placement::identity());
-            let turns = target.turns;
+            let counts = (target.turns, self.room.map(|room| room.goal));
             self.base
-                .add_target(&mut builder, frame, anywhere, turns, named)
+                .add_target(&mut builder, frame, anywhere, counts, named)
         });
         let targets = targets.collect();
         for (ray, frame) in self.arguments.rays.iter().zip(frames) {
@@ -133,7 +143,7 @@ impl Statement {
     /// Aims at the targets of a query, and holds tips where its start has them.
     fn aim(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
         for (&task, &target) in self.targets.iter().zip(&query.targets) {
-            backend.base.aim(&mut self.body, task, target)?;
+            backend.aim(&mut self.body, task, target)?;
         }
         if self.held.is_empty() {
             return Ok(());
@@ -175,13 +185,13 @@ impl QueryBackend for GeneralBackend<'_> {
         };
         let mut statement = self.state(&first.start)?;
         statement.aim(self, first)?;
-        let mut body = self.finder.follower(statement.body);
+        let mut body = self.finder.follower(statement.body)?;
         let angles: Vec<bool> = self.loaded.is_angle().collect();
         let joints = self.loaded.joint_names();
         for (step, query) in queries.iter().enumerate() {
             let before = body.q().to_vec();
             for (&task, &target) in statement.targets.iter().zip(&query.targets) {
-                self.base.aim(&mut body, task, target)?;
+                self.aim(&mut body, task, target)?;
             }
             let started = Instant::now();
             let solution = self.finder.follow(&mut body).clone();

@@ -108,7 +108,7 @@ impl PoseFinder {
             return Ok(drag);
         };
         let frame = Stopping::default().with_max_iterations(FRAME_STEPS);
-        Ok(drag.with_solver(Solver::default(), frame.with_time_limit(limit)))
+        Ok(drag.with_solver(Solver::default(), frame.with_time_limit(limit))?)
     }
 
     /// A step of a path: to where the target is reached as a single one would be, or as near as the body comes
@@ -128,8 +128,8 @@ impl PoseFinder {
     }
 
     /// A body that follows a path by the solver's method.
-    pub(super) fn follower(&self, body: Drag) -> Drag {
-        body.with_solver(self.solver.clone(), self.stopping)
+    pub(super) fn follower(&self, body: Drag) -> Outcome<Drag> {
+        Ok(body.with_solver(self.solver.clone(), self.stopping)?)
     }
 
     /// The solver with the time that is left.

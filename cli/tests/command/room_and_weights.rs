@@ -56,6 +56,45 @@ fn room_on_axes() {
     refused!("solve {panda} {point} --interval=rz=1" => 2, "orientation");
 }
 
+/// Of figures, and of robots by a general solver.
+#[test]
+fn room_beyond_arms() {
+    let folder = Folder::new("room");
+    let rig = folder.rig();
+    // The stretched arm's tip is at x = −3; turned so far about itself no bone gets there.
+    let turned = "--target=bone/2=-3,0,0,0,0,0.997495,0.070737";
+    for solver in ["", "--solver=levenberg-marquardt"] {
+        let solution = |line: &str| json(&format!("solve {rig} {line} {solver} --json"));
+        for (line, reached) in [
+            ("--target=bone/2=-3.1,0,0", false),
+            ("--target=bone/2=-3.1,0,0 --interval=x=0..0.2", true),
+            ("--target=bone/2=-3.1,0,0 --interval=x=-0.2..0", false),
+            (turned, false),
+            (&format!("{turned} --free-axis=x"), true),
+            (&format!("{turned} --interval=rx=free"), true),
+            (&format!("{turned} --free-axis=y"), false),
+        ] {
+            assert_eq!(solution(line)["reached"], reached, "{line} {solver}");
+        }
+    }
+    let two = "--target=bone/2=-2.5,0.5,0 --target=bone/4=2.5,0.5,0";
+    refused!("solve {rig} {two} --interval=x=1" => 2, "--interval is for one --target | 2 targets");
+    refused!("solve {rig} --target=bone/2=-3,0,0 --free-axis=x" => 2, "orientation");
+
+    let panda = Seeded::panda();
+    let q = panda.configuration(11);
+    let target = typed("tool", &panda.pose(&q));
+    let solver = "--solver=levenberg-marquardt";
+    let solution = json(&format!(
+        "solve {panda} {target} {solver} --interval=rz=free,y=0.01..0.02 --json"
+    ));
+    assert_eq!(solution["reached"], true);
+    let wanted = panda.base_from("tool", &q);
+    let apart = in_target(&panda, &numbers(&solution["q"]), &wanted);
+    assert!((0.01 - 2e-6..=0.02 + 2e-6).contains(&apart.translation.y));
+    assert!((apart.rotation.z.z - 1.0).abs() < 1e-9);
+}
+
 #[test]
 fn weights_say_who_gives_way() {
     let folder = Folder::new("weights");

@@ -137,7 +137,7 @@ impl<'a> ClipBuilder<'a> {
                 .map_err(|problem| self.keys_of(track.bone, problem))?;
             let curve = EulerCurve {
                 order: EulerOrder::Xzx,
-                before: self.armature.rest().local(track.bone).rotation,
+                before: self.armature.rest().local_of(track.bone).rotation,
                 angles,
             };
             self.channel(track.bone, Channel::Euler(curve))?;

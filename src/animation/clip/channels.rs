@@ -37,7 +37,7 @@ impl Clip {
         let at = || vec![self.span[0]];
         let (still, rest) = (&self.constant, armature.rest());
         for index in 0..still.bones() {
-            let (now, then) = (still.local(bone(index)), rest.local(bone(index)));
+            let (now, then) = (still.local_of(bone(index)), rest.local_of(bone(index)));
             // Finite values at one finite time always make a curve.
             let translation = KeyedCurve::step(at(), vec![now.translation]).ok();
             let rotation = RotationCurve::step(at(), vec![now.rotation]).ok();

@@ -28,13 +28,13 @@ impl Armature {
         let mut bones = Vec::with_capacity(self.bones());
         for (index, name) in self.names().iter().enumerate() {
             let bone = BoneId::new(index);
-            let local = self.rest().local(bone);
+            let local = self.rest().local_of(bone);
             let parent = self.parent(bone);
             let (above, turned) = parent
                 .and_then(|parent| placed.get(parent.index()).copied())
                 .unwrap_or((Affine3A::IDENTITY, DQuat::IDENTITY));
             if let Some(parent) =
-                parent.filter(|parent| !scales_evenly(self.rest().local(*parent).scale))
+                parent.filter(|parent| !scales_evenly(self.rest().local_of(*parent).scale))
             {
                 return Err(SkeletonError::BadRest {
                     bone: self

@@ -1,11 +1,11 @@
 //! A bone whose rotation in the model is a task of the optimiser.
 
-use glam::{DQuat, DVec4, Quat};
+use glam::{DQuat, DVec4};
 
 use crate::animation::rotation::exponential::share_of;
 use crate::problem::{ProblemBuilder, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
-use crate::spatial::{Matrix3, Quaternion, Vector3};
+use crate::spatial::{Matrix3, Quaternion};
 use crate::task::Orientation;
 
 /// A bone that is held as the clip has it, or turned by a weight.
@@ -30,8 +30,8 @@ impl Held {
     }
 
     /// Sets the rotation wanted, of any length; one that is not finite or zero gets no weight.
-    pub(super) fn set(&mut self, rotation: Quat, weight: f64) {
-        let unit = DVec4::from(rotation.as_dquat()).try_normalize();
+    pub(super) fn set(&mut self, rotation: Quaternion<f64>, weight: f64) {
+        let unit = DVec4::from(DQuat::from(rotation)).try_normalize();
         self.wanted = unit.map_or(DQuat::IDENTITY, DQuat::from_vec4);
         let usable = unit.is_some() && weight > 0.0;
         self.weight = if usable { weight.min(1.0) } else { 0.0 };
@@ -43,8 +43,6 @@ impl Held {
         if self.weight > 0.0 {
             turned = share_of(self.wanted * clip.conjugate(), self.weight) * clip;
         }
-        let DQuat { x, y, z, w } = turned;
-        let v = Vector3::new(x, y, z);
-        Quaternion { w, v }.to_matrix()
+        Quaternion::from(turned).to_matrix()
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Placed {
 impl Placed {
     /// Where a bone is in its parent.
     pub(super) fn local(pose: &Pose, bone: BoneId) -> Self {
-        let local = pose.local(bone);
+        let local = pose.local_of(bone);
         Self {
             affine: local.to_affine(),
             rotation: local.rotation,

@@ -3,8 +3,6 @@
 
 use std::collections::BTreeSet;
 
-use glam::Quat;
-
 use super::held::Held;
 use super::pose_angles::PoseAngles;
 use super::reach_error::ReachError;
@@ -15,7 +13,7 @@ use crate::kinematics::{Tree, TreeMemory};
 use crate::model::UnknownName;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
-use crate::spatial::Vector3;
+use crate::spatial::{Quaternion, Vector3};
 use crate::task::{Point, Quantity};
 
 /// Tips count as there within this share of the skeleton's size: what single precision can hold.
@@ -152,12 +150,12 @@ impl ReachLayer {
     pub fn set_rotation(
         &mut self,
         bone: BoneId,
-        rotation: Quat,
+        rotation: impl Into<Quaternion<f64>>,
         weight: f64,
     ) -> Result<(), NoEffector> {
         let own = self.held.iter_mut().find(|own| own.bone == bone);
         if let Some(own) = own {
-            own.set(rotation, weight);
+            own.set(rotation.into(), weight);
             return Ok(());
         }
         let held = self.held.iter().map(|own| own.bone);

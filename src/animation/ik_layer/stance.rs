@@ -63,7 +63,7 @@ impl Stances {
                 continue;
             };
             let (length, parent) = (own.length, own.parent);
-            let local = pose.local(bone);
+            let local = pose.local_of(bone);
             let even = scales_evenly(local.scale);
             if self.carries.get(index).is_some_and(|carries| *carries) && !even {
                 let bone = own.name.clone();

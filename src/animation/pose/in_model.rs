@@ -104,14 +104,14 @@ impl Armature {
 
     fn placed(&self, pose: &Pose, bone: Option<BoneId>) -> Affine3A {
         self.upwards(bone).fold(Affine3A::IDENTITY, |below, bone| {
-            pose.local(bone).to_affine() * below
+            pose.local_of(bone).to_affine() * below
         })
     }
 
     fn turned(&self, pose: &Pose, bone: Option<BoneId>) -> Quat {
         let bones = self.upwards(bone);
         bones.fold(Quat::IDENTITY, |below, bone| {
-            pose.local(bone).rotation * below
+            pose.local_of(bone).rotation * below
         })
     }
 

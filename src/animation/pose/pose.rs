@@ -83,9 +83,20 @@ impl Pose {
         pub fn morph_weights_mut(&mut self) -> &mut [f32] = &mut self.morph_weights;
     }
 
-    /// A bone's place in its parent; the identity for a bone that is not in the pose.
-    #[must_use]
-    pub fn local(&self, bone: BoneId) -> LocalTransform {
+    /// A bone's place in its parent.
+    ///
+    /// # Errors
+    /// A bone that is not in the pose.
+    pub fn local(&self, bone: BoneId) -> Result<LocalTransform, LocalError> {
+        let (bone, bones) = (bone.index(), self.bones());
+        match bone < bones {
+            true => Ok(self.local_of(BoneId::new(bone))),
+            false => Err(LocalError::UnknownBone { bone, bones }),
+        }
+    }
+
+    /// [`local`](Self::local) of a bone that is in the pose.
+    pub(crate) fn local_of(&self, bone: BoneId) -> LocalTransform {
         let index = bone.index();
         let parts = (
             self.translations.get(index),
@@ -130,7 +141,7 @@ impl Pose {
     /// # Errors
     /// As [`set_local`](Self::set_local).
     pub fn set_rotation(&mut self, bone: BoneId, rotation: Quat) -> Result<(), LocalError> {
-        let local = self.local(bone);
+        let local = self.local(bone)?;
         self.set_local(bone, LocalTransform { rotation, ..local })
     }
 
@@ -139,7 +150,7 @@ impl Pose {
     /// # Errors
     /// As [`set_local`](Self::set_local).
     pub fn set_translation(&mut self, bone: BoneId, translation: Vec3A) -> Result<(), LocalError> {
-        let local = self.local(bone);
+        let local = self.local(bone)?;
         let local = LocalTransform {
             translation,
             ..local
@@ -152,7 +163,7 @@ impl Pose {
     /// # Errors
     /// As [`set_local`](Self::set_local).
     pub fn set_scale(&mut self, bone: BoneId, scale: Vec3A) -> Result<(), LocalError> {
-        let local = self.local(bone);
+        let local = self.local(bone)?;
         self.set_local(bone, LocalTransform { scale, ..local })
     }
 

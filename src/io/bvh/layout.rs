@@ -63,11 +63,11 @@ pub(super) fn joints(armature: &Armature, poses: &[Pose]) -> Result<Vec<Joint>, 
     let bones = (0..armature.bones()).filter_map(|index| armature.bone_at(index));
     for bone in bones.clone() {
         let name = &armature.names()[bone.index()];
-        let rest = armature.rest().local(bone);
+        let rest = armature.rest().local_of(bone);
         check_name(name)?;
         check_local(name, &rest, None)?;
         for (frame, pose) in poses.iter().enumerate() {
-            check_local(name, &pose.local(bone), Some(frame))?;
+            check_local(name, &pose.local_of(bone), Some(frame))?;
         }
         let parent = armature.parent(bone).map(BoneId::index);
         let parent_at_rest = match parent.and_then(|parent| joints.get_mut(parent)) {
@@ -77,7 +77,7 @@ pub(super) fn joints(armature: &Armature, poses: &[Pose]) -> Result<Vec<Joint>, 
             }
             None => DQuat::IDENTITY,
         };
-        let moves = |pose: &Pose| is_moved(&rest, &pose.local(bone));
+        let moves = |pose: &Pose| is_moved(&rest, &pose.local_of(bone));
         joints.push(Joint {
             children: Vec::new(),
             kind: match parent {
@@ -96,8 +96,8 @@ pub(super) fn joints(armature: &Armature, poses: &[Pose]) -> Result<Vec<Joint>, 
         };
         let names = armature.names();
         let own = end_site_name(&names[parent], end_sites[parent] + 1);
-        let rest = armature.rest().local(bone).rotation;
-        let turns = |pose: &Pose| is_turned(rest, pose.local(bone).rotation);
+        let rest = armature.rest().local_of(bone).rotation;
+        let turns = |pose: &Pose| is_turned(rest, pose.local_of(bone).rotation);
         let joint = &mut joints[bone.index()];
         let is_still = joint.kind == Kind::Turns && !poses.iter().any(turns);
         if own == names[bone.index()] && joint.children.is_empty() && is_still {

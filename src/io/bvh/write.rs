@@ -63,7 +63,7 @@ pub fn poses_to_text(armature: &Armature, poses: &[Pose], rate: f64) -> Result<S
             let (joint, Some(bone)) = (&joints[index], armature.bone_at(index)) else {
                 continue;
             };
-            let local = pose.local(bone);
+            let local = pose.local_of(bone);
             if joint.kind == Kind::TurnsAndMoves {
                 let _ = write!(text, "{} ", numbers(joint.position(&local)));
             }

@@ -61,7 +61,8 @@ where
             &stopping,
             &mut Silent,
             &mut memory,
-        );
+        )
+        .unwrap();
 
         let solver = ExecutorMethod::new(method.clone()).with_tolerances_of(&stopping);
         let run = Executor::new(bounded.clone(), solver.clone())

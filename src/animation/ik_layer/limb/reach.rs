@@ -70,7 +70,7 @@ impl Limb {
             let above = Placed::within(armature, pose, above, Some(self.lower)).rotation;
             let before = standing.lower * above;
             let after = lower_turn * before;
-            let local = pose.local(bone).rotation;
+            let local = pose.local_of(bone).rotation;
             let wanted = rotation.unwrap_or(before * local);
             let rotation = slerp(after * local, wanted, weight);
             set_rotation(pose, bone, after.conjugate() * rotation);

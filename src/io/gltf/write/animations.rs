@@ -110,7 +110,7 @@ impl Growing<'_> {
         let Some(bone) = bones.find(|bone| !moves(*bone)) else {
             return;
         };
-        let place = armature.rest().local(bone).translation.to_array();
+        let place = armature.rest().local_of(bone).translation.to_array();
         let mut times = span.to_vec();
         times.dedup();
         let keys = Keys {

@@ -18,7 +18,7 @@ pub(super) fn of(armature: &Armature) -> Vec<Node> {
         {
             siblings.push(Index::new(index as u32));
         }
-        let rest = armature.rest().local(bone);
+        let rest = armature.rest().local_of(bone);
         nodes.push(Node {
             name: Some(name.clone()),
             translation: Some(rest.translation.to_array()),

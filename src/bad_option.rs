@@ -1,0 +1,40 @@
+//! A number out of its range, said the same of every engine's options.
+
+/// An option that holds a number it may not hold.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("option {option} is {value}: {allowed}")]
+#[non_exhaustive]
+pub struct BadOption {
+    /// Which option.
+    pub option: &'static str,
+    /// The value given.
+    pub value: f64,
+    /// What it may be.
+    pub allowed: &'static str,
+}
+
+/// Which numbers an option may hold, and that in words.
+pub(crate) type Range = (fn(f64) -> bool, &'static str);
+
+pub(crate) const POSITIVE: Range = (|v| v > 0.0 && v.is_finite(), "a positive finite number");
+pub(crate) const NOT_NEGATIVE: Range = (
+    |v| v >= 0.0 && v.is_finite(),
+    "a finite number of at least 0",
+);
+pub(crate) const AT_LEAST_0: Range = (|v| v >= 0.0, "a number of at least 0");
+pub(crate) const AT_LEAST_ONE: Range = (|v| v >= 1.0, "at least 1");
+
+impl BadOption {
+    /// Whether an option's number is in its range.
+    pub(crate) fn check(option: &'static str, value: f64, range: Range) -> Result<(), Self> {
+        let (fine, allowed) = range;
+        match fine(value) {
+            true => Ok(()),
+            false => Err(Self {
+                option,
+                value,
+                allowed,
+            }),
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! How a parameter map is said: which joints are locked, which follow, which are free.
+
+use super::parameter_map::{ParameterMap, Source, check_configuration, preimage};
+use super::{JointId, Limits, Model, ModelError};
+
+/// Gives joints their roles. A joint may be locked once and coupled once, of which the last counts.
+#[derive(Clone, Debug)]
+pub struct ParameterMapBuilder<'m> {
+    model: &'m Model,
+    limits: Vec<Limits>,
+    /// Of each coordinate; `None` is free, and a variable is the coordinate that it follows.
+    roles: Vec<Option<Source>>,
+    /// Which joints were locked and coupled by name: twice is a slip that nobody would find.
+    named: Vec<[bool; 2]>,
+    problem: Option<ModelError>,
+}
+
+impl<'m> ParameterMapBuilder<'m> {
+    /// Every joint free.
+    pub(super) fn new(model: &'m Model) -> Self {
+        Self {
+            model,
+            limits: model.limits().collect(),
+            roles: vec![None; model.degrees_of_freedom()],
+            named: vec![[false; 2]; model.degrees_of_freedom()],
+            problem: None,
+        }
+    }
+
+    /// Holds a joint at `value` (radians or metres).
+    #[must_use]
+    pub fn lock(mut self, joint: JointId, value: f64) -> Self {
+        if let Some(coordinate) = self.moving(joint, "locked") {
+            self.set(coordinate, Source::Constant(value));
+        }
+        self
+    }
+
+    /// Lets a joint follow another: its value is `ratio · master + offset`.
+    #[must_use]
+    pub fn couple(mut self, joint: JointId, master: JointId, ratio: f64, offset: f64) -> Self {
+        if let (Some(coordinate), Some(master)) = (
+            self.moving(joint, "coupled"),
+            self.moving(master, "followed"),
+        ) {
+            let role = Source::Variable {
+                variable: master,
+                ratio,
+                offset,
+            };
+            self.set(coordinate, role);
+        }
+        self
+    }
+
+    /// Leaves a joint only the values that `limits` (radians or metres) allow too.
+    #[must_use]
+    pub fn narrow(mut self, joint: JointId, limits: Limits) -> Self {
+        if let Some(coordinate) = self.moving(joint, "narrowed") {
+            let own = &mut self.limits[coordinate];
+            *own = own.intersection(&limits);
+        }
+        self
+    }
+
+    /// Frees only the given joints: every other joint that was free is locked at its value in `q`
+    /// (shape: degrees of freedom; [`build`](Self::build) refuses another length and what is not finite),
+    /// clamped into its limits.
+    #[must_use]
+    pub fn only(mut self, joints: &[JointId], q: &[f64]) -> Self {
+        let mut keep = vec![false; self.roles.len()];
+        for &joint in joints {
+            if let Some(coordinate) = self.moving(joint, "freed") {
+                keep[coordinate] = true;
+            }
+        }
+        self = self.checked(q);
+        let limits = &self.limits;
+        for (coordinate, role) in self.roles.iter_mut().enumerate() {
+            if role.is_none() && !keep[coordinate] {
+                let value = q.get(coordinate).copied().unwrap_or(f64::NAN);
+                *role = Some(Source::Constant(limits[coordinate].clamp(value)));
+            }
+        }
+        self
+    }
+
+    /// Checks the roles and numbers the variables in configuration order.
+    ///
+    /// # Errors
+    /// The first joint, by name, that is fixed but was given a role, is locked or coupled twice, is
+    /// locked outside its limits, follows itself, has a number that is not finite, or whose followers leave it no value.
+    pub fn build(self) -> Result<ParameterMap, ModelError> {
+        if let Some(problem) = self.problem {
+            return Err(problem);
+        }
+        let (model, limits) = (self.model, self.limits);
+        let name = |c: usize| {
+            model.joints()[model.moving_joints()[c].index()]
+                .name
+                .clone()
+        };
+
+        let mut roles = self.roles;
+        let mut leaders = Vec::new();
+        let mut variable_of = vec![usize::MAX; roles.len()];
+        for (c, role) in roles.iter_mut().enumerate() {
+            if role.is_none() && limits[c].is_locked() {
+                *role = Some(Source::Constant(limits[c].lower));
+            }
+            match role {
+                Some(source) => check(source, &limits[c], ["the ratio", "the offset"], || name(c))?,
+                None => {
+                    variable_of[c] = leaders.len();
+                    leaders.push(c);
+                }
+            }
+        }
+
+        // Products along a chain of masters may overflow though every factor is finite.
+        let through = [
+            "the ratio through its masters",
+            "the offset through its masters",
+        ];
+        let mut sources = Vec::with_capacity(roles.len());
+        let mut bounds: Vec<Limits> = leaders.iter().map(|&c| limits[c]).collect();
+        for c in 0..roles.len() {
+            let source = resolve(c, &roles, &variable_of)
+                .ok_or_else(|| ModelError::CouplingCycle { joint: name(c) })?;
+            check(&source, &limits[c], through, || name(c))?;
+            if let Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } = source
+                && roles[c].is_some()
+            {
+                let allowed = preimage(&limits[c], ratio, offset);
+                bounds[variable] = bounds[variable].intersection(&allowed);
+            }
+            sources.push(source);
+        }
+        for (bound, &leader) in bounds.iter().zip(&leaders) {
+            if !bound.is_valid() {
+                return Err(ModelError::EmptyRange {
+                    joint: name(leader),
+                });
+            }
+        }
+        Ok(ParameterMap {
+            sources,
+            limits,
+            leaders,
+            lower: bounds.iter().map(|b| b.lower).collect(),
+            upper: bounds.iter().map(|b| b.upper).collect(),
+        })
+    }
+
+    /// Notes a configuration that is not one of the model's, for [`build`](Self::build) to refuse.
+    pub(crate) fn checked(mut self, q: &[f64]) -> Self {
+        if let Err(problem) = check_configuration(self.model, q) {
+            self.problem.get_or_insert(problem);
+        }
+        self
+    }
+
+    /// Gives a role by name, which happens once for each.
+    fn set(&mut self, coordinate: usize, new: Source) {
+        let model = self.model;
+        let (kind, role) = match new {
+            Source::Variable { .. } => (1, "coupled"),
+            Source::Constant(_) => (0, "locked"),
+        };
+        let named = &mut self.named[coordinate][kind];
+        if *named && self.problem.is_none() {
+            let joint = &model.joints()[model.moving_joints()[coordinate].index()];
+            let joint = joint.name.clone();
+            self.problem = Some(ModelError::RoleTwice { joint, role });
+        }
+        *named = true;
+        self.roles[coordinate] = Some(new);
+    }
+
+    fn moving(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
+        let coordinate = self.model.coordinate(joint);
+        if coordinate.is_none() && self.problem.is_none() {
+            self.problem = Some(match self.model.joints().get(joint.index()) {
+                Some(fixed) => ModelError::FixedJoint {
+                    joint: fixed.name.clone(),
+                    role,
+                },
+                None => ModelError::ForeignId {
+                    kind: "parameter map of",
+                    name: self.model.name().to_owned(),
+                },
+            });
+        }
+        coordinate
+    }
+}
+
+/// Whether a source's numbers, of these names, are finite and a constant is within the limits.
+fn check(
+    source: &Source,
+    limits: &Limits,
+    [ratio_is, offset_is]: [&'static str; 2],
+    name: impl FnOnce() -> String,
+) -> Result<(), ModelError> {
+    let numbers = match *source {
+        Source::Constant(value) => [("the locked value", value); 2],
+        Source::Variable { ratio, offset, .. } => [(ratio_is, ratio), (offset_is, offset)],
+    };
+    if let Some(&(what, value)) = numbers.iter().find(|(_, number)| !number.is_finite()) {
+        let joint = name();
+        return Err(ModelError::NotFinite { joint, what, value });
+    }
+    match *source {
+        Source::Constant(value) if !limits.contains(value) => {
+            Err(ModelError::LockedOutsideLimits {
+                joint: name(),
+                value,
+                lower: limits.lower,
+                upper: limits.upper,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Follows masters to their end; `None` when they run in a ring.
+fn resolve(coordinate: usize, roles: &[Option<Source>], variable_of: &[usize]) -> Option<Source> {
+    let (mut total, mut shift, mut at) = (1.0, 0.0, coordinate);
+    for _ in 0..=roles.len() {
+        match roles[at] {
+            None => {
+                return Some(Source::Variable {
+                    variable: variable_of[at],
+                    ratio: total,
+                    offset: shift,
+                });
+            }
+            Some(Source::Constant(value)) => return Some(Source::Constant(total * value + shift)),
+            Some(Source::Variable {
+                variable: master,
+                ratio,
+                offset,
+            }) => {
+                // total·(ratio m + offset) + shift
+                shift += total * offset;
+                total *= ratio;
+                at = master;
+            }
+        }
+    }
+    None
+}
