@@ -6,7 +6,7 @@ use kinopt::Model;
 use kinopt::animation::{Armature, EulerClip, Playback};
 use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
-use kinopt::model::{FrameId, JointId, JointKind, Limits, ParameterMap, Source};
+use kinopt::model::{FrameId, JointId, Limits, ParameterMap, Source};
 use kinopt::robot::Robot;
 use kinopt::skeleton::{BoneId, Skeleton};
 
@@ -385,7 +385,7 @@ impl LoadedModel {
         let moving = self.model.moving_joints().iter();
         moving.map(|id| {
             let joint = joints.get(id.index());
-            joint.is_none_or(|joint| joint.kind != JointKind::Prismatic)
+            joint.is_none_or(|joint| !joint.kind.slides())
         })
     }
 }

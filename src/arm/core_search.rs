@@ -8,7 +8,6 @@ use super::lanes_or_core::Query;
 use super::workspace::{ArmWorkspace, stopping};
 use crate::ik::Restarts;
 use crate::lanes::{PoseOutcome, reduced};
-use crate::model::JointKind;
 use crate::problem::Share;
 use crate::random::RandomStream;
 use crate::search::{Found, Schedule, run};
@@ -193,7 +192,7 @@ impl Arm {
         for (i, value) in workspace.x.iter_mut().enumerate() {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];
             let (lower, upper) = (workspace.question.lower[i], workspace.question.upper[i]);
-            let slides = joint.kind == JointKind::Prismatic;
+            let slides = joint.kind.slides();
             if slides || self.serial.followed[i] || upper - lower < TAU {
                 continue;
             }

@@ -3,9 +3,7 @@
 use super::ArmError;
 use super::kinematic_path::Part;
 use crate::lanes::{Chain, ChainJoint};
-use crate::model::{
-    FrameId, Joint, JointId, JointKind, Limits, Model, ModelBuilder, ParameterMap, Source,
-};
+use crate::model::{FrameId, Joint, JointId, Limits, Model, ModelBuilder, ParameterMap, Source};
 use crate::spatial::Placement;
 
 /// Name of the frame that solving looks at.
@@ -66,9 +64,9 @@ impl Serial {
     pub(super) fn scales(&self, metres_per_radian: f64) -> Vec<f64> {
         let leader = |&c: &usize| self.model.moving_joints()[c].index();
         let leaders = self.map.leaders().iter().map(leader);
-        let scale = |joint: usize| match self.model.joints()[joint].kind {
-            JointKind::Prismatic => metres_per_radian.recip(),
-            _ => 1.0,
+        let scale = |joint: usize| match self.model.joints()[joint].kind.slides() {
+            true => metres_per_radian.recip(),
+            false => 1.0,
         };
         leaders.map(scale).collect()
     }
@@ -136,7 +134,7 @@ impl Assembly<'_> {
         };
         match source_of(self.full, coordinate) {
             Source::Constant(value) => {
-                let motion = joint.kind.motion(axis, value);
+                let motion = joint.kind.joint_from_moved(axis, value);
                 self.extent += motion.translation.norm();
                 self.way = self.way * motion;
             }
@@ -161,7 +159,7 @@ impl Assembly<'_> {
                     name: joint.name.clone(),
                     parent: self.last,
                     parent_from_joint: self.way,
-                    kind: kind_within(joint.kind, &limits),
+                    kind: joint.kind.within(&limits),
                     axis,
                     limits,
                 });
@@ -190,7 +188,7 @@ impl Assembly<'_> {
         let limits = Limits::new(self.full.lower()[variable], self.full.upper()[variable]);
         let own = self.builder.joint(Joint {
             parent: None,
-            kind: kind_within(joint.kind, &limits),
+            kind: joint.kind.within(&limits),
             limits,
             ..joint.clone()
         });
@@ -243,13 +241,5 @@ impl Assembly<'_> {
             extent_to_tip: self.extent,
             extent,
         })
-    }
-}
-
-/// A joint without limits that a follower gives some is a joint with limits.
-fn kind_within(kind: JointKind, limits: &Limits) -> JointKind {
-    match kind {
-        JointKind::Continuous if *limits != Limits::UNBOUNDED => JointKind::Revolute,
-        kind => kind,
     }
 }

@@ -10,7 +10,7 @@ use super::serial::Serial;
 use crate::ik::{Minimiser, Solution};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::{PoseOutcome, PoseSolver};
-use crate::model::{JointKind, Source};
+use crate::model::Source;
 use crate::problem::{Evaluation, ProblemError, Scratch, Share};
 use crate::search::{Attempts, Engine};
 use crate::solver::{
@@ -130,7 +130,7 @@ impl ArmWorkspace {
             kinematics: ForwardKinematics::new(&serial.model),
             extent: serial.extent,
             turns: (serial.model.moving_joints().iter())
-                .map(|id| serial.model.joints()[id.index()].kind != JointKind::Prismatic)
+                .map(|id| !serial.model.joints()[id.index()].kind.slides())
                 .collect(),
             position_tolerance: options.position_tolerance,
             orientation_tolerance: options.orientation_tolerance,

@@ -86,9 +86,8 @@ impl Chain {
             }
             joint.axis = joint.axis * length.recip();
             let (lower, upper) = (joint.lower, joint.upper);
-            let too_far = |bound: f64| {
-                joint.kind == JointKind::Revolute && bound.is_finite() && bound.abs() > MAX_ANGLE
-            };
+            let too_far =
+                |bound: f64| joint.kind.turns() && bound.is_finite() && bound.abs() > MAX_ANGLE;
             // `lower <= upper` is false for NaN.
             let ordered = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
             if !ordered || too_far(lower) || too_far(upper) {
@@ -159,8 +158,9 @@ impl Chain {
             .iter()
             .zip(q.iter().chain(std::iter::repeat(&0.0)))
         {
-            base_from_joint =
-                base_from_joint * joint.parent_from_joint * joint.kind.motion(joint.axis, value);
+            base_from_joint = base_from_joint
+                * joint.parent_from_joint
+                * joint.kind.joint_from_moved(joint.axis, value);
         }
         base_from_joint * self.joint_from_tip
     }

@@ -4,7 +4,6 @@ use super::evaluation::Evaluation;
 use super::group::Group;
 use super::lane::LaneScalar;
 use super::links::Links;
-use crate::model::JointKind;
 use crate::spatial::{Placement, Vector3};
 
 /// Runs the body for each joint, written out where their number is known and code is optimised.
@@ -31,7 +30,7 @@ pub(crate) fn evaluate<V: LaneScalar, const N: usize, const JOINTS: usize>(
     let c = V::constant;
     for i in 0..n {
         let link = &links.links[i];
-        group.sin_cos[i] = if JOINTS != 0 || link.kind == JointKind::Revolute {
+        group.sin_cos[i] = if JOINTS != 0 || link.kind.turns() {
             (group.q[i] + c(link.offset)).sin_cos()
         } else {
             (c(link.offset_sin_cos.0), c(link.offset_sin_cos.1))
@@ -44,7 +43,7 @@ pub(crate) fn evaluate<V: LaneScalar, const N: usize, const JOINTS: usize>(
             rotation: mut r,
             translation: mut p,
         } = group.frames[link.from & 1];
-        if JOINTS != 0 || link.kind == JointKind::Revolute {
+        if JOINTS != 0 || link.kind.turns() {
             group.angular[i] = r.z;
             group.linear[i] = p.cross(r.z);
         } else {

@@ -6,7 +6,6 @@ use super::lane::LaneScalar;
 use super::links::Links;
 use super::prepared::Prepared;
 use super::settings::Settings;
-use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3, resolved};
@@ -57,11 +56,7 @@ fn errors<V: LaneScalar, const N: usize>(
     {
         let mut angle = V::Four::zero();
         for (i, (q, link)) in q.iter().zip(links).enumerate() {
-            let turn = if link.kind == JointKind::Revolute {
-                *q
-            } else {
-                0.0
-            };
+            let turn = if link.kind.turns() { *q } else { 0.0 };
             angle.set_lane(i, turn + link.offset);
         }
         let (sin, cos) = angle.sin_cos();
@@ -73,7 +68,7 @@ fn errors<V: LaneScalar, const N: usize>(
     let mut r = Matrix3::<V::One>::constant(goal_from_first.rotation);
     let mut p = Vector3::<V::One>::constant(goal_from_first.translation);
     for ((link, &q), &(sin, cos)) in links.links.iter().zip(q).zip(&sin_cos) {
-        if link.kind == JointKind::Prismatic {
+        if link.kind.slides() {
             p = r.z.mul_add(c(q), p);
         }
         r = r.rotated_about_z((c(sin), c(cos)));

@@ -63,10 +63,11 @@ impl Links {
     pub(crate) fn resolution(&self, values: impl Iterator<Item = f64>) -> (f64, f64) {
         let (mut turned, mut slid) = (0.0, 0.0);
         for (value, link) in values.zip(&self.links) {
-            match link.kind {
-                JointKind::Prismatic => slid += value,
-                _ => turned += value,
-            }
+            *(if link.kind.slides() {
+                &mut slid
+            } else {
+                &mut turned
+            }) += value;
         }
         let size = self.extent + slid * self.metres_per_length;
         rounding(self.links.len(), turned, size)
@@ -130,7 +131,7 @@ impl Links {
             (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
             link.offset_sin_cos = elementary::sin_cos(link.offset);
         }
-        let all_revolute = links.iter().all(|link| link.kind == JointKind::Revolute);
+        let all_revolute = links.iter().all(|link| link.kind.turns());
         let metres_per_length = unit_of_length(reach(&links), all_revolute);
         let lengths_per_metre = metres_per_length.recip();
         base_from_first.translation = base_from_first.translation * lengths_per_metre;
@@ -156,9 +157,9 @@ impl Links {
     /// Moves the bounds, radians or metres.
     pub(crate) fn set_bounds(&mut self, bounds: impl Iterator<Item = (f64, f64)>) {
         for (link, (lower, upper)) in self.links.iter_mut().zip(bounds) {
-            let unit = match link.kind {
-                JointKind::Prismatic => self.lengths_per_metre,
-                _ => 1.0,
+            let unit = match link.kind.slides() {
+                true => self.lengths_per_metre,
+                false => 1.0,
             };
             (link.lower, link.upper) = (lower * unit, upper * unit);
         }
@@ -171,7 +172,7 @@ impl Links {
             return;
         }
         for (value, link) in q.iter_mut().zip(&self.links) {
-            if link.kind == JointKind::Prismatic {
+            if link.kind.slides() {
                 *value *= self.metres_per_length;
             }
         }
@@ -182,7 +183,7 @@ impl Links {
         let mut r = self.base_from_first.rotation;
         let mut p = self.base_from_first.translation;
         for (link, &q) in self.links.iter().zip(q) {
-            if link.kind == JointKind::Revolute {
+            if link.kind.turns() {
                 r = r.rotated_about_z(elementary::sin_cos(q + link.offset));
             } else {
                 p += r.z * q;
@@ -217,11 +218,10 @@ impl Links {
 /// How far a chain can reach, the ends of its slides included, metres.
 fn reach(links: &[Link]) -> f64 {
     let lengths = links.iter().map(|link| {
-        let slide = match link.kind {
-            JointKind::Prismatic if link.lower.is_finite() && link.upper.is_finite() => {
-                link.lower.abs().max(link.upper.abs())
-            }
-            _ => 0.0,
+        let ends = link.lower.abs().max(link.upper.abs());
+        let slide = match link.kind.slides() && ends.is_finite() {
+            true => ends,
+            false => 0.0,
         };
         elementary::hypot(link.along_x, link.along_y) + slide
     });

@@ -8,7 +8,6 @@ use super::chain::Chain;
 use super::links::Links;
 use super::options::{LaneError, LaneOptions};
 use super::settings::Settings;
-use crate::model::JointKind;
 
 /// A chain and the task, prepared.
 #[derive(Debug)]
@@ -45,7 +44,7 @@ impl Prepared {
         let wide = links
             .links
             .iter()
-            .any(|link| link.kind == JointKind::Revolute && link.upper - link.lower >= TAU);
+            .any(|link| link.kind.turns() && link.upper - link.lower >= TAU);
         let farthest = links.links.iter().map(|l| l.lower.abs().max(l.upper.abs()));
         let (metres, radians) = links.resolution(farthest);
         let coarse = !(metres < 0.5 * options.position_tolerance

@@ -9,7 +9,6 @@ use super::options::Prefer;
 use super::prepared::Prepared;
 use super::query::Query;
 use super::turns::reduced;
-use crate::model::JointKind;
 use crate::random::mix;
 use crate::spatial::Placement;
 
@@ -89,9 +88,9 @@ impl QuerySeeds {
                 let start = start_value(links, link, start);
                 state = mix(state);
                 let unit = (state >> 11) as f64 / (1u64 << 53) as f64;
-                let half = match link.kind {
-                    JointKind::Prismatic => 1.0,
-                    _ => std::f64::consts::PI,
+                let half = match link.kind.slides() {
+                    true => 1.0,
+                    false => std::f64::consts::PI,
                 };
                 let lower = if link.lower.is_finite() {
                     link.lower
@@ -114,9 +113,9 @@ impl QuerySeeds {
 /// A start's value in the solver's terms.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn start_value(links: &Links, link: &Link, start: f64) -> f64 {
-    match link.kind {
-        JointKind::Prismatic => start * links.lengths_per_metre,
-        _ => reduced(start),
+    match link.kind.slides() {
+        true => start * links.lengths_per_metre,
+        false => reduced(start),
     }
 }
 
@@ -126,7 +125,7 @@ fn fill_start(links: &Links, start: &[f64], q: &mut [f64]) {
     for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(start) {
         *q = start_value(links, link, start);
         *q = q.max(link.lower).min(link.upper);
-        if link.kind == JointKind::Revolute && q.abs() > LARGE_ANGLE {
+        if link.kind.turns() && q.abs() > LARGE_ANGLE {
             let turned = *q - TAU * (*q / TAU).round();
             *q = turned.max(link.lower).min(link.upper);
         }

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use super::prepared::Prepared;
 use super::trigonometry::MAX_ANGLE;
-use crate::model::JointKind;
 
 /// A start that is too large an angle for exact sines, less whole turns: within half a turn of zero.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -23,7 +22,7 @@ pub(crate) fn unwrap_towards(prepared: &Prepared, start: &[f64], q: &mut [f64]) 
         return;
     }
     for ((q, link), start) in q.iter_mut().zip(&prepared.links.links).zip(start) {
-        if link.kind == JointKind::Revolute && link.upper - link.lower >= TAU {
+        if link.kind.turns() && link.upper - link.lower >= TAU {
             let lowest = ((link.lower - *q) / TAU).ceil();
             let highest = ((link.upper - *q) / TAU).floor();
             let turns = ((reduced(*start) - *q) / TAU)

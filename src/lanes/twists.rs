@@ -5,7 +5,6 @@
 
 use super::lane::{LaneScalar, Lanes};
 use super::links::Links;
-use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::Vector3;
 
@@ -29,7 +28,7 @@ impl Links {
             for (i, ((link, &q), column)) in links.iter().zip(q).zip(columns).enumerate() {
                 let z = r.z;
                 column.copy_from_slice(&[p.x, p.y, p.z, z.x, z.y, z.z]);
-                if link.kind == JointKind::Revolute {
+                if link.kind.turns() {
                     r = r.rotated_about_z((sin.lane(i), cos.lane(i)));
                 } else {
                     p += z * (q * self.lengths_per_metre);
@@ -45,9 +44,9 @@ impl Links {
                 continue;
             };
             let axis = Vector3::new(a, b, c);
-            let (linear, angular) = match link.kind {
-                JointKind::Prismatic => (axis, Vector3::zero()),
-                _ => {
+            let (linear, angular) = match link.kind.slides() {
+                true => (axis, Vector3::zero()),
+                false => {
                     let arm = p - Vector3::new(x, y, z);
                     (axis.cross(arm) * metres, axis * radian)
                 }

@@ -84,10 +84,7 @@ impl ModelBuilder {
     pub(crate) fn narrow(&mut self, joint: JointId, limits: Limits) {
         if let Some(joint) = self.joints.get_mut(joint.index()) {
             joint.limits = joint.limits.intersection(&limits);
-            joint.kind = match joint.kind {
-                JointKind::Continuous => JointKind::Revolute,
-                kind => kind,
-            };
+            joint.kind = joint.kind.within(&joint.limits);
         }
     }
 
@@ -176,7 +173,7 @@ impl ModelBuilder {
             if joint_by_name.insert(joint.name.clone(), id).is_some() {
                 return Err(duplicate("joint", &joint.name));
             }
-            if joint.kind != JointKind::Fixed {
+            if joint.kind.moves() {
                 moving.push(id);
             }
         }
@@ -275,7 +272,7 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
     if joint.kind == JointKind::Continuous {
         joint.limits = Limits::UNBOUNDED;
     }
-    if joint.kind == JointKind::Fixed {
+    if !joint.kind.moves() {
         // Its axis means nothing; this one is at least a direction.
         joint.axis = Vector3::new(1.0, 0.0, 0.0);
         return Ok(());

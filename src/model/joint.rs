@@ -20,8 +20,34 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// The motion by a value about or along a unit axis, in the joint's own frame.
-    pub(crate) fn motion(self, axis: Vector3<f64>, value: f64) -> Placement<f64> {
+    /// Whether it moves at all: its value is a number of the configuration.
+    #[must_use]
+    pub const fn moves(self) -> bool {
+        !matches!(self, Self::Fixed)
+    }
+
+    /// Whether its value is an angle.
+    #[must_use]
+    pub const fn turns(self) -> bool {
+        matches!(self, Self::Revolute | Self::Continuous)
+    }
+
+    /// Whether its value is a length.
+    #[must_use]
+    pub const fn slides(self) -> bool {
+        matches!(self, Self::Prismatic)
+    }
+
+    /// What a joint is that has these limits: one without any that gets some is one with limits.
+    pub(crate) fn within(self, limits: &Limits) -> Self {
+        match self {
+            Self::Continuous if *limits != Limits::UNBOUNDED => Self::Revolute,
+            kind => kind,
+        }
+    }
+
+    /// Where a value about or along a unit axis takes it, in its own frame at zero.
+    pub(crate) fn joint_from_moved(self, axis: Vector3<f64>, value: f64) -> Placement<f64> {
         match self {
             Self::Fixed => Placement::identity(),
             Self::Prismatic => Placement::translation(axis * value),

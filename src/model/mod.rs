@@ -193,10 +193,10 @@ impl Model {
     /// turn; for slides the reach, or their travel where that is of the reach's order.
     pub(crate) fn sampling_spread(&self, joint: &Joint, reach: f64) -> f64 {
         const SAME_ORDER: f64 = 100.0;
-        match (joint.kind, travel(joint)) {
-            (JointKind::Prismatic, travel) if travel <= SAME_ORDER * reach => travel.max(reach),
-            (JointKind::Prismatic, _) => reach,
-            _ => std::f64::consts::PI,
+        match travel(joint) {
+            _ if !joint.kind.slides() => std::f64::consts::PI,
+            travel if travel <= SAME_ORDER * reach => travel.max(reach),
+            _ => reach,
         }
     }
 }
@@ -205,8 +205,8 @@ impl Model {
 fn travel(joint: &Joint) -> f64 {
     const PLACEHOLDER: f64 = 1e9;
     let farthest = joint.limits.lower.abs().max(joint.limits.upper.abs());
-    match joint.kind {
-        JointKind::Prismatic if farthest < PLACEHOLDER => farthest,
-        _ => 0.0,
+    match joint.kind.slides() && farthest < PLACEHOLDER {
+        true => farthest,
+        false => 0.0,
     }
 }

@@ -1,6 +1,6 @@
 //! Where the chain of a frame begins, and how far from there the frame can be.
 
-use crate::model::{FrameId, JointKind, Model, ParameterMap};
+use crate::model::{FrameId, Model, ParameterMap};
 use crate::spatial::{Placement, Vector3};
 
 /// The ball that a frame cannot leave.
@@ -47,15 +47,15 @@ pub(super) fn anchor(model: &Model, map: &ParameterMap, frame: FrameId) -> Optio
     let mut found: Option<Anchor> = None;
     for &id in chain.iter().rev() {
         let joint = &model.joints()[id.index()];
-        let slide = match (joint.kind, model.coordinate(id)) {
-            (JointKind::Prismatic, Some(coordinate)) => farthest(map, coordinate),
+        let slide = match model.coordinate(id) {
+            Some(coordinate) if joint.kind.slides() => farthest(map, coordinate),
             _ => 0.0,
         };
         match &mut found {
             Some(anchor) => anchor.reach += joint.parent_from_joint.translation.norm() + slide,
             None => {
                 world = world * joint.parent_from_joint;
-                if joint.kind != JointKind::Fixed {
+                if joint.kind.moves() {
                     found = Some(Anchor {
                         joint: joint.name.clone(),
                         centre: world.translation,

@@ -6,7 +6,7 @@ use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
 use super::{Derivatives, Preferences, Problem, ProblemError, ReportNames, Targets, TaskId};
 use crate::kinematics::{FrameSlot, Tree};
-use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
+use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};
 use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
 
 /// Default tolerance of lengths in metres and angles in radians.
@@ -176,9 +176,7 @@ impl<'m> ProblemBuilder<'m> {
             variables: (variables.clone())
                 .map(|v| leading_joint(v).name.clone())
                 .collect(),
-            variable_is_angle: variables
-                .map(|v| leading_joint(v).kind != JointKind::Prismatic)
-                .collect(),
+            variable_is_angle: variables.map(|v| !leading_joint(v).kind.slides()).collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
             task_frames: (first_frames.iter())
                 .map(|frame| frame.map(|f| model.frames()[f.index()].name.clone()))

@@ -1,5 +1,6 @@
 //! Promises of the whole interface: what all public types can do, and one policy for wrong input.
 
+mod joint_kinds;
 mod public_types;
 mod serialised;
 mod wrong_numbers;

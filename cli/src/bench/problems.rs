@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kinopt::model::{FrameId, JointKind, Model};
+use kinopt::model::{FrameId, Model};
 use kinopt::robot::Robot;
 use kinopt_harness::{Case, ProblemSet, ProblemSetBuilder};
 
@@ -160,8 +160,7 @@ fn rating(model: &Model, tip: FrameId) -> (usize, f64) {
     let mut rating = (0, frame.joint_from_frame.translation.norm());
     let mut at = frame.joint;
     while let Some(joint) = at.and_then(|id| model.joints().get(id.index())) {
-        let turns = matches!(joint.kind, JointKind::Revolute | JointKind::Continuous);
-        rating.0 += usize::from(turns && !joint.limits.is_locked());
+        rating.0 += usize::from(joint.kind.turns() && !joint.limits.is_locked());
         rating.1 += joint.parent_from_joint.translation.norm();
         at = joint.parent;
     }

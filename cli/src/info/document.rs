@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use kinopt::io::rig::Rig;
-use kinopt::model::{Joint, JointId, JointKind};
+use kinopt::model::{Joint, JointId};
 use kinopt::skeleton::BoneId;
 use serde::Serialize;
 
@@ -96,7 +96,7 @@ pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
         Some(joint_document(loaded, *id, joint, Some(coordinate), free))
     });
     let fixed = model.joint_ids().zip(model.joints());
-    let fixed = fixed.filter(|(_, joint)| joint.kind == JointKind::Fixed);
+    let fixed = fixed.filter(|(_, joint)| !joint.kind.moves());
     let fixed = fixed.map(|(id, joint)| joint_document(loaded, id, joint, None, false));
     Document {
         file: &loaded.file,

@@ -1,6 +1,6 @@
 //! What a robot has beside its joints: links as a tree, tips, and who follows whom.
 
-use kinopt::model::{Joint, JointId, JointKind};
+use kinopt::model::{Joint, JointId};
 use kinopt::robot::{Geometry, Link, Repair, Robot};
 use serde::Serialize;
 
@@ -118,7 +118,7 @@ pub(super) fn place<'a>(robot: &'a Robot, id: JointId, joint: &Joint) -> PlaceDo
     PlaceDocument {
         parent_link: link_on(robot, joint.parent),
         child_link: link_on(robot, Some(id)),
-        axis: (joint.kind != JointKind::Fixed).then(|| joint.axis.to_array()),
+        axis: (joint.kind.moves()).then(|| joint.axis.to_array()),
         velocity: robot.velocity_limit(id),
         effort: robot.effort_limit(id),
         soft_limits: robot.soft_limits(id).map(|soft| {
@@ -172,13 +172,13 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] 
     let place = place(robot, id, joint);
     let link = format!("{}{}", "  ".repeat(depth), place.child_link.unwrap_or("-"));
     let coordinate = robot.model().coordinate(id);
-    let limit = |limit: f64| match joint.kind {
-        JointKind::Fixed => String::new(),
-        _ if !limit.is_finite() => "none".to_owned(),
-        JointKind::Prismatic => format!("{} m", six_digits(limit)),
-        _ => format!("{}°", three_digits(limit.to_degrees())),
+    let slides = joint.kind.slides();
+    let limit = |limit: f64| match joint.kind.moves() {
+        false => String::new(),
+        true if !limit.is_finite() => "none".to_owned(),
+        true if slides => format!("{} m", six_digits(limit)),
+        true => format!("{}°", three_digits(limit.to_degrees())),
     };
-    let slides = joint.kind == JointKind::Prismatic;
     let speed = |speed: f64| match slides {
         true => format!("{} m/s", three_digits(speed)),
         false => format!("{}°/s", three_digits(speed.to_degrees())),

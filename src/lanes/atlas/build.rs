@@ -6,7 +6,6 @@ use super::key::Key;
 use super::table::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
 use crate::lanes::ldlt;
 use crate::lanes::links::Links;
-use crate::model::JointKind;
 use crate::random::mix;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
@@ -43,8 +42,8 @@ impl Atlas {
             scale: [1.0; 2],
             rows: vec![[0.0; PER_CELL]; cells * rows_per_cell],
             counts: vec![0; cells],
-            first_turns: links.links[0].kind == JointKind::Revolute,
-            last_turns: links.links[n - 1].kind == JointKind::Revolute,
+            first_turns: links.links[0].kind.turns(),
+            last_turns: links.links[n - 1].kind.turns(),
             middles: [middle(0), middle(n - 1)],
         };
         let samples = cells * resolution.samples;
@@ -52,7 +51,7 @@ impl Atlas {
         // From where and how far a value may lie; the ends, by which goals are reduced, stay at zero.
         let ranges: Vec<(f64, f64)> = (links.links.iter().enumerate())
             .map(|(i, link)| {
-                if i == 0 || i == n - 1 && link.kind == JointKind::Revolute {
+                if i == 0 || i == n - 1 && link.kind.turns() {
                     return (0.0, 0.0);
                 }
                 let finite = |bound: f64, else_: f64| if bound.is_finite() { bound } else { else_ };
@@ -135,7 +134,7 @@ impl Atlas {
         for ((column, &(axis, point)), link) in per_joint {
             let axis = turned * axis;
             let point = turned * point + Vector3::new(0.0, 0.0, lift);
-            *column = if link.kind == JointKind::Revolute {
+            *column = if link.kind.turns() {
                 let v = axis.cross(origin - point);
                 [v.x, v.y, v.z, axis.x, axis.y, axis.z]
             } else {
@@ -213,7 +212,7 @@ fn forward(links: &Links, q: &[f64], joints: &mut [Axis]) -> Placement<f64> {
     while i <= last {
         let (link, q) = (&links.links[i], q[i]);
         joints[i] = (r.z, p);
-        if link.kind == JointKind::Revolute {
+        if link.kind.turns() {
             turn(&mut r.x, &mut r.y, elementary::sin_cos(q + link.offset));
         } else {
             add_scaled(&mut p, &r.z, q);

@@ -8,7 +8,6 @@ use super::tooled::TooledAtlas;
 use crate::lanes::lane::LaneScalar;
 use crate::lanes::links::Links;
 use crate::lanes::trigonometry::{ROUNDER, rough_atan2};
-use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
@@ -93,7 +92,7 @@ impl TooledAtlas {
                 let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
                 q = turns.mul_add(c(-TAU), q);
             }
-            if link.kind == JointKind::Prismatic {
+            if link.kind.slides() {
                 q *= c(self.own_lengths);
             }
             let out = (c(link.lower) - q)

@@ -10,7 +10,7 @@ use super::repair::Repair;
 use super::topology::{self, Topology};
 use super::xml;
 use crate::file::{Place, ReadError, read_bytes};
-use crate::model::{Joint, JointId, JointKind, Model, ModelError};
+use crate::model::{Joint, JointId, Model, ModelError};
 use crate::robot::{Mimic, Robot};
 use crate::spatial::Placement;
 
@@ -122,7 +122,7 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
         builder.frame(link.named.name.as_str(), *joint, Placement::identity());
     }
     let in_file_order = (document.joints.iter().zip(&ids))
-        .filter(|(element, _)| element.kind != JointKind::Fixed)
+        .filter(|(element, _)| element.kind.moves())
         .filter_map(|(_, id)| *id)
         .collect();
     builder.configuration_order(in_file_order);

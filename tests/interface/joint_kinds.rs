@@ -1,0 +1,59 @@
+//! Promise: what a kind of joint is stands in the files that CONTRIBUTING's page names and nowhere else; the rest asks
+//! the kind.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use kinopt::model::{JointKind, Limits, Model};
+use kinopt::spatial::{Placement, Vector3};
+
+/// Every source below a folder that names a kind, by its path from the root.
+fn naming(folder: &Path, found: &mut BTreeSet<String>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            naming(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let kinds = ["Fixed", "Revolute", "Continuous", "Prismatic"];
+            let mut whole = kinds.iter().map(|kind| format!("JointKind::{kind}"));
+            let named = path.ends_with("model/joint.rs") || whole.any(|kind| text.contains(&kind));
+            if named {
+                found.insert(path.to_str().unwrap().replace('\\', "/"));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_kind_is_added_where_the_page_says() {
+    let page = std::fs::read_to_string("CONTRIBUTING.md").unwrap();
+    let (_, page) = page.split_once("## A kind of joint").unwrap();
+    let (page, _) = page.split_once("\n## ").unwrap();
+    let files = page.split('`').filter(|word| word.starts_with("src/"));
+    let files: BTreeSet<String> = files.map(str::to_owned).collect();
+    let mut found = BTreeSet::new();
+    for folder in ["src", "cli/src"] {
+        naming(Path::new(folder), &mut found);
+    }
+    assert_eq!(found, files);
+}
+
+#[test]
+fn a_kind_says_what_its_value_is() {
+    let mut builder = Model::builder("one of each");
+    let (at, axis) = (Placement::identity(), Vector3::UNITS[2]);
+    builder.fixed("fixed", None, at);
+    builder.revolute("revolute", None, at, axis, Limits::new(-1.0, 1.0));
+    builder.continuous("continuous", None, at, axis);
+    builder.prismatic("prismatic", None, at, axis, Limits::new(-1.0, 1.0));
+    let model = builder.build().unwrap();
+    for joint in model.joints() {
+        let kind: JointKind = joint.kind;
+        assert_eq!(kind.name(), joint.name);
+        assert_eq!(kind.moves(), kind.turns() != kind.slides());
+        let coordinate = model.coordinate(model.joint(&joint.name).unwrap());
+        assert_eq!(coordinate.is_some(), kind.moves());
+    }
+}
