@@ -124,10 +124,7 @@ fn what_many_long_links_cannot_resolve_is_not_reached() {
     };
     let reached = |joints: usize| {
         let chain = Chain::new((0..joints).map(joint).collect(), link).unwrap();
-        let options = LaneOptions {
-            atlas: false,
-            ..LaneOptions::default()
-        };
+        let options = LaneOptions::default().with_atlas(false);
         let solver = PoseSolver::new(&chain, options).unwrap();
         let q = vec![0.1; joints];
         let goal = chain.base_from_tip(&q);
