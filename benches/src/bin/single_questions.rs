@@ -52,7 +52,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn questions(joints: usize) -> Result<(Vec<Placement<f64>>, Vec<f64>), Box<dyn Error>> {
+/// Targets, and a start for each.
+type Questions = (Vec<Placement<f64>>, Vec<f64>);
+
+fn questions(joints: usize) -> Result<Questions, Box<dyn Error>> {
     let mut bytes = Vec::new();
     std::io::stdin().read_to_end(&mut bytes)?;
     let numbers = bytes
