@@ -10,7 +10,7 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// How many drawings a second.
 const DRAWINGS: u8 = 10;
 
-/// Counts answers. It is told between questions, so no time that is taken holds its drawing.
+/// Counts answers. It counts between questions, so no time that is taken holds its drawing.
 pub(crate) struct Countdown {
     started: Instant,
     done: AtomicU64,

@@ -9,9 +9,9 @@ pub(crate) enum Failure {
     Reason(String),
     /// Options that do not go together for this model, in one line.
     Usage(String),
-    /// What --fail-on-miss was told to tell scripts, in one line.
+    /// What --fail-on-miss says to scripts, in one line.
     Missed(String),
-    /// Whoever reads the output has gone: nobody is left to be told.
+    /// Whoever reads the output has gone: nobody is left to read.
     ReaderGone,
 }
 

@@ -41,7 +41,7 @@ fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
 pub(crate) type Placed = (Placement<f64>, Option<[Placement<f64>; 2]>);
 
 impl FrameReport {
-    /// The named frames where `placed` says that they stand, told in the world or in the frame `base`.
+    /// The named frames where `placed` says that they stand, in the world or in the frame `base`.
     pub(crate) fn new<E>(
         names: &[String],
         base: Option<&str>,

@@ -102,7 +102,7 @@ impl Arm {
 }
 
 impl ArmBuilder<'_> {
-    /// The joint that is meant; the first that is not there is told when building.
+    /// The joint that is meant; the first that is not there is an error when building.
     fn joint<'a>(&mut self, joint: impl Into<JointRef<'a>>) -> Option<JointId> {
         let resolved = joint.into().resolve(self.model);
         let unknown = &mut self.unknown_joint;

@@ -115,7 +115,7 @@ impl Follower<'_> {
     }
 
     /// Goes on to the next target. No joint moves further than 0.2 rad (a slide by the metres that weigh
-    /// as much) but in a [`Jump`], which is told: after a target that went far itself, or where jumps
+    /// as much) but in a [`Jump`], which is reported: after a target that went far itself, or where jumps
     /// are asked for. Where a step ends short of the nearest place the next goes on. Nothing is
     /// allocated after the first few steps.
     ///

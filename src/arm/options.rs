@@ -1,4 +1,4 @@
-//! What an arm is told once, for all questions.
+//! An arm's options: set once, for all questions.
 
 use std::time::Duration;
 
@@ -22,7 +22,7 @@ pub enum Search {
     /// comparison short the solution says [`TimeLimit`](crate::solver::Termination::TimeLimit).
     Nearest,
     /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`. A
-    /// time limit is told as for the nearest.
+    /// time limit is reported as for the nearest.
     Distinct {
         /// Most solutions wanted, at least 1.
         k: usize,

@@ -9,7 +9,7 @@ use crate::search::check_start;
 use crate::solver::{ConfigurationSpace, Stopping, Termination};
 use crate::task::Residual;
 
-/// How far a joint may move in a frame unless told otherwise, in radians: 9 rad/s at 60 frames a
+/// How far a joint may move in a frame unless set otherwise, in radians: 9 rad/s at 60 frames a
 /// second.
 const MOST_MOVE: f64 = 0.15;
 /// A slide moves as far as a joint at this share of the model's reach would carry it.
@@ -173,7 +173,7 @@ impl Drag {
     }
 
     /// Where a frame settles on a miss, searches from other places too, and goes to what is better by
-    /// a thousandth of the cost: told as a [`leap`](Self::leap). Such a frame costs what a whole
+    /// a thousandth of the cost: reported as a [`leap`](Self::leap). Such a frame costs what a whole
     /// solve costs. Without it a drag never leaps.
     ///
     /// # Errors

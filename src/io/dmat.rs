@@ -16,6 +16,7 @@ const LENGTH_LIMIT: u64 = 1 << 31;
 
 /// How the values of a DMAT file are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum DmatEncoding {
     /// Decimal, with as many digits as it takes to read the same number back.
     Text,

@@ -21,7 +21,7 @@ pub(super) fn parse_by<T>(
             .map(<[u8]>::len)
             .sum();
         let end = (before + error.column()).min(json.len());
-        // What a type refuses after all of it was read is told behind the comma that follows.
+        // What a type refuses after all of it was read is reported behind the comma that follows.
         let read = json[..end].trim_ascii_end();
         let place = match path(read.strip_suffix(b",").unwrap_or(read)) {
             root if root.is_empty() => Place::File,

@@ -37,6 +37,7 @@ pub struct Chain {
 
 /// Why a list of joints is no [`Chain`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ChainError {
     /// No moving joint, or too many.
     #[error("a chain has 1 to {MAX_JOINTS} moving joints, not {0}")]

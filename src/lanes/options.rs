@@ -1,4 +1,4 @@
-//! What a solver is told, what it answers, and what can be wrong with a call.
+//! A solver's options, what it answers, and what can be wrong with a call.
 
 use super::axis_goal::AxisGoal;
 use crate::bad_option::{BadOption, POSITIVE};
@@ -6,6 +6,7 @@ use crate::bad_option::{BadOption, POSITIVE};
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Prefer {
     /// The one from the start, if that attempt succeeds; others only rescue it.
     #[default]
@@ -120,6 +121,7 @@ pub struct PoseOutcome {
 
 /// What is wrong with a call.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LaneError {
     /// An option out of its range.
     #[error(transparent)]

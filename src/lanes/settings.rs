@@ -1,4 +1,4 @@
-//! What the iteration is told about the task.
+//! The task, as the iteration needs it.
 
 use super::axis_goal::AxisGoal;
 use super::options::LaneOptions;

@@ -62,7 +62,7 @@ impl ModelBuilder {
         }
     }
 
-    /// Says what lengths are counted in, for what is told to people. Metres if it is not said.
+    /// Says what lengths are counted in, for what people read. Metres unless set.
     pub fn length_unit(&mut self, unit: LengthUnit) {
         self.length_unit = unit;
     }

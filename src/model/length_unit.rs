@@ -1,6 +1,6 @@
 //! What a model counts lengths in.
 
-/// The unit of a model's lengths, for what is told to people: no calculation depends on it.
+/// The unit of a model's lengths, for what people read: no calculation depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -1,10 +1,10 @@
-//! A name that is not there, told with the names that may have been meant.
+//! A name that is not there, and the names that may have been meant.
 
 use std::fmt;
 
 use thiserror::Error;
 
-/// So many names are listed in full; of more, the nearest are told.
+/// So many names are listed in full; of more, the nearest are.
 const LISTED: usize = 12;
 /// So many names are suggested.
 const SUGGESTED: usize = 3;

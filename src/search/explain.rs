@@ -8,7 +8,7 @@ use crate::scalar::elementary;
 use crate::solver::Termination;
 use crate::task::Role;
 
-/// So many ends of allowed moves are told one by one: where a body follows its target over several frames,
+/// So many ends of allowed moves are listed one by one: where a body follows its target over several frames,
 /// most of its joints are at one.
 const MOST_MOVES: usize = 3;
 /// Of more, so many by name.
@@ -111,7 +111,7 @@ impl Solution {
         Ok(())
     }
 
-    /// Out of reach, or a local minimum: as far as it can be told.
+    /// Out of reach, or a local minimum: as far as it can be known.
     fn write_verdict(&self, text: &mut String) -> std::fmt::Result {
         if let (Some(beyond), Some(names)) = (self.beyond, self.names.as_deref()) {
             let unit = self.length_unit().symbol();

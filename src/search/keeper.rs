@@ -124,7 +124,7 @@ impl Keeper {
         }
     }
 
-    /// Says what cut the search short: it is told, also where an earlier attempt is the one returned.
+    /// Says what cut the search short: reported also where an earlier attempt is the one returned.
     pub(super) fn cut(&mut self, termination: Termination) {
         self.found.termination = termination;
     }

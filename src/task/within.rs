@@ -6,7 +6,7 @@ use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// Another residual of which each row costs only what lies beyond an interval, so that its error is told
+/// Another residual of which each row costs only what lies beyond an interval, so that its error is reported
 /// from there: a room, a floor, a least or greatest distance.
 ///
 /// All rows share the interval, in their own unit: for residuals of one quantity (a pose has a

@@ -1,4 +1,4 @@
-//! What `kinopt bench` is told.
+//! The arguments of `kinopt bench`.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What `kinopt solve` is told.
+//! The arguments of `kinopt solve`.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -20,7 +20,7 @@ use crate::loaded_model::LoadedModel;
 use crate::number_list::Numbers;
 use crate::output;
 
-/// An arm and the model that its answers are told in.
+/// An arm and the model that its answers are given in.
 pub(super) struct ArmBackend<'a> {
     loaded: &'a LoadedModel,
     arm: Arm,
@@ -50,7 +50,7 @@ impl<'a> ArmBackend<'a> {
         let [target] = goals.targets.as_slice() else {
             return Err(Failure::usage("a robot's arm is asked for one --target"));
         };
-        // Unknown links are told with the valid ones, as the user calls them.
+        // Unknown links are reported with the valid ones, as the user calls them.
         let frame = |name| loaded.frame(name, BareName::Tail);
         let base = goals.base.as_deref().map(frame).transpose()?;
         let tip = frame(&target.name)?;

@@ -126,7 +126,7 @@ impl<'a> GeneralBackend<'a> {
             (*frame, builder.add(point.named(format!("hold {name}"))))
         });
         let held = held.collect();
-        // After what was asked for, in whose order the answer is told.
+        // After what was asked for, in whose order the answer is given.
         for posture in self.held.posture(self.loaded, start) {
             builder.add(posture);
         }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::number_format::six_digits;
 
-/// A joint that moves further in a step is told, in radians.
+/// A joint that moves further in a step is reported, in radians.
 const LONG: f64 = 0.2;
 
 /// Where frames should stand, and where the search for that starts.

@@ -43,7 +43,7 @@ pub(super) struct Document<'a> {
     #[serde(flatten)]
     settled: Option<Settled>,
     evaluations: Evaluations,
-    /// Time spent solving, in microseconds; not told for targets that are solved together.
+    /// Time spent solving, in microseconds; not known for targets that are solved together.
     #[serde(skip_serializing_if = "Option::is_none")]
     micros: Option<f64>,
     explanation: String,
@@ -187,7 +187,7 @@ impl<'a> Report<'a> {
         text
     }
 
-    /// Which coordinates people are told: those that may move, and those that the command holds.
+    /// Which coordinates people are shown: those that may move, and those that the command holds.
     fn shown(&self) -> Vec<bool> {
         let mut shown = self.loaded.leading_coordinates();
         for &idle in self.idle {

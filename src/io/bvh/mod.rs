@@ -33,7 +33,7 @@ mod capture;
 mod channel;
 mod error;
 mod hierarchy;
-mod layout;
+mod joint;
 mod lexer;
 mod motion;
 mod note;

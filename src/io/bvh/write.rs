@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::Vec3A;
 
 use super::angles::{self, ORDER};
-use super::layout::{self, Joint, Kind};
+use super::joint::{self, Joint, Kind};
 use super::{BvhChannel, BvhError};
 use crate::animation::{Armature, Clip, Cursor, Playback, Pose};
 use crate::io::write_bytes;
@@ -51,7 +51,7 @@ pub fn poses_to_text(armature: &Armature, poses: &[Pose], rate: f64) -> Result<S
     if !((frame_time * poses.len() as f64) as f32).is_finite() {
         return Err(BvhError::Rate { rate });
     }
-    let joints = layout::joints(armature, poses)?;
+    let joints = joint::joints(armature, poses)?;
     let mut text = String::from("HIERARCHY\n");
     let order = hierarchy(armature, &joints, &mut text);
     // Writing to a String cannot fail, so here and below the results carry nothing.

@@ -45,7 +45,7 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), Read
         check(&asset, &root.extensions_required, name)?;
         return Ok((root, Nodeless::new()));
     }
-    // What another version may have in other shapes is told by the version.
+    // What another version may have in other shapes shows in the version.
     let object = json.trim_ascii_start().starts_with(b"{");
     let heading: Result<Heading, _> = match object {
         true => parse(json, name),

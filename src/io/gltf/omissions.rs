@@ -52,7 +52,7 @@ impl Channel {
 pub(super) type Nodeless = BTreeSet<(usize, usize)>;
 
 /// The document, with an empty list of nodes for scenes without one, and with any node for channels
-/// without one, which are told besides.
+/// without one, which are listed besides.
 pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
     // Where it is no outline, the whole says why.
     let outline: Option<Outline> = serde_json::from_slice(json).ok();

@@ -95,7 +95,7 @@ impl Rig {
         let clip = check::clip(&file, &skeleton, name)?;
         let constrained = check::constrained(&file, &skeleton, name)?;
 
-        // An error in a named file is told from the place that names it.
+        // An error in a named file is reported from the place that names it.
         let referred = |place: &str, error: ReadError| {
             let problem = ReadProblem::Referenced(Box::new(error));
             ReadError::new(name, Place::Json(place.into()), problem)

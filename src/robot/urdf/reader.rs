@@ -17,7 +17,7 @@ use crate::spatial::Placement;
 /// The longest file that is read; real robots stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
 
-/// Reads URDF: strictly, unless it is told to be lenient.
+/// Reads URDF: strictly, unless asked to be lenient.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UrdfReader {
     lenient: bool,
