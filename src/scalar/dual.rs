@@ -134,6 +134,11 @@ impl<const N: usize> Scalar for Dual<N> {
     }
 
     #[inline(always)]
+    fn as_f64(self) -> Option<f64> {
+        Some(self.value)
+    }
+
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         Self {
             value,

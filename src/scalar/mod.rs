@@ -101,6 +101,12 @@ pub trait Scalar:
     /// Whether its value is neither NaN nor infinite, in every lane.
     fn is_finite(self) -> bool;
 
+    /// Its value, without derivatives; `None` where several stand side by side.
+    #[inline(always)]
+    fn as_f64(self) -> Option<f64> {
+        None
+    }
+
     /// The constant 0.
     #[inline(always)]
     fn zero() -> Self {
@@ -188,5 +194,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+
+    #[inline(always)]
+    fn as_f64(self) -> Option<f64> {
+        Some(self)
     }
 }

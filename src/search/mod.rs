@@ -14,6 +14,8 @@ mod error;
 mod explain;
 mod keeper;
 mod measure;
+#[cfg(feature = "serde")]
+mod non_finite;
 mod pulling;
 mod restarts;
 mod schedule;

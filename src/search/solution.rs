@@ -56,6 +56,7 @@ pub(super) struct Blocked {
     pub(super) side: Side,
     pub(super) kind: BoundKind,
     pub(super) value: f64,
+    #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub(super) push: f64,
 }
 
@@ -68,6 +69,7 @@ pub struct RowsReport {
     /// The unit of the error.
     pub quantity: Quantity,
     /// Euclidean norm of the rows, in the unit of `quantity`, whatever their weight.
+    #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub error: f64,
     /// Whether the error is within the task's tolerance. Rows of weight 0 are not asked for: they never
     /// count as missed.
@@ -126,9 +128,11 @@ pub struct Solution {
     /// or the observer. Of a solution that is reached these ended a comparison or the preferences' pull.
     pub termination: Termination,
     /// ½ Σ ‖W r‖² at `q`, of goals and preferences.
+    #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub cost: f64,
     /// ‖proj(x − g) − x‖∞ at `q`, of the goals' cost where preferences act within them; `None` when the
     /// goals were reached first.
+    #[cfg_attr(feature = "serde", serde(with = "super::non_finite::optional"))]
     pub projected_gradient: Option<f64>,
     /// Steps of all attempts together.
     pub iterations: usize,

@@ -6,7 +6,7 @@
 //! [`Ray`] (or at a [`Pixel`]), others held at a [`Point`].
 //!
 //! A [`Residual`] is written once over the [`Scalar`](crate::Scalar); its derivatives follow
-//! exactly. A [`Task`] gives it weights, tolerances and a name.
+//! exactly; one that is known by its numbers alone is [`Numeric`]. A [`Task`] gives it weights, tolerances and a name.
 
 mod by_dual_numbers;
 mod distance;
@@ -15,6 +15,7 @@ mod goal;
 mod limit_centring;
 mod local_jacobian;
 mod look_at;
+mod numeric;
 mod orientation;
 mod pixel;
 mod place_asked;
@@ -36,6 +37,7 @@ pub use goal::{Axis, Goal};
 pub use limit_centring::LimitCentring;
 pub use local_jacobian::LocalJacobian;
 pub use look_at::LookAt;
+pub use numeric::{Numeric, NumericResidual};
 pub use orientation::Orientation;
 pub use pixel::{Camera, Pixel};
 pub(crate) use place_asked::PlaceAsked;

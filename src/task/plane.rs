@@ -29,6 +29,12 @@ impl Plane {
         }
     }
 
+    /// Moves the plane.
+    pub fn set_plane(&mut self, point: impl Into<Vector3<f64>>, normal: impl Into<Vector3<f64>>) {
+        self.point = point.into();
+        self.normal = normal.into();
+    }
+
     fn unit_normal(&self) -> Vector3<f64> {
         self.normal * (1.0 / self.normal.norm())
     }

@@ -105,6 +105,25 @@ fn solutions() {
 }
 
 #[test]
+fn solutions_whose_numbers_json_has_no_word_for() {
+    let tree = RandomTree::new(7, 9);
+    let mut builder = Problem::builder(&tree.model);
+    let hand = builder.add(kinopt::task::Point::new(tree.far_frame(), [0.3, 0.2, 0.4]));
+    let problem = builder.build().unwrap();
+    let start = tree.configuration(&mut Random::new(1));
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut targets = problem.targets();
+        let target = [0.3, bad, 0.4];
+        targets.get_mut(hand).unwrap().set_target(target);
+        let question = problem.with_targets(&targets).unwrap();
+        let solution = Solver::default().solve_once(question, &start).unwrap();
+        assert!(!solution.cost.is_finite());
+        let read: Solution = again(&solution);
+        assert_eq!(format!("{read:?}"), format!("{solution:?}"));
+    }
+}
+
+#[test]
 fn options() {
     same(&Stopping::default());
     same(&Restarts::default());

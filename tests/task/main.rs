@@ -4,6 +4,7 @@ mod builder_errors;
 mod derivative_routes;
 mod look_at_from_behind;
 mod mouse_rays;
+mod numeric_residuals;
 mod room_and_bases;
 mod task_residuals;
 mod wrong_shapes;

@@ -1,0 +1,277 @@
+//! Residuals that are known by their numbers alone.
+
+use std::any::TypeId;
+
+use super::{LocalJacobian, Residual, Role, Rows};
+use crate::model::{FrameId, JointId};
+use crate::scalar::{Scalar, elementary};
+use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp};
+
+/// What cannot be written over a [`Scalar`]: a table, a simulation, a function of another language.
+///
+/// [`Numeric`] makes a [`Residual`] of it, with the derivatives that it has or by central differences, by
+/// every derivative route.
+pub trait NumericResidual: Clone + Send + Sync + 'static {
+    /// As [`Residual::ROLE`].
+    const ROLE: Role = Role::Goal;
+
+    /// As [`Residual::kind`].
+    fn kind(&self) -> &'static str {
+        "custom"
+    }
+
+    /// As [`Residual::frames`].
+    fn frames(&self) -> Vec<FrameId>;
+
+    /// As [`Residual::joints`].
+    fn joints(&self) -> Vec<JointId> {
+        Vec::new()
+    }
+
+    /// As [`Residual::rows`].
+    fn rows(&self) -> Vec<Rows>;
+
+    /// Writes every row of `residual`, as [`Residual::evaluate`] does.
+    fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]);
+
+    /// Writes the derivatives and returns true, or returns false to leave them to differences: two
+    /// evaluations for each joint and twelve for each frame. `jacobian` comes in all zeros.
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let _ = (frames, joints, jacobian);
+        false
+    }
+
+    /// As [`Residual::validate`].
+    ///
+    /// # Errors
+    /// As there.
+    fn validate(&self) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// A residual by its numbers.
+///
+/// ```
+/// use kinopt::model::{FrameId, Limits, Model};
+/// use kinopt::spatial::{Placement, Vector3};
+/// use kinopt::task::{Numeric, NumericResidual, Quantity, Rows};
+/// use kinopt::{Problem, Solver};
+///
+/// /// The height over a terrain that is known by samples.
+/// #[derive(Clone)]
+/// struct OnTerrain { foot: FrameId, heights: [f64; 4] }
+///
+/// impl NumericResidual for OnTerrain {
+///     fn frames(&self) -> Vec<FrameId> { vec![self.foot] }
+///     fn rows(&self) -> Vec<Rows> { vec![Rows::new(Quantity::Metres, 1)] }
+///     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
+///         let Vector3 { x, z, .. } = frames[0].translation;
+///         let at = x.clamp(0.0, 2.99);
+///         let (cell, along) = (at as usize, at.fract());
+///         let [from, to] = [self.heights[cell], self.heights[cell + 1]];
+///         residual[0] = z - (from + along * (to - from));
+///     }
+/// }
+///
+/// let mut builder = Model::builder("leg");
+/// let y = Vector3::UNITS[1];
+/// let (hip, shin) = (Placement::identity(), Placement::translation([1.0, 0.0, 0.0].into()));
+/// let hip = builder.revolute("hip", None, hip, y, Limits::new(-2.0, 2.0));
+/// let foot = builder.frame("foot", Some(hip), shin);
+/// let model = builder.build()?;
+///
+/// let mut tasks = Problem::builder(&model);
+/// tasks.add(Numeric(OnTerrain { foot, heights: [0.0, -0.2, -0.1, 0.3] }));
+/// let solution = Solver::default().solve_once(&tasks.build()?, &[0.6])?;
+/// assert!(solution.reached, "{}", solution.explain());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numeric<R>(pub R);
+
+impl<R: NumericResidual> Numeric<R> {
+    /// Its derivatives, by hand or by differences.
+    fn derivatives(&self, frames: &[Placement<f64>], joints: &[f64], jacobian: &mut LocalJacobian) {
+        if !self.0.differentiate(frames, joints, jacobian) {
+            Differences::new(&self.0, frames, joints, jacobian.rows()).write(jacobian);
+        }
+    }
+}
+
+impl<R: NumericResidual> Residual for Numeric<R> {
+    const ROLE: Role = R::ROLE;
+
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.0.frames()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.0.joints()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        self.0.rows()
+    }
+
+    /// Of dual numbers to first order. NaN where several numbers stand side by side, which no problem asks for.
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        let places: Option<Vec<_>> = frames.iter().map(place_of).collect();
+        let values: Option<Vec<_>> = joints.iter().map(|joint| joint.as_f64()).collect();
+        let (Some(places), Some(values)) = (places, values) else {
+            return residual.fill(S::constant(f64::NAN));
+        };
+        let mut rows = vec![0.0; residual.len()];
+        self.0.evaluate(&places, &values, &mut rows);
+        for (row, &value) in residual.iter_mut().zip(&rows) {
+            *row = S::constant(value);
+        }
+        if TypeId::of::<S>() == TypeId::of::<f64>() {
+            return;
+        }
+        let mut jacobian = LocalJacobian::default();
+        jacobian.reset(rows.len(), frames.len(), joints.len());
+        self.derivatives(&places, &values, &mut jacobian);
+        for (k, (frame, place)) in frames.iter().zip(&places).enumerate() {
+            let (velocity, turning) = motion(frame, place);
+            let (linear, angular) = (jacobian.linear(k), jacobian.angular(k));
+            for (row, along) in residual.iter_mut().zip(linear) {
+                *row += Vector3::constant(*along).dot(velocity);
+            }
+            for (row, about) in residual.iter_mut().zip(angular) {
+                *row += Vector3::constant(*about).dot(turning);
+            }
+        }
+        for (k, (&joint, &value)) in joints.iter().zip(&values).enumerate() {
+            let change = joint - S::constant(value);
+            for (row, entry) in jacobian.joint(k) {
+                residual[row] += S::constant(entry) * change;
+            }
+        }
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        self.derivatives(frames, joints, jacobian);
+        true
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.0.validate()
+    }
+}
+
+/// The placement by its values.
+fn place_of<S: Scalar>(frame: &Placement<S>) -> Option<Placement<f64>> {
+    let value = |v: Vector3<S>| Some(Vector3::new(v.x.as_f64()?, v.y.as_f64()?, v.z.as_f64()?));
+    let Matrix3 { x, y, z } = frame.rotation;
+    let rotation = Matrix3::from_columns(value(x)?, value(y)?, value(z)?);
+    Some(Placement::new(rotation, value(frame.translation)?))
+}
+
+/// What a frame's twist is in the derivatives that it carries; the values are 0.
+fn motion<S: Scalar>(frame: &Placement<S>, at: &Placement<f64>) -> (Vector3<S>, Vector3<S>) {
+    let velocity = frame.translation - Vector3::constant(at.translation);
+    let (moved, still) = (frame.rotation, at.rotation);
+    // A column c goes by ω × c, and Σ c × (ω × c) = 2 ω.
+    let columns = [(moved.x, still.x), (moved.y, still.y), (moved.z, still.z)];
+    let turning = columns.map(|(moved, still)| {
+        let still = Vector3::constant(still);
+        still.cross(moved - still) * S::constant(0.5)
+    });
+    (velocity, turning[0] + turning[1] + turning[2])
+}
+
+/// Central differences along every frame's twist and every joint.
+struct Differences<'a, R> {
+    residual: &'a R,
+    frames: Vec<Placement<f64>>,
+    joints: Vec<f64>,
+    ahead: Vec<f64>,
+    behind: Vec<f64>,
+}
+
+impl<'a, R: NumericResidual> Differences<'a, R> {
+    fn new(residual: &'a R, frames: &[Placement<f64>], joints: &[f64], rows: usize) -> Self {
+        Self {
+            residual,
+            frames: frames.to_vec(),
+            joints: joints.to_vec(),
+            ahead: vec![0.0; rows],
+            behind: vec![0.0; rows],
+        }
+    }
+
+    fn write(&mut self, jacobian: &mut LocalJacobian) {
+        for k in 0..self.frames.len() {
+            let at = self.frames[k];
+            let far = at.translation.to_array();
+            let far = far.into_iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (axis, unit) in Vector3::UNITS.into_iter().enumerate() {
+                let slope = self.slope(step(far), |own, step| {
+                    own.frames[k].translation = at.translation + unit * step;
+                });
+                for (row, &value) in jacobian.linear_mut(k).iter_mut().zip(slope) {
+                    *component(row, axis) = value;
+                }
+                self.frames[k] = at;
+                let slope = self.slope(step(1.0), |own, step| {
+                    own.frames[k].rotation = rotation_exp(unit * step) * at.rotation;
+                });
+                for (row, &value) in jacobian.angular_mut(k).iter_mut().zip(slope) {
+                    *component(row, axis) = value;
+                }
+                self.frames[k] = at;
+            }
+        }
+        for k in 0..self.joints.len() {
+            let at = self.joints[k];
+            let slope = self.slope(step(at.abs().max(1.0)), |own, step| {
+                own.joints[k] = at + step;
+            });
+            jacobian.joint_mut(k).copy_from_slice(slope);
+            self.joints[k] = at;
+        }
+    }
+
+    /// The slope of every row along what `go` moves.
+    fn slope(&mut self, step: f64, go: impl Fn(&mut Self, f64)) -> &[f64] {
+        go(self, step);
+        self.residual
+            .evaluate(&self.frames, &self.joints, &mut self.ahead);
+        go(self, -step);
+        self.residual
+            .evaluate(&self.frames, &self.joints, &mut self.behind);
+        for (ahead, behind) in self.ahead.iter_mut().zip(&self.behind) {
+            *ahead = (*ahead - behind) / (2.0 * step);
+        }
+        &self.ahead
+    }
+}
+
+/// ∛ε of a size, as a power of two, so that going there and back is exact.
+fn step(size: f64) -> f64 {
+    let step = elementary::cbrt(f64::EPSILON) * size;
+    f64::from_bits(step.to_bits() & !((1 << 52) - 1))
+}
+
+fn component(vector: &mut Vector3<f64>, axis: usize) -> &mut f64 {
+    match axis {
+        0 => &mut vector.x,
+        1 => &mut vector.y,
+        _ => &mut vector.z,
+    }
+}

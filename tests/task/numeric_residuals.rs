@@ -1,0 +1,160 @@
+//! Promise: a residual that is known by its numbers alone is as good as one over scalars: the same residual, the
+//! same derivatives by every route (to the rounding of differences where it has none), the same solution.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::model::{FrameId, JointId};
+use kinopt::problem::{Derivatives, Evaluation};
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, Rows, Within};
+use kinopt::{Problem, Scalar, Solver};
+use nalgebra::DMatrix;
+use support::random::Random;
+use support::trees::RandomTree;
+
+/// A frame's axis and origin and a joint in one nonlinear row each.
+#[derive(Clone)]
+struct Mixed {
+    frames: [FrameId; 2],
+    joint: JointId,
+    by_hand: bool,
+}
+
+fn mixed<S: Scalar>(frames: &[Placement<S>], joints: &[S], r: &mut [S]) {
+    let [a, b] = [frames[0], frames[1]];
+    r[0] = a.translation.dot(b.translation) + joints[0] * joints[0];
+    r[1] = a.rotation.x.dot(b.translation) - joints[0].sin_cos().0;
+}
+
+impl Residual for Mixed {
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+    fn joints(&self) -> Vec<JointId> {
+        vec![self.joint]
+    }
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, 2)]
+    }
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        mixed(frames, joints, residual);
+    }
+}
+
+impl NumericResidual for Mixed {
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+    fn joints(&self) -> Vec<JointId> {
+        vec![self.joint]
+    }
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Ratio, 2)]
+    }
+    fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
+        mixed(frames, joints, residual);
+    }
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        if !self.by_hand {
+            return false;
+        }
+        let [a, b] = [frames[0], frames[1]];
+        jacobian.linear_mut(0)[0] = b.translation;
+        jacobian.linear_mut(1)[0] = a.translation;
+        jacobian.linear_mut(1)[1] = a.rotation.x;
+        // (ω × x) · t = ω · (x × t)
+        jacobian.angular_mut(0)[1] = a.rotation.x.cross(b.translation);
+        jacobian.joint_mut(0)[0] = 2.0 * joints[0];
+        jacobian.joint_mut(0)[1] = -joints[0].cos();
+        true
+    }
+}
+
+fn problem<R: Residual>(tree: &RandomTree, residual: R, room: bool) -> Problem {
+    let mut tasks = Problem::builder(&tree.model);
+    match room {
+        true => {
+            tasks.add(Within::new(residual, 0.01));
+        }
+        false => {
+            tasks.add(residual);
+        }
+    }
+    tasks.build().unwrap()
+}
+
+fn jacobian(problem: &Problem, x: &[f64]) -> DMatrix<f64> {
+    let mut scratch = problem.scratch();
+    let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
+    Evaluation::new(problem, &mut scratch).jacobian(x, &mut jacobian);
+    jacobian
+}
+
+#[test]
+fn every_derivative_route_agrees_with_the_scalar_one() {
+    for seed in 0..30 {
+        let tree = RandomTree::new(seed, 7);
+        let frames = [tree.far_frame(), tree.model.frame_ids().next().unwrap()];
+        let joint = tree.model.moving_joints()[0];
+        let of = |by_hand| Mixed {
+            frames,
+            joint,
+            by_hand,
+        };
+        let q = tree.configuration(&mut Random::new(seed));
+        for room in [false, true] {
+            let exact = problem(&tree, of(true), room);
+            let mut x = vec![0.0; exact.variables()];
+            exact.parameters().reduce(&q, &mut x).unwrap();
+            let expected = jacobian(&exact, &x);
+            let size = expected.iter().fold(1.0, |most: f64, v| most.max(v.abs()));
+            for by_hand in [true, false] {
+                let allowed = if by_hand { 1e-12 } else { 1e-8 };
+                let numeric = problem(&tree, Numeric(of(by_hand)), room);
+                for route in [Derivatives::Analytic, Derivatives::Dual] {
+                    let found = jacobian(&numeric.clone().with_derivatives(route), &x);
+                    let error = (found - &expected).amax() / size;
+                    assert!(error <= allowed, "seed {seed}, {route:?}: off by {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn solutions_are_those_of_the_scalar_residual() {
+    #[derive(Clone)]
+    struct At(FrameId, Vector3<f64>);
+    impl NumericResidual for At {
+        fn frames(&self) -> Vec<FrameId> {
+            vec![self.0]
+        }
+        fn rows(&self) -> Vec<Rows> {
+            vec![Rows::new(Quantity::Metres, 3)]
+        }
+        fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
+            residual.copy_from_slice(&(frames[0].translation - self.1).to_array());
+        }
+    }
+    for seed in 0..20 {
+        let tree = RandomTree::new(seed, 7);
+        let mut random = Random::new(seed);
+        let q = tree.configuration(&mut random);
+        let start = tree.configuration(&mut random);
+        let mut places = kinopt::kinematics::ForwardKinematics::new(&tree.model);
+        let target = places.place(&q).unwrap()[tree.far_frame().index()].translation;
+        let numeric = problem(&tree, Numeric(At(tree.far_frame(), target)), false);
+        let point = kinopt::task::Point::new(tree.far_frame(), target);
+        let point = problem(&tree, point, false);
+        let [ours, theirs] = [numeric, point].map(|problem| {
+            let solution = Solver::default().solve_once(&problem, &start);
+            solution.unwrap()
+        });
+        assert_eq!(ours.reached, theirs.reached, "seed {seed}");
+    }
+}
