@@ -175,6 +175,25 @@ pub(crate) fn rows<'py>(
     }
 }
 
+/// A table of a fixed shape.
+pub(crate) fn table<const R: usize, const C: usize>(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+) -> PyResult<[[f64; C]; R]> {
+    let rows = rows(value, what, C)?;
+    if rows.shape()[0] != R {
+        return Err(invalid(format!(
+            "{what} has shape {}, expected ({R}, {C})",
+            shape_text(rows.shape())
+        )));
+    }
+    let mut table = [[0.0; C]; R];
+    for (own, row) in table.iter_mut().zip(rows.chunks_exact(C)) {
+        own.copy_from_slice(row);
+    }
+    Ok(table)
+}
+
 /// Matrices of a fixed shape, one after another.
 pub(crate) fn matrices<'py>(
     value: &Bound<'py, PyAny>,
@@ -346,4 +365,13 @@ pub(crate) fn place(i: isize, count: usize) -> PyResult<usize> {
     place.filter(|&place| place < count).ok_or_else(|| {
         PyIndexError::new_err(format!("index {i} is out of range: there are {count}"))
     })
+}
+
+/// Makes an array one that nobody can write to.
+pub(crate) fn freeze<D: Dimension>(array: &Bound<'_, PyArray<f64, D>>) -> PyResult<()> {
+    match array.try_readwrite() {
+        Ok(writable) => drop(writable.make_nonwriteable()),
+        Err(error) => return Err(invalid(error.to_string())),
+    }
+    Ok(())
 }

@@ -63,14 +63,18 @@ macro_rules! faults {
 }
 
 faults!(
+    kinopt::BadOption,
     kinopt::arm::ArmError,
     kinopt::arm::QueryError,
     kinopt::animation::ClipError,
     kinopt::animation::SampleError,
     kinopt::io::rig::RigPosingError,
+    kinopt::geometric::GeometricError,
+    kinopt::ik::SolveError,
     kinopt::kinematics::KinematicsError,
     kinopt::mesh::MeshError,
     kinopt::model::ModelError,
+    kinopt::problem::ProblemError,
     kinopt::robot::ToolError,
     kinopt::skeleton::SkeletonError,
     kinopt::skinning::AutomaticWeightsError,

@@ -16,12 +16,14 @@ mod mesh;
 mod model;
 mod placement;
 mod pool;
+mod problem;
 mod progress;
 mod rig;
 mod robot;
 mod skeleton;
 mod skinning;
 mod solution;
+mod solver;
 mod threads;
 mod vertices;
 
@@ -41,6 +43,8 @@ mod _kinopt {
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
     #[pymodule_export]
+    use super::problem::{ParameterMap, Problem};
+    #[pymodule_export]
     use super::rig::{Rig, RigPosing};
     #[pymodule_export]
     use super::robot::{Robot, Shape};
@@ -50,13 +54,22 @@ mod _kinopt {
     use super::skinning::skinning;
     #[pymodule_export]
     use super::solution::{ActiveLimit, Counts, RowsReport, Solution, TaskReport};
+    #[pymodule_export]
+    use super::solver::{Drag, Iteration, Leap, Solutions, Solver};
 
     use super::*;
+
+    /// Cameras, and what tasks are made with.
+    #[pymodule]
+    mod tasks {
+        #[pymodule_export]
+        use crate::problem::{Camera, numbers, placement, rotation};
+    }
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        register(module, &["animation", "skinning"])
+        register(module, &["animation", "skinning", "tasks"])
     }
 }
 

@@ -103,6 +103,19 @@ pub(crate) fn placement(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Placem
     }
 }
 
+/// Axes in columns: a 3 x 3 array, the rotation of a placement, or an object that has `as_matrix()` (scipy's
+/// Rotation) or `A` (spatialmath's).
+pub(crate) fn rotation(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Matrix3<f64>> {
+    let matrix = matrix_of(value)?;
+    let rows: usize = matrix.len().unwrap_or(0);
+    if rows == 4 {
+        return Ok(placement(&matrix, what)?.rotation);
+    }
+    let [a, b, c] = arrays::table::<3, 3>(&matrix, what)?;
+    let column = |k: usize| Vector3::new(a[k], b[k], c[k]);
+    Ok(Matrix3::from_columns(column(0), column(1), column(2)))
+}
+
 /// Many placements: an array of shape (N, 4, 4), or a list of what [`placement`] takes.
 pub(crate) fn placements<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Placements<'py>> {
     if value.cast::<PyArray3<f64>>().is_ok() {

@@ -182,7 +182,7 @@ fn solve_all(
     threads: Option<usize>,
     q: &mut PyReadwriteArray<'_, f64, Ix2>,
     columns: &Columns<'_>,
-    progress: &Progress<'_>,
+    progress: &Progress,
 ) -> PyResult<()> {
     let dof = arm.joint_count();
     let pool = threads::pool(threads)?;

@@ -3,13 +3,13 @@
 mod reports;
 
 use kinopt::task::Quantity;
-use numpy::{PyArray1, PyArrayMethods};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
 
 use crate::arrays;
-use crate::error::{OrRaise, invalid};
+use crate::error::OrRaise;
 pub(crate) use reports::{ActiveLimit, Counts, RowsReport, TaskReport};
 
 /// The result of a solve, reached or not: the best configuration found and the truth about it.
@@ -38,11 +38,8 @@ impl Solution {
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let array = self.q.get_or_try_init(py, || {
             let array = arrays::list(py, &self.inner.q);
-            match array.try_readwrite() {
-                Ok(writable) => drop(writable.make_nonwriteable()),
-                Err(error) => return Err(invalid(error.to_string())),
-            }
-            Ok(array.unbind())
+            arrays::freeze(&array)?;
+            PyResult::Ok(array.unbind())
         })?;
         Ok(array.bind(py).clone())
     }

@@ -1,0 +1,51 @@
+//! What tasks in Python keep: copies of what they are given, checked, that nobody can write to.
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays;
+
+/// A copy of `length` numbers (any number of them for None) that cannot be written to; `what` is its name in
+/// messages. Raises `InvalidValueError`.
+#[pyfunction]
+#[pyo3(signature = (value, what, length = None))]
+pub(crate) fn numbers<'py>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+    length: Option<usize>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let numbers = match length {
+        Some(length) => arrays::vector_of(value, what, length)?,
+        None => arrays::vector(value, what)?,
+    };
+    let copy = arrays::list(value.py(), &numbers);
+    arrays::freeze(&copy)?;
+    Ok(copy)
+}
+
+/// A copy of a placement, shape (4, 4), that cannot be written to; `what` is its name in messages. Raises
+/// `InvalidValueError`.
+#[pyfunction]
+pub(crate) fn placement<'py>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let placement = crate::placement::placement(value, what)?;
+    let copy = crate::placement::to_array(value.py(), &placement)?;
+    arrays::freeze(&copy)?;
+    Ok(copy)
+}
+
+/// A copy of axes in columns, shape (3, 3), that cannot be written to; `what` is its name in messages. Raises
+/// `InvalidValueError`.
+#[pyfunction]
+pub(crate) fn rotation<'py>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rows = crate::placement::rotation(value, what)?.transpose();
+    let rows = [rows.x, rows.y, rows.z].map(kinopt::spatial::Vector3::to_array);
+    let copy = arrays::list(value.py(), rows.as_flattened()).reshape([3, 3])?;
+    arrays::freeze(&copy)?;
+    Ok(copy)
+}

@@ -1,0 +1,201 @@
+//! Which joints are free, locked or coupled.
+
+use std::sync::Arc;
+
+use kinopt::model::{JointId, Limits, ParameterMapBuilder};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use super::task::items;
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::model::model_of;
+use crate::robot::Robot;
+
+/// The map from solver variables x to configurations q: which joints are free, locked, coupled or
+/// narrowed.
+///
+/// A robot's mimic joints follow as its file says. Everything is given by joint names:
+/// `lock={"finger": 0.04}` holds joints at values (radians or metres),
+/// `couple={"left": ("right", ratio, offset)}` lets a joint follow another (ratio * master + offset),
+/// `narrow={"elbow": (lower, upper)}` leaves only the values that these limits allow too, and
+/// `only=["a", "b"]` frees these joints alone: the others that were free are locked at their values in `at`
+/// (shape (dof,); without it the neutral configuration), clamped into their limits.
+///
+/// Raises `UnknownNameError` for joints that do not exist, and `InvalidValueError` for one that is fixed,
+/// locked outside its limits, follows itself, or is left no value.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct ParameterMap {
+    pub(crate) inner: kinopt::model::ParameterMap,
+    model: Arc<kinopt::Model>,
+    /// What it was made from.
+    of: Py<PyAny>,
+    options: Py<PyDict>,
+}
+
+#[pymethods]
+impl ParameterMap {
+    #[new]
+    #[pyo3(signature = (model, *, lock = None, couple = None, narrow = None, only = None, at = None))]
+    fn new(
+        model: &Bound<'_, PyAny>,
+        lock: Option<&Bound<'_, PyAny>>,
+        couple: Option<&Bound<'_, PyAny>>,
+        narrow: Option<&Bound<'_, PyAny>>,
+        only: Option<Vec<String>>,
+        at: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let py = model.py();
+        let own = model_of(model)?;
+        let joint = |name: &Bound<'_, PyAny>| -> PyResult<JointId> {
+            let name: String = name.extract()?;
+            own.joint(&name).or_raise()
+        };
+        let mut builder = start(model, &own);
+        for (name, value) in items(lock, "lock")? {
+            builder = builder.lock(joint(&name)?, number(&value, "a locked value")?);
+        }
+        for (name, follows) in items(couple, "couple")? {
+            let (master, ratio, offset): (String, f64, f64) = follows.extract().map_err(|_| {
+                invalid("couple must be a dict of (name of the master, ratio, offset)")
+            })?;
+            let master = own.joint(&master).or_raise()?;
+            builder = builder.couple(joint(&name)?, master, ratio, offset);
+        }
+        for (name, limits) in items(narrow, "narrow")? {
+            builder = builder.narrow(joint(&name)?, self::limits(&limits, "narrow")?);
+        }
+        if let Some(names) = &only {
+            let free: Result<Vec<_>, _> = names.iter().map(|name| own.joint(name)).collect();
+            let q = match at {
+                Some(at) => arrays::vector(at, "at")?.to_vec(),
+                None => own.neutral(),
+            };
+            builder = builder.only(&free.or_raise()?, &q);
+        } else if at.is_some() {
+            return Err(invalid(
+                "at says where the joints that `only` leaves out are held",
+            ));
+        }
+        let inner = builder.build().or_raise()?;
+        let options = PyDict::new(py);
+        let given = [
+            ("lock", lock),
+            ("couple", couple),
+            ("narrow", narrow),
+            ("at", at),
+        ];
+        for (name, value) in given {
+            if let Some(value) = value {
+                let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
+                options.set_item(name, copy)?;
+            }
+        }
+        if let Some(only) = only {
+            options.set_item("only", only)?;
+        }
+        Ok(Self {
+            inner,
+            model: own,
+            of: model.clone().unbind(),
+            options: options.unbind(),
+        })
+    }
+
+    /// How many solver variables there are.
+    #[getter]
+    fn variables(&self) -> usize {
+        self.inner.variables()
+    }
+
+    /// The joint that each variable moves directly, by name.
+    #[getter]
+    fn variable_names(&self) -> Vec<&str> {
+        let moving = self.model.moving_joints();
+        let leaders = self.inner.leaders().iter();
+        leaders
+            .map(|&leader| self.model.joints()[moving[leader].index()].name.as_str())
+            .collect()
+    }
+
+    /// Lower bounds of the variables, shape (variables,); those of followers included.
+    #[getter]
+    fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, self.inner.lower())
+    }
+
+    /// Upper bounds of the variables, shape (variables,); those of followers included.
+    #[getter]
+    fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, self.inner.upper())
+    }
+
+    /// The configuration, shape (dof,), of variables x, shape (variables,): finite numbers.
+    fn expand<'py>(
+        &self,
+        py: Python<'py>,
+        x: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let x = arrays::vector(x, "x")?;
+        let mut q = vec![0.0; self.inner.sources().len()];
+        self.inner.expand_within_limits(&x, &mut q).or_raise()?;
+        Ok(arrays::list(py, &q))
+    }
+
+    /// The variables, shape (variables,), of a configuration, shape (dof,), clamped into their bounds; the
+    /// values of locked and following joints are not looked at.
+    fn reduce<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let q = arrays::vector(q, "q")?;
+        let mut x = vec![0.0; self.inner.variables()];
+        self.inner.reduce(&q, &mut x).or_raise()?;
+        Ok(arrays::list(py, &x))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = PyTuple::new(py, [&self.of])?;
+        rebuilding::<Self>(py, &arguments, self.options.bind(py))
+    }
+
+    fn __repr__(&self) -> String {
+        let (variables, dof) = (self.inner.variables(), self.inner.sources().len());
+        format!("ParameterMap({variables} variables of {dof} degrees of freedom)")
+    }
+}
+
+/// `functools.partial(class, **options)` of some arguments, for pickling.
+pub(crate) fn rebuilding<'py, T: pyo3::PyTypeInfo>(
+    py: Python<'py>,
+    arguments: &Bound<'py, PyTuple>,
+    options: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let partial = py.import("functools")?.getattr("partial")?;
+    let class = partial.call((py.get_type::<T>(),), Some(options))?;
+    Ok((class, arguments).into_pyobject(py)?.into_any())
+}
+
+/// Every joint free, but for those that follow others in a robot's file.
+fn start<'a>(given: &'a Bound<'_, PyAny>, model: &'a kinopt::Model) -> ParameterMapBuilder<'a> {
+    match given.cast::<Robot>() {
+        Ok(robot) => robot.get().inner.parameters(),
+        Err(_) => kinopt::model::ParameterMap::builder(model),
+    }
+}
+
+fn number(value: &Bound<'_, PyAny>, what: &str) -> PyResult<f64> {
+    value
+        .extract()
+        .map_err(|_| invalid(format!("{what} must be a number, not {value}")))
+}
+
+/// A pair (lower, upper).
+pub(super) fn limits(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Limits> {
+    let (lower, upper): (f64, f64) = value
+        .extract()
+        .map_err(|_| invalid(format!("{what} must be a dict of pairs (lower, upper)")))?;
+    Ok(Limits::new(lower, upper))
+}

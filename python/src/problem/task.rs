@@ -1,0 +1,369 @@
+//! Tasks as Python states them, read into residuals of the library.
+
+use kinopt::Model;
+use kinopt::ik::Drag;
+use kinopt::problem::{ProblemBuilder, ProblemError, Targets, TaskId};
+use kinopt::task::{
+    Distance, LimitCentring, LookAt, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture,
+    Quantity, Ray, Residual, Role, Smoothness, Task, Within,
+};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+
+use super::camera::Camera;
+use super::python_residual::PythonResidual;
+use super::target::Target;
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::goal::Goal;
+use crate::placement;
+use crate::solution::quantity;
+
+/// What has targets to move.
+pub(crate) enum Aimed<'a> {
+    Targets(&'a mut Targets),
+    Drag(&'a mut Drag),
+}
+
+impl Aimed<'_> {
+    fn residual<R: Residual>(&mut self, task: TaskId<R>) -> Result<&mut R, ProblemError> {
+        match self {
+            Self::Targets(targets) => targets.get_mut(task),
+            Self::Drag(drag) => drag.target_mut(task),
+        }
+    }
+}
+
+/// A target on its way: read from Python, not yet where it belongs.
+pub(crate) type Move = Box<dyn Fn(&mut Aimed<'_>) -> PyResult<()> + Send + Sync>;
+
+/// A task of a problem, whatever its residual.
+pub(crate) trait AnyTask: Send + Sync {
+    /// Reads a target for it, of which messages speak as `what`.
+    fn read(&self, value: &Bound<'_, PyAny>, what: &str) -> PyResult<Move>;
+}
+
+impl<R: Target> AnyTask for TaskId<R> {
+    fn read(&self, value: &Bound<'_, PyAny>, what: &str) -> PyResult<Move> {
+        let (id, what) = (*self, what.to_owned());
+        let target = R::read(value, &what)?;
+        Ok(Box::new(move |aimed| {
+            let residual = aimed.residual(id).or_raise()?;
+            let mut moved = residual.clone();
+            moved
+                .aim(&target)
+                .map_err(|problem| invalid(format!("{what} {problem}")))?;
+            moved
+                .validate()
+                .map_err(|problem| invalid(format!("{what}: {problem}")))?;
+            *residual = moved;
+            Ok(())
+        }))
+    }
+}
+
+/// Adds a task of `kinopt.tasks` to a problem on `model`.
+pub(super) fn add(
+    task: &Bound<'_, PyAny>,
+    model: &Model,
+    builder: &mut ProblemBuilder<'_>,
+) -> PyResult<Box<dyn AnyTask>> {
+    let about = About::of(task)?;
+    let kind: String = match task.getattr_opt("_kind")? {
+        Some(kind) => kind.extract()?,
+        None => {
+            return Err(invalid(format!(
+                "tasks holds {}, which is no task of kinopt.tasks",
+                task.repr()?
+            )));
+        }
+    };
+    let add = Add { builder, about };
+    match kind.as_str() {
+        "within" => {
+            let lower = task.getattr("lower")?.extract()?;
+            let upper = task.getattr("upper")?.extract()?;
+            let room = Room { lower, upper, add };
+            residual(&task.getattr("task")?, model, room)
+        }
+        _ => residual(task, model, add),
+    }
+}
+
+/// Takes a residual of any type.
+trait Visit {
+    fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>>;
+}
+
+struct Add<'a, 'm> {
+    builder: &'a mut ProblemBuilder<'m>,
+    about: About,
+}
+
+impl Visit for Add<'_, '_> {
+    fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
+        Ok(Box::new(self.builder.add(self.about.task(residual))))
+    }
+}
+
+struct Room<'a, 'm> {
+    lower: f64,
+    upper: f64,
+    add: Add<'a, 'm>,
+}
+
+impl Visit for Room<'_, '_> {
+    fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
+        self.add
+            .visit(Within::between(residual, self.lower, self.upper))
+    }
+}
+
+/// Reads the residual of a task that is not itself around another one.
+fn residual<V: Visit>(
+    task: &Bound<'_, PyAny>,
+    model: &Model,
+    visitor: V,
+) -> PyResult<Box<dyn AnyTask>> {
+    let given = Given { task, model };
+    let kind: String = task.getattr("_kind")?.extract()?;
+    match kind.as_str() {
+        "point" => {
+            let mut point = Point::new(given.frame("frame")?, given.numbers("target")?);
+            point = point.at(given.numbers::<3>("at")?);
+            if let Some(base) = given.optional_frame("base")? {
+                point = point.relative_to(base);
+            }
+            visitor.visit(point)
+        }
+        "pose" => {
+            let target = placement::placement(&given.get("target")?, "target")?;
+            let mut pose = Pose::new(given.frame("frame")?, target);
+            if let Some(tool) = given.optional("tool")? {
+                pose = pose.with_tool(placement::placement(&tool, "tool")?);
+            }
+            if let Some(goal) = given.optional("goal")? {
+                pose = pose.with_goal(goal.cast::<Goal>()?.get().inner);
+            }
+            if let Some(base) = given.optional_frame("base")? {
+                pose = pose.relative_to(base);
+            }
+            visitor.visit(pose)
+        }
+        "orientation" => {
+            let target = placement::rotation(&given.get("target")?, "target")?;
+            let mut orientation = Orientation::new(given.frame("frame")?, target);
+            if let Some(base) = given.optional_frame("base")? {
+                orientation = orientation.relative_to(base);
+            }
+            visitor.visit(orientation)
+        }
+        "look-at" => {
+            let (axis, target): ([f64; 3], [f64; 3]) =
+                (given.numbers("axis")?, given.numbers("target")?);
+            visitor.visit(LookAt::new(given.frame("frame")?, axis, target))
+        }
+        "distance" => {
+            let distance = given.get("distance")?.extract()?;
+            visitor.visit(Distance::new(
+                given.frame("a")?,
+                given.frame("b")?,
+                distance,
+            ))
+        }
+        "plane" => {
+            let (point, normal): ([f64; 3], [f64; 3]) =
+                (given.numbers("point")?, given.numbers("normal")?);
+            visitor.visit(Plane::new(given.frame("frame")?, point, normal))
+        }
+        "ray" => {
+            let (eye, through): ([f64; 3], [f64; 3]) =
+                (given.numbers("eye")?, given.numbers("through")?);
+            visitor.visit(Ray::new(given.frame("frame")?, eye, through))
+        }
+        "pixel" => {
+            let camera = given.get("camera")?.cast::<Camera>()?.get().inner;
+            let target = given.numbers("target")?;
+            visitor.visit(Pixel::new(given.frame("frame")?, camera, target))
+        }
+        "posture" => visitor.visit(given.posture()?),
+        "smoothness" => {
+            let previous = given.get("previous")?;
+            let dof = model.degrees_of_freedom();
+            let previous = arrays::vector_of(&previous, "previous", dof)?;
+            let time_step_s = given.get("time_step_s")?.extract()?;
+            visitor.visit(Smoothness::new(model, &previous, time_step_s))
+        }
+        "limit centring" => visitor.visit(LimitCentring::new(model)),
+        "custom" => visitor.visit(Numeric(PythonResidual::of(task, model)?)),
+        "within" => Err(invalid(
+            "room within room: give `Within` one interval instead",
+        )),
+        _ => Err(invalid(format!(
+            "{} is no task of kinopt.tasks",
+            task.repr()?
+        ))),
+    }
+}
+
+/// The attributes of a task, and the model that they speak of.
+struct Given<'a, 'py> {
+    task: &'a Bound<'py, PyAny>,
+    model: &'a Model,
+}
+
+impl<'py> Given<'_, 'py> {
+    fn get(&self, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.task.getattr(name)
+    }
+
+    fn optional(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let value = self.get(name)?;
+        Ok((!value.is_none()).then_some(value))
+    }
+
+    fn numbers<const N: usize>(&self, name: &str) -> PyResult<[f64; N]> {
+        arrays::array(&self.get(name)?, name)
+    }
+
+    fn frame(&self, name: &str) -> PyResult<kinopt::model::FrameId> {
+        let frame: String = self.get(name)?.extract()?;
+        self.model.frame(&frame).or_raise()
+    }
+
+    fn optional_frame(&self, name: &str) -> PyResult<Option<kinopt::model::FrameId>> {
+        match self.optional(name)? {
+            Some(_) => self.frame(name).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// Of all joints by an array, or of some by their names.
+    fn posture(&self) -> PyResult<Posture> {
+        let reference = self.get("reference")?;
+        if let Ok(values) = reference.cast::<PyMapping>() {
+            let mut named = Vec::new();
+            for item in values.items()?.iter() {
+                let (joint, value): (String, f64) = item.extract()?;
+                named.push((self.model.joint(&joint).or_raise()?, value));
+            }
+            return Ok(Posture::of_joints(named));
+        }
+        let dof = self.model.degrees_of_freedom();
+        let reference = arrays::vector_of(&reference, "reference", dof)?;
+        Ok(Posture::new(self.model, &reference))
+    }
+}
+
+/// What is said of a task besides its residual.
+struct About {
+    name: Option<String>,
+    weight: Numbers,
+    times: f64,
+    tolerance: Numbers,
+    role: Option<Role>,
+}
+
+/// One number for all quantities, or one each.
+pub(super) enum Numbers {
+    All(f64),
+    Each(Vec<(Quantity, f64)>),
+}
+
+impl Numbers {
+    pub(super) fn of(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Self> {
+        if value.is_none() {
+            return Ok(Self::Each(Vec::new()));
+        }
+        if let Ok(number) = value.extract() {
+            return Ok(Self::All(number));
+        }
+        let Ok(given) = value.cast::<PyMapping>() else {
+            return Err(invalid(format!(
+                "{what} must be a number, or a dict of numbers by quantity, such as {{\"metres\": 1.0}}"
+            )));
+        };
+        let mut each = Vec::new();
+        for item in given.items()?.iter() {
+            let (name, number): (String, f64) = item.extract()?;
+            each.push((quantity(&name)?, number));
+        }
+        Ok(Self::Each(each))
+    }
+
+    /// By quantity, where one number stands for these.
+    pub(super) fn by(&self, all: impl Iterator<Item = Quantity>) -> Vec<(Quantity, f64)> {
+        match self {
+            Self::All(number) => all.map(|quantity| (quantity, *number)).collect(),
+            Self::Each(each) => each.clone(),
+        }
+    }
+}
+
+impl About {
+    fn of(task: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let get = |name: &str| match task.getattr_opt(name)? {
+            Some(value) => Ok(value),
+            None => Err(invalid(format!(
+                "tasks holds {}, which is no task of kinopt.tasks",
+                task.repr()?
+            ))),
+        };
+        let role: Option<String> = get("role")?.extract()?;
+        let role = match role.as_deref() {
+            None => None,
+            Some("goal") => Some(Role::Goal),
+            Some("preference") => Some(Role::Preference),
+            Some(other) => {
+                let roles = ["goal", "preference"];
+                let unknown = kinopt::model::UnknownName::new("role", other, roles);
+                return Err(unknown).or_raise();
+            }
+        };
+        Ok(Self {
+            name: get("name")?.extract()?,
+            weight: Numbers::of(&get("weight")?, "weight")?,
+            times: get("times")?.extract()?,
+            tolerance: Numbers::of(&get("tolerance")?, "tolerance")?,
+            role,
+        })
+    }
+
+    fn task<R: Residual>(self, residual: R) -> Task<R> {
+        let rows = residual.rows();
+        let quantities = || rows.iter().map(|rows| rows.quantity);
+        let mut task = Task::new(residual);
+        if let Some(name) = self.name {
+            task = task.named(name);
+        }
+        for (quantity, weight) in self.weight.by(quantities()) {
+            task = task.weight(quantity, weight);
+        }
+        for (quantity, tolerance) in self.tolerance.by(quantities()) {
+            task = task.tolerance(quantity, tolerance);
+        }
+        let task = match self.role {
+            Some(Role::Preference) => task.preference(),
+            Some(_) => task.goal(),
+            None => task,
+        };
+        task.times(self.times)
+    }
+}
+
+/// A dict, or none.
+pub(super) fn items<'py>(
+    given: Option<&Bound<'py, PyAny>>,
+    what: &str,
+) -> PyResult<Vec<(Bound<'py, PyAny>, Bound<'py, PyAny>)>> {
+    let Some(given) = given else {
+        return Ok(Vec::new());
+    };
+    if let Ok(dict) = given.cast::<PyDict>() {
+        return Ok(dict.iter().collect());
+    }
+    let Ok(mapping) = given.cast::<PyMapping>() else {
+        return Err(invalid(format!("{what} must be a dict")));
+    };
+    mapping.items()?.iter().map(|item| item.extract()).collect()
+}

@@ -1,0 +1,297 @@
+//! One problem from many starts, with many targets.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread::{ScopedJoinHandle, park_timeout, scope};
+use std::time::Duration;
+
+use kinopt::Workspace;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use super::methods::Engine;
+use super::watch::Watch;
+use crate::arrays;
+use crate::error::invalid;
+use crate::problem::{Move, Problem, raised};
+use crate::progress::Progress;
+use crate::solution::Solution;
+use crate::threads;
+
+/// How often a batch on several threads looks at signals and tells how far it is.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// What came of many questions, in their order: arrays over all of them, and `solutions[i]`.
+#[pyclass(frozen, sequence, module = "kinopt")]
+pub(crate) struct Solutions {
+    inner: Vec<kinopt::Solution>,
+    dof: usize,
+}
+
+impl Solutions {
+    fn errors<'py>(
+        &self,
+        py: Python<'py>,
+        error: impl Fn(&kinopt::Solution) -> Option<f64>,
+    ) -> Option<Bound<'py, PyArray1<f64>>> {
+        let errors: Option<Vec<f64>> = self.inner.iter().map(error).collect();
+        errors.map(|errors| arrays::list(py, &errors))
+    }
+}
+
+#[pymethods]
+impl Solutions {
+    /// The configurations, shape (N, dof), radians and metres, within all limits to the bit.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = self.inner.iter();
+        let numbers: Vec<f64> = rows.flat_map(|solution| &solution.q).copied().collect();
+        arrays::list(py, &numbers).reshape([self.inner.len(), self.dof])
+    }
+
+    /// Whether every goal is within its tolerances, shape (N,).
+    #[getter]
+    fn reached<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_iter(py, self.inner.iter().map(|solution| solution.reached))
+    }
+
+    /// The largest error of any goal in metres, shape (N,); None where no goal measures any.
+    #[getter]
+    fn position_error<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.errors(py, kinopt::Solution::position_error)
+    }
+
+    /// The largest error of any goal in radians, shape (N,); None where no goal measures any.
+    #[getter]
+    fn orientation_error<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.errors(py, kinopt::Solution::orientation_error)
+    }
+
+    /// Half the squared weighted residuals, shape (N,).
+    #[getter]
+    fn cost<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.inner.iter().map(|solution| solution.cost))
+    }
+
+    /// Steps of all attempts, shape (N,).
+    #[getter]
+    fn iterations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let iterations = self.inner.iter().map(|solution| solution.iterations as i64);
+        PyArray1::from_iter(py, iterations)
+    }
+
+    /// Attempts made, shape (N,).
+    #[getter]
+    fn attempts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let attempts = self.inner.iter().map(|solution| solution.attempts as i64);
+        PyArray1::from_iter(py, attempts)
+    }
+
+    /// Each one in words: see `Solution.explain()`.
+    fn explain(&self) -> Vec<String> {
+        self.inner.iter().map(kinopt::Solution::explain).collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn __getitem__(&self, index: isize) -> PyResult<Solution> {
+        let place = arrays::place(index, self.inner.len())?;
+        Ok(self.inner[place].clone().into())
+    }
+
+    fn __repr__(&self) -> String {
+        let reached = self.inner.iter().filter(|solution| solution.reached);
+        format!(
+            "Solutions({} of {} reached)",
+            reached.count(),
+            self.inner.len()
+        )
+    }
+}
+
+/// N questions, read from Python.
+struct Questions {
+    starts: Vec<f64>,
+    /// As many as there are questions, or one for all.
+    many_starts: bool,
+    dof: usize,
+    moves: Vec<Vec<Move>>,
+    count: usize,
+}
+
+impl Questions {
+    fn read(
+        problem: &Problem,
+        starts: &Bound<'_, PyAny>,
+        targets: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let dof = problem.inner.degrees_of_freedom();
+        let many_starts = arrays::axes(starts)? == 2;
+        let (starts, mut count) = match many_starts {
+            true => {
+                let rows = arrays::rows(starts, "starts", dof)?;
+                (rows.to_vec(), Some(("starts".to_owned(), rows.shape()[0])))
+            }
+            false => (arrays::vector_of(starts, "starts", dof)?.to_vec(), None),
+        };
+        let mut moves: Vec<Vec<Move>> = Vec::new();
+        for (task, values) in problem.targets_by_task(targets)? {
+            let name = problem.inner.task_name(task).unwrap_or_default();
+            let length = values
+                .len()
+                .map_err(|_| invalid(format!("targets holds no list of targets for {name}")))?;
+            match &count {
+                Some((other, count)) if *count != length => {
+                    return Err(invalid(format!(
+                        "targets has {length} for {name}, but there are {count} {other}"
+                    )));
+                }
+                _ => count = Some((format!("targets for {name}"), length)),
+            }
+            moves.resize_with(length, Vec::new);
+            for (moves, value) in moves.iter_mut().zip(values.try_iter()?) {
+                moves.push(problem.read(task, &value?)?);
+            }
+        }
+        let count = count.map_or(1, |(_, count)| count);
+        moves.resize_with(count, Vec::new);
+        Ok(Self {
+            starts,
+            many_starts,
+            dof,
+            moves,
+            count,
+        })
+    }
+
+    fn start(&self, index: usize) -> &[f64] {
+        let first = if self.many_starts {
+            index * self.dof
+        } else {
+            0
+        };
+        &self.starts[first..first + self.dof]
+    }
+
+    fn solve(
+        &self,
+        index: usize,
+        (engine, problem): (&Engine, &Problem),
+        workspace: &mut Workspace,
+        watch: &mut Watch<'_>,
+    ) -> PyResult<kinopt::Solution> {
+        let targets = problem.targets_with(&self.moves[index])?;
+        let question = problem.question(&targets)?;
+        let solution = engine.solve(question, self.start(index), workspace, watch);
+        raised().and(solution)
+    }
+}
+
+pub(super) fn solve(
+    engine: &Engine,
+    problem: &Bound<'_, Problem>,
+    starts: &Bound<'_, PyAny>,
+    targets: Option<&Bound<'_, PyAny>>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Solutions> {
+    let py = problem.py();
+    let problem = problem.get();
+    let threads = threads::count(threads)?;
+    let questions = Questions::read(problem, starts, targets)?;
+    let progress = Progress::new(py, progress, questions.count)?;
+    let asked = (engine, problem);
+    let inner = py.detach(|| match threads.min(questions.count) {
+        0 | 1 => one_by_one(&questions, asked, &progress),
+        threads => on_threads(&questions, asked, threads, &progress),
+    })?;
+    let dof = questions.dof;
+    Ok(Solutions { inner, dof })
+}
+
+fn one_by_one(
+    questions: &Questions,
+    asked: (&Engine, &Problem),
+    progress: &Progress,
+) -> PyResult<Vec<kinopt::Solution>> {
+    let total = questions.count;
+    let mut solutions = Vec::with_capacity(total);
+    let mut told = std::time::Instant::now();
+    asked.1.workspaces.with(|workspace| {
+        let mut watch = Watch::new(None);
+        for index in 0..total {
+            solutions.push(questions.solve(index, asked, workspace, &mut watch)?);
+            watch.look_at_signals();
+            raised()?;
+            if told.elapsed() >= LOOK {
+                progress.done(index + 1)?;
+                told = std::time::Instant::now();
+            }
+        }
+        progress.done(total)
+    })?;
+    Ok(solutions)
+}
+
+/// Each thread takes the next question; this one looks at signals meanwhile.
+fn on_threads(
+    questions: &Questions,
+    asked: (&Engine, &Problem),
+    threads: usize,
+    progress: &Progress,
+) -> PyResult<Vec<kinopt::Solution>> {
+    let total = questions.count;
+    let (next, done, stop) = (
+        AtomicUsize::new(0),
+        AtomicUsize::new(0),
+        AtomicBool::new(false),
+    );
+    let answers: Mutex<Vec<Option<kinopt::Solution>>> = Mutex::new(vec![None; total]);
+    let failure: Mutex<Option<(usize, PyErr)>> = Mutex::new(None);
+    let fail = |index: usize, error: PyErr| {
+        stop.store(true, Ordering::Relaxed);
+        let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
+        // The first question's, whichever thread was faster.
+        if failure.as_ref().is_none_or(|(known, _)| index < *known) {
+            *failure = Some((index, error));
+        }
+    };
+    let work = || {
+        asked.1.workspaces.with(|workspace| {
+            let mut watch = Watch::until(&stop);
+            while !stop.load(Ordering::Relaxed) {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= total {
+                    return;
+                }
+                match questions.solve(index, asked, workspace, &mut watch) {
+                    Ok(solution) => {
+                        let mut answers = answers.lock().unwrap_or_else(PoisonError::into_inner);
+                        answers[index] = Some(solution);
+                    }
+                    Err(error) => fail(index, error),
+                }
+                done.fetch_add(1, Ordering::Relaxed);
+            }
+        });
+    };
+    scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        while !workers.iter().all(ScopedJoinHandle::is_finished) {
+            park_timeout(LOOK);
+            let looked = Python::attach(|py| py.check_signals());
+            let told = progress.done(done.load(Ordering::Relaxed));
+            if let Err(error) = looked.and(told) {
+                fail(0, error);
+            }
+        }
+    });
+    if let Some((_, error)) = failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error);
+    }
+    progress.done(total)?;
+    let answers = answers.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(answers.into_iter().flatten().collect())
+}

@@ -1,0 +1,225 @@
+//! Dragging: one problem whose targets move from frame to frame.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use kinopt::ik::Restarts;
+use kinopt::solver::Stopping;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use super::Solver;
+use super::methods::Engine;
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::problem::{Aimed, Problem, raised};
+use crate::solution::Solution;
+
+/// Steps of a frame unless told otherwise, as in the library.
+const STEPS: usize = 40;
+
+/// A problem that is solved again and again while its targets move, as a hand under a mouse does.
+///
+/// Each `advance` settles from where the last one ended, on the same branch, in a bounded number of steps
+/// and without restarts. No joint moves further in a frame than `max_move`, radians (slides as far as a
+/// joint would carry what is a quarter of the model's reach away): where a target leaps or a branch ends, the
+/// body follows over several frames, which `catching_up` tells. It leaps only where `search` gives a number of
+/// attempts from elsewhere (drawn by `seed`) for a frame that settles on a miss, and then `leap` says so.
+///
+/// It goes from the configuration `start`, shape (dof,), which is projected into the limits. `solver` gives the
+/// method and the limits of a frame, 40 steps unless it sets them. Raises `InvalidValueError` for a start
+/// that does not fit, for a geometric method, and for settings out of range.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Drag {
+    problem: Py<Problem>,
+    /// Waited for without the interpreter only, as frames may call back into it.
+    inner: Mutex<kinopt::ik::Drag>,
+}
+
+impl Drag {
+    fn lock(&self) -> MutexGuard<'_, kinopt::ik::Drag> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Looks at the drag.
+    fn look<T: Send>(&self, py: Python<'_>, what: impl FnOnce(&kinopt::ik::Drag) -> T + Send) -> T {
+        py.detach(|| what(&self.lock()))
+    }
+
+    /// Moves the targets, if any are given, and goes on.
+    fn go(
+        &self,
+        py: Python<'_>,
+        targets: Option<&Bound<'_, PyAny>>,
+        on: impl FnOnce(&mut kinopt::ik::Drag) + Send,
+    ) -> PyResult<Solution> {
+        let moves = self.problem.get().moves(targets)?;
+        let solution = py.detach(|| {
+            let mut drag = self.lock();
+            for (_, aim) in &moves {
+                aim(&mut Aimed::Drag(&mut drag))?;
+            }
+            on(&mut drag);
+            raised().map(|()| drag.solution().clone())
+        })?;
+        Ok(solution.into())
+    }
+}
+
+#[pymethods]
+impl Drag {
+    #[new]
+    #[pyo3(signature = (problem, start, *, solver = None, max_move = None, search = None, seed = 0))]
+    fn new(
+        py: Python<'_>,
+        problem: &Bound<'_, Problem>,
+        start: &Bound<'_, PyAny>,
+        solver: Option<&Bound<'_, Solver>>,
+        max_move: Option<f64>,
+        search: Option<usize>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let start = arrays::vector(start, "start")?.to_vec();
+        let own = &problem.get().inner;
+        let new = py.detach(|| {
+            let drag = kinopt::ik::Drag::new(own.clone(), &start).or_raise();
+            raised().and(drag)
+        });
+        let mut drag = new?;
+        if let Some(solver) = solver {
+            let Engine::Optimiser(method) = &solver.get().engine else {
+                return Err(invalid(format!(
+                    "a drag needs a method that minimises, which {} does not",
+                    solver.get().engine.name()
+                )));
+            };
+            let frame = Stopping::default().with_max_iterations(STEPS);
+            let frame = solver.get().limits.stopping(frame);
+            drag = drag.with_solver(method.clone(), frame).or_raise()?;
+        }
+        if let Some(radians) = max_move {
+            drag = drag.with_max_move(radians).or_raise()?;
+        }
+        if let Some(attempts) = search {
+            let restarts = Restarts::default().with_attempts(attempts);
+            drag = drag.with_search(restarts.with_seed(seed)).or_raise()?;
+        }
+        Ok(Self {
+            problem: problem.clone().unbind(),
+            inner: Mutex::new(drag),
+        })
+    }
+
+    /// What is dragged.
+    #[getter]
+    fn problem(&self, py: Python<'_>) -> Py<Problem> {
+        self.problem.clone_ref(py)
+    }
+
+    /// Moves targets, by the tasks' names or numbers: {"hand": [0.4, 0.1, 0.3]}.
+    fn set_targets(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> PyResult<()> {
+        let moves = self.problem.get().moves(Some(targets))?;
+        py.detach(|| {
+            let mut drag = self.lock();
+            let mut moves = moves.iter();
+            moves.try_for_each(|(_, aim)| aim(&mut Aimed::Drag(&mut drag)))
+        })
+    }
+
+    /// One frame: follows the targets as they are now, after moving those that are given.
+    #[pyo3(signature = (targets = None))]
+    fn advance(&self, py: Python<'_>, targets: Option<&Bound<'_, PyAny>>) -> PyResult<Solution> {
+        self.go(py, targets, |drag| {
+            drag.advance();
+        })
+    }
+
+    /// At most so many frames, until the targets are reached and no joint is catching up, or the body rests.
+    #[pyo3(signature = (targets = None, *, frames = 1000))]
+    fn follow(
+        &self,
+        py: Python<'_>,
+        targets: Option<&Bound<'_, PyAny>>,
+        frames: usize,
+    ) -> PyResult<Solution> {
+        self.go(py, targets, |drag| {
+            drag.follow(frames);
+        })
+    }
+
+    /// Where the body comes to from where it stands, on its own way: for targets that are far apart. At most
+    /// so many frames either way.
+    #[pyo3(signature = (targets = None, *, frames = 1000))]
+    fn settle(
+        &self,
+        py: Python<'_>,
+        targets: Option<&Bound<'_, PyAny>>,
+        frames: usize,
+    ) -> PyResult<Solution> {
+        self.go(py, targets, |drag| {
+            drag.settle(frames);
+        })
+    }
+
+    /// Goes on from another configuration, shape (dof,), projected into the limits.
+    fn stand_at(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
+        let q = arrays::vector(q, "q")?.to_vec();
+        py.detach(|| self.lock().stand_at(&q).or_raise())
+    }
+
+    /// Where the body stands, shape (dof,).
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let q = self.look(py, |drag| drag.q().to_vec());
+        arrays::list(py, &q)
+    }
+
+    /// What the last frame came to; None before the first.
+    #[getter]
+    fn solution(&self, py: Python<'_>) -> Option<Solution> {
+        let solution = self.look(py, |drag| drag.solution().clone());
+        (!solution.q.is_empty()).then(|| solution.into())
+    }
+
+    /// Whether some joint moved as far as a frame allows and would go on: the next frames follow.
+    #[getter]
+    fn catching_up(&self, py: Python<'_>) -> bool {
+        self.look(py, kinopt::ik::Drag::catching_up)
+    }
+
+    /// Whether the next frame would do nothing.
+    #[getter]
+    fn rests(&self, py: Python<'_>) -> bool {
+        self.look(py, kinopt::ik::Drag::rests)
+    }
+
+    /// The leap of the last frame; None if it did not leap.
+    #[getter]
+    fn leap(&self, py: Python<'_>) -> Option<Leap> {
+        self.look(py, |drag| {
+            drag.leap().map(|leap| Leap {
+                joint: leap.joint.to_owned(),
+                distance: leap.distance,
+            })
+        })
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!("Drag({})", self.problem.bind(py).repr()?))
+    }
+}
+
+/// A joint that moved further in a frame than the drag allows, because a search from elsewhere found better.
+#[pyclass(frozen, module = "kinopt", get_all)]
+pub(crate) struct Leap {
+    /// The joint that moved furthest for what it may.
+    joint: String,
+    /// How far, radians or metres.
+    distance: f64,
+}
+
+#[pymethods]
+impl Leap {
+    fn __repr__(&self) -> String {
+        format!("Leap({:?}, {})", self.joint, self.distance)
+    }
+}

@@ -1,0 +1,207 @@
+//! Solvers: a method with its limits and restarts.
+
+mod batch;
+mod drag;
+mod methods;
+mod watch;
+
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::arrays;
+use crate::error::invalid;
+use crate::problem::{Problem, raised, rebuilding};
+use crate::solution::Solution;
+pub(crate) use batch::Solutions;
+pub(crate) use drag::{Drag, Leap};
+use methods::{Engine, Limits};
+pub(crate) use watch::Iteration;
+use watch::Watch;
+
+/// A solver with its settings: immutable, and good for any number of threads at once.
+///
+/// `method` is one of `kinopt.methods` or its name: "levenberg-marquardt", "gauss-newton",
+/// "projected-gradient", "ccd", "fabrik". The limits of each attempt are `max_iterations` (200; 500 sweeps
+/// of the geometric methods), `gradient_tolerance` (1e-9), `step_tolerance` (1e-15) and `patience`, so many
+/// steps in which the cost must halve (none, inf; 60 of the geometric methods); `time_limit`, in seconds, is
+/// for all attempts together. `attempts` (32) are made where none reaches, the caller's start included, from
+/// places drawn by `seed` (0); they end when so many that `agreeing` says stopped at the same lowest cost, and
+/// after `restart_steps` of all together one more is made.
+///
+/// The same question gets the same answer, bit for bit, on any machine, unless a time limit is set. Raises
+/// `InvalidValueError` for settings out of range.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Solver {
+    engine: Engine,
+    limits: Limits,
+    options: Py<PyDict>,
+}
+
+#[pymethods]
+impl Solver {
+    #[new]
+    #[pyo3(signature = (
+        method = None, *, max_iterations = None, gradient_tolerance = None, step_tolerance = None,
+        patience = None, time_limit = None, attempts = None, seed = None, agreeing = None,
+        restart_steps = None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn new(
+        py: Python<'_>,
+        method: Option<&Bound<'_, PyAny>>,
+        max_iterations: Option<usize>,
+        gradient_tolerance: Option<f64>,
+        step_tolerance: Option<f64>,
+        patience: Option<f64>,
+        time_limit: Option<f64>,
+        attempts: Option<usize>,
+        seed: Option<u64>,
+        agreeing: Option<usize>,
+        restart_steps: Option<usize>,
+    ) -> PyResult<Self> {
+        let counts = [("attempts", attempts), ("agreeing", agreeing)];
+        if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
+            return Err(invalid(format!("{name} is 0, which is less than 1")));
+        }
+        let limits = Limits {
+            max_iterations,
+            gradient_tolerance: at_least_zero("gradient_tolerance", gradient_tolerance)?,
+            step_tolerance: at_least_zero("step_tolerance", step_tolerance)?,
+            patience: patience.map(steps).transpose()?,
+            time_limit: seconds(time_limit)?,
+            attempts,
+            seed,
+            agreeing,
+            steps: restart_steps,
+        };
+        let default = "levenberg-marquardt".into_pyobject(py)?.into_any();
+        let method = method.unwrap_or(&default);
+        let engine = Engine::of(method, &limits)?;
+        let options = PyDict::new(py);
+        options.set_item("method", method)?;
+        let given = [
+            ("max_iterations", max_iterations.into_pyobject(py)?),
+            ("gradient_tolerance", gradient_tolerance.into_pyobject(py)?),
+            ("step_tolerance", step_tolerance.into_pyobject(py)?),
+            ("patience", patience.into_pyobject(py)?),
+            ("time_limit", time_limit.into_pyobject(py)?),
+            ("attempts", attempts.into_pyobject(py)?),
+            ("seed", seed.into_pyobject(py)?),
+            ("agreeing", agreeing.into_pyobject(py)?),
+            ("restart_steps", restart_steps.into_pyobject(py)?),
+        ];
+        for (name, value) in given {
+            if !value.is_none() {
+                options.set_item(name, value)?;
+            }
+        }
+        Ok(Self {
+            engine,
+            limits,
+            options: options.unbind(),
+        })
+    }
+
+    /// The method's name.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.engine.name()
+    }
+
+    /// Solves `problem` from the configuration `start`, shape (dof,), which is projected into the limits;
+    /// locked and following joints take their values from the problem's parameters.
+    ///
+    /// `targets` moves targets away from where the problem has them, by the tasks' names or numbers:
+    /// {"hand": [0.4, 0.1, 0.3]}; the problem itself does not change. `observer` is called with an
+    /// `Iteration` before the first and after every step of each attempt, and stops the search by returning
+    /// True. Ctrl-C, and what a residual or an observer raises, come out of here.
+    ///
+    /// A target that is not reached is no error: see `Solution.reached` and `Solution.explain()`. Raises
+    /// `InvalidValueError` for a start of the wrong length or one that is not finite, for targets of the
+    /// wrong shape, and for problems that a geometric method has no answer for.
+    #[pyo3(signature = (problem, start, targets = None, *, observer = None))]
+    fn solve(
+        &self,
+        py: Python<'_>,
+        problem: &Bound<'_, Problem>,
+        start: &Bound<'_, PyAny>,
+        targets: Option<&Bound<'_, PyAny>>,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<Solution> {
+        let problem = problem.get();
+        let start = arrays::vector(start, "start")?.to_vec();
+        let moves = problem.moves(targets)?;
+        let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
+        let question = problem.question(&targets)?;
+        let solution = py.detach(|| {
+            problem.workspaces.with(|workspace| {
+                let mut watch = Watch::new(observer.as_ref());
+                let solution = self.engine.solve(question, &start, workspace, &mut watch);
+                raised().and(solution)
+            })
+        })?;
+        Ok(solution.into())
+    }
+
+    /// Solves `problem` from each of `starts`, shape (N, dof), or N times from one, shape (dof,).
+    ///
+    /// `targets` has N targets a task, by the tasks' names or numbers: {"hand": array of shape (N, 3)}. Where
+    /// there are none, `starts` says how many questions there are. On `threads` threads (None: one a core), with the
+    /// same bits at any number of them. `progress` is called with (done, total) now and then, or shows a bar where it is
+    /// True (by tqdm, if that is installed). Ctrl-C stops it. What it raises is as for `solve`.
+    #[pyo3(signature = (problem, starts, targets = None, *, threads = 1, progress = None))]
+    fn solve_batch(
+        &self,
+        problem: &Bound<'_, Problem>,
+        starts: &Bound<'_, PyAny>,
+        targets: Option<&Bound<'_, PyAny>>,
+        threads: Option<usize>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Solutions> {
+        batch::solve(&self.engine, problem, starts, targets, threads, progress)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rebuilding::<Self>(py, &PyTuple::empty(py), self.options.bind(py))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let mut options = Vec::new();
+        for (name, value) in self.options.bind(py).iter() {
+            options.push(format!("{name}={}", value.repr()?));
+        }
+        Ok(format!("Solver({})", options.join(", ")))
+    }
+}
+
+fn at_least_zero(name: &str, value: Option<f64>) -> PyResult<Option<f64>> {
+    match value {
+        Some(value) if value.is_nan() || value < 0.0 => Err(invalid(format!(
+            "{name} is {value}, which is no number of at least 0"
+        ))),
+        _ => Ok(value),
+    }
+}
+
+/// So many steps, or any number of them.
+fn steps(patience: f64) -> PyResult<Option<usize>> {
+    match patience {
+        f64::INFINITY => Ok(None),
+        _ if patience >= 1.0 && patience.fract() == 0.0 && patience <= 1e15 => {
+            Ok(Some(patience as usize))
+        }
+        _ => Err(invalid(format!(
+            "patience is {patience}, which is no whole number of at least 1, nor inf"
+        ))),
+    }
+}
+
+fn seconds(limit: Option<f64>) -> PyResult<Option<Duration>> {
+    let Some(limit) = at_least_zero("time_limit", limit)? else {
+        return Ok(None);
+    };
+    // Longer than a clock can tell is no limit.
+    Ok(Duration::try_from_secs_f64(limit).ok())
+}

@@ -1,0 +1,129 @@
+"""Dragging: frame by frame, on one branch, as far as a frame allows."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt import methods, tasks
+
+MODELS = Path(__file__).parents[2] / "models"
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+
+
+def dragged(robot, **options):
+    start = np.clip(np.array([0, 0.3, 0, -1.5, 0, 1.8, 0, 0.02, 0.02]), robot.lower, robot.upper)
+    place = kinopt.frame_placement(robot, "tool", start)
+    problem = kinopt.Problem(robot, [tasks.Pose("tool", place, name="hand")])
+    return kinopt.Drag(problem, start, **options), place, start
+
+
+def test_a_hand_follows_the_mouse(robot):
+    drag, place, start = dragged(robot)
+    assert drag.solution is None and np.array_equal(drag.q, start)
+    for step in range(100):
+        mouse = place.copy()
+        mouse[1, 3] += 0.002 * step
+        solution = drag.advance({"hand": mouse})
+        assert solution.reached and drag.leap is None
+        before, start = start, drag.q
+        assert np.abs(start - before).max() <= 0.15 + 1e-12
+        assert np.array_equal(solution.q, start) and np.array_equal(drag.solution.q, start)
+    drag.advance()
+    assert drag.rests and not drag.catching_up
+
+
+def test_a_target_that_leaps_is_caught_up_with(robot):
+    drag, place, start = dragged(robot, max_move=0.05)
+    place[0, 3] -= 0.2
+    drag.set_targets({"hand": place})
+    solution = drag.advance()
+    assert drag.catching_up and not solution.reached
+    assert any(limit.kind == "move" for limit in solution.active_limits())
+    assert drag.follow().reached
+    drag.stand_at(start)
+    assert np.array_equal(drag.q, start)
+    assert drag.settle(frames=200).reached
+
+
+def test_out_of_reach_it_stays_near_and_says_so(robot):
+    drag, place, _ = dragged(robot)
+    place[0, 3] = 3.0
+    for _ in range(60):
+        solution = drag.advance({"hand": place})
+        assert (solution.q >= robot.lower).all() and (solution.q <= robot.upper).all()
+    assert not solution.reached and solution.is_out_of_reach()
+
+
+def test_it_leaps_only_where_a_search_is_asked_for(robot):
+    quiet, place, _ = dragged(robot)
+    leaping, _, _ = dragged(robot, search=8, seed=1)
+    # Upside down behind the base.
+    place[:3, 3] = [-0.4, 0.1, 0.4]
+    place[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    leaps = []
+    for _ in range(60):
+        quiet.advance({"hand": place})
+        assert quiet.leap is None
+        leaping.advance({"hand": place})
+        leaps += [leaping.leap] if leaping.leap else []
+    assert leaping.solution.cost <= quiet.solution.cost * (1 + 1e-3)
+    for leap in leaps:
+        assert leap.joint in robot.joint_names and leap.distance > 0
+
+
+def test_its_method_may_be_chosen(robot):
+    drag, place, _ = dragged(robot, solver=kinopt.Solver(methods.GaussNewton(), max_iterations=3))
+    place[2, 3] += 0.01
+    assert drag.follow({"hand": place}).reached
+    with pytest.raises(kinopt.InvalidValueError, match="ccd"):
+        dragged(robot, solver=kinopt.Solver("ccd"))
+
+
+def test_an_exception_in_a_frame_comes_out_and_the_body_stays(robot):
+    fail = [False]
+
+    def residual(frames):
+        if fail[0]:
+            raise KeyError("mine")
+        return frames[0, :3, 3] - [0.4, 0.0, 0.6]
+
+    problem = kinopt.Problem(robot, [tasks.Residual(residual, frames=["tool"], rows=3)])
+    drag = kinopt.Drag(problem, robot.neutral())
+    drag.follow()
+    before, fail[0] = drag.q, True
+    with pytest.raises(KeyError, match="mine"):
+        drag.advance()
+    assert np.array_equal(drag.q, before)
+    fail[0] = False
+    assert drag.advance().reached
+
+
+def test_many_threads_may_hold_one_drag(robot):
+    task = tasks.Residual(lambda f: f[0, :3, 3] - [0.4, 0.0, 0.6], frames=["tool"], rows=3)
+    drag = kinopt.Drag(kinopt.Problem(robot, [task]), robot.neutral())
+    with ThreadPoolExecutor(4) as pool:
+        frames = [pool.submit(drag.advance) for _ in range(40)]
+        looks = [pool.submit(lambda: (drag.q, drag.solution, drag.rests, drag.leap)) for _ in range(40)]
+        assert all(frame.result() for frame in frames) and all(look.result() for look in looks)
+    assert drag.advance().reached
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"max_move": 0.0}, {"max_move": np.nan}, {"search": 0}, {"start": np.zeros(3)}, {"start": np.full(9, np.nan)}],
+)
+def test_what_is_wrong_is_said(robot, given):
+    drag, _, start = dragged(robot)
+    with pytest.raises(kinopt.KinoptError):
+        kinopt.Drag(drag.problem, given.pop("start", start), **given)
+    with pytest.raises(kinopt.KinoptError):
+        drag.stand_at(np.zeros(4))
+    with pytest.raises(kinopt.KinoptError):
+        drag.advance({"foot": np.eye(4)})

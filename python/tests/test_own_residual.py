@@ -1,0 +1,228 @@
+"""A residual in Python is as good a task as the library's own."""
+
+import copy
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt import tasks
+
+MODELS = Path(__file__).parents[2] / "models"
+TARGET = np.array([0.4, 0.2, 0.5])
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+
+
+def at_target(frames):
+    return frames[0, :3, 3] - TARGET
+
+
+def slope_at_target(frames):
+    return np.hstack([np.eye(3), np.zeros((3, 3))])
+
+
+def own(**about):
+    return tasks.Residual(at_target, frames=["tool"], rows=3, name="own", **about)
+
+
+@pytest.mark.parametrize("jacobian", [None, slope_at_target])
+def test_it_solves_what_the_librarys_task_solves(robot, jacobian):
+    problem = kinopt.Problem(robot, [own(jacobian=jacobian)])
+    theirs = kinopt.Problem(robot, [tasks.Point("tool", TARGET)])
+    x = robot.random_configuration(1)[:8]
+    assert np.array_equal(problem.residual(x), theirs.residual(x))
+    allowed = 1e-12 if jacobian else 1e-8
+    for route in ("analytic", "dual"):
+        ours = problem.with_derivatives(route).jacobian(x)
+        assert np.abs(ours - theirs.jacobian(x)).max() <= allowed
+    assert np.allclose(problem.gradient(x), theirs.gradient(x), rtol=0, atol=1e-7)
+    for start in robot.random_configuration(2, 10):
+        solution = kinopt.Solver().solve(problem, start)
+        assert solution.reached and solution.position_error <= 1e-6
+        place = kinopt.frame_placement(robot, "tool", solution.q)
+        assert np.linalg.norm(place[:3, 3] - TARGET) <= 1e-6
+
+
+def test_it_reads_frames_joints_or_both(robot):
+    seen = {}
+
+    def frames_alone(frames):
+        seen["frames"] = frames.shape, frames.dtype
+        return [0.0]
+
+    def joints_alone(q):
+        seen["joints"] = q.shape
+        return q
+
+    def both(frames, q):
+        seen["both"] = frames.shape, q.shape
+        return np.float32(0.0)
+
+    given = [
+        tasks.Residual(frames_alone, frames=["tool", "link3"], rows=1),
+        tasks.Residual(joints_alone, joints="all", rows={"joint units": 9}),
+        tasks.Residual(both, frames=["tool"], joints=["joint2", "joint1"], rows={"radians": 1}),
+    ]
+    problem = kinopt.Problem(robot.model, given)
+    q = robot.random_configuration(3)
+    assert np.array_equal(problem.residual(q)[1:10], q)
+    assert seen == {"frames": ((2, 4, 4), np.float64), "joints": (9,), "both": ((1, 4, 4), (2,))}
+
+
+def test_a_mixed_jacobian_has_twists_first_then_joints(robot):
+    def residual(frames, q):
+        a, b = frames
+        return [a[:3, 0] @ b[:3, 3] + q[0] ** 2]
+
+    def jacobian(frames, q):
+        (a, b), row = frames, np.zeros((1, 13))
+        row[0, 3:6] = np.cross(a[:3, 0], b[:3, 3])
+        row[0, 6:9] = a[:3, 0]
+        row[0, 12] = 2 * q[0]
+        return row
+
+    reads = {"frames": ["tool", "link4"], "joints": ["joint2"], "rows": {"ratio": 1}}
+    exact = kinopt.Problem(robot.model, [tasks.Residual(residual, jacobian=jacobian, **reads)])
+    differences = kinopt.Problem(robot.model, [tasks.Residual(residual, **reads)])
+    for q in robot.random_configuration(3, 10):
+        by_q = exact.with_derivatives("central_difference").jacobian(q)
+        assert np.abs(exact.jacobian(q) - by_q).max() < 1e-8
+        assert np.abs(differences.jacobian(q) - by_q).max() < 1e-8
+
+
+def test_it_takes_room_weights_and_roles_as_any_task(robot):
+    wish = tasks.Residual(at_target, frames=["tool"], rows=3, role="preference")
+    look = tasks.Point("flange", TARGET + 0.1)
+    solution = kinopt.Solver().solve(kinopt.Problem(robot, [look, wish]), robot.neutral())
+    assert solution.reached and solution.tasks()[1].role == "preference"
+    room = kinopt.Problem(robot, [tasks.Within(own(), 0.05)])
+    solution = kinopt.Solver().solve(room, robot.neutral())
+    place = kinopt.frame_placement(robot, "tool", solution.q)
+    assert solution.reached and np.abs(place[:3, 3] - TARGET).max() < 0.05 + 1e-6
+
+
+class Mine(Exception):
+    pass
+
+
+@pytest.mark.parametrize("after", [0, 1, 5, 40])
+@pytest.mark.parametrize("where", ["function", "jacobian"])
+def test_what_it_raises_comes_out_unchanged(robot, after, where):
+    mine, calls = Mine("mine"), [0]
+
+    def failing(inner):
+        def function(frames):
+            calls[0] += 1
+            if calls[0] > after:
+                raise mine
+            return inner(frames)
+
+        return function
+
+    if where == "function":
+        task = tasks.Residual(failing(at_target), frames=["tool"], rows=3)
+    else:
+        task = tasks.Residual(at_target, jacobian=failing(slope_at_target), frames=["tool"], rows=3)
+    problem = kinopt.Problem(robot, [task])
+    # More starts than one, so that also late calls come.
+    with pytest.raises(Mine) as caught:
+        for start in robot.random_configuration(5, 20):
+            kinopt.Solver().solve(problem, start)
+    assert caught.value is mine
+    # Nothing was computed on afterwards.
+    assert calls[0] == after + 1
+    assert kinopt.Solver().solve(kinopt.Problem(robot, [own()]), robot.neutral()).reached
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_what_it_raises_comes_out_of_batches_too(robot, threads):
+    mine = Mine("mine")
+
+    def failing(frames):
+        raise mine
+
+    problem = kinopt.Problem(robot, [tasks.Residual(failing, frames=["tool"], rows=3)])
+    with pytest.raises(Mine) as caught:
+        kinopt.Solver().solve_batch(problem, robot.random_configuration(1, 50), threads=threads)
+    assert caught.value is mine
+
+
+def test_it_answers_the_same_bits_from_any_thread(robot):
+    problem = kinopt.Problem(robot, [own(), tasks.Posture(robot.neutral())])
+    starts, solver = robot.random_configuration(5, 20), kinopt.Solver()
+    alone = np.stack([solver.solve(problem, start).q for start in starts])
+    assert np.array_equal(solver.solve_batch(problem, starts, threads=3).q, alone)
+    with ThreadPoolExecutor(4) as pool:
+        answers = pool.map(lambda start: solver.solve(problem, start).q, starts)
+        assert np.array_equal(list(answers), alone)
+
+
+def test_it_may_solve_something_itself(robot):
+    inner, solver = kinopt.Problem(robot, [own()]), kinopt.Solver()
+
+    def residual(q):
+        return q[:1] - solver.solve(inner, robot.neutral()).q[0]
+
+    outer = kinopt.Problem(robot, [tasks.Residual(residual, joints=["joint1"], rows={"radians": 1})])
+    solution = solver.solve(outer, robot.neutral())
+    assert solution.reached
+    assert solution.q[0] == pytest.approx(solver.solve(inner, robot.neutral()).q[0], abs=1e-6)
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_numbers_that_are_not_finite_end_the_search(robot, number):
+    task = tasks.Residual(lambda frames: [number, 0, 0], frames=["tool"], rows=3)
+    solution = kinopt.Solver().solve(kinopt.Problem(robot, [task]), robot.neutral())
+    assert not solution.reached and solution.termination == "non_finite"
+    assert np.isfinite(solution.q).all()
+    twin = pickle.loads(pickle.dumps(solution))
+    assert repr(twin) == repr(solution) and twin.explain() == solution.explain()
+
+
+@pytest.mark.parametrize("result", [[1.0], np.zeros(4), np.zeros((3, 1)), "three", None, [1j, 0, 0]])
+def test_results_of_the_wrong_shape_are_told(robot, result):
+    task = tasks.Residual(lambda frames: result, frames=["tool"], rows=3)
+    with pytest.raises(kinopt.InvalidValueError, match="the residual's function returned"):
+        kinopt.Solver().solve(kinopt.Problem(robot, [task]), robot.neutral())
+    task = tasks.Residual(at_target, jacobian=lambda frames: result, frames=["tool"], rows=3)
+    with pytest.raises(kinopt.InvalidValueError, match="the residual's jacobian returned"):
+        kinopt.Solver().solve(kinopt.Problem(robot, [task]), robot.neutral())
+
+
+def test_it_travels_as_far_as_its_function(robot):
+    problem = kinopt.Problem(robot, [own(jacobian=slope_at_target)])
+    expected = kinopt.Solver().solve(problem, robot.neutral()).q
+    for twin in (pickle.loads(pickle.dumps(problem)), copy.deepcopy(problem)):
+        assert np.array_equal(kinopt.Solver().solve(twin, robot.neutral()).q, expected)
+    with pytest.raises((pickle.PicklingError, AttributeError)):
+        pickle.dumps(kinopt.Problem(robot, [tasks.Residual(lambda f: f, frames=["tool"], rows=3)]))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"function": 3, "frames": ["tool"], "rows": 3},
+        {"frames": "tool", "rows": 3},
+        {"frames": [3], "rows": 3},
+        {"frames": ["paw"], "rows": 3},
+        {"joints": ["elbow"], "rows": 3},
+        {"joints": "some", "rows": 3},
+        {"rows": 3},
+        {"frames": ["tool"], "rows": 0},
+        {"frames": ["tool"], "rows": -3},
+        {"frames": ["tool"], "rows": 2.5},
+        {"frames": ["tool"], "rows": {}},
+        {"frames": ["tool"], "rows": {"miles": 3}},
+        {"frames": ["tool"], "rows": 3, "jacobian": 3},
+    ],
+)
+def test_what_is_wrong_is_said(robot, given):
+    with pytest.raises(kinopt.KinoptError):
+        kinopt.Problem(robot, [tasks.Residual(given.pop("function", at_target), **given)])

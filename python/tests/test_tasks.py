@@ -1,0 +1,267 @@
+"""Every task measures what it says, by every derivative route, and says what is wrong with it."""
+
+import copy
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt import tasks
+
+MODELS = Path(__file__).parents[2] / "models"
+ROUTES = ["analytic", "dual", "forward_difference", "central_difference"]
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+
+
+def turned(about, angle):
+    """Rodrigues' formula."""
+    x, y, z = np.asarray(about) / np.linalg.norm(about)
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+
+
+def rotation_vector(rotation):
+    angle = np.arccos((np.trace(rotation) - 1) / 2)
+    skew = rotation - rotation.T
+    return angle / (2 * np.sin(angle)) * np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+
+
+TARGET = np.array([0.4, -0.2, 0.5])
+POSE = np.eye(4)
+POSE[:3, :3], POSE[:3, 3] = turned([1, 2, 3], 0.7), TARGET
+TOOL = np.eye(4)
+TOOL[:3, :3], TOOL[:3, 3] = turned([0, 1, 1], 0.3), [0.0, 0.1, 0.2]
+CAMERA = tasks.Camera.pinhole(np.eye(4), [500.0, 510.0], [320.0, 240.0])
+
+
+def beyond(value, lower, upper):
+    return value - np.clip(value, lower, upper)
+
+
+def cases(robot):
+    """Each task beside its residual by numpy, of the placements by name and the configuration."""
+    lower, upper = robot.lower, robot.upper
+    rest = (lower + upper) / 2
+
+    def pose(place):
+        return np.r_[place[:3, 3] - TARGET, rotation_vector(place[:3, :3] @ POSE[:3, :3].T)]
+
+    def ray(at):
+        along = np.array([1.0, 0.5, -0.2])
+        along /= np.linalg.norm(along)
+        return at - TARGET - along * (along @ (at - TARGET))
+
+    def pixel(at):
+        return np.array([500 * at[0] / at[2] + 320, 510 * at[1] / at[2] + 240]) - [300, 200]
+
+    def look(place):
+        axis, sight = place[:3, :3] @ [0, 0, 1], TARGET - place[:3, 3]
+        sight /= np.linalg.norm(sight)
+        turn = np.cross(axis, sight)
+        return np.arctan2(np.linalg.norm(turn), axis @ sight) * turn / np.linalg.norm(turn)
+
+    normal = np.array([0.0, 3.0, 4.0]) / 5
+    return {
+        "point": (tasks.Point("tool", TARGET), lambda f, q: f["tool"][:3, 3] - TARGET),
+        "point at, in a base": (
+            tasks.Point("tool", TARGET, at=[0.1, 0.0, 0.2], base="link3"),
+            lambda f, q: (np.linalg.inv(f["link3"]) @ f["tool"] @ [0.1, 0.0, 0.2, 1])[:3] - TARGET,
+        ),
+        "pose": (tasks.Pose("tool", POSE), lambda f, q: pose(f["tool"])),
+        "pose of a tool": (
+            tasks.Pose("flange", POSE, tool=TOOL, base="link2"),
+            lambda f, q: pose(np.linalg.inv(f["link2"]) @ f["flange"] @ TOOL),
+        ),
+        "pose with a free axis": (
+            tasks.Pose("tool", POSE, goal=kinopt.Goal.within([0.1, 0, np.inf, 0, 0, np.pi])),
+            None,
+        ),
+        "orientation": (
+            tasks.Orientation("tool", POSE[:3, :3]),
+            lambda f, q: rotation_vector(f["tool"][:3, :3] @ POSE[:3, :3].T),
+        ),
+        "look at": (tasks.LookAt("tool", [0, 0, 1], TARGET), lambda f, q: look(f["tool"])),
+        "distance": (
+            tasks.Distance("tool", "link3", 0.4),
+            lambda f, q: [np.linalg.norm(f["tool"][:3, 3] - f["link3"][:3, 3]) - 0.4],
+        ),
+        "plane": (
+            tasks.Plane("tool", TARGET, [0, 3, 4]),
+            lambda f, q: [normal @ (f["tool"][:3, 3] - TARGET)],
+        ),
+        "ray": (
+            tasks.Ray("tool", TARGET + [1, 0.5, -0.2], TARGET),
+            lambda f, q: ray(f["tool"][:3, 3]),
+        ),
+        "pixel": (tasks.Pixel("tool", CAMERA, [300, 200]), lambda f, q: pixel(f["tool"][:3, 3])),
+        "posture": (tasks.Posture(rest), lambda f, q: q - rest),
+        "posture of some": (
+            tasks.Posture({"joint2": 0.3, "joint5": -0.1}),
+            lambda f, q: q[[1, 4]] - [0.3, -0.1],
+        ),
+        "smoothness": (tasks.Smoothness(rest, 0.02), lambda f, q: (q - rest) / 0.02),
+        "limit centring": (
+            tasks.LimitCentring(),
+            lambda f, q: (q - rest) / ((upper - lower) / 2),
+        ),
+        "within": (
+            tasks.Within(tasks.Point("tool", TARGET), 0.2),
+            lambda f, q: beyond(f["tool"][:3, 3] - TARGET, -0.2, 0.2),
+        ),
+        "at least": (
+            tasks.Within.at_least(tasks.Plane("tool", TARGET, [0, 3, 4]), 0.3),
+            lambda f, q: beyond(np.array([normal @ (f["tool"][:3, 3] - TARGET)]), 0.3, np.inf),
+        ),
+    }
+
+
+NAMES = list(cases(kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_residuals_are_those_of_numpy(robot, name):
+    task, expected = cases(robot)[name]
+    if expected is None:
+        pytest.skip("has no short formula: its derivatives are held against each other")
+    # Every joint is free, so that x is q.
+    problem = kinopt.Problem(robot.model, [replace(task, weight=1.0)])
+    assert problem.variables == robot.degrees_of_freedom
+    for q in robot.random_configuration(5, 20):
+        frames = {f: kinopt.frame_placement(robot, f, q) for f in ("tool", "flange", "link2", "link3")}
+        assert np.allclose(problem.residual(q), expected(frames, q), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_derivative_routes_agree(robot, name):
+    task, _ = cases(robot)[name]
+    problem = kinopt.Problem(robot.model, [task])
+    for x in robot.random_configuration(6, 5):
+        jacobians = [problem.with_derivatives(route).jacobian(x) for route in ROUTES]
+        size = max(1.0, np.abs(jacobians[0]).max())
+        assert jacobians[0].shape == (problem.rows, problem.variables)
+        for jacobian, tolerance in zip(jacobians, [0, 1e-12, 1e-5, 1e-7]):
+            assert np.abs(jacobian - jacobians[0]).max() <= tolerance * size
+        gradient = jacobians[0].T @ problem.residual(x)
+        assert np.allclose(problem.gradient(x), gradient, rtol=1e-9, atol=1e-12 * size**2)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_tasks_travel(robot, name):
+    task, _ = cases(robot)[name]
+    x = robot.random_configuration(7)
+    expected = kinopt.Problem(robot.model, [task]).residual(x)
+    for twin in (pickle.loads(pickle.dumps(task)), copy.deepcopy(task)):
+        assert repr(twin) == repr(task)
+        assert np.array_equal(kinopt.Problem(robot.model, [twin]).residual(x), expected)
+
+
+def test_weights_tolerances_roles_and_names_count():
+    robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+    q = robot.random_configuration(1)
+    place = kinopt.frame_placement(robot, "tool", q)
+    whole = tasks.Pose("tool", place, name="hand", weight={"metres": 2.0, "radians": 0.5}, times=3.0)
+    problem = kinopt.Problem(robot.model, [whole])
+    x = robot.random_configuration(2)
+    plain = kinopt.Problem(robot.model, [tasks.Pose("tool", place, weight=1.0)]).residual(x)
+    assert np.allclose(problem.residual(x), plain * [6, 6, 6, 1.5, 1.5, 1.5], rtol=1e-14)
+    assert problem.task_names == ["hand"]
+    far = place.copy()
+    far[0, 3] += 0.01
+    near = tasks.Pose("tool", far, tolerance={"metres": 0.011})
+    look = kinopt.Solver(max_iterations=0, attempts=1)
+    assert look.solve(kinopt.Problem(robot.model, [near]), q).reached
+    strict = tasks.Pose("tool", far, tolerance=0.009)
+    assert not look.solve(kinopt.Problem(robot.model, [strict]), q).reached
+    assert look.solve(kinopt.Problem(robot.model, [tasks.Pose("tool", far)], tolerance=0.011), q).reached
+    wish = tasks.Pose("tool", far, role="preference")
+    [report] = look.solve(kinopt.Problem(robot.model, [wish]), q).tasks()
+    assert report.role == "preference" and not report.reached
+    assert report.position_error == pytest.approx(0.01)
+    [report] = look.solve(kinopt.Problem(robot.model, [tasks.Posture(q)]), q).tasks()
+    assert report.role == "preference"
+    assert report.error("joint units") == 0.0 and report.error("metres") is None
+    with pytest.raises(kinopt.UnknownNameError, match="no quantity named `miles`"):
+        report.error("miles")
+    unasked = tasks.Pose("tool", far, weight={"metres": 0.0})
+    assert look.solve(kinopt.Problem(robot.model, [unasked]), q).reached
+
+
+def test_what_is_given_is_copied(robot):
+    target = np.array([0.1, 0.2, 0.3])
+    point = tasks.Point("tool", target)
+    target[0] = 9.0
+    assert point.target[0] == 0.1
+    with pytest.raises(ValueError, match="read-only"):
+        point.target[0] = 1.0
+    with pytest.raises(AttributeError):
+        point.target = target
+    assert tasks.Point("tool", target.astype(np.float32)).target.dtype == np.float64
+    assert "at=" not in repr(point) and "target=[0.1, 0.2, 0.3]" in repr(point)
+
+
+def test_cameras_see_and_look_back():
+    camera = tasks.Camera.pinhole(POSE, [500, 500], [320, 240])
+    point = (POSE @ [0.1, -0.2, 2.0, 1.0])[:3]
+    assert np.allclose(camera.project(point), [320 + 25, 240 - 50])
+    eye, through = camera.viewing_ray([345, 190])
+    assert np.allclose(eye, TARGET)
+    assert np.allclose(np.cross(point - eye, through - eye), 0, atol=1e-12)
+    twin = pickle.loads(pickle.dumps(camera))
+    assert np.array_equal(twin.pixel_from_world, camera.pixel_from_world)
+    parallel = tasks.Camera([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+    assert parallel.viewing_ray([0, 0]) is None
+
+
+WRONG = {
+    "no such frame": lambda: [tasks.Point("paw", [0, 0, 0])],
+    "no such joint": lambda: [tasks.Posture({"elbow": 1.0})],
+    "no frame": lambda: [tasks.Point(3, [0, 0, 0])],
+    "shape of a target": lambda: [tasks.Point("tool", [0, 0])],
+    "dtype of a target": lambda: [tasks.Point("tool", ["a", "b", "c"])],
+    "complex": lambda: [tasks.Point("tool", [1j, 0, 0])],
+    "nan": lambda: [tasks.Point("tool", [np.nan, 0, 0])],
+    "no rotation": lambda: [tasks.Pose("tool", np.diag([2.0, 2, 2, 1]))],
+    "last row": lambda: [tasks.Pose("tool", np.ones((4, 4)))],
+    "shape of a pose": lambda: [tasks.Pose("tool", np.eye(3))],
+    "no axes": lambda: [tasks.Orientation("tool", np.eye(2))],
+    "mirrored axes": lambda: [tasks.Orientation("tool", -np.eye(3))],
+    "goal": lambda: [tasks.Pose("tool", np.eye(4), goal="free")],
+    "all free": lambda: [tasks.Pose("tool", np.eye(4), goal=kinopt.Goal.within([np.inf] * 6))],
+    "axis": lambda: [tasks.LookAt("tool", [0, 0, 0], [1, 1, 1])],
+    "negative distance": lambda: [tasks.Distance("tool", "base", -1.0)],
+    "distance of words": lambda: [tasks.Distance("tool", "base", "far")],
+    "normal": lambda: [tasks.Plane("tool", [0, 0, 0], [0, 0, 0])],
+    "line": lambda: [tasks.Ray("tool", [1, 2, 3], [1, 2, 3])],
+    "camera": lambda: [tasks.Pixel("tool", "camera", [1, 2])],
+    "camera of nan": lambda: [tasks.Pixel("tool", tasks.Camera(np.full((3, 4), np.nan)), [1, 2])],
+    "length of a posture": lambda: [tasks.Posture([0.0, 1.0])],
+    "time step": lambda: [tasks.Smoothness(np.zeros(9), 0.0)],
+    "empty interval": lambda: [tasks.Within(tasks.Point("tool", [0, 0, 0]), -1.0)],
+    "two intervals": lambda: [tasks.Within(tasks.Point("tool", [0, 0, 0]), 1.0, lower=0.0)],
+    "room in room": lambda: [tasks.Within(tasks.Within(tasks.Point("tool", [0, 0, 0]), 1.0), 1.0)],
+    "weight": lambda: [tasks.Point("tool", [0, 0, 0], weight=-1.0)],
+    "weight of words": lambda: [tasks.Point("tool", [0, 0, 0], weight="much")],
+    "weight of what is not there": lambda: [tasks.Point("tool", [0, 0, 0], weight={"radians": 1.0})],
+    "unknown quantity": lambda: [tasks.Point("tool", [0, 0, 0], weight={"miles": 1.0})],
+    "times": lambda: [tasks.Point("tool", [0, 0, 0], times=np.inf)],
+    "tolerance": lambda: [tasks.Point("tool", [0, 0, 0], tolerance=np.nan)],
+    "role": lambda: [tasks.Point("tool", [0, 0, 0], role="wish")],
+    "name": lambda: [tasks.Point("tool", [0, 0, 0], name=5)],
+    "no tasks": lambda: [],
+    "no list": lambda: tasks.Point("tool", [0, 0, 0]),
+    "no task": lambda: ["point"],
+    "the base class": lambda: [tasks.Task()],
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_wrong_is_said(robot, name):
+    with pytest.raises(kinopt.KinoptError):
+        kinopt.Problem(robot, WRONG[name]())
