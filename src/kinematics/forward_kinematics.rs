@@ -151,7 +151,10 @@ impl<S: Scalar> ForwardKinematics<S> {
                 expected: self.tree.variables(),
             });
         }
-        if let Some(index) = q.iter().position(|value| !value.is_finite()) {
+        // Counted: a search that may end early does not vectorise.
+        let finite = q.iter().map(|value| u64::from(value.is_finite()));
+        if finite.sum::<u64>() != q.len() as u64 {
+            let index = q.iter().position(|value| !value.is_finite()).unwrap_or(0);
             return Err(KinematicsError::NotFinite {
                 model: self.model.clone(),
                 index,

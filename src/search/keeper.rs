@@ -36,7 +36,6 @@ impl Keeper {
     /// Makes room for a search of so many variables and rows.
     pub(crate) fn fit(&mut self, variables: usize, rows: usize) {
         self.x.resize(variables, 0.0);
-        self.first_x.resize(variables, 0.0);
         self.residual.resize(rows, 0.0);
     }
 
@@ -49,6 +48,7 @@ impl Keeper {
         if schedule.tells_agreement() {
             let attempts = schedule.restarts().attempts;
             self.costs.reserve(attempts.min(USUAL_ATTEMPTS));
+            self.first_x.resize(self.x.len(), 0.0);
         }
     }
 
@@ -105,7 +105,9 @@ impl Keeper {
         }
         let first = found.attempts == 1 && !trial.goes_on();
         if first {
-            self.first_x.copy_from_slice(x);
+            if schedule.tells_agreement() {
+                self.first_x.copy_from_slice(x);
+            }
             self.first_may_win = ended;
         }
         let usable = found.cost.is_nan() && !attempt.cost.is_nan();
