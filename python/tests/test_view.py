@@ -122,6 +122,48 @@ def test_a_robot_stands_where_its_kinematics_says(scene, style):
     assert np.abs(np.array(places) - origin[:3, 3]).sum(axis=1).min() < 1e-9
 
 
+def rig():
+    return kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+
+
+def test_a_character_stands_where_its_kinematics_says_and_its_mesh_with_it(scene):
+    character = rig()
+    at = np.eye(4)
+    at[:3, 3] = [0.5, -1.0, 0.2]
+    body = scene.add(character, at=at)
+    q = character.model.random_configuration(5)
+    body.q = q
+    for frame in ("head/tip", "left_hand", "right_toes/tip"):
+        assert np.allclose(body.frame(frame), at @ kinopt.frame_placement(character, frame, q), atol=1e-12)
+    (piece,) = body.pieces()
+    posed = np.asarray(character.posed_mesh(q).positions)
+    assert np.abs(piece.solid.vertices - posed - at[:3, 3]).max() < 2e-6
+
+
+def test_the_page_blends_as_the_library_does_but_for_the_weights_that_are_cut(scene):
+    character = rig()
+    body = scene.add(character)
+    assert 0.0 < body.cut < 0.2
+    whole = character.weights.to_table()
+    from kinopt.view.skin import fewer_influences
+
+    kept, cut = fewer_influences(whole)
+    assert cut == body.cut
+    assert np.count_nonzero(kept, axis=1).max() == 4
+    assert np.abs(kept.sum(axis=1) - 1.0).max() < 1e-6
+    few = np.count_nonzero(whole, axis=1) <= 3
+    assert np.abs(kept - whole)[few].max() < 1e-9
+
+
+def test_bones_without_a_mesh_have_bodies(scene):
+    skeleton = rig().skeleton
+    body = scene.add(skeleton)
+    body.q = skeleton.model.random_configuration(2)
+    low, high = body.box()
+    tips = np.array([body.frame(tip)[:3, 3] for tip in skeleton.tips])
+    assert (tips > low - 1e-9).all() and (tips < high + 1e-9).all()
+
+
 def test_only_parts_that_moved_are_sent(scene):
     body = scene.add(panda())
     q = body.q

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import kinopt
 
-from .look import Color, extent, with_joint_frames
+from .look import Color, DrawnKinematics, extent
 from .solids import Solid
 
 if TYPE_CHECKING:
@@ -53,11 +53,12 @@ class Body(ABC):
         self.name = name
         #: world_from_model, shape (4, 4).
         self.at = at
+        #: What is not drawn as its file has it, one line each.
+        self.missing: list[str] = []
         #: Its joints, limits and frames.
         self.model = getattr(thing, "model", thing)
-        drawn, self._frame_of_joint = with_joint_frames(self.model)
-        self._kinematics = kinopt.ForwardKinematics(drawn)
-        self._index = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
+        self._kinematics = DrawnKinematics(self.model)
+        self._index = self._kinematics.index
         self._q: Array = self.model.neutral()
 
     @property
@@ -114,6 +115,14 @@ class Body(ABC):
         """Names of the frames that are dragged first: hands, tools, feet."""
         return list(getattr(self.thing, "tips", self.frame_names[-1:]))
 
+    @property
+    def pinned_first(self) -> list[str]:
+        """The frames that are pinned when a page opens."""
+        return []
+
+    def standing(self) -> None:
+        """Called before a solve: the model's angles may count from where the body stands."""
+
     #: Whether `holding` has something to say.
     can_hold = False
 
@@ -125,8 +134,8 @@ class Body(ABC):
         """What a joint is called within its group."""
         return joint
 
-    def holding(self, dragged: list[str], q: Array) -> Holding | None:
-        """What should stay while frames of it are dragged from the configuration `q`."""
+    def holding(self, dragged: list[str], q: Array, reference: Array | None) -> Holding | None:
+        """What should stay while frames of it are dragged from `q`, and what posture it leans to."""
         return None
 
     @abstractmethod

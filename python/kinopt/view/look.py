@@ -18,37 +18,55 @@ Color = tuple[int, int, int]
 
 #: Links are white, as most arms are, and the hubs of their joints dark.
 LIGHT: Color = (228, 232, 237)
-DARK: Color = (72, 82, 97)
+DARK: Color = (84, 96, 114)
 #: Skin of characters, bones of figures without one.
-SKIN: Color = (206, 190, 176)
+SKIN: Color = (201, 172, 148)
 BONE: Color = (104, 133, 166)
 #: How thick a capsule is, as a share of the model's size.
 THICKNESS = 0.035
 
 
-def with_joint_frames(model: Any) -> tuple[Any, dict[str | None, str]]:
-    """The same model with a frame at every joint and at the world's origin, and those frames by joint."""
-    taken = {frame.name for frame in model.frames}
-    builder = kinopt.ModelBuilder(model.name)
-    names: dict[str | None, str] = {}
+class DrawnKinematics:
+    """Where a model's frames stand, and its joints, and the world's origin, which have no frames of their own."""
 
-    def name_frame(joint: str | None) -> None:
-        name = "world" if joint is None else f"joint/{joint}"
-        while name in taken:
-            name += "'"
-        taken.add(name)
-        names[joint] = name
+    def __init__(self, model: Any) -> None:
+        taken = {frame.name for frame in model.frames}
+        builder = kinopt.ModelBuilder(model.name)
+        #: The frames of joints, by joint; that of None is the world's.
+        self.frame_of_joint: dict[str | None, str] = {None: _free("world", taken)}
+        for joint in model.joints:
+            kind, parent, place = joint.kind, joint.parent, joint.parent_from_joint
+            builder.joint(joint.name, kind, parent, place, joint.axis, joint.lower, joint.upper)
+            self.frame_of_joint[joint.name] = _free(f"joint/{joint.name}", taken)
+        for frame in model.frames:
+            builder.frame(frame.name, frame.joint, frame.joint_from_frame)
+        for owner, name in self.frame_of_joint.items():
+            builder.frame(name, owner)
+        drawn = builder.build()
+        self._kinematics = kinopt.ForwardKinematics(drawn)
+        # A skeleton's angles come in another order than its joints.
+        names = model.joint_names
+        self._order = [names.index(joint) for joint in drawn.joint_names]
+        #: The places of frames in what `place` gives, by name.
+        self.index = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
 
-    name_frame(None)
-    for joint in model.joints:
-        kind, parent, place = joint.kind, joint.parent, joint.parent_from_joint
-        builder.joint(joint.name, kind, parent, place, joint.axis, joint.lower, joint.upper)
-        name_frame(joint.name)
-    for frame in model.frames:
-        builder.frame(frame.name, frame.joint, frame.joint_from_frame)
-    for owner, name in names.items():
-        builder.frame(name, owner)
-    return builder.build(), names
+    def place(self, q: Array) -> Array:
+        """model_from_frame of every frame, shape (frames, 4, 4), for a configuration, shape (dof,).
+
+        A wrong length or a number that is not finite is an `InvalidValueError`.
+        """
+        if q.shape == (len(self._order),):
+            q = q[self._order]
+        placements: Array = self._kinematics.place(q)
+        return placements
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """A name that no frame has yet."""
+    while name in taken:
+        name += "'"
+    taken.add(name)
+    return name
 
 
 def extent(placements: Array) -> float:
@@ -60,8 +78,7 @@ def extent(placements: Array) -> float:
 
 def extent_of(model: Any) -> float:
     """How large a model is at rest, in its own unit."""
-    drawn, _ = with_joint_frames(model)
-    return extent(kinopt.ForwardKinematics(drawn).place(model.neutral()))
+    return extent(DrawnKinematics(model).place(model.neutral()))
 
 
 @dataclass(frozen=True)

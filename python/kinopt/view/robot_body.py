@@ -103,7 +103,7 @@ class RobotBody(Body):
         """Capsules for what hangs on each joint, or on `only` those joints, each named after its frame."""
         bodies = look.capsules(self.model, self.size())
         drawn = (body for body in bodies if only is None or body.joint in only)
-        named = self._frame_of_joint
+        named = self._kinematics.frame_of_joint
         return [Piece(named[body.joint], body.solid, color or body.color) for body in drawn]
 
 

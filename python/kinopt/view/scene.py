@@ -13,9 +13,13 @@ import numpy as np
 import viser
 from numpy.typing import ArrayLike, NDArray
 
+import kinopt
+
 from . import stage
+from .animated import AnimatedBody
 from .body import Body
-from .look import Color, extent_of
+from .character import CharacterBody
+from .look import Color, extent, extent_of
 from .loop import Loop
 from .robot_body import RobotBody, Style
 from .stage import Up
@@ -105,9 +109,23 @@ class Scene:
         at = np.eye(4) if at is None else placement_of(at, "at")
         name = self._free_name(name or getattr(getattr(thing, "model", thing), "name", "") or "body")
         self._measure(thing)
-        body = RobotBody(
-            self, thing, name, at, style=style, color=color, opacity=opacity, beside=beside, packages=packages
-        )
+        body: Body
+        if hasattr(thing, "armature"):
+            body = AnimatedBody(self, thing, name, at, color=color, opacity=opacity)
+        elif isinstance(thing, (kinopt.Rig, kinopt.Skeleton)):
+            body = CharacterBody(self, thing, name, at, color=color, opacity=opacity)
+        else:
+            body = RobotBody(
+                self,
+                thing,
+                name,
+                at,
+                style=style,
+                color=color,
+                opacity=opacity,
+                beside=beside,
+                packages=packages,
+            )
         self._bodies[name] = body
         if self._empty:
             self._empty = False
@@ -117,6 +135,10 @@ class Scene:
     def _measure(self, thing: Any) -> None:
         """The first thing shown says how large all is drawn."""
         if not self._empty:
+            return
+        if hasattr(thing, "armature"):
+            placements = np.asarray(thing.armature.local_to_model(thing.armature.rest), dtype=float)
+            self.drawn = stage.drawn_scale(extent(placements))
             return
         self.drawn = stage.drawn_scale(extent_of(getattr(thing, "model", thing)))
 
@@ -194,7 +216,9 @@ class Scene:
             places = places[:, :3, 3]
         places = (places * self.drawn).astype(np.float32)
         segments = np.stack([places[:-1], places[1:]], axis=1)
-        return self.server.scene.add_line_segments(f"/{name}", points=segments, colors=color, thickness=width)
+        return self.server.scene.add_line_segments(
+            f"/{name}", points=segments, colors=color, thickness=width, thickness_units="screen"
+        )
 
     def label(self, name: str, text: str, position: ArrayLike) -> viser.LabelHandle:
         """Writes `text` beside a position, three numbers."""

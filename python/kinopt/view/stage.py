@@ -39,7 +39,7 @@ def furnish(server: viser.ViserServer, up: Up) -> None:
     scene = server.scene
     scene.set_up_direction(up)
     scene.world_axes.visible = False
-    scene.configure_environment_map("studio", environment_intensity=0.55)
+    scene.configure_environment_map("studio", environment_intensity=0.3)
     scene.configure_default_lights(enabled=True, cast_shadow=True)
 
 
@@ -71,7 +71,7 @@ def look_at(server: viser.ViserServer, up: Up, low: Array, high: Array) -> None:
     if up == "+y":
         # A character of glTF looks along +z.
         way = np.array([-way[1], way[2], way[0]])
-    eye = middle + way * radius / np.sin(FIELD_OF_VIEW / 2) * 1.02
+    eye = middle + way * radius / np.sin(FIELD_OF_VIEW / 2) * 1.12
     camera = server.initial_camera
     camera.up = (0.0, 0.0, 1.0) if up == "+z" else (0.0, 1.0, 0.0)
     camera.position = tuple(eye)

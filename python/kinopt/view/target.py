@@ -34,6 +34,8 @@ class Target:
         self.scene = scene
         #: Its name in the scene.
         self.name = name
+        #: How long its arrows are, in the model's unit.
+        self.size = size
         self._heard: list[Moved] = []
         self._grabbed: list[Moved] = []
         self._released: list[Moved] = []
@@ -41,6 +43,8 @@ class Target:
         self._began = -np.inf
         #: Whether a mouse holds it.
         self.held = False
+        #: When the place that is answered now was heard of, or came up on the way there, `time.perf_counter()`.
+        self.asked = 0.0
         position, wxyz = self._shown(placement)
         self._gizmo = scene.server.scene.add_transform_controls(
             f"/{name}",
@@ -54,9 +58,10 @@ class Target:
 
         @self._gizmo.on_update
         async def _(event: viser.TransformControlsEvent) -> None:
+            arrived = time.perf_counter()
             place = matrix_of(event.target.wxyz, event.target.position / scene.drawn)
             phase = event.phase
-            scene.loop.post(lambda: self._hear(place, phase))
+            scene.loop.post(lambda: self._hear(place, phase, arrived))
 
     @property
     def placement(self) -> Array:
@@ -112,8 +117,10 @@ class Target:
     def _shown(self, placement: Array) -> tuple[Any, Any]:
         return placement[:3, 3] * self.scene.drawn, wxyz_of(placement[None, :3, :3])[0]
 
-    def _hear(self, placement: Array, phase: str) -> None:
+    def _hear(self, placement: Array, phase: str, arrived: float | None = None) -> None:
         """A message of the page's, on the loop's thread."""
+        if arrived is not None:
+            self.asked = arrived
         self.held = phase != "end"
         if phase == "start":
             for grabbed in list(self._grabbed):
@@ -122,13 +129,18 @@ class Target:
         now = time.perf_counter()
         self._from, self._to = self._now, placement
         self._began = -np.inf if phase == "end" else now
-        if self._glide(now):
+        if self._go_on(now):
             self.scene.loop.tick(self._glide)
         if phase == "end":
             for released in list(self._released):
                 released(self._now)
 
     def _glide(self, now: float) -> bool:
+        """One more frame on the way."""
+        self.asked = now
+        return self._go_on(now)
+
+    def _go_on(self, now: float) -> bool:
         """Goes on towards the last place heard of; whether there is more to go."""
         from .loop import FRAME
 

@@ -1,0 +1,56 @@
+"""`python -m kinopt.view MODEL`: a page on which a robot or a character is dragged."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import webbrowser
+from collections.abc import Sequence
+
+import kinopt
+
+from .opening import SUPPORTED, open_page
+from .stage import Up
+
+#: The ways up by what is typed.
+UPS: dict[str | None, Up] = {"y": "+y", "z": "+z"}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Opens the page and serves it until Ctrl-C; 1 where the model cannot be read."""
+    parser = argparse.ArgumentParser(prog="python -m kinopt.view", description=__doc__)
+    parser.add_argument("model", metavar="MODEL", help=SUPPORTED)
+    parser.add_argument("--host", default="127.0.0.1", help="who may look: 0.0.0.0 lets other machines in")
+    parser.add_argument("--port", type=int, default=8080, help="the first port to try")
+    parser.add_argument(
+        "--package", action="append", default=[], metavar="DIR", help="where packages of meshes are"
+    )
+    parser.add_argument("--capsules", action="store_true", help="draw no meshes but capsules")
+    parser.add_argument(
+        "--up", choices=("y", "z"), help="the way up; z for robots and rigs, y for scenes and captures"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="print the address and open no browser")
+    options = parser.parse_args(arguments)
+    try:
+        page = open_page(
+            options.model,
+            host=options.host,
+            port=options.port,
+            packages=options.package,
+            capsules=options.capsules,
+            up=UPS.get(options.up),
+        )
+    except kinopt.KinoptError as error:
+        print(error, file=sys.stderr)
+        return 1
+    for note in page.notes:
+        print(note, file=sys.stderr)
+    print(f"{page.scene.url}  (Ctrl-C ends it)", flush=True)
+    if not options.no_browser:
+        webbrowser.open(page.scene.url)
+    page.scene.wait()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,192 @@
+"""Characters from files of animation: glTF scenes and motion capture, played and dragged."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import look
+from .body import Clip, Piece
+from .figure import Figure
+from .look import Color
+from .mesh_on_bones import MeshOnBones
+from .skin import bone_skin
+from .solids import Solid
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+Array = NDArray[np.float64]
+
+#: So many moments of each clip are looked at for bones that scale.
+MOMENTS = 24
+#: Colours of a scene's meshes in turn.
+COLORS: tuple[Color, ...] = (look.SKIN, (150, 160, 172), (120, 140, 160), (190, 150, 120))
+
+
+class AnimatedBody(Figure):
+    """A glTF scene or a capture. It plays its clips, and is dragged from wherever a clip has it.
+
+    Its angles count from the pose that a clip brought it to; all are zero there. The bones that turn are
+    those with channels of a capture, the joints of a scene's skins, or all where nothing is said.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        thing: Any,
+        name: str,
+        at: Array,
+        *,
+        color: Color | None = None,
+        opacity: float | None = None,
+    ) -> None:
+        """As `Scene.add`; `thing` is a `kinopt.Scene` or a `kinopt.MotionCapture`."""
+        #: The file's bones.
+        self.armature: Any = thing.armature
+        self._turning = turning_bones(thing)
+        self._limits = np.zeros((self.armature.bones, 3, 2))
+        self._limits[sorted(self._turning)] = [-np.inf, np.inf]
+        self._pose = self.armature.rest
+        super().__init__(scene, self._skeleton_in(self._pose, name), name, at)
+        bones = self.armature.names
+        self._bone_of_frame = {
+            frame: bones.index(self.skeleton.bone_of_frame(frame)[0]) for frame in self.frame_names
+        }
+        self._clips: list[Clip] = [Played(self, clip) for clip in clips_of(thing)]
+        self._meshes = self._made(thing, color, opacity)
+        self.missing += [note for mesh in self._meshes for note in mesh.notes]
+        self.show_pose(self._pose)
+
+    def _skeleton_in(self, pose: Any, name: str) -> Any:
+        return self.armature.at_rest_in(pose).skeleton(name, self._limits)
+
+    def _made(self, thing: Any, color: Color | None, opacity: float | None) -> list[MeshOnBones]:
+        poses = [self.armature.local_to_model(self._pose)[None]]
+        for clip in clips_of(thing):
+            start, end = clip.span
+            poses.append(self.armature.local_to_model(clip.sample(np.linspace(0.0, end - start, MOMENTS))))
+        moments = np.concatenate(poses).astype(float)
+        meshes = list(getattr(thing, "meshes", []))
+        made = []
+        for i, mesh in enumerate(meshes):
+            own = color or COLORS[i % len(COLORS)]
+            made.append(MeshOnBones.of_scene(self, f"{self.name}/{i}", mesh, moments, own, opacity))
+        if not meshes:
+            bones = np.arange(self.armature.bones)
+            rest = np.asarray(self.armature.rest_from_model, dtype=float)
+            skin = bone_skin(self.skeleton)
+            own = color or look.BONE
+            made.append(MeshOnBones(self, f"{self.name}/bones", skin, bones, rest, moments, own, opacity))
+        return made
+
+    # Where it stands.
+
+    def show_pose(self, pose: Any) -> None:
+        """Brings it to a pose of its armature; angles count from there."""
+        self._pose = pose
+        self._from_here = np.asarray(self.armature.local_to_model(pose), dtype=float)
+        self._model_from_bone = self._from_here
+        self._q = np.zeros(len(self._q))
+        self._stale = True
+        self._show()
+
+    def standing(self) -> None:
+        """Has the skeleton be at rest where the figure stands."""
+        if self._stale:
+            self.skeleton = self.thing = self._skeleton_in(self._pose, self.name)
+            self.model = self.skeleton.model
+            self._stale = False
+
+    def _place(self, q: Array) -> None:
+        self.standing()
+        moved: Array = self.skeleton.skinning_transforms(q)
+        self._q = q
+        self._model_from_bone = moved @ self._from_here
+        self._show()
+
+    def _draw(self, q: Array, world_from_frames: Array) -> None:
+        self._show()
+
+    def _show(self) -> None:
+        world_from_bone = self.at @ self._model_from_bone
+        for mesh in self._meshes:
+            mesh.move(world_from_bone, self._pose)
+
+    def frame(self, name: str) -> Array:
+        """Where a frame stands now: world_from_frame, shape (4, 4). An unknown name is an `UnknownNameError`."""
+        if name not in self._bone_of_frame:
+            return super().frame(name)
+        place: Array = self.at @ self._model_from_bone[self._bone_of_frame[name]]
+        place[:3, :3] /= np.linalg.norm(place[:3, :3], axis=0)
+        return place
+
+    def size(self) -> float:
+        """The longest way between its bones as it stands, in the model's unit."""
+        return look.extent(self._model_from_bone)
+
+    # What it is made of.
+
+    def pieces(self) -> list[Piece]:
+        """Its meshes as they stand now, in the world, with all influences of each vertex."""
+        world_from_bone = self.at @ self._model_from_bone
+        return [
+            Piece(mesh.name, Solid(mesh.posed(world_from_bone, self._pose), mesh.skin.triangles), mesh.color)
+            for mesh in self._meshes
+        ]
+
+    def remove(self) -> None:
+        """Takes it out of the scene."""
+        for mesh in self._meshes:
+            mesh.remove()
+        self.scene.forget(self)
+
+    @property
+    def tips(self) -> list[str]:
+        """Where its limbs end: what the last bones that turn carry, or where those stand."""
+        parents, names = self.armature.parents.tolist(), self.armature.names
+        leads_on = {parents[bone] for bone in self._turning}
+        ends = []
+        for bone in sorted(self._turning - leads_on):
+            carried = [other for other, parent in enumerate(parents) if parent == bone]
+            ends.append(self.skeleton.tail(names[carried[0] if carried else bone]))
+        return ends
+
+    @property
+    def clips(self) -> list[Clip]:
+        """The file's clips."""
+        return self._clips
+
+
+class Played:
+    """A clip on a time line."""
+
+    def __init__(self, body: AnimatedBody, clip: Any) -> None:
+        self._body, self._clip = body, clip
+        self.name: str = clip.name or "clip"
+        start, end = clip.span
+        self.span = (float(start), float(end))
+
+    def show(self, seconds: float) -> None:
+        """Moves the figure to where the clip has it then."""
+        self._body.show_pose(self._clip.sample(seconds - self.span[0]))
+
+
+def clips_of(thing: Any) -> list[Any]:
+    """The clips of a scene, or the motion of a capture."""
+    return list(thing.clips) if hasattr(thing, "clips") else [thing.clip]
+
+
+def turning_bones(thing: Any) -> set[int]:
+    """The bones that may turn, by their places in the armature."""
+    names = thing.armature.names
+    turning: set[int] = set()
+    for mesh in getattr(thing, "meshes", []):
+        if mesh.skin is not None:
+            turning.update(names.index(joint) for joint in mesh.skin.joints)
+    for bone, channels in enumerate(getattr(thing, "channels", [])):
+        if any("rotation" in channel for channel in channels):
+            turning.add(bone)
+    return turning or set(range(len(names)))

@@ -1,0 +1,96 @@
+"""Rigs and skeletons: a skinned mesh, or bodies for bones without one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import look
+from .body import Body, Clip, Piece
+from .figure import Figure
+from .look import Color
+from .skin import Skin, SkinOnPage, bone_skin, nearest_bones
+from .solids import Solid
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class CharacterBody(Figure):
+    """A rig or a skeleton in a scene: its mesh if it has one, or its bones. Assigning `q` moves it.
+
+    The page blends four influences a vertex, linearly: `cut` is the most of a vertex's weight that this
+    leaves out. What is saved has all of them.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        thing: Any,
+        name: str,
+        at: Array,
+        *,
+        color: Color | None = None,
+        opacity: float | None = None,
+    ) -> None:
+        """As `Scene.add`."""
+        super().__init__(scene, thing, name, at)
+        mesh, weights = getattr(thing, "mesh", None), getattr(thing, "weights", None)
+        if mesh is None:
+            self._skin = bone_skin(self.skeleton)
+        else:
+            places = np.asarray(mesh.positions, dtype=float)
+            table = nearest_bones(self.skeleton, places) if weights is None else weights.to_table()
+            self._skin = Skin(places, mesh.triangles, table)
+        self._color = color or (look.BONE if mesh is None else look.SKIN)
+        self._shown = SkinOnPage(scene, name, self._skin, self._color, opacity=opacity)
+        self.cut = self._shown.cut
+        if self.cut > 0.0:
+            self.missing.append(
+                f"drawn with four bones a vertex: up to {self.cut:.0%} of a vertex's weight is left out "
+                "(not of what is saved)"
+            )
+        self._place(self._q)
+
+    def _draw(self, q: Array, world_from_frames: Array) -> None:
+        self._shown.move(self.at @ self.skeleton.skinning_transforms(q))
+
+    def pieces(self) -> list[Piece]:
+        """Its mesh as it stands now, in the world, with all influences of each vertex."""
+        posed = self._skin.posed(self.skeleton.skinning_transforms(self._q))
+        return [Piece(self.name, Solid(posed, self._skin.triangles).moved(self.at), self._color)]
+
+    def remove(self) -> None:
+        """Takes it out of the scene."""
+        self._shown.remove()
+        self.scene.forget(self)
+
+    @property
+    def pinned_first(self) -> list[str]:
+        """The tips that its file pins."""
+        return [self.skeleton.tip(bone) for bone in getattr(self.thing, "constrained", [])]
+
+    @property
+    def clips(self) -> list[Clip]:
+        """The rig's keyframes."""
+        clip = getattr(self.thing, "clip", None)
+        return [] if clip is None or clip.is_empty else [Keyframes(self, clip)]
+
+
+class Keyframes:
+    """A rig's keyframes on a time line."""
+
+    name = "keyframes"
+
+    def __init__(self, body: Body, clip: Any) -> None:
+        self._body, self._clip = body, clip
+        self.span: tuple[float, float] = clip.time_span
+
+    def show(self, seconds: float) -> None:
+        """Moves the rig to where its keys have it then."""
+        q = np.asarray(self._clip.sample(seconds), dtype=float).reshape(-1)
+        self._body.q = np.clip(q, self._body.model.lower, self._body.model.upper)

@@ -1,0 +1,85 @@
+"""What rigs, skeletons, scenes and captures have in common: bones, limbs, and what stays while one is dragged."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import kinopt
+from kinopt import tasks
+
+from .body import Body
+from .holding import Holding
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+Array = NDArray[np.float64]
+
+#: How far a back may bend while a limb is dragged, all its bones together, radians.
+BENDS_OF_A_BACK = 0.7
+#: How much more a back keeps to its posture than limbs do.
+STIFF = 5.0
+
+
+class Figure(Body):
+    """A body of bones."""
+
+    can_hold = True
+
+    def __init__(self, scene: Scene, thing: Any, name: str, at: Array) -> None:
+        super().__init__(scene, thing, name, at)
+        #: The bones.
+        self.skeleton: Any = getattr(thing, "skeleton", thing)
+        self._bone_of = {j: bone for bone in self.skeleton.bone_names for j in self.skeleton.joints(bone)}
+
+    @property
+    def tips(self) -> list[str]:
+        """The tips of its limbs."""
+        return list(self.skeleton.tips)
+
+    def group(self, joint: str) -> str:
+        """The bone that a joint belongs to."""
+        return str(self._bone_of.get(joint, self.name))
+
+    def short(self, joint: str) -> str:
+        """Which of its bone's angles a joint is."""
+        bone = self.group(joint)
+        joints = self.skeleton.joints(bone) if joint in self._bone_of else []
+        return ("twist", "bend", "second twist")[joints.index(joint)] if joint in joints else joint
+
+    def holding(self, dragged: list[str], q: Array, reference: Array | None) -> Holding:
+        """The trunk stays, the back hardly bends, and the ends of other limbs stay where they are.
+
+        With a `reference` posture the back keeps to it more than limbs do.
+        """
+        bones = [self.skeleton.bone_of_frame(frame)[0] for frame in dragged]
+        holds = self.skeleton.holds(bones)
+        at = dict(zip(self.model.joint_names, q.tolist(), strict=True))
+        lock = {joint: at[joint] for bone in holds["trunk"] for joint in self.skeleton.joints(bone)}
+        bend = BENDS_OF_A_BACK / max(len(holds["back"]), 1)
+        narrow = {
+            joint: (at[joint] - far, at[joint] + far)
+            for bone in holds["back"]
+            # Both twists turn the same way where a bone is straight.
+            for joint, far in zip(self.skeleton.joints(bone), (bend / 2, bend, bend / 2), strict=True)
+        }
+        ends = [self.skeleton.tip(bone) for bone in holds["ends"]]
+        kept = [
+            tasks.Point(end, kinopt.frame_placement(self.model, end, q)[:3, 3], name=f"hold {end}")
+            for end in ends
+            if end not in dragged
+        ]
+        held = Holding(kept, kinopt.ParameterMap(self.thing, lock=lock, narrow=narrow))
+        if reference is not None:
+            back = {joint for bone in holds["back"] for joint in self.skeleton.joints(bone)}
+            wanted = dict(zip(self.model.joint_names, reference.tolist(), strict=True))
+            stiff = {joint: value for joint, value in wanted.items() if joint in back}
+            loose = {joint: value for joint, value in wanted.items() if joint not in back}
+            for name, some, times in (("posture", loose, 1.0), ("posture of the back", stiff, STIFF)):
+                if some:
+                    held.tasks.append(tasks.Posture(some, name=name, times=times))
+            held.has_posture = True
+        return held

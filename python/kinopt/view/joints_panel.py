@@ -1,0 +1,92 @@
+"""A slider a joint, from limit to limit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import kinopt
+
+if TYPE_CHECKING:
+    from .page import Page
+
+#: More joints than this are grouped, and their groups closed.
+MANY = 16
+#: How far a joint without limits is moved either way: radians, or shares of the model's size.
+FREE = float(np.pi)
+#: Places of a slider.
+PLACES = 1000
+
+
+class JointsPanel:
+    """Sliders of the joints that move and follow no other."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        model, thing = page.body.model, page.body.thing
+        followers = thing.mimics if isinstance(thing, kinopt.Robot) else {}
+        kinds = {joint.name: joint.kind for joint in model.joints}
+        own = [
+            (index, name)
+            for index, name in enumerate(model.joint_names)
+            if name not in followers and model.lower[index] < model.upper[index]
+        ]
+        self._sliders: dict[int, Any] = {}
+        gui = page.scene.server.gui
+        size = page.body.size()
+        with gui.add_folder("Joints", expand_by_default=len(own) <= MANY):
+            self._buttons = gui.add_button_group("", ("Rest", "Random"))
+            groups: dict[str, list[tuple[int, str]]] = {}
+            for index, name in own:
+                groups.setdefault(page.body.group(name) if len(own) > MANY else "", []).append((index, name))
+            for group, joints in groups.items():
+                if not group:
+                    self._add(joints, kinds, size)
+                    continue
+                with gui.add_folder(group, expand_by_default=False):
+                    self._add(joints, kinds, size)
+
+        @self._buttons.on_click
+        def _(event: Any) -> None:
+            rest = self._buttons.value == "Rest"
+            page.scene.loop.post(self._rest if rest else self._random)
+
+    def _add(self, joints: list[tuple[int, str]], kinds: dict[str, str], size: float) -> None:
+        page, model = self._page, self._page.body.model
+        for index, name in joints:
+            far = FREE if kinds[name] in ("revolute", "continuous") else size
+            lower = float(np.nan_to_num(model.lower[index], neginf=-far))
+            upper = float(np.nan_to_num(model.upper[index], posinf=far))
+            step = max((upper - lower) / PLACES, 1e-9)
+            value = float(np.clip(page.body.q[index], lower, upper))
+            slider = page.scene.server.gui.add_slider(page.body.short(name), lower, upper, step, value)
+            self._sliders[index] = slider
+            self._listen(slider, index, name)
+
+    def _listen(self, slider: Any, index: int, name: str) -> None:
+        page, model = self._page, self._page.body.model
+        lower, upper = float(model.lower[index]), float(model.upper[index])
+
+        def moved(event: Any) -> None:
+            if event.client is not None:
+                value = min(max(float(slider.value), lower), upper)
+                page.scene.loop.post(lambda: page.set_joint(name, value))
+
+        slider.on_update(moved)
+
+    def show(self) -> None:
+        """Has the sliders agree with the body."""
+        q = self._page.body.q
+        for index, slider in self._sliders.items():
+            value = float(min(max(q[index], slider.min), slider.max))
+            if abs(slider.value - value) > 0.5 * slider.step:
+                slider.value = value
+
+    def _rest(self) -> None:
+        self._page.stand_at(self._page.body.model.neutral())
+
+    def _random(self) -> None:
+        thing = self._page.body.thing
+        draw = thing if isinstance(thing, kinopt.Robot) else self._page.body.model
+        self._page.stand_at(draw.random_configuration(np.random.default_rng()))

@@ -1,0 +1,133 @@
+"""A mesh of a scene on the page: its bones' transforms travel, or its vertices where those are not enough."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .look import Color
+from .skin import Skin, SkinOnPage
+
+if TYPE_CHECKING:
+    from .body import Body
+
+Array = NDArray[np.float64]
+
+#: Scales that differ by less, as a share, count as the same.
+STEADY = 2e-3
+
+
+class MeshOnBones:
+    """A mesh that follows joints of an armature.
+
+    The page's bones turn and move and do not scale. Where all joints scale the mesh by one number all the
+    time, that number goes into the mesh once. Meshes whose joints scale otherwise, or that change their
+    shape by morph targets, send their vertices.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        name: str,
+        skin: Skin,
+        joints: Array,
+        joint_from_mesh: Array,
+        moments: Array,
+        color: Color,
+        opacity: float | None = None,
+        morphs: tuple[Any, int] | None = None,
+    ) -> None:
+        """`joints` are places of bones in the armature, `moments` model_from_bone at times, (N, bones, 4, 4)."""
+        self.name, self.skin, self.color = name, skin, color
+        self._joints, self._joint_from_mesh, self._morphs = joints, joint_from_mesh, morphs
+        self._drawn = body.scene.drawn
+        #: What is drawn otherwise than the file has it, one line each.
+        self.notes: list[str] = []
+        scale = None if morphs else steady_scale(moments[:, joints] @ joint_from_mesh)
+        self._scale = 1.0 if scale is None else scale
+        self._by_bones: SkinOnPage | None = None
+        if scale is not None:
+            scaled = Skin(skin.vertices * scale, skin.triangles, skin.weights)
+            self._by_bones = SkinOnPage(body.scene, name, scaled, color, opacity=opacity)
+            if self._by_bones.cut > 0.0:
+                cut = f"{self._by_bones.cut:.0%} of a vertex's weight"
+                self.notes.append(f"{name} is drawn with four bones a vertex: up to {cut} is left out")
+            return
+        self.notes.append(f"{name} scales or changes its shape: its vertices travel instead of its bones")
+        self._by_vertices = body.scene.server.scene.add_mesh_simple(
+            f"/{name}",
+            vertices=(skin.vertices * self._drawn).astype(np.float32),
+            faces=skin.triangles,
+            color=color,
+            opacity=opacity,
+        )
+
+    @classmethod
+    def of_scene(
+        cls, body: Any, name: str, mesh: Any, moments: Array, color: Color, opacity: float | None
+    ) -> MeshOnBones:
+        """A mesh of a glTF scene."""
+        names = body.armature.names
+        triangles = mesh.mesh.triangles
+        vertices = np.asarray(mesh.mesh.positions, dtype=float)
+        if mesh.skin is None:
+            joints, joint_from_mesh = np.array([names.index(mesh.bone)]), np.eye(4)[None]
+            weights = np.ones((len(vertices), 1))
+        else:
+            joints = np.array([names.index(joint) for joint in mesh.skin.joints])
+            joint_from_mesh = np.asarray(mesh.skin.joint_from_mesh, dtype=float)
+            weights = mesh.skin.weights.to_table()
+        targets = mesh.morph_targets
+        morphs = (targets, mesh.first_morph_weight) if targets.names else None
+        skin = (
+            welded(Skin(vertices, triangles, weights))
+            if morphs is None
+            else Skin(vertices, triangles, weights)
+        )
+        return cls(body, name, skin, joints, joint_from_mesh, moments, color, opacity, morphs)
+
+    def move(self, world_from_bone: Array, pose: Any) -> None:
+        """Moves it with the armature's bones, shape (bones, 4, 4)."""
+        if self._by_bones is not None:
+            transforms = world_from_bone[self._joints] @ self._joint_from_mesh
+            transforms[:, :3, :3] /= self._scale
+            self._by_bones.move(transforms)
+            return
+        vertices = self.posed(world_from_bone, pose) * self._drawn
+        self._by_vertices.vertices = vertices.astype(np.float32)
+
+    def posed(self, world_from_bone: Array, pose: Any) -> Array:
+        """Its vertices in the world, shape (V, 3), with all influences and morph targets."""
+        transforms = world_from_bone[self._joints] @ self._joint_from_mesh
+        if self._morphs is None:
+            return self.skin.posed(transforms)
+        targets, first = self._morphs
+        vertices = self.skin.vertices.copy()
+        for target, weight in zip(targets.targets, pose.morph_weights[first:], strict=False):
+            vertices[target.vertices] += float(weight) * np.asarray(target.position_deltas, dtype=float)
+        return Skin(vertices, self.skin.triangles, self.skin.weights).posed(transforms)
+
+    def remove(self) -> None:
+        """Takes it off the page."""
+        (self._by_bones or self._by_vertices).remove()
+
+
+def steady_scale(transforms: Array) -> float | None:
+    """The one number by which all transforms, shape (..., 4, 4), scale; None where there is none."""
+    linear = transforms[..., :3, :3]
+    squares = np.swapaxes(linear, -1, -2) @ linear
+    square = float(np.trace(squares, axis1=-2, axis2=-1).mean()) / 3.0
+    if square <= 0.0 or np.abs(squares / square - np.eye(3)).max() > 2.0 * STEADY:
+        return None
+    # A page's bone cannot mirror.
+    return float(np.sqrt(square)) if (np.linalg.det(linear) > 0.0).all() else None
+
+
+def welded(skin: Skin) -> Skin:
+    """The same skin with vertices at one place, with one set of weights, made one: normals become smooth."""
+    keys = np.concatenate([np.round(skin.vertices, 9), np.round(skin.weights, 6)], axis=1)
+    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    triangles = inverse.reshape(-1)[skin.triangles].astype(np.uint32)
+    return Skin(skin.vertices[first], triangles, skin.weights[first])

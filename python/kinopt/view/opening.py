@@ -1,0 +1,133 @@
+"""A page for whatever file a model comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import kinopt
+
+from .look import extent
+from .page import Page
+from .scene import Scene
+from .stage import Up
+
+#: Ranges from here on have no middle worth speaking of, radians.
+FULL_TURN = 5.9
+#: An arm whose tool moves this much less easily one way than another is stretched.
+STRETCHED = 0.03
+#: How far joints are bent from a stretched pose, radians at most.
+BEND = 1.2
+#: What files there are pages for.
+SUPPORTED = ".urdf (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)"
+
+
+@dataclass
+class Opened:
+    """A model that was read, and how it is shown."""
+
+    thing: Any
+    up: Up = "+z"
+    #: Whether targets ask for an orientation at first.
+    turns: bool = False
+    #: Lengths and angles within which targets count as reached at first.
+    tolerance: float = 1e-6
+    #: What reading did without or mended, one line each.
+    notes: list[str] = field(default_factory=list)
+
+
+def open_model(path: str | Path) -> Opened:
+    """Reads a model, told apart by its file's extension.
+
+    A URDF that is not in order is mended where that can be done in one way, which the notes tell. Raises
+    `FileError` where it cannot be read, `InvalidFileError` for what it says, `InvalidValueError` for files
+    of other kinds.
+    """
+    path = Path(path)
+    match path.suffix.lower():
+        case ".urdf":
+            try:
+                robot = kinopt.Robot.from_urdf(path)
+            except kinopt.InvalidFileError:
+                robot = kinopt.Robot.from_urdf(path, lenient=True)
+            return Opened(robot, turns=True, notes=list(robot.repairs))
+        case ".json":
+            rig = kinopt.Rig.read(path)
+            return Opened(rig, tolerance=_below(rig.skeleton.size), notes=list(rig.notes))
+        case ".glb" | ".gltf":
+            scene = kinopt.Scene.read(path)
+            return Opened(scene, "+y", tolerance=_below(_extent(scene.armature)), notes=list(scene.notes))
+        case ".bvh":
+            capture = kinopt.MotionCapture.read(path)
+            return Opened(
+                capture, "+y", tolerance=_below(_extent(capture.armature)), notes=list(capture.notes)
+            )
+    raise kinopt.InvalidValueError(f"{path}: there are pages for {SUPPORTED}")
+
+
+def opening_pose(robot: Any) -> Any:
+    """A pose to begin in: an arm in the middle of its ranges, bent where it would be stretched; others at rest.
+
+    At full stretch, where many files have all zeros, an arm cannot be pushed back.
+    """
+    model, tips = robot.model, robot.tips
+    rest = model.neutral()
+    arms = [robot.chain(robot.frame_names[0], tip) for tip in tips[:1]]
+    followed = set(robot.mimics) | {joint for tip in tips for joint in robot.chain(robot.frame_names[0], tip)}
+    if not arms or len(arms[0]) < 3 or len(followed - set(arms[0])) > 2:
+        return rest
+    ranges = model.upper - model.lower
+    narrow = np.isfinite(ranges) & (ranges < FULL_TURN)
+    middle = np.where(narrow, (np.nan_to_num(model.lower) + np.nan_to_num(model.upper)) / 2, rest)
+    jacobian = kinopt.Jacobian(robot, [tips[0]])
+
+    def dexterity(q: Any) -> float:
+        values = np.linalg.svd(jacobian.at(q), compute_uv=False)
+        return float(values[-1] / values[0])
+
+    if dexterity(middle) > STRETCHED:
+        return middle
+    far = np.where(np.isfinite(ranges), np.minimum(ranges / 2, BEND), BEND)
+    random = np.random.default_rng(0).uniform(-1.0, 1.0, (200, len(middle)))
+    bent = np.clip(middle + random * far, model.lower, model.upper)
+    return max(bent, key=dexterity)
+
+
+def _extent(armature: Any) -> float:
+    return extent(np.asarray(armature.local_to_model(armature.rest), dtype=float))
+
+
+def _below(size: float) -> float:
+    """A millionth of a size as a power of ten, from 1e-9 to 1e-2."""
+    import math
+
+    return 10.0 ** min(max(math.floor(math.log10(max(size, 1e-12))) - 6, -9), -2)
+
+
+def open_page(
+    path: str | Path,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    packages: Iterable[str | Path] = (),
+    capsules: bool = False,
+    up: Up | None = None,
+) -> Page:
+    """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model`."""
+    path = Path(path)
+    opened = open_model(path)
+    scene = Scene(host=host, port=port, up=up or opened.up, title=path.name)
+    body = scene.add(
+        opened.thing,
+        style="capsules" if capsules else "auto",
+        beside=path.resolve().parent,
+        packages=packages,
+    )
+    if isinstance(opened.thing, kinopt.Robot):
+        body.q = opening_pose(opened.thing)
+        scene.frame_all()
+    return Page(scene, body, turns=opened.turns, tolerance=opened.tolerance, notes=opened.notes)

@@ -1,0 +1,252 @@
+"""How a body is posed for the targets on the page: which solver, what is held, what is preferred."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import kinopt
+from kinopt import tasks
+
+from .transforms import inverse
+
+if TYPE_CHECKING:
+    from .body import Body
+
+Array = NDArray[np.float64]
+
+#: Follows the mouse without leaps: an arm's follower, or a drag for everything else.
+FOLLOW = "follow the mouse"
+#: Searches of an arm alone, anew for each place.
+ARM_SEARCHES = {
+    "arm: next to where it stands": "start",
+    "arm: nearest": "nearest",
+    "arm: first found": "first",
+}
+#: Methods for any problem, anew for each place.
+GEOMETRIC = ("ccd", "fabrik")
+METHODS = ("levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd", "fabrik")
+#: A body whose joints move less in a frame rests, radians or metres.
+STILL = 1e-6
+#: What a body leans to in what its targets leave free.
+POSTURES = ("as it was grabbed", "rest", "none")
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What one frame should do: stand at `placement` (world_from_frame), turned so too if it `turns`."""
+
+    frame: str
+    placement: Array
+    turns: bool
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What a person chooses on the page."""
+
+    solver: str = FOLLOW
+    #: Metres (a rig's own unit for rigs) and radians within which a target counts as reached.
+    tolerance: float = 1e-6
+    posture: str = POSTURES[0]
+    #: Whether what is not dragged of a character stays where it is.
+    holds: bool = True
+
+
+@dataclass
+class Answer:
+    """Where the body stands now, and the truth about its targets."""
+
+    q: Array
+    solution: Any
+    #: Seconds that the solver took.
+    seconds: float
+    #: Whether the body goes on though its targets rest.
+    goes_on: bool
+    #: A leap to another branch, in words; none but where searches are chosen.
+    leap: str | None = None
+
+
+class Posing:
+    """Solves for goals that move, from where the body stands.
+
+    Whatever is asked twice is stated once: an arm, a problem, a drag are kept until the goals are others,
+    or a choice is.
+    """
+
+    def __init__(self, body: Body) -> None:
+        self.body = body
+        self.choices = Choices()
+        #: Holds of a character by what is dragged: frames that stay, bones that do.
+        self._engine: _Engine | None = None
+        self._stated: tuple[Any, ...] = ()
+
+    def choose(self, **choices: Any) -> None:
+        """Changes choices by name."""
+        self.choices = replace(self.choices, **choices)
+        self.state_anew()
+
+    def state_anew(self) -> None:
+        """The next solve states its problem anew, from where the body stands then."""
+        self._engine = None
+
+    def solvers(self) -> list[str]:
+        """Names of the solvers that there are for this body."""
+        arms = list(ARM_SEARCHES) if isinstance(self.body.thing, kinopt.Robot) else []
+        return [FOLLOW, *arms, *METHODS]
+
+    def solve(self, goals: list[Goal]) -> Answer | None:
+        """One frame: the body's next configuration for these goals; None where there are none."""
+        if not goals:
+            return None
+        stated = (self.choices, tuple((goal.frame, goal.turns) for goal in goals))
+        if self._engine is None or stated != self._stated:
+            self._engine = self._state(goals)
+            self._stated = stated
+        before = time.perf_counter()
+        answer = self._engine.advance({goal.frame: self._target(goal) for goal in goals}, self.body.q)
+        answer.seconds = time.perf_counter() - before
+        return answer
+
+    def with_joint(self, joint: str, value: float, goals: list[Goal]) -> Answer:
+        """The body with one joint at a value, and the goals met by the others as far as they can."""
+        self.body.standing()
+        q = self.body.q
+        moving = self.body.model.joint_names
+        q[moving.index(joint)] = value
+        follows = kinopt.ParameterMap(self.body.thing)
+        q = follows.expand(follows.reduce(q))
+        self.state_anew()
+        if not goals:
+            return Answer(q, None, 0.0, False)
+        before = time.perf_counter()
+        held = kinopt.ParameterMap(self.body.thing, lock={joint: float(q[moving.index(joint)])})
+        problem = kinopt.Problem(
+            self.body.thing, self._tasks(goals), parameters=held, tolerance=self.choices.tolerance
+        )
+        targets = {goal.frame: self._target(goal) for goal in goals}
+        solution = kinopt.Drag(problem, q, max_move=np.inf).follow(targets, frames=20)
+        return Answer(solution.q, solution, time.perf_counter() - before, False)
+
+    def _target(self, goal: Goal) -> Array:
+        place = inverse(self.body.at) @ goal.placement
+        return place if goal.turns else place[:3, 3]
+
+    def _tasks(self, goals: list[Goal]) -> list[Any]:
+        made = []
+        for goal in goals:
+            kind = tasks.Pose if goal.turns else tasks.Point
+            made.append(kind(goal.frame, self._target(goal), name=goal.frame))
+        return made
+
+    def _reference(self) -> Array | None:
+        match self.choices.posture:
+            case "rest":
+                rest: Array = self.body.model.neutral()
+                return rest
+            case "none":
+                return None
+        return self.body.q
+
+    def _state(self, goals: list[Goal]) -> _Engine:
+        self.body.standing()
+        choices, thing = self.choices, self.body.thing
+        alone = len(goals) == 1 and isinstance(thing, kinopt.Robot)
+        if alone and choices.solver in (FOLLOW, *ARM_SEARCHES):
+            arm = self._arm(goals[0])
+            if arm is not None:
+                search = choices.solver != FOLLOW
+                return _ArmEngine(arm, goals[0], self.body.q, search)
+        made = self._tasks(goals)
+        reference = self._reference()
+        parameters = None
+        holding = None
+        if choices.holds:
+            holding = self.body.holding([goal.frame for goal in goals], self.body.q, reference)
+        if holding is not None:
+            made += holding.tasks
+            parameters = holding.parameters
+        if choices.solver in GEOMETRIC:
+            # They know goals alone.
+            made = [task for task in made if not isinstance(task, tasks.Posture)]
+        elif reference is not None and not (holding and holding.has_posture):
+            made.append(tasks.Posture(reference, name="posture"))
+        problem = kinopt.Problem(thing, made, parameters=parameters, tolerance=choices.tolerance)
+        if choices.solver in METHODS:
+            return _SolverEngine(problem, kinopt.Solver(choices.solver))
+        return _DragEngine(kinopt.Drag(problem, self.body.q))
+
+    def _arm(self, goal: Goal) -> Any:
+        """The arm from the world to a robot's frame; None where nothing moves there."""
+        reference = self._reference()
+        options: dict[str, Any] = {
+            "position_tolerance": self.choices.tolerance,
+            "orientation_tolerance": self.choices.tolerance,
+            "search": ARM_SEARCHES.get(self.choices.solver),
+            "goal": kinopt.Goal.pose() if goal.turns else kinopt.Goal.position(),
+        }
+        try:
+            arm = kinopt.Arm(self.body.thing, None, goal.frame, **options)
+            if reference is not None and self.choices.solver == FOLLOW:
+                options["posture"] = arm.joint_values(reference)
+                arm = kinopt.Arm(self.body.thing, None, goal.frame, **options)
+        except kinopt.KinoptError:
+            return None
+        return arm
+
+
+class _Engine:
+    def advance(self, targets: Mapping[str, Array], q: Array) -> Answer:
+        raise NotImplementedError
+
+
+class _ArmEngine(_Engine):
+    """One tip of a robot, by the arm's own engine."""
+
+    def __init__(self, arm: Any, goal: Goal, q: Array, search: bool) -> None:
+        self._arm, self._turns, self._search = arm, goal.turns, search
+        self._follower = None if search else arm.follower(arm.joint_values(q))
+
+    def advance(self, targets: Mapping[str, Array], q: Array) -> Answer:
+        (target,) = targets.values()
+        if not self._turns:
+            target = np.block([[np.eye(3), target[:, None]], [np.zeros((1, 3)), 1.0]])
+        jump = None
+        if self._follower is None:
+            solution = self._arm.solve(target, self._arm.joint_values(q))
+            leap = None
+        else:
+            solution, jump = self._follower.advance(target)
+            leap = None if jump is None or jump.continuous else f"{jump.joint} leapt by {jump.distance:.2g}"
+        settled = self._arm.configuration(solution.q, q)
+        # A follower that misses comes nearer frame by frame, until it rests.
+        goes_on = self._follower is not None and not solution.reached
+        return Answer(settled, solution, 0.0, goes_on and np.abs(settled - q).max() > STILL, leap)
+
+
+class _SolverEngine(_Engine):
+    """A search for each place anew."""
+
+    def __init__(self, problem: Any, solver: Any) -> None:
+        self._problem, self._solver = problem, solver
+
+    def advance(self, targets: Mapping[str, Array], q: Array) -> Answer:
+        solution = self._solver.solve(self._problem, q, dict(targets))
+        return Answer(solution.q, solution, 0.0, False)
+
+
+class _DragEngine(_Engine):
+    """Follows the mouse without leaps, frame by frame."""
+
+    def __init__(self, drag: Any) -> None:
+        self._drag = drag
+
+    def advance(self, targets: Mapping[str, Array], q: Array) -> Answer:
+        solution = self._drag.advance(dict(targets))
+        goes_on = self._drag.catching_up or not (solution.reached or self._drag.rests)
+        return Answer(solution.q, solution, 0.0, goes_on)

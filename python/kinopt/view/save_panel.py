@@ -1,0 +1,26 @@
+"""Buttons that save the pose."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .saving import FORMATS, saved
+
+if TYPE_CHECKING:
+    from .page import Page
+
+
+class SavePanel:
+    """Saves the pose to a file of the browser's."""
+
+    def __init__(self, page: Page) -> None:
+        gui = page.scene.server.gui
+        with gui.add_folder("Save the pose"):
+            self._kind = gui.add_button_group("", tuple(kind.upper() for kind in FORMATS))
+
+        @self._kind.on_click
+        def _(event: Any) -> None:
+            kind = str(self._kind.value).lower()
+            data = page.call(lambda: saved(page.body, kind))
+            to = event.client or page.scene.server
+            to.send_file_download(f"{page.body.name}.{kind}", data, save_immediately=True)

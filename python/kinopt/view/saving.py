@@ -1,0 +1,79 @@
+"""A pose as a file: JSON for programs, OBJ and GLB for whatever shows meshes."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .transforms import wxyz_of
+
+if TYPE_CHECKING:
+    from .body import Body
+
+#: What a pose can be saved as.
+FORMATS = ("json", "obj", "glb")
+
+
+def pose_json(body: Body) -> str:
+    """The configuration, by joint, and where the tips stand (metres or the model's unit, w x y z) as JSON.
+
+    The numbers read back are the same to the bit.
+    """
+    frames = {}
+    for name in body.tips:
+        place = body.frame(name)
+        wxyz = wxyz_of(place[None, :3, :3])[0]
+        frames[name] = {"position": place[:3, 3].tolist(), "quaternion": wxyz.tolist()}
+    document = {
+        "model": body.model.name,
+        "q": body.q.tolist(),
+        "joints": dict(zip(body.model.joint_names, body.q.tolist(), strict=True)),
+        "frames": frames,
+    }
+    return json.dumps(document, indent=1)
+
+
+def pose_obj(body: Body) -> str:
+    """The meshes as they stand now, in the world, as Wavefront OBJ with a group for each part."""
+    lines = [f"# {body.model.name}, posed by kinopt"]
+    first = 1
+    for i, piece in enumerate(body.pieces()):
+        lines.append(f"o {piece.name.replace(' ', '_')}_{i}")
+        lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in piece.solid.vertices.tolist()]
+        lines += [f"f {a} {b} {c}" for a, b, c in (piece.solid.triangles.astype(int) + first).tolist()]
+        first += len(piece.solid.vertices)
+    return "\n".join(lines) + "\n"
+
+
+def pose_glb(body: Body) -> bytes:
+    """The meshes as they stand now as binary glTF, with their colours; y is up there, as glTF has it."""
+    import trimesh as meshes
+
+    trimesh: Any = meshes
+
+    scene = trimesh.Scene()
+    for i, piece in enumerate(body.pieces()):
+        material = trimesh.visual.material.PBRMaterial(
+            baseColorFactor=[*piece.color, 255], metallicFactor=0.0, roughnessFactor=0.7
+        )
+        mesh = trimesh.Trimesh(
+            vertices=piece.solid.vertices,
+            faces=piece.solid.triangles.astype(int),
+            visual=trimesh.visual.TextureVisuals(material=material),
+            process=False,
+        )
+        scene.add_geometry(mesh, node_name=f"{piece.name}_{i}", geom_name=f"{piece.name}_{i}")
+    if body.scene.up == "+z":
+        turned = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+        scene.apply_transform(turned)
+    data: bytes = scene.export(file_type="glb")
+    return data
+
+
+def saved(body: Body, kind: str) -> bytes:
+    """The pose in one of `FORMATS`."""
+    if kind == "glb":
+        return pose_glb(body)
+    return (pose_json(body) if kind == "json" else pose_obj(body)).encode()

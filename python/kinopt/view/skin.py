@@ -1,0 +1,136 @@
+"""Skinned meshes on the page: uploaded once, then only their bones' transforms travel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import kinopt
+
+from .look import Color
+from .parts import Parts
+from .solids import Solid, Triangles, capsule_between, joined, sphere
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+Array = NDArray[np.float64]
+
+#: The page blends so many influences a vertex.
+INFLUENCES = 4
+#: How thick a bone without a mesh is, as a share of the figure's size, and of its own length at most.
+BONE_THICKNESS = 0.014
+SLENDER = 0.16
+
+
+@dataclass(frozen=True)
+class Skin:
+    """A mesh at rest and how strongly each bone moves each vertex, shape (V, bones)."""
+
+    vertices: Array
+    triangles: Triangles
+    weights: Array
+
+    def posed(self, skinning_transforms: Array) -> Array:
+        """The vertices, shape (V, 3), by linear blend with all influences; transforms of shape (bones, 4, 4)."""
+        blended = (self.weights @ skinning_transforms[:, :3].reshape(-1, 12)).reshape(-1, 3, 4)
+        posed: Array = np.einsum("vij,vj->vi", blended[:, :, :3], self.vertices) + blended[:, :, 3]
+        return posed
+
+
+class SkinOnPage:
+    """A skin that the page shows. Assigning transforms of its bones moves it."""
+
+    def __init__(self, scene: Scene, name: str, skin: Skin, color: Color, **looks: Any) -> None:
+        weights, self.cut = fewer_influences(skin.weights)
+        self._used = np.nonzero(weights.any(axis=0))[0]
+        count = len(self._used)
+        self._handle = scene.server.scene.add_mesh_skinned(
+            f"/{name}",
+            vertices=(skin.vertices * scene.drawn).astype(np.float32),
+            faces=skin.triangles,
+            # At rest no bone has moved: what travels are the skinning transforms themselves.
+            bone_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+            bone_positions=np.zeros((count, 3)),
+            skin_weights=weights[:, self._used],
+            color=color,
+            **looks,
+        )
+        self._parts = Parts(scene.server, self._handle.bones, scene.drawn)
+
+    def move(self, world_from_rest: Array) -> None:
+        """Skinning transforms, shape (bones, 4, 4): from the model at rest to the world. They may not scale."""
+        self._parts.send(world_from_rest[self._used])
+
+    def remove(self) -> None:
+        """Takes it off the page."""
+        self._handle.remove()
+
+
+def fewer_influences(weights: Array) -> tuple[Array, float]:
+    """Weights of at most four bones a vertex, and the most of a vertex's weight that was cut; rows sum to 1."""
+    count = int(np.count_nonzero(weights, axis=1).max(initial=0))
+    if count <= INFLUENCES:
+        return weights, 0.0
+    whole = kinopt.skinning.SkinWeights.from_table(weights)
+    pruned, _ = whole.pruned(INFLUENCES)
+    kept = np.asarray(pruned.to_table())
+    strongest = np.sort(weights, axis=1)[:, -INFLUENCES:].sum(axis=1)
+    return kept, float((1.0 - strongest / weights.sum(axis=1)).max())
+
+
+def bone_skin(skeleton: Any) -> Skin:
+    """Bodies for bones without a mesh: a slender capsule from where a bone stands to where the next ones do."""
+    bones = skeleton.bones
+    names = {bone.name: i for i, bone in enumerate(bones)}
+    thick = BONE_THICKNESS * skeleton.size
+    ends: list[list[Array]] = [[] for _ in bones]
+    for i, bone in enumerate(bones):
+        if bone.length > 0.0:
+            ends[i].append(bone.rest_tip)
+        if bone.parent is not None:
+            ends[names[bone.parent]].append(bone.rest_tail)
+    solids, owners = [], []
+    for i, bone in enumerate(bones):
+        places: list[Array] = []
+        for end in ends[i]:
+            clear = all(np.linalg.norm(end - other) > 0.1 * thick for other in places)
+            if clear and np.linalg.norm(end - bone.rest_tail) > 0.1 * thick:
+                places.append(end)
+        parts = [_limb(bone.rest_tail, end, thick) for end in places]
+        parts.append(_ball(bone.rest_tail, 1.25 * thick if places else 0.8 * thick))
+        solid = joined(parts)
+        solids.append(solid)
+        owners += [i] * len(solid.vertices)
+    whole = joined(solids)
+    weights = np.zeros((len(whole.vertices), len(bones)))
+    weights[np.arange(len(owners)), owners] = 1.0
+    return Skin(whole.vertices, whole.triangles, weights)
+
+
+def _limb(start: Array, end: Array, thick: float) -> Solid:
+    length = float(np.linalg.norm(end - start))
+    return capsule_between(start, end, min(thick, SLENDER * length))
+
+
+def _ball(place: Array, radius: float) -> Solid:
+    at = np.eye(4)
+    at[:3, 3] = place
+    return sphere(radius).moved(at)
+
+
+def nearest_bones(skeleton: Any, vertices: Array) -> Array:
+    """Weights for a mesh that has none: each vertex goes with the bone it is nearest to."""
+    tails = np.array([bone.rest_tail for bone in skeleton.bones])
+    tips = np.array([bone.rest_tip for bone in skeleton.bones])
+    along = tips - tails
+    lengths = np.maximum(np.einsum("bi,bi->b", along, along), 1e-300)
+    from_tails = vertices[:, None] - tails
+    share = np.clip(np.einsum("vbi,bi->vb", from_tails, along) / lengths, 0.0, 1.0)
+    distances = np.linalg.norm(from_tails - share[:, :, None] * along, axis=2)
+    weights = np.zeros(distances.shape)
+    weights[np.arange(len(vertices)), distances.argmin(axis=1)] = 1.0
+    return weights

@@ -1,0 +1,131 @@
+"""What came of the last solve, in the library's own words, and the miss drawn beside its target."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .page import Page
+
+#: Colours of the bar beside the text, by how it went.
+COLORS = {
+    "": "#9aa5b1",
+    "Reached": "#2f9e60",
+    "On its way": "#d9a514",
+    "Missed": "#d63a3a",
+    "No answer": "#8d5bbd",
+}
+
+
+class StatusPanel:
+    """The text at the top of the panel, and a red line from each missed frame to its target."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        #: What stands there, as plain text.
+        self.text = ""
+        self._shown = page.scene.server.gui.add_html("")
+        self._lines: Any = None
+        #: The distances that are written beside missed targets, by frame.
+        self.marks: dict[str, Any] = {}
+        self.show()
+
+    def show(self) -> None:
+        """Writes what there is to tell now."""
+        head, body, foot = self._words()
+        text = "\n".join(part for part in (head, body, foot) if part)
+        if text != self.text:
+            self.text = text
+            self._shown.content = _html(head, body, foot)
+        self._draw_misses()
+
+    def _words(self) -> tuple[str, str, str]:
+        """How it went, in the library's words, and how long it took."""
+        answer = self._page.answer
+        if self._page.problem:
+            return "No answer", self._page.problem, ""
+        if answer is None or answer.solution is None:
+            return "", "Drag a gizmo, or move a joint.", ""
+        solution = answer.solution
+        head = "Reached" if solution.reached else "On its way" if answer.goes_on else "Missed"
+        body = solution.explain()
+        if answer.leap:
+            body += f"\nA leap: {answer.leap}."
+        return head, body, f"solved in {duration(answer.seconds)}"
+
+    def _draw_misses(self) -> None:
+        """Lines and distances; nothing where all is reached."""
+        page, scene = self._page, self._page.scene
+        missed = {}
+        answer = page.answer
+        if answer is not None and answer.solution is not None and not answer.solution.reached:
+            for goal in page.goals():
+                place, target = page.body.frame(goal.frame)[:3, 3], goal.placement[:3, 3]
+                if np.linalg.norm(place - target) * scene.drawn > 1e-3:
+                    missed[goal.frame] = (place, target)
+        for frame in [frame for frame in self.marks if frame not in missed]:
+            self.marks.pop(frame).remove()
+        if not missed:
+            if self._lines is not None:
+                self._lines.remove()
+                self._lines = None
+            return
+        points = (np.array(list(missed.values())) * scene.drawn).astype(np.float32)
+        if self._lines is None or self._lines.points.shape != points.shape:
+            self._lines = scene.server.scene.add_line_segments(
+                "/missed", points=points, colors=(214, 58, 58), thickness=3.0, thickness_units="screen"
+            )
+        else:
+            self._lines.points = points
+        unit = page.body.unit
+        for frame, (place, target) in missed.items():
+            text = f"{length(float(np.linalg.norm(place - target)), unit)} off"
+            position = (place + target) / 2 * scene.drawn
+            if frame not in self.marks:
+                self.marks[frame] = scene.server.scene.add_label(
+                    f"/miss of {frame}", text, position=position, anchor="bottom-center"
+                )
+            else:
+                self.marks[frame].text = text
+                self.marks[frame].position = position
+
+
+def _html(head: str, body: str, foot: str) -> str:
+    """The text with a bar of its colour beside it."""
+    lines = [escape(line) for line in body.splitlines() if line.strip()]
+    parts = [f'<div style="margin-top:3px">{line}</div>' for line in lines]
+    if head:
+        color = COLORS[head]
+        parts.insert(0, f'<div style="color:{color};font-weight:700;font-size:1.05em">{head}</div>')
+    if foot:
+        parts.append(f'<div style="margin-top:4px;color:#8a94a0;font-size:0.85em">{escape(foot)}</div>')
+    style = (
+        f"border-left:4px solid {COLORS[head]};padding:2px 10px;margin:8px;line-height:1.35;font-size:0.9em"
+    )
+    return f'<div class="kinopt-status" style="{style}">{"".join(parts)}</div>'
+
+
+def plain(text: str) -> str:
+    """Text as Markdown that shows it as it is."""
+    for sign in "\\`*_{}[]<>#|~":
+        text = text.replace(sign, "\\" + sign)
+    return text
+
+
+def duration(seconds: float) -> str:
+    """A time in the unit that suits it."""
+    if seconds < 1e-3:
+        return f"{seconds * 1e6:.0f} µs"
+    return f"{seconds * 1e3:.1f} ms" if seconds < 1.0 else f"{seconds:.1f} s"
+
+
+def length(value: float, unit: str) -> str:
+    """A length in the unit that suits it, or in the model's own."""
+    if unit != "m":
+        return f"{value:.3g}"
+    if value < 1e-3:
+        return f"{value * 1e6:.0f} µm"
+    return f"{value * 1e3:.1f} mm" if value < 1.0 else f"{value:.2f} m"

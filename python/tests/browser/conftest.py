@@ -1,0 +1,158 @@
+"""A real browser, without a screen, for the tests of the viewer's pages."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import warnings
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+MISSING = (
+    "SKIPPED: THE BROWSER TESTS OF THE VIEWER DID NOT RUN: {}. They need viser and playwright "
+    "(pip install 'kinopt[view,browser]') and Chromium (apt-get install chromium, or KINOPT_CHROMIUM=its path)"
+)
+#: Chromium draws by its own software, and asks nothing of any network.
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+]
+#: What viser's own page writes to its console when it starts.
+STARTING = (
+    "Detected ",
+    "WebGL support:",
+    "Connecting to:",
+    "Connected! ",
+    "Tried to send ViewerCameraMessage but websocket is not connected!",
+    "THREE.Clock: This module has been deprecated",
+    # Drawn by software, and read back by pictures that the tests take.
+    "[Performance] Setting DPR",
+)
+
+
+def left_out(why: str) -> None:
+    """Says aloud that these tests do not run."""
+    text = MISSING.format(why)
+    warnings.warn(text, stacklevel=2)
+    pytest.skip(text)
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """A Chromium, driven by Playwright."""
+    try:
+        import viser  # noqa: F401
+        from playwright.sync_api import sync_playwright
+    except ImportError as error:
+        left_out(f"there is no {error.name}")
+    found = os.environ.get("KINOPT_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+    if not found:
+        left_out("there is no Chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@dataclass
+class Tab:
+    """A page of the viewer in the browser, and all that it says and is sent."""
+
+    tab: object
+    page: object
+    console: list = field(default_factory=list)
+    #: Bytes of each message that the page was sent.
+    received: list = field(default_factory=list)
+
+    @property
+    def client(self):
+        """What viser knows of this tab."""
+        (client,) = self.page.scene.server.get_clients().values()
+        return client
+
+    def pixel(self, position):
+        """Where a place of the model is on the page, in pixels from its left upper corner, shape (2,)."""
+        camera = self.client.camera
+        w, x, y, z = camera.wxyz
+        turned = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        # viser's cameras look along +z, with y down.
+        ahead = turned.T @ (np.asarray(position) * self.page.scene.drawn - camera.position)
+        canvas = self.tab.locator("canvas").first.bounding_box()
+        focal = canvas["height"] / 2 / np.tan(camera.fov / 2)
+        middle = np.array([canvas["x"] + canvas["width"] / 2, canvas["y"] + canvas["height"] / 2])
+        return middle + focal * ahead[:2] / ahead[2]
+
+    def colors(self):
+        """The picture that the page shows, shape (height, width, 3)."""
+        import io
+
+        from PIL import Image
+
+        return np.asarray(
+            Image.open(io.BytesIO(self.tab.screenshot(timeout=120_000))).convert("RGB"), dtype=int
+        )
+
+    def settle(self, seconds=0.6):
+        """Lets the browser draw what it was sent."""
+        self.tab.wait_for_timeout(1000 * seconds)
+
+    def dismiss_notes(self):
+        """Closes the browser's notes, on drawing by software."""
+        for close in self.tab.locator(".mantine-Notification-closeButton").all():
+            close.click()
+        self.settle(0.5)
+
+
+@pytest.fixture
+def open_tab(chromium):
+    """Opens a page of the viewer in the browser: `open_tab(page)`."""
+    opened = []
+
+    def open_one(page, width=820, height=480):
+        tab = chromium.new_page(viewport={"width": width, "height": height})
+        shown = Tab(tab, page)
+        opened.append(shown)
+        tab.on("console", lambda message: shown.console.append(f"{message.type}: {message.text}"))
+        tab.on("pageerror", lambda error: shown.console.append(f"error: {error}"))
+        tab.on("requestfailed", lambda request: shown.console.append(f"failed: {request.url}"))
+        tab.on(
+            "websocket",
+            lambda socket: socket.on("framereceived", lambda data: shown.received.append(len(data))),
+        )
+        tab.goto(page.scene.url)
+        tab.wait_for_selector("canvas")
+        tab.wait_for_selector(".kinopt-status")
+        deadline = 60
+        while not page.scene.server.get_clients() and deadline:
+            tab.wait_for_timeout(500)
+            deadline -= 1
+        shown.settle(3.0)
+        shown.dismiss_notes()
+        return shown
+
+    yield open_one
+    for shown in opened:
+        shown.tab.close()
+
+
+def unexpected(console):
+    """What the console says beyond how viser's page starts."""
+    lines = (line for line in console if not line.split(": ", 1)[1].startswith(STARTING))
+    return [line for line in lines if "GPU stall due to ReadPixels" not in line]

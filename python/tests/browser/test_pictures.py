@@ -1,0 +1,88 @@
+"""The pictures of the docs, as the pages show them: taken where KINOPT_PICTURES says where they go."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import kinopt
+import numpy as np
+import pytest
+
+from . import made
+from .conftest import unexpected
+
+pytest.importorskip("viser", reason="SKIPPED: the viewer's browser tests need viser and Chromium")
+
+from kinopt.view.opening import open_page  # noqa: E402
+
+MODELS = Path(__file__).parents[3] / "models"
+PICTURES = os.environ.get("KINOPT_PICTURES")
+#: Pictures that people keep elsewhere, such as Khronos' fox, are opened too where this folder is given.
+SHARED = os.environ.get("KINOPT_SHARED")
+
+
+def model(kind, folder):
+    """The file of a picture's model, made if need be."""
+    rig = kinopt.Rig.read(MODELS / "robot-arm" / "robot-arm.json")
+    person = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    match kind:
+        case "panda":
+            return MODELS / "franka_panda.urdf"
+        case "humanoid":
+            return MODELS / "humanoid" / "humanoid.json"
+        case "gltf":
+            made.write_scene(rig, "robot-arm", folder / "robot-arm.glb")
+            return folder / "robot-arm.glb"
+        case "capture":
+            made.write_capture(person, folder / "waving.bvh")
+            return folder / "waving.bvh"
+    return Path(SHARED) / "assets" / "gltf" / "Fox.glb"
+
+
+#: What is dragged, and how far, as shares of the figure's size; when in the clip.
+SCENES = {
+    "panda": ("tool", [0.15, 0.2, -0.1], None),
+    "humanoid": ("left_hand/tip", [0.05, 0.0, 0.28], None),
+    "gltf": (None, [0.0, 0.15, 0.0], 1.0),
+    "capture": (None, [0.0, 0.15, 0.1], 1.2),
+    "fox": (None, [0.0, 0.15, 0.1], 0.35),
+}
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_a_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
+    if kind == "fox" and not SHARED:
+        pytest.skip("SKIPPED: the fox is no part of the project; KINOPT_SHARED names a folder with it")
+    page = open_page(model(kind, tmp_path), port=8320)
+    try:
+        shown = open_tab(page, 1280, 800) if PICTURES else open_tab(page)
+        before = shown.colors()
+        frame, way, seconds = SCENES[kind]
+        if seconds is not None:
+            page.call(lambda: page.time.show(seconds))
+        frame = frame or next(iter(page.targets))
+        target = page.targets[frame]
+        place = page.call(lambda: page._place(frame))
+        page.call(lambda: target._hear(place, "start"))
+        for k in range(1, 31):
+            step = place.copy()
+            step[:3, 3] += np.asarray(way) * page.body.size() * k / 30
+            page.call(lambda step=step: target._hear(step, "update"))
+            shown.settle(0.05)
+        page.call(lambda: setattr(target, "placement", step))
+        page.call(lambda: target._hear(step, "end"))
+        shown.settle(3.0)
+        assert page.scene.loop.failure is None
+        assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.003
+        assert unexpected(shown.console) == []
+        if PICTURES:
+            from PIL import Image
+
+            Path(PICTURES).mkdir(parents=True, exist_ok=True)
+            image = Image.fromarray(shown.colors().astype(np.uint8))
+            image.quantize(160, dither=Image.Dither.NONE).save(
+                Path(PICTURES) / f"view-{kind}.png", optimize=True
+            )
+    finally:
+        page.scene.close()

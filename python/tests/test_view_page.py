@@ -1,0 +1,233 @@
+"""Pages without a browser: what a mouse would do is done by hand, and what comes of it is looked at."""
+
+import io
+import json
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip install 'kinopt[view]')")
+
+from kinopt.view import Scene  # noqa: E402
+from kinopt.view.__main__ import main  # noqa: E402
+from kinopt.view.opening import open_page  # noqa: E402
+from kinopt.view.saving import saved  # noqa: E402
+
+MODELS = Path(__file__).parents[2] / "models"
+HUMANOID = MODELS / "humanoid" / "humanoid.json"
+PANDA = MODELS / "franka_panda.urdf"
+
+
+@pytest.fixture
+def opened():
+    pages = []
+
+    def open_one(path):
+        pages.append(open_page(path, port=8220))
+        return pages[-1]
+
+    yield open_one
+    for page in pages:
+        page.scene.close()
+
+
+def drag(page, frame, way, moves=20):
+    """Drags a frame's gizmo by `way`, and waits until all that follows rests."""
+    target = page.targets[frame]
+    start = target.placement
+
+    def move(place, phase):
+        page.call(lambda: target._hear(place, phase, time.perf_counter()))
+
+    move(start, "start")
+    for k in range(1, moves + 1):
+        place = start.copy()
+        place[:3, 3] += np.asarray(way) * k / moves
+        move(place, "update")
+    move(place, "end")
+    deadline = time.perf_counter() + 10.0
+    while page.scene.loop._tickers and time.perf_counter() < deadline:
+        time.sleep(0.02)
+    assert page.scene.loop.failure is None
+    return place
+
+
+def off(page, frame):
+    return np.linalg.norm(page.body.frame(frame)[:3, 3] - page.targets[frame].placement[:3, 3])
+
+
+def test_every_solver_of_a_robot_follows(opened):
+    page = opened(PANDA)
+    assert list(page.targets) == ["tool"]
+    for solver in page.posing.solvers():
+        page.call(lambda solver=solver: page.posing.choose(solver=solver))
+        page.call(lambda solver=solver: page.set_turns(solver != "fabrik"))
+        for way in (0.05, -0.05):
+            drag(page, "tool", [0.0, way, -way])
+        if solver not in ("ccd", "projected-gradient"):
+            assert page.answer.solution.reached, solver
+        assert off(page, "tool") < 1e-2
+        assert page.status.text.startswith(("Reached", "Missed"))
+    assert (page.body.q >= page.body.model.lower).all() and (page.body.q <= page.body.model.upper).all()
+
+
+def test_what_a_solver_has_no_answer_for_is_told(opened, monkeypatch):
+    page = opened(PANDA)
+
+    def refuse(goals):
+        raise kinopt.InvalidValueError("there is no answer for this")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(page.posing, "solve", refuse)
+        drag(page, "tool", [0.0, 0.0, 0.01])
+        assert page.status.text == "No answer\nthere is no answer for this"
+    drag(page, "tool", [0.0, 0.0, 0.01])
+    assert page.status.text.startswith("Reached")
+
+
+def test_a_robot_begins_where_it_can_be_dragged_every_way(opened):
+    page = opened(PANDA)
+    for axis in np.concatenate([np.eye(3), -np.eye(3)]):
+        drag(page, "tool", 0.1 * axis)
+        assert page.answer.solution.reached
+        drag(page, "tool", -0.1 * axis)
+
+
+def test_several_tips_stay_pinned_while_another_is_dragged(opened):
+    page = opened(HUMANOID)
+    assert page.pinned == set(page.targets) and len(page.pinned) == 5
+    hand = "left_hand/tip"
+    kept = {frame: page.body.frame(frame)[:3, 3] for frame in page.pinned - {hand}}
+    drag(page, hand, [0.1, 0.0, 0.4])
+    assert page.answer.solution.reached and off(page, hand) < 1e-5
+    for frame, place in kept.items():
+        assert np.linalg.norm(page.body.frame(frame)[:3, 3] - place) < 1e-5
+    page.call(lambda: page.pin("head/tip", False))
+    drag(page, hand, [0.0, 0.3, 0.0])
+    assert np.linalg.norm(page.body.frame("head/tip")[:3, 3] - kept["head/tip"]) > 1e-4
+
+
+def test_a_drag_of_a_character_does_not_leap(opened):
+    page = opened(HUMANOID)
+    shown = []
+    place = page.body._place
+    page.body._place = lambda q: (shown.append(np.array(q)), place(q))[1]
+    drag(page, "right_hand/tip", [1.5, 1.5, 1.5], moves=3)
+    steps = np.abs(np.diff(np.array(shown), axis=0)).max(axis=1)
+    assert len(shown) > 5 and steps.max() <= 0.15 + 1e-9
+    assert not page.answer.solution.reached
+    assert page.status.text.startswith("Missed") and "misses by" in page.status.text
+    assert "right_hand/tip" in page.status.marks and page.status.marks["right_hand/tip"].text.endswith(" off")
+    page.call(page.let_go)
+    page.call(lambda: page._slow(np.inf))
+    assert page.status.marks == {}
+
+
+def test_what_is_not_dragged_is_held_unless_told_otherwise(opened):
+    moved = {}
+    for holds in (True, False):
+        page = opened(HUMANOID)
+        page.call(page.let_go)
+        page.call(lambda holds=holds: page.posing.choose(holds=holds, posture="none"))
+        foot = page.body.frame("right_toes/tip")[:3, 3]
+        drag(page, "left_hand/tip", [-0.5, 0.1, 0.5])
+        moved[holds] = np.linalg.norm(page.body.frame("right_toes/tip")[:3, 3] - foot)
+    assert moved[True] < 1e-5 < moved[False]
+
+
+def test_a_slider_moves_one_joint_and_pins_hold_as_far_as_they_can(opened):
+    page = opened(PANDA)
+    model = page.body.model
+    page.call(lambda: page.pin("tool", True))
+    held = page.body.frame("tool")
+    page.call(lambda: page.set_joint("joint1", page.body.q[0] + 0.2))
+    assert page.body.q[0] == pytest.approx(0.2)
+    assert np.abs(page.body.frame("tool") - held).max() < 1e-4
+    page.call(page.let_go)
+    page.call(lambda: page.set_joint("finger_left_slide", 0.03))
+    follower = next(iter(page.body.thing.mimics))
+    assert page.body.q[model.joint_names.index(follower)] == pytest.approx(0.03)
+    assert follower not in {model.joint_names[i] for i in page.joints._sliders}
+
+
+def test_any_frame_gets_a_gizmo_and_loses_it(opened):
+    page = opened(PANDA)
+    page.call(lambda: page.add_target("link4"))
+    page.call(lambda: page.set_turns(False))
+    before = page.body.frame("link4")[:3, 3]
+    drag(page, "link4", [0.0, 0.05, 0.0])
+    assert np.linalg.norm(page.body.frame("link4")[:3, 3] - before) > 0.03 and off(page, "link4") < 0.02
+    page.call(lambda: page.remove_target("link4"))
+    assert list(page.targets) == ["tool"] and page.dragged is None
+    with pytest.raises(kinopt.UnknownNameError):
+        page.call(lambda: page.add_target("nowhere"))
+
+
+def test_keyframes_play_and_pause(opened):
+    page = opened(HUMANOID)
+    assert page.time._clip.span == (0.0, 3.0)
+    page.call(lambda: page.time.show(1.0))
+    # What is pinned goes along, and is held where the clip has it when something is dragged.
+    assert all(off(page, frame) == 0.0 for frame in page.pinned)
+    rig = page.body.thing
+    expected = np.asarray(rig.clip.sample(1.0)).reshape(-1)
+    assert np.abs(page.body.q - np.clip(expected, page.body.model.lower, page.body.model.upper)).max() < 1e-12
+    page.call(page.time.play)
+    time.sleep(0.2)
+    page.call(page.time.pause)
+    assert 1.0 < page.time.now < 3.0 and page.scene.loop.failure is None
+    drag(page, "left_hand/tip", [0.0, 0.0, 0.05])
+    assert page.answer.solution.reached
+
+
+@pytest.mark.parametrize("path", [PANDA, HUMANOID])
+def test_a_pose_is_saved(opened, path):
+    import trimesh
+
+    page = opened(path)
+    body = page.body
+    page.call(lambda: page.stand_at(body.model.random_configuration(4)))
+    document = json.loads(saved(body, "json"))
+    assert document["q"] == body.q.tolist()
+    assert list(document["joints"]) == body.model.joint_names
+    for name, frame in document["frames"].items():
+        assert frame["position"] == body.frame(name)[:3, 3].tolist()
+    vertices = np.concatenate([piece.solid.vertices for piece in body.pieces()])
+    obj = saved(body, "obj").decode().splitlines()
+    written = np.array([line.split()[1:] for line in obj if line.startswith("v ")], dtype=float)
+    assert np.abs(written - vertices).max() < 1e-7
+    faces = np.array([line.split()[1:] for line in obj if line.startswith("f ")], dtype=int)
+    assert faces.min() == 1 and faces.max() == len(vertices)
+    glb = trimesh.load_scene(io.BytesIO(saved(body, "glb")), file_type="glb")
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    # There y is up and -z to the left.
+    assert np.allclose(glb.bounds, [[low[0], low[2], -high[1]], [high[0], high[2], -low[1]]], atol=1e-5)
+
+
+def test_a_script_shows_its_robot_in_ten_lines():
+    text = Scene.__doc__.split("```python")[1].split("```")[0]
+    script = textwrap.dedent(text)
+    assert len(script.strip().splitlines()) <= 12
+    script = script.replace("models/franka_panda.urdf", str(PANDA)).replace("scene.wait()", "")
+    names = {}
+    exec(script, names)
+    scene, body, target = names["scene"], names["body"], names["target"]
+    place = target.placement
+    place[:3, 3] += [-0.2, 0.1, -0.2]
+    scene.loop.call(lambda: target._hear(place, "end"))
+    assert np.abs(body.frame("tool") - place).max() < 1e-5
+    assert scene.loop.failure is None
+    scene.close()
+
+
+def test_the_command_says_what_is_wrong(capsys, tmp_path):
+    assert main([str(tmp_path / "no such.urdf")]) == 1
+    assert "no such.urdf" in capsys.readouterr().err
+    (tmp_path / "model.step").write_text("")
+    assert main([str(tmp_path / "model.step")]) == 1
+    assert ".urdf" in capsys.readouterr().err
