@@ -62,3 +62,27 @@ def test_two_thousand_poses_of_every_shipped_robot(rust, name, base, tip):
     batch = arm.solve_batch(targets, starts, threads=2)
     assert np.array_equal(batch.q, answers)
     assert batch.reached.sum() > 0.9 * count
+
+
+@pytest.mark.parametrize("name", ["humanoid", "robot-arm"])
+def test_a_hundred_problems_of_every_shipped_rig(rust, name):
+    path = f"models/{name}/{name}.json"
+    skeleton = kinopt.Rig.read(ROOT / path).skeleton
+    bones = [tip.removesuffix("/tip") for tip in skeleton.tips]
+    rest, count = skeleton.model.neutral(), 100
+    # Tips stand where a part of a random pose puts them, ten of them a little out of reach.
+    poses = rest + 0.3 * (skeleton.model.random_configuration(21, count) - rest)
+    tips = [skeleton.tip(bone) for bone in bones]
+    places = [[kinopt.frame_placement(skeleton, tip, q)[:3, 3] for tip in tips] for q in poses]
+    targets = np.array(places)
+    targets[::10, 0] *= 1.5
+    answers = rust("rig", path, *bones, numbers=targets).reshape(count, len(rest))
+
+    hands = [kinopt.tasks.Point(tip, place, name=bone) for tip, place, bone in zip(tips, places[0], bones)]
+    problem = kinopt.Problem(skeleton, hands)
+    moved = {bone: targets[:, i] for i, bone in enumerate(bones)}
+    solutions = kinopt.Solver().solve_batch(problem, rest, moved, threads=2)
+    assert np.array_equal(solutions.q, answers)
+    assert solutions.reached.sum() >= 0.8 * count
+    single = kinopt.Solver().solve(problem, rest, {bone: targets[7, i] for i, bone in enumerate(bones)})
+    assert np.array_equal(single.q, answers[7])
