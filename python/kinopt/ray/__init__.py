@@ -1,0 +1,18 @@
+"""Datasets of targets over many processes and machines, by Ray Data: ``pip install 'kinopt[ray]'``.
+
+``solve`` maps a dataset of targets to one of answers, ``solve_files`` a folder of Parquet files to another one, which
+can be ended and begun again. Workers are given a ``SolveArm`` or a ``SolveProblem``, which hold an arm or a problem.
+``table`` and ``numbers`` turn numpy arrays into Arrow tables and back.
+"""
+
+from importlib.util import find_spec
+
+if find_spec("ray") is None or find_spec("pyarrow") is None:
+    raise ImportError("kinopt.ray needs Ray Data: pip install 'kinopt[ray]'")
+
+from .datasets import Solver, solve
+from .files import solve_files, write_blocks
+from .solving import SolveArm
+from .tables import column, numbers, table
+
+__all__ = ["SolveArm", "Solver", "column", "numbers", "solve", "solve_files", "table", "write_blocks"]

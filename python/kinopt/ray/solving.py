@@ -1,0 +1,87 @@
+"""What a worker does: a table of targets in, a table of answers out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import ArrayLike
+
+from .._kinopt import Arm
+from ..errors import InvalidValueError
+from .tables import column, numbers
+
+ANSWERS = ("q", "reached", "position_error", "orientation_error", "attempts", "iterations")
+"""The columns that a solved table has in addition."""
+
+
+class SolveArm:
+    """Answers tables of targets of an arm: what ``solve`` and ``solve_files`` hold once in every worker.
+
+    ``target`` names the column of base_from_tool, 16 numbers a row, row by row, metres. ``start`` is one start
+    for all, shape (dof,), radians and metres (None: the one nearest to all zeros), or ``starts`` names a column
+    of them, dof numbers a row. ``keep`` names the columns that go along into the answers; None are all but those
+    of targets and starts. ``threads`` is for each worker.
+
+    Called with a table it returns one of as many rows in the same order: ``q`` (dof numbers a row, radians and
+    metres, within the limits), ``reached``, ``position_error`` (metres), ``orientation_error`` (radians),
+    ``attempts``, ``iterations``, to the bit what ``arm.solve_batch`` says. Derive from it to add columns.
+
+    Raises ``InvalidValueError`` for a start that does not fit; when called, for columns that are missing or
+    of other shapes, for targets that are no placements, and where an answer would hide a column that is kept.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        start: ArrayLike | None = None,
+        *,
+        target: str = "target",
+        starts: str | None = None,
+        keep: Sequence[str] | None = None,
+        threads: int | None = 1,
+    ) -> None:
+        if start is not None and starts is not None:
+            raise InvalidValueError("there is one start for all, or a column of starts, not both")
+        # An empty batch looks at the start, here rather than in a worker.
+        arm.solve_batch(np.empty((0, 4, 4)), start, threads)
+        self.arm = arm
+        self.start = start
+        self.target = target
+        self.starts = starts
+        self.keep = keep
+        self.threads = threads
+
+    def __call__(self, targets: pa.Table) -> pa.Table:
+        """Solves a table of targets."""
+        start = self.start if self.starts is None else numbers(targets, self.starts)
+        batch = self.arm.solve_batch(numbers(targets, self.target, (4, 4)), start, self.threads)
+        return answered(kept(targets, self.keep, (self.target, self.starts)), batch)
+
+
+def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]) -> pa.Table:
+    """The columns that go along: those of ``keep``, or all that are not ``used``."""
+    if keep is None:
+        keep = [name for name in table.column_names if name not in used]
+    missing = [name for name in keep if name not in table.column_names]
+    hidden = [name for name in keep if name in ANSWERS]
+    if missing:
+        raise InvalidValueError(f"there is no column {missing[0]!r} among {table.column_names}")
+    if hidden:
+        raise InvalidValueError(f"column {hidden[0]!r} would be hidden by the answers': rename or drop it")
+    return table.select(keep)
+
+
+def answered(table: pa.Table, batch: Any) -> pa.Table:
+    """A table with the answers of a batch beside it."""
+    for name in ANSWERS:
+        values = getattr(batch, name)
+        # A problem whose goals are in other units has no such errors.
+        values = pa.nulls(len(batch), pa.float64()) if values is None else column(values)
+        table = table.append_column(name, values)
+    return table
+
+
+__all__ = ["ANSWERS", "SolveArm"]

@@ -1,0 +1,277 @@
+"""Targets through Ray's workers: the same bits as without Ray, and nothing lost when one is killed."""
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+pytest.importorskip("ray", reason="SKIPPED LOUDLY: ray is not installed: pip install 'kinopt[ray]'")
+
+import pyarrow as pa  # noqa: E402
+import pyarrow.parquet as pq  # noqa: E402
+import ray  # noqa: E402
+
+import kinopt.ray as kr  # noqa: E402
+
+MODELS = Path(__file__).parents[2] / "models"
+COUNT, BLOCK = 1000, 150
+ANSWERS = ["q", "reached", "position_error", "orientation_error", "attempts", "iterations"]
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return kinopt.Arm(kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf"), "base", "flange")
+
+
+@pytest.fixture(scope="module")
+def start(arm):
+    return np.clip(np.full(7, 0.3), arm.lower, arm.upper)
+
+
+@pytest.fixture(scope="module")
+def targets(arm):
+    q = np.random.default_rng(11).uniform(arm.lower, arm.upper, (COUNT, 7))
+    targets = arm.base_from_tool(q)
+    targets[::10, :3, 3] *= 3.0  # some that cannot be reached
+    return targets
+
+
+@pytest.fixture(scope="module")
+def want(arm, targets, start):
+    return arm.solve_batch(targets, start)
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    # Workers cannot import this file.
+    ray.cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    ray.init("local", num_cpus=2, include_dashboard=False, log_to_driver=False, logging_level="error")
+    ray.data.DataContext.get_current().enable_progress_bars = False
+    yield
+    ray.shutdown()
+
+
+@pytest.fixture
+def folder(tmp_path, targets):
+    table = kr.table(target=targets, number=np.arange(COUNT))
+    kr.write_blocks(table, tmp_path / "targets", BLOCK)
+    return tmp_path
+
+
+def assert_same(answers, want):
+    """The same bits, in the order of numbers."""
+    answers = answers.sort_by("number")
+    assert answers.column_names == ["number", *ANSWERS]
+    assert answers["number"].to_pylist() == list(range(COUNT))
+    assert np.array_equal(kr.numbers(answers, "q"), want.q)
+    for name in ANSWERS[1:]:
+        assert np.array_equal(answers[name].to_numpy(), getattr(want, name)), name
+
+
+def gathered(dataset):
+    return pa.concat_tables([ray.get(block) for block in dataset.to_arrow_refs()])
+
+
+def test_arrays_go_into_tables_and_back_without_a_copy(targets):
+    table = kr.table(target=targets, number=np.arange(COUNT))
+    back = kr.numbers(table, "target", (4, 4))
+    assert np.array_equal(back, targets) and np.shares_memory(back, targets)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pa.list_(pa.float64()),
+        pa.large_list(pa.float64()),
+        pa.list_(pa.float32(), 16),
+        pa.list_(pa.list_(pa.float64(), 4), 4),
+        pa.fixed_shape_tensor(pa.float64(), (4, 4)),
+    ],
+    ids=str,
+)
+def test_targets_of_any_arrow_kind_are_read(targets, kind):
+    few = targets[:5].astype(np.float32) if "float" in str(kind) else targets[:5]
+    rows = few if kind == pa.list_(pa.list_(pa.float64(), 4), 4) else few.reshape(5, 16)
+    storage = kind.storage_type if isinstance(kind, pa.ExtensionType) else kind
+    column = pa.array(rows.tolist(), storage)
+    if isinstance(kind, pa.ExtensionType):
+        column = pa.ExtensionArray.from_storage(kind, column)
+    # In two pieces, of which the second begins within its memory.
+    column = pa.chunked_array([column[:2], column[2:]])
+    assert np.array_equal(kr.numbers(pa.table({"target": column}), "target", (4, 4)), few)
+    assert np.array_equal(kr.numbers(pa.table({"target": column}).slice(3), "target", (4, 4)), few[3:])
+
+
+@pytest.mark.parametrize(
+    ("column", "says"),
+    [
+        ([[1.0] * 16, None], "'target' has empty places"),
+        ([[1.0] * 15 + [None]], "'target' has empty places"),
+        ([[1.0] * 15], "15 numbers a row, not 16"),
+        ([[1.0] * 16, [1.0] * 15], "rows of different lengths"),
+        (["here"], "string for numbers"),
+        ([[1.0] * 16], "target 0"),
+    ],
+)
+def test_what_is_no_column_of_targets_is_told(arm, column, says):
+    with pytest.raises(kinopt.InvalidValueError, match=says):
+        kr.SolveArm(arm)(pa.table({"target": column}))
+
+
+def test_what_does_not_fit_is_told_before_a_worker_starts(arm, start, targets):
+    table = kr.table(target=targets, q=np.zeros(COUNT))
+    with pytest.raises(kinopt.InvalidValueError, match="start"):
+        kr.SolveArm(arm, start[:3])
+    with pytest.raises(kinopt.InvalidValueError, match="no column 'goal'"):
+        kr.SolveArm(arm, target="goal")(table)
+    with pytest.raises(kinopt.InvalidValueError, match="'q' would be hidden"):
+        kr.SolveArm(arm)(table)
+    with pytest.raises(kinopt.InvalidValueError, match="one length"):
+        kr.table(target=targets, number=[1, 2])
+    assert kr.SolveArm(arm, keep=[])(table).column_names == ANSWERS
+
+
+def test_a_table_may_be_empty_and_may_bring_its_starts(arm, targets, want):
+    answers = kr.SolveArm(arm)(kr.table(target=targets[:0]))
+    assert answers.num_rows == 0 and answers.column_names == ANSWERS
+    starts = want.q[::-1].copy()
+    answers = kr.SolveArm(arm, starts="from")(kr.table(target=targets, **{"from": starts}))
+    assert np.array_equal(kr.numbers(answers, "q"), arm.solve_batch(targets, starts).q)
+
+
+class Dies(kr.SolveArm):
+    """A worker that is killed, once, in the middle of the job."""
+
+    marker: Path
+
+    def __call__(self, targets):
+        if 500 in targets["number"].to_pylist() and not self.marker.exists():
+            self.marker.write_text(str(os.getpid()))
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().__call__(targets)
+
+
+@pytest.fixture
+def dies(tmp_path, arm, start):
+    solver = Dies(arm, start)
+    solver.marker = tmp_path / "killed"
+    yield solver
+    assert int(solver.marker.read_text()) != os.getpid()
+
+
+def test_a_dataset_has_the_same_bits_as_without_ray_and_loses_nothing_by_a_killed_worker(
+    cluster, folder, dies, want
+):
+    dataset = ray.data.read_parquet(str(folder / "targets"))
+    assert_same(gathered(kr.solve(dataset, dies, workers=2, batch_size=64)), want)
+
+
+JOB = """
+import sys, time
+from pathlib import Path
+import numpy as np
+import ray
+import kinopt, kinopt.ray as kr
+
+class Slow(kr.SolveArm):
+    def __call__(self, targets):
+        if targets["number"][0].as_py() >= 300:
+            time.sleep(600)
+        return super().__call__(targets)
+
+urdf, folder, address = sys.argv[1:]
+ray.init(address=address, log_to_driver=False)
+arm = kinopt.Arm(kinopt.Robot.from_urdf(urdf), "base", "flange")
+kr.solve_files(folder + "/targets", folder + "/answers", Slow(arm, np.full(7, 0.3)), workers=1)
+"""
+
+
+def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
+    cluster, folder, arm, start, dies, targets, want
+):
+    address = ray.get_runtime_context().gcs_address
+    job = subprocess.Popen(
+        [sys.executable, "-c", JOB, MODELS / "franka_panda.urdf", folder, address],
+        stderr=subprocess.PIPE,
+    )
+    into = folder / "answers"
+    finished = ["000000.parquet", "000001.parquet"]
+    deadline = time.monotonic() + 240
+    while not all((into / name).exists() for name in finished):
+        assert job.poll() is None, job.stderr.read().decode()
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    job.kill()
+    job.wait()
+    before = {name: (into / name).stat().st_mtime_ns for name in finished}
+    assert sorted(path.name for path in into.glob("0*")) == finished
+    # What a job that was killed was writing, and a file whose end was lost with the machine.
+    (into / ".000003.parquet.x.part").write_bytes(b"PAR1")
+    (into / "000004.parquet").write_bytes((into / finished[0]).read_bytes()[:-100])
+
+    answers = kr.solve_files(folder / "targets", into, dies, workers=2)
+    assert_same(answers.to_table(), want)
+    assert {name: (into / name).stat().st_mtime_ns for name in finished} == before
+    # In the order of the targets, each file whole, and nothing else.
+    assert answers.to_table()["number"].to_pylist() == list(range(COUNT))
+    names = sorted(path.name for path in (folder / "targets").iterdir())
+    assert sorted(path.name for path in into.iterdir()) == names
+
+    # Answers to another question are not taken for these.
+    with pytest.raises(kinopt.InvalidValueError, match="answers another question"):
+        kr.solve_files(folder / "targets", into, kr.SolveArm(arm, -start))
+
+    # Files that changed are solved again; a bad one is named after the others are solved.
+    bad = targets[:BLOCK].copy()
+    bad[7, 0, 0] = np.nan
+    changed = kr.table(target=[*bad, *targets[:100]], number=np.arange(BLOCK + 100))
+    for here, there in zip(kr.write_blocks(changed, folder / "new", BLOCK), [names[2], names[5]]):
+        os.replace(folder / "new" / here, folder / "targets" / there)
+    with pytest.raises(kinopt.InvalidValueError, match=r"000002\.parquet: target 7: .*not finite"):
+        kr.solve_files(folder / "targets", into, dies, workers=1)
+    assert pq.read_table(into / names[5])["number"].to_pylist() == list(range(BLOCK, BLOCK + 100))
+    assert {name: (into / name).stat().st_mtime_ns for name in finished} == before
+
+
+def test_the_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib", reason="SKIPPED LOUDLY: matplotlib is not installed").use("Agg")
+    path = Path(__file__).parents[1] / "examples" / "reachability.py"
+    spec = importlib.util.spec_from_file_location("reachability", path)
+    example = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "reachability", example)
+    spec.loader.exec_module(example)
+    ray.cloudpickle.register_pickle_by_value(example)
+
+    turned = example.orientations(20, 4)
+    assert turned.shape == (80, 3, 3) and np.allclose(np.linalg.det(turned), 1)
+    assert np.allclose(turned @ np.swapaxes(turned, 1, 2), np.eye(3))
+    apart = np.linalg.norm(turned[:, None] - turned, axis=(2, 3)) + 9 * np.eye(80)
+    assert apart.min() > 0.5
+
+    options = "--step 0.4 --directions 4 --turns 1 --starts 2 --workers 2".split()
+    urdf = str(MODELS / "franka_panda.urdf")
+    asked = ["reachability.py", urdf, *options, "--into", str(tmp_path), "--picture", str(tmp_path / "map.png")]
+    monkeypatch.setattr(sys, "argv", asked)
+    example.main()
+    first = capsys.readouterr().out
+    assert "4 orientations" in first and "best manipulability 0.1" in first
+    assert (tmp_path / "map.png").stat().st_size > 10_000
+    example.main()  # there is nothing left to solve
+    assert capsys.readouterr().out == first
+
+
+def test_folders_that_are_none_are_named(tmp_path, arm):
+    with pytest.raises(kinopt.FileError, match="nowhere"):
+        kr.solve_files(tmp_path / "nowhere", tmp_path / "answers", kr.SolveArm(arm))
+    with pytest.raises(kinopt.FileError, match="no Parquet files"):
+        kr.solve_files(tmp_path, tmp_path / "answers", kr.SolveArm(arm))
+    with pytest.raises(kinopt.FileError, match="no folder"):
+        kr.write_blocks(kr.table(number=[1]), "nothing://here")
