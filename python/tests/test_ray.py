@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -20,6 +21,7 @@ import pyarrow.parquet as pq  # noqa: E402
 import ray  # noqa: E402
 
 import kinopt.ray as kr  # noqa: E402
+from kinopt import tasks  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
 COUNT, BLOCK = 1000, 150
@@ -137,6 +139,71 @@ def test_what_does_not_fit_is_told_before_a_worker_starts(arm, start, targets):
     with pytest.raises(kinopt.InvalidValueError, match="one length"):
         kr.table(target=targets, number=[1, 2])
     assert kr.SolveArm(arm, keep=[])(table).column_names == ANSWERS
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """A humanoid's hand, eyes, foot and chest, and a joint that shall be somewhere."""
+    rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    rest = kinopt.ForwardKinematics(rig).place(np.zeros(rig.model.degrees_of_freedom))
+    at = dict(zip(rig.model.frame_names, rest))
+    return kinopt.Problem(
+        rig,
+        [
+            tasks.Point("left_hand/tip", at["left_hand/tip"][:3, 3], name="hand"),
+            tasks.Pose("right_foot", at["right_foot"], name="foot"),
+            tasks.Orientation("chest", at["chest"], name="chest"),
+            tasks.Plane("right_hand/tip", at["right_hand/tip"][:3, 3], [0, 1, 0], name="table"),
+            tasks.Distance("left_hand/tip", "head", 0.6, name="apart", role="preference"),
+        ],
+    )
+
+
+def test_problems_are_answered_as_without_tables(problem):
+    seeded = np.random.default_rng(3)
+    count = 20
+    frames = {task.name: task for task in problem.tasks}
+    hand = frames["hand"].target + seeded.uniform(-0.1, 0.1, (count, 3))
+    foot = np.tile(frames["foot"].target, (count, 1, 1))
+    foot[:, :3, 3] += seeded.uniform(-0.05, 0.05, (count, 3))
+    chest = np.tile(frames["chest"].target, (count, 1, 1))
+    table = np.tile([frames["table"].point, frames["table"].normal], (count, 1, 1))
+    table[:, 0] += seeded.uniform(-0.1, 0.1, (count, 3))
+    apart = seeded.uniform(0.4, 0.8, count)
+    targets = {"hand": hand, "foot": foot, "chest": chest, "table": table, "apart": apart}
+    start = np.zeros(problem.degrees_of_freedom)
+    want = kinopt.Solver(seed=5).solve_batch(problem, start, targets)
+    columns = {name: f"to_{name}" for name in targets}
+    asked = kr.table(number=np.arange(count), **{f"to_{name}": values for name, values in targets.items()})
+    solver = kr.SolveProblem(problem, start, targets=columns, solver=kinopt.Solver(seed=5))
+    for solver in (solver, pickle.loads(pickle.dumps(solver))):
+        answers = solver(asked)
+        assert answers.column_names == ["number", *ANSWERS] and want.reached.mean() > 0.5
+        assert np.array_equal(kr.numbers(answers, "q"), want.q)
+        for name in ANSWERS[1:]:
+            assert np.array_equal(answers[name].to_numpy(), getattr(want, name)), name
+    # Without targets there are as many questions as rows, here with starts of their own.
+    starts = seeded.uniform(-0.2, 0.2, (3, len(start)))
+    answers = kr.SolveProblem(problem, starts="from")(kr.table(**{"from": starts}))
+    assert np.array_equal(kr.numbers(answers, "q"), kinopt.Solver().solve_batch(problem, starts).q)
+    assert kr.SolveProblem(problem, start)(asked.select(["number"])).num_rows == count
+    assert kr.SolveProblem(problem, start, targets={"hand": "to_hand"})(asked.slice(0, 0)).num_rows == 0
+
+    with pytest.raises(kinopt.UnknownNameError, match="no task 'nose'"):
+        kr.SolveProblem(problem, start, targets={"nose": "to_hand"})
+    with pytest.raises(kinopt.InvalidValueError, match="finite numbers"):
+        kr.SolveProblem(problem, start[:4])
+    with pytest.raises(kinopt.InvalidValueError, match="start"):
+        kr.SolveProblem(problem)
+    with pytest.raises(kinopt.InvalidValueError, match="'to_hand' has 3 numbers a row, not 16"):
+        kr.SolveProblem(problem, start, targets={"foot": "to_hand"})(asked)
+
+
+def test_goals_in_other_units_have_empty_errors():
+    robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+    problem = kinopt.Problem(robot, [tasks.Posture(robot.neutral(), role="goal", tolerance=1e-3)])
+    answers = kr.SolveProblem(problem, robot.neutral())(kr.table(number=[1, 2]))
+    assert answers["position_error"].null_count == 2 and answers["reached"].to_pylist() == [True, True]
 
 
 def test_a_table_may_be_empty_and_may_bring_its_starts(arm, targets, want):

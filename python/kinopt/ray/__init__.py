@@ -10,9 +10,19 @@ from importlib.util import find_spec
 if find_spec("ray") is None or find_spec("pyarrow") is None:
     raise ImportError("kinopt.ray needs Ray Data: pip install 'kinopt[ray]'")
 
-from .datasets import Solver, solve
+from .datasets import TableSolver, solve
 from .files import solve_files, write_blocks
-from .solving import SolveArm
+from .solving import SolveArm, SolveProblem
 from .tables import column, numbers, table
 
-__all__ = ["SolveArm", "Solver", "column", "numbers", "solve", "solve_files", "table", "write_blocks"]
+__all__ = [
+    "SolveArm",
+    "SolveProblem",
+    "TableSolver",
+    "column",
+    "numbers",
+    "solve",
+    "solve_files",
+    "table",
+    "write_blocks",
+]

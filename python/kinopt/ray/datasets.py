@@ -10,14 +10,14 @@ import ray
 import ray.data
 from ray.data import Dataset
 
-Solver = Callable[[pa.Table], pa.Table]
+TableSolver = Callable[[pa.Table], pa.Table]
 """A table of targets to a table of answers: ``SolveArm``, ``SolveProblem``, or what is derived from them."""
 
 
 class Worker:
     """What Ray makes once in every worker: it holds a solver."""
 
-    def __init__(self, solver: Solver) -> None:
+    def __init__(self, solver: TableSolver) -> None:
         self.solver = solver
 
     def __call__(self, targets: pa.Table) -> pa.Table:
@@ -26,7 +26,7 @@ class Worker:
 
 def solve(
     dataset: Dataset,
-    solver: Solver,
+    solver: TableSolver,
     *,
     workers: int | tuple[int, int] | None = None,
     batch_size: int = 4096,
@@ -63,4 +63,4 @@ def cores() -> int:
     return max(1, int(ray.cluster_resources().get("CPU", 1)))
 
 
-__all__ = ["Solver", "solve"]
+__all__ = ["TableSolver", "solve"]

@@ -10,7 +10,7 @@ import pyarrow.dataset
 import ray.data
 
 from ..errors import FileError, InvalidValueError, KinoptError
-from .datasets import Solver, cores
+from .datasets import TableSolver, cores
 from .folder import Folder
 
 # A note in a file of answers: which file of targets they answer.
@@ -42,7 +42,7 @@ def write_blocks(
 def solve_files(
     targets: str | os.PathLike[str],
     answers: str | os.PathLike[str],
-    solver: Solver,
+    solver: TableSolver,
     *,
     workers: int | None = None,
     **options: Any,
@@ -93,7 +93,7 @@ def solve_files(
 class _Job:
     """Files of targets, and where their answers go."""
 
-    def __init__(self, source: Folder, into: Folder, solver: Solver) -> None:
+    def __init__(self, source: Folder, into: Folder, solver: TableSolver) -> None:
         self.source = source
         self.into = into
         self.solver = solver

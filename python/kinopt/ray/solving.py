@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike
 
-from .._kinopt import Arm
-from ..errors import InvalidValueError
+from .. import tasks
+from .._kinopt import Arm, Problem, Solver
+from ..errors import InvalidValueError, UnknownNameError
 from .tables import column, numbers
 
 ANSWERS = ("q", "reached", "position_error", "orientation_error", "attempts", "iterations")
@@ -61,6 +62,78 @@ class SolveArm:
         return answered(kept(targets, self.keep, (self.target, self.starts)), batch)
 
 
+class SolveProblem:
+    """Answers tables of targets of a problem: what ``solve`` and ``solve_files`` hold once in every worker.
+
+    ``targets`` names the column that each task's target is in: {"hand": "hand_target"}; other tasks keep the
+    problem's own. A row holds the numbers of a target, row by row: 3 for a point, 16 for a pose, 9 for an orientation, 6 for
+    a plane (point, normal) or a ray (eye, through), 1 for a distance, dof for a posture. ``start`` is one start
+    for all, shape (dof,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``keep`` and
+    ``threads`` are as for ``SolveArm``.
+
+    Called with a table it returns one of as many rows in the same order, with the same columns as ``SolveArm``, to the
+    bit what ``solver.solve_batch`` says; errors are empty where no goal measures any in their unit. It
+    goes to workers as far as the residuals of the problem pickle.
+
+    Raises ``UnknownNameError`` for tasks that do not exist and ``InvalidValueError`` for a start that does not fit;
+    when called, for columns that are missing or of other shapes and for targets that cannot be.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        start: ArrayLike | None = None,
+        *,
+        targets: Mapping[str, str] | None = None,
+        starts: str | None = None,
+        solver: Solver | None = None,
+        keep: Sequence[str] | None = None,
+        threads: int | None = 1,
+    ) -> None:
+        if (start is None) == (starts is None):
+            raise InvalidValueError("there is one start for all, or a column of starts: one of them")
+        self.problem = problem
+        self.start = None if start is None else np.asarray(start, dtype=np.float64)
+        self.targets = dict(targets or {})
+        self.starts = starts
+        self.solver = Solver() if solver is None else solver
+        self.keep = keep
+        self.threads = threads
+        for name in self.targets:
+            if name not in problem.task_names:
+                raise UnknownNameError(f"there is no task {name!r} among {problem.task_names}")
+        dof = problem.degrees_of_freedom
+        if self.start is not None and not (self.start.shape == (dof,) and np.isfinite(self.start).all()):
+            raise InvalidValueError(f"start must be {dof} finite numbers")
+        self._shapes = {name: _target_shape(problem, name) for name in self.targets}
+
+    def __call__(self, targets: pa.Table) -> pa.Table:
+        """Solves a table of targets."""
+        if self.starts is not None:
+            starts = numbers(targets, self.starts, (self.problem.degrees_of_freedom,))
+        else:
+            starts = np.tile(self.start, (targets.num_rows, 1))
+        wanted = {
+            name: numbers(targets, place, self._shapes[name]) for name, place in self.targets.items()
+        }
+        batch = self.solver.solve_batch(self.problem, starts, wanted, threads=self.threads)
+        return answered(kept(targets, self.keep, (*self.targets.values(), self.starts)), batch)
+
+
+def _target_shape(problem: Problem, name: str) -> tuple[int, ...]:
+    """How the numbers of a task's target are laid out."""
+    task = problem.tasks[problem.task_names.index(name)]
+    task = task.task if isinstance(task, tasks.Within) else task
+    shapes: dict[type, tuple[int, ...]] = {
+        tasks.Pose: (4, 4),
+        tasks.Orientation: (3, 3),
+        tasks.Plane: (2, 3),
+        tasks.Ray: (2, 3),
+        tasks.Distance: (),
+    }
+    return shapes.get(type(task), (-1,))
+
+
 def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]) -> pa.Table:
     """The columns that go along: those of ``keep``, or all that are not ``used``."""
     if keep is None:
@@ -84,4 +157,4 @@ def answered(table: pa.Table, batch: Any) -> pa.Table:
     return table
 
 
-__all__ = ["ANSWERS", "SolveArm"]
+__all__ = ["ANSWERS", "SolveArm", "SolveProblem"]
