@@ -7,11 +7,13 @@ use crate::spatial::{Placement, Vector3};
 /// Scratch memory of one tree over one scalar: what the last forward pass found.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeState<S> {
-    /// In world axes, seen from the tree's origin.
+    /// By node, in world axes, seen from the tree's origin.
     pub(super) origin_from_node: Vec<Placement<S>>,
+    /// By slot.
     world_from_frame: Vec<Placement<S>>,
     /// Each frame's own origin, seen from the tree's.
     pub(super) origin_to_frame: Vec<Vector3<S>>,
+    /// Each node's value, radians or metres, with its sine and cosine.
     values: Vec<S>,
     sines: Vec<S>,
     cosines: Vec<S>,
@@ -46,11 +48,12 @@ impl Tree {
         let trigonometry = state.sines.iter().zip(&state.cosines);
         let moved = self.nodes.iter().zip(state.values.iter().zip(trigonometry));
         for (index, (node, (&q, (&sin, &cos)))) in moved.enumerate() {
-            let placed = match node.parent {
-                Some(parent) => node.parent_from_node.after(&state.origin_from_node[parent]),
-                None => node.parent_from_node.after(&Placement::identity()),
+            // origin_from_node = origin_from_parent · parent_from_node · motion(q).
+            let before_motion = match node.parent {
+                Some(parent) => &state.origin_from_node[parent] * &node.parent_from_node,
+                None => &Placement::identity() * &node.parent_from_node,
             };
-            state.origin_from_node[index] = node.motion.apply(placed, q, (sin, cos));
+            state.origin_from_node[index] = node.motion.apply(before_motion, q, (sin, cos));
         }
         let frames = state.world_from_frame.iter_mut();
         for (leaf, (frame, seen)) in self
@@ -60,11 +63,11 @@ impl Tree {
         {
             match leaf.node {
                 Some(node) => {
-                    *frame = leaf.node_from_frame.after(&state.origin_from_node[node]);
+                    *frame = &state.origin_from_node[node] * &leaf.node_from_frame;
                     *seen = frame.translation;
                     frame.translation += Vector3::constant(self.origin);
                 }
-                None => *frame = leaf.node_from_frame.after(&Placement::identity()),
+                None => *frame = &Placement::identity() * &leaf.node_from_frame,
             }
         }
     }

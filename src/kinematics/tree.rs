@@ -1,5 +1,7 @@
 //! A model compiled for evaluation: only the joints that move, constants folded.
 
+use std::ops::Mul;
+
 use super::motion::Motion;
 use crate::model::{FrameId, Model, ParameterMap, Source};
 use crate::scalar::Scalar;
@@ -9,15 +11,15 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 /// Which of a tree's frames: the position in the list it was compiled for.
 pub(crate) type FrameSlot = usize;
 
-/// A placement with what is known of it, so that the identity costs nothing.
+/// A constant placement with what is known of it, so that the identity costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Offset {
+pub(super) enum FixedPlacement {
     Identity,
     Shift(Vector3<f64>),
     Rigid(Placement<f64>),
 }
 
-impl Offset {
+impl FixedPlacement {
     pub(super) fn new(placement: Placement<f64>) -> Self {
         if placement.rotation != Matrix3::identity() {
             Self::Rigid(placement)
@@ -36,7 +38,7 @@ impl Offset {
         }
     }
 
-    /// The same offset, moved by `by` in its parent's axes.
+    /// The same placement, moved by `by` in its parent's axes.
     fn shifted(&self, by: Vector3<f64>) -> Self {
         let rotation = match self {
             Self::Rigid(placement) => placement.rotation,
@@ -44,26 +46,31 @@ impl Offset {
         };
         Self::new(Placement::new(rotation, self.shift() + by))
     }
+}
 
-    /// `world_from_parent · self`.
+impl<S: Scalar> Mul<&FixedPlacement> for &Placement<S> {
+    type Output = Placement<S>;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn after<S: Scalar>(&self, world_from_parent: &Placement<S>) -> Placement<S> {
-        match self {
-            Self::Identity => *world_from_parent,
-            Self::Shift(by) => Placement::new(
-                world_from_parent.rotation,
-                world_from_parent.apply(Vector3::constant(*by)),
-            ),
-            Self::Rigid(placement) => *world_from_parent * Placement::constant(placement),
+    fn mul(self, parent_from_child: &FixedPlacement) -> Placement<S> {
+        match parent_from_child {
+            FixedPlacement::Identity => *self,
+            FixedPlacement::Shift(by) => {
+                Placement::new(self.rotation, self.apply(Vector3::constant(*by)))
+            }
+            FixedPlacement::Rigid(placement) => *self * Placement::constant(placement),
         }
     }
 }
 
-/// One moving joint of the tree.
+/// One moving joint of the tree. It stands at `parent_from_node · motion(value)`, where value =
+/// ratio · x[variable] + offset, in radians or metres.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
+    /// The next moving joint towards the root; `None` for a joint placed in the world.
     pub(super) parent: Option<usize>,
-    pub(super) parent_from_node: Offset,
+    /// Where the joint is at value 0, fixed joints between the two folded in.
+    pub(super) parent_from_node: FixedPlacement,
     pub(super) motion: Motion,
     pub(super) variable: usize,
     pub(super) ratio: f64,
@@ -73,8 +80,9 @@ pub(super) struct Node {
 /// Where a requested frame hangs.
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
+    /// The last moving joint before it; `None` for a frame fixed in the world.
     pub(super) node: Option<usize>,
-    pub(super) node_from_frame: Offset,
+    pub(super) node_from_frame: FixedPlacement,
 }
 
 /// A model compiled for one list of frames and one parameter map.
@@ -96,7 +104,7 @@ pub(crate) struct Tree {
 pub(crate) struct TreeMemory {
     /// By joint: whether a frame hangs on it.
     needed: Vec<bool>,
-    /// By joint: the node that carries it and where it stands on that node.
+    /// By joint: the node that carries it, and node_from_joint once it has moved.
     carried: Vec<(Option<usize>, Placement<f64>)>,
 }
 
@@ -144,7 +152,8 @@ impl Tree {
                 Some(parent) => carried[parent.index()],
                 None => (None, Placement::identity()),
             };
-            let placement = node_from_parent * joint.parent_from_joint;
+            // Before the joint's own motion.
+            let node_from_joint = node_from_parent * joint.parent_from_joint;
             let motion = Motion::new(joint.kind, joint.axis);
             let source = model
                 .coordinate(crate::model::JointId::new(index))
@@ -152,7 +161,7 @@ impl Tree {
             carried[index] = match (motion, source) {
                 (Some(motion), Some(Source::Constant(value))) => (
                     node,
-                    motion.apply(placement, value, elementary::sin_cos(value)),
+                    motion.apply(node_from_joint, value, elementary::sin_cos(value)),
                 ),
                 (
                     Some(motion),
@@ -164,7 +173,7 @@ impl Tree {
                 ) => {
                     nodes.push(Node {
                         parent: node,
-                        parent_from_node: Offset::new(placement),
+                        parent_from_node: FixedPlacement::new(node_from_joint),
                         motion,
                         variable,
                         ratio,
@@ -172,7 +181,7 @@ impl Tree {
                     });
                     (Some(nodes.len() - 1), Placement::identity())
                 }
-                _ => (node, placement),
+                _ => (node, node_from_joint),
             };
         }
 
@@ -192,7 +201,7 @@ impl Tree {
             };
             Leaf {
                 node,
-                node_from_frame: Offset::new(node_from_joint * frame.joint_from_frame),
+                node_from_frame: FixedPlacement::new(node_from_joint * frame.joint_from_frame),
             }
         }));
         self.origin = origin;

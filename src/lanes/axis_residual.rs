@@ -41,7 +41,7 @@ pub(crate) fn weigh<V: LaneScalar>(
     let p_residual = product(p_out, p_weight);
     let r_residual = product(r_out, r_weight);
     Weighed {
-        cost: p_residual.norm_squared() + r_residual.norm_squared(),
+        twice_cost: p_residual.norm_squared() + r_residual.norm_squared(),
         position: counted(p_out, axes.position_weights).norm_squared(),
         orientation: counted(r_out, axes.orientation_weights).norm_squared(),
         gradient: (p_residual, r_residual),

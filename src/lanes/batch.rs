@@ -66,7 +66,7 @@ struct Job<'a> {
     /// Iterations of the attempt under way, and of those before.
     age: u32,
     iterations: u32,
-    best_cost: f64,
+    best_twice_cost: f64,
 }
 
 /// The queries of a batch under way, in L lanes.
@@ -134,7 +134,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             ended: 0,
             age: 0,
             iterations: 0,
-            best_cost: f64::INFINITY,
+            best_twice_cost: f64::INFINITY,
         })
     }
 
@@ -204,10 +204,10 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         // is kept even where costs overflow.
         let kept = match self.work.search {
             Prefer::Start => job.ended == 0,
-            Prefer::First => job.ended == 0 || self.group.cost(lane) < job.best_cost,
+            Prefer::First => job.ended == 0 || self.group.twice_cost(lane) < job.best_twice_cost,
         };
         if errors.is_none() && (reached || kept) {
-            job.best_cost = self.group.cost(lane);
+            job.best_twice_cost = self.group.twice_cost(lane);
             self.group.point(lane, q);
         }
         job.iterations += job.age;

@@ -8,17 +8,17 @@ pub(crate) struct Evaluation<V> {
     pub(crate) rotation: Matrix3<V>,
 }
 
-/// What the residual says about a point.
+/// What the residual says about a point; for goals by axes, of what counts and lies beyond its room.
 pub(crate) struct Weighed<V> {
-    /// Twice the cost.
-    pub(crate) cost: V,
-    /// Squared position error, square metres.
+    /// Twice the cost, the solver's lengths squared.
+    pub(crate) twice_cost: V,
+    /// Squared position error, the solver's lengths squared.
     pub(crate) position: V,
-    /// Squared orientation error, square radians.
+    /// Squared chord of the orientation error, 2(1 − cos θ) = (2 sin ½θ)²: θ² where that is small.
     pub(crate) orientation: V,
-    /// The cost's gradient by the columns' two halves.
+    /// What Jᵀ turns into the cost's gradient, by the columns' two halves.
     pub(crate) gradient: (Vector3<V>, Vector3<V>),
-    /// What the step should undo.
+    /// e: what the step should undo, by the same halves.
     pub(crate) twist: (Vector3<V>, Vector3<V>),
 }
 

@@ -21,13 +21,13 @@ pub(crate) struct Group<V, const N: usize> {
     pub(super) normal: [[V; 6]; 6],
     /// The point to evaluate next.
     pub(super) q: [V; N],
-    /// The best point so far, and twice its cost.
+    /// The best point so far, and twice its cost, the solver's lengths squared.
     pub(super) accepted: [V; N],
-    pub(super) accepted_cost: V,
+    pub(super) accepted_twice_cost: V,
     pub(super) damping: V,
-    /// Cost at the last real progress, and iterations since.
-    pub(super) reference_cost: V,
-    pub(super) stalled: V,
+    /// Twice the cost where the error last halved, and iterations since.
+    pub(super) progress_twice_cost: V,
+    pub(super) since_progress: V,
 }
 
 impl<V: LaneScalar, const N: usize> Group<V, N> {
@@ -43,10 +43,10 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             normal: [[zero; 6]; 6],
             q: [zero; N],
             accepted: [zero; N],
-            accepted_cost: zero,
+            accepted_twice_cost: zero,
             damping: zero,
-            reference_cost: zero,
-            stalled: zero,
+            progress_twice_cost: zero,
+            since_progress: zero,
         }
     }
 
@@ -80,9 +80,9 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
             self.q[i].set_lane(lane, value);
             self.accepted[i].set_lane(lane, value);
         }
-        self.accepted_cost.set_lane(lane, f64::INFINITY);
-        self.reference_cost.set_lane(lane, f64::INFINITY);
-        self.stalled.set_lane(lane, 0.0);
+        self.accepted_twice_cost.set_lane(lane, f64::INFINITY);
+        self.progress_twice_cost.set_lane(lane, f64::INFINITY);
+        self.since_progress.set_lane(lane, 0.0);
         self.damping.set_lane(lane, settings.damping);
     }
 
@@ -104,7 +104,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
 
     /// Twice the cost at [`point`](Self::point).
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn cost(&self, lane: usize) -> f64 {
-        self.accepted_cost.lane(lane)
+    pub(crate) fn twice_cost(&self, lane: usize) -> f64 {
+        self.accepted_twice_cost.lane(lane)
     }
 }

@@ -5,14 +5,21 @@
 //! about n), the cost is `½(|p|² + w² · 2(1 − cos θ))`; its gradient is exactly `Jᵀ(p, w² s)`, with
 //! no arc function, for J the spatial Jacobian: column `(p_i × z_i, z_i)` of a turning joint with
 //! axis z_i through p_i, the velocity of the point at the goal's origin. That column needs nothing
-//! from the joints after it. A step solves the dual system `(J Jᵀ + λ D) y = −e`, Δ = Jᵀ y, with
-//! e = (p + ½ p × s, s), the twist to the goal to second order.
+//! from the joints after it.
+//!
+//! With e = (p + ½ p × s, s), the twist to undo to second order, and D = diag(1, 1, 1, w⁻², w⁻²,
+//! w⁻²), or I for goals by axes, whose rows carry their weights, the step minimises
+//! `½ (J Δ + e)ᵀ D⁻¹ (J Δ + e) + ½ λ |Δ|²`. Its normal equations have a row for each joint; the
+//! dual ones, `(J Jᵀ + λ D) y = −e` and Δ = Jᵀ y, have six, and the same solution, as
+//! `(Jᵀ D⁻¹ J + λ I)⁻¹ Jᵀ D⁻¹ = Jᵀ (J Jᵀ + λ D)⁻¹`. λ is the damping times twice the cost (cf. Sugihara
+//! 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
 //!
 //! A joint on its bound that the gradient pushes outward is left out of the step (Bertsekas 1982);
 //! the rest is clamped. A point that does not lower the cost is not accepted: the next one lies a
 //! quarter of the way from the last accepted point to it, which needs no old Jacobian.
 
 use super::axis_residual;
+use super::evaluation::Weighed;
 use super::group::Group;
 use super::jacobian;
 use super::lane::LaneScalar;
@@ -21,6 +28,22 @@ use super::links::Links;
 use super::pose;
 use super::settings::Settings;
 use crate::spatial::{Matrix3, Vector3};
+
+/// The error has halved where this share of the cost is left.
+const HALVED: f64 = 0.25;
+/// What the damping is multiplied by where a step halved the error, where it won less, and where the
+/// point is not accepted.
+const DAMPED_LESS: f64 = 0.5;
+const DAMPED_A_LITTLE_LESS: f64 = 0.8;
+const DAMPED_MORE: f64 = 4.0;
+/// The least λ, the solver's lengths squared: keeps the dual system regular at the goal.
+const LEAST_LAMBDA: f64 = 1e-14;
+/// How much of the way a point that is not accepted keeps.
+const WAY_KEPT: f64 = 0.25;
+/// Twice the cost below which the goal is near, the solver's lengths squared. Convergence may be slow
+/// there but sure (a singular goal), so that an iteration counts as this much of one.
+const NEAR: f64 = 1e-6;
+const ITERATION_WHEN_NEAR: f64 = 0.1;
 
 /// Which lanes ended, bit by bit.
 #[derive(Clone, Copy, Debug)]
@@ -52,13 +75,37 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
     links: &Links,
     settings: &Settings,
 ) -> Ended {
-    let n = group.joints::<JOINTS>();
-    let c = V::constant;
-    let weight = settings.length_per_radian * settings.length_per_radian;
-    let mut at = jacobian::evaluate::<V, N, JOINTS>(group, links);
+    let weighed = weigh::<V, N, JOINTS, AXES>(group, links, settings);
     let tp = settings.position_tolerance * settings.position_tolerance;
     let to = settings.orientation_tolerance * settings.orientation_tolerance;
-    let weighed = if AXES {
+    let reached = weighed.position.less_than(V::constant(tp))
+        & weighed.orientation.less_than(V::constant(to));
+    let twice_cost = weighed.twice_cost;
+    let accept = twice_cost.less_than(group.accepted_twice_cost) | reached;
+    adapt_damping(group, twice_cost, accept);
+    let stalled = note_progress(group, twice_cost, settings);
+    let closing = twice_cost.less_than(V::constant(settings.closing_twice_cost)) & accept;
+
+    leave_out_blocked_joints::<V, N, JOINTS>(group, links, &weighed);
+    let y = solve_dual::<V, N, JOINTS, AXES>(group, &weighed, settings);
+    move_on::<V, N, JOINTS>(group, links, accept, y);
+    Ended {
+        reached: V::mask_bits(reached),
+        stalled: V::mask_bits(stalled),
+        closing: V::mask_bits(closing),
+    }
+}
+
+/// The residual at every lane's point, and the rows of its derivative.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn weigh<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
+    group: &mut Group<V, N>,
+    links: &Links,
+    settings: &Settings,
+) -> Weighed<V> {
+    let n = group.joints::<JOINTS>();
+    let mut at = jacobian::evaluate::<V, N, JOINTS>(group, links);
+    if AXES {
         at.rotation = at.rotation * Matrix3::constant(links.last_from_tip);
         axis_residual::weigh(
             &at,
@@ -67,36 +114,53 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
             settings,
         )
     } else {
-        pose::weigh(&at, weight)
-    };
-    let cost = weighed.cost;
-    let reached = weighed.position.less_than(c(tp)) & weighed.orientation.less_than(c(to));
-    let accept = cost.less_than(group.accepted_cost) | reached;
+        pose::weigh(&at, settings.length_per_radian * settings.length_per_radian)
+    }
+}
 
-    // Damping: halved on a step that takes the cost below a quarter, a little less on other
-    // descents, times four on a rejection.
-    let fast = cost.less_than(group.accepted_cost * c(0.25));
-    let factor = V::select(fast, c(0.5), c(0.8));
-    group.damping *= V::select(accept, factor, c(4.0));
-    group.accepted_cost = V::select(accept, cost, group.accepted_cost);
-    let progress = cost.less_than(group.reference_cost * c(0.25));
-    group.reference_cost = V::select(progress, cost, group.reference_cost);
-    // Near the goal convergence may be slow but sure (a singular goal): more patience.
-    group.stalled = V::select(
-        progress,
-        V::zero(),
-        group.stalled + V::select(cost.less_than(c(1e-6)), c(0.1), V::one()),
+/// Damps less after a descent, the more so after a long one, and more after a rejection.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn adapt_damping<V: LaneScalar, const N: usize>(
+    group: &mut Group<V, N>,
+    twice_cost: V,
+    accept: V::Mask,
+) {
+    let c = V::constant;
+    let halved = twice_cost.less_than(group.accepted_twice_cost * c(HALVED));
+    let factor = V::select(halved, c(DAMPED_LESS), c(DAMPED_A_LITTLE_LESS));
+    group.damping *= V::select(accept, factor, c(DAMPED_MORE));
+    group.accepted_twice_cost = V::select(accept, twice_cost, group.accepted_twice_cost);
+}
+
+/// Counts iterations since the error last halved, and tells which lanes have too many.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn note_progress<V: LaneScalar, const N: usize>(
+    group: &mut Group<V, N>,
+    twice_cost: V,
+    settings: &Settings,
+) -> V::Mask {
+    let c = V::constant;
+    let progress = twice_cost.less_than(group.progress_twice_cost * c(HALVED));
+    group.progress_twice_cost = V::select(progress, twice_cost, group.progress_twice_cost);
+    let iteration = V::select(
+        twice_cost.less_than(c(NEAR)),
+        c(ITERATION_WHEN_NEAR),
+        V::one(),
     );
-    let stalled = c(settings.stall_limit - 0.5).less_than(group.stalled);
+    group.since_progress = V::select(progress, V::zero(), group.since_progress + iteration);
+    // Half an iteration short of the limit, as the rounding of tenths must not decide.
+    c(settings.stall_limit - 0.5).less_than(group.since_progress)
+}
 
-    let ended = Ended {
-        reached: V::mask_bits(reached),
-        stalled: V::mask_bits(stalled),
-        closing: V::mask_bits(cost.less_than(c(settings.closing_cost)) & accept),
-    };
-
-    // The damped normal equations over the free joints.
-    for i in 0..n {
+/// Makes the columns zero of joints on a bound that the gradient pushes outward.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn leave_out_blocked_joints<V: LaneScalar, const N: usize, const JOINTS: usize>(
+    group: &mut Group<V, N>,
+    links: &Links,
+    weighed: &Weighed<V>,
+) {
+    let c = V::constant;
+    for i in 0..group.joints::<JOINTS>() {
         let (l, a) = (group.linear[i], group.angular[i]);
         let gradient = l.dot(weighed.gradient.0) + a.dot(weighed.gradient.1);
         let q = group.q[i];
@@ -108,32 +172,55 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
         group.linear[i] = l * free;
         group.angular[i] = a * free;
     }
+}
+
+/// The y of (J Jᵀ + λ D) y = −e, by its halves.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
+    group: &mut Group<V, N>,
+    weighed: &Weighed<V>,
+    settings: &Settings,
+) -> (Vector3<V>, Vector3<V>) {
+    let c = V::constant;
     jacobian::normal_equations::<V, N, JOINTS>(group);
-    let m = &mut group.normal;
-    let lambda = (group.damping * cost).max(c(1e-14));
-    // The rows of weighted goals carry their weights already.
+    let lambda = (group.damping * weighed.twice_cost).max(c(LEAST_LAMBDA));
     let lambda_turn = if AXES {
         lambda
     } else {
+        let weight = settings.length_per_radian * settings.length_per_radian;
         lambda * c(weight.recip())
     };
+    let m = &mut group.normal;
     for k in 0..3 {
         m[k][k] += lambda;
         m[k + 3][k + 3] += lambda_turn;
     }
     let (e, s) = weighed.twist;
     let [y] = ldlt::solve(group.normal, [[-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]]);
-    let y_linear = Vector3::new(y[0], y[1], y[2]);
-    let y_angular = Vector3::new(y[3], y[4], y[5]);
-    for i in 0..n {
+    (
+        Vector3::new(y[0], y[1], y[2]),
+        Vector3::new(y[3], y[4], y[5]),
+    )
+}
+
+/// Steps by Δ = Jᵀ y, clamped, from the points that are accepted; goes back towards the last one from
+/// the others.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn move_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
+    group: &mut Group<V, N>,
+    links: &Links,
+    accept: V::Mask,
+    (y_linear, y_angular): (Vector3<V>, Vector3<V>),
+) {
+    let c = V::constant;
+    for i in 0..group.joints::<JOINTS>() {
         let delta = group.linear[i].dot(y_linear) + group.angular[i].dot(y_angular);
         let link = &links.links[i];
         let q = group.q[i];
         let moved = (q + delta).max(c(link.lower)).min(c(link.upper));
         let old = group.accepted[i];
-        let back = (q - old).mul_add(c(0.25), old);
+        let back = (q - old).mul_add(c(WAY_KEPT), old);
         group.accepted[i] = V::select(accept, q, old);
         group.q[i] = V::select(accept, moved, back);
     }
-    ended
 }

@@ -65,7 +65,7 @@ impl LaneOptions {
         /// Levenberg-Marquardt's λ at the start of an attempt is this times twice the cost. Default 0.07.
         pub fn with_damping(mut self, damping: f64) { self.damping = damping }
         /// An attempt whose error has not halved in this many iterations is given up, ten
-        /// times as many where the cost is below 1e-6 of the chain's reach squared. Default 6.
+        /// times as many where twice the cost is below 1e-6 of the chain's reach squared. Default 6.
         pub fn with_stall_limit(mut self, stall_limit: u32) { self.stall_limit = stall_limit }
         /// Most iterations of one attempt. Default 100.
         pub fn with_iterations(mut self, iterations: u32) { self.iterations = iterations }

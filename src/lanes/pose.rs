@@ -23,7 +23,7 @@ pub(crate) fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V
     let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);
     let turned = V::select(near, series, (V::one() - cos) * c(2.0));
     Weighed {
-        cost: turned.mul_add(c(weight), pp),
+        twice_cost: turned.mul_add(c(weight), pp),
         position: pp,
         orientation: turned,
         gradient: (p, s * c(weight)),

@@ -12,14 +12,14 @@ pub(crate) struct Settings {
     pub(crate) orientation_tolerance: f64,
     /// Lengths that weigh as much as one radian.
     pub(crate) length_per_radian: f64,
-    /// λ = damping · cost at the start of an attempt.
+    /// λ = damping · twice the cost at the start of an attempt.
     pub(crate) damping: f64,
     /// Whether the goal is not the full pose.
     pub(crate) weighted: bool,
     /// Weights and dead bands of the six components of such a goal.
     pub(crate) axes: AxisGoal,
     /// Twice the cost below which one more step should reach.
-    pub(crate) closing_cost: f64,
+    pub(crate) closing_twice_cost: f64,
     /// An attempt whose error has not halved in this many iterations is given up.
     pub(crate) stall_limit: f64,
 }
@@ -47,7 +47,7 @@ impl Settings {
             weighted: !options.axes.is_full_pose(),
             axes,
             // Convergence is quadratic: the error after a step is about its square, in lengths.
-            closing_cost: CLOSING * smaller,
+            closing_twice_cost: CLOSING * smaller,
         }
     }
 }

@@ -228,7 +228,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep_miss(&mut self, lane: usize) {
         let Self { group, answer, .. } = self;
-        let (cost, attempt) = (group.cost(lane), self.attempt[lane]);
+        let (cost, attempt) = (group.twice_cost(lane), self.attempt[lane]);
         // Costs that overflow are all alike: the lowest attempt, the start itself, is kept.
         let better = match self.best {
             None => true,

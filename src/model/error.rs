@@ -15,7 +15,7 @@ pub enum ModelError {
         name: String,
     },
     /// An id beyond this model's joints, or a parent that comes later.
-    #[error("{kind} `{name}` refers to a joint that is not in this model")]
+    #[error("{kind} `{name}` refers to a joint that is not in this model or comes after it")]
     ForeignId {
         /// What holds the bad reference.
         kind: &'static str,
@@ -32,7 +32,8 @@ pub enum ModelError {
         /// Upper end as given.
         upper: f64,
     },
-    /// An axis that is not of unit length; builders normalise any finite non-zero axis.
+    /// An axis that is zero, or of which a component or their sum is not finite; builders make any other
+    /// of unit length.
     #[error("joint `{joint}`: axis ({x}, {y}, {z}) has no direction")]
     BadAxis {
         /// The joint.

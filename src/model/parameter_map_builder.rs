@@ -103,7 +103,7 @@ impl<'m> ParameterMapBuilder<'m> {
 
         let mut roles = self.roles;
         let mut leaders = Vec::new();
-        let mut variable_of = vec![usize::MAX; roles.len()];
+        let mut variable_of = vec![None; roles.len()];
         for (c, role) in roles.iter_mut().enumerate() {
             if role.is_none() && limits[c].is_locked() {
                 *role = Some(Source::Constant(limits[c].lower));
@@ -111,7 +111,7 @@ impl<'m> ParameterMapBuilder<'m> {
             match role {
                 Some(source) => check(source, &limits[c], ["the ratio", "the offset"], || name(c))?,
                 None => {
-                    variable_of[c] = leaders.len();
+                    variable_of[c] = Some(leaders.len());
                     leaders.push(c);
                 }
             }
@@ -227,14 +227,18 @@ fn check(
     }
 }
 
-/// Follows masters to their end; `None` when they run in a ring.
-fn resolve(coordinate: usize, roles: &[Option<Source>], variable_of: &[usize]) -> Option<Source> {
+/// Follows masters to their end; `None` when they run in a ring. What is free has a variable.
+fn resolve(
+    coordinate: usize,
+    roles: &[Option<Source>],
+    variable_of: &[Option<usize>],
+) -> Option<Source> {
     let (mut total, mut shift, mut at) = (1.0, 0.0, coordinate);
     for _ in 0..=roles.len() {
         match roles[at] {
             None => {
-                return Some(Source::Variable {
-                    variable: variable_of[at],
+                return variable_of[at].map(|variable| Source::Variable {
+                    variable,
                     ratio: total,
                     offset: shift,
                 });

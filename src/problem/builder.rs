@@ -146,7 +146,8 @@ impl<'m> ProblemBuilder<'m> {
         let (mut rows, mut rows_of_goals, mut rows_of_pulls) = (0, 0, 0);
         for (index, pending) in self.tasks.into_iter().enumerate() {
             let first_frame = pending.frames.first().copied();
-            let mut task = place(model, index, &pending, &self.tolerances, &mut frames, rows)?;
+            let mut task =
+                compile_task(model, index, &pending, &self.tolerances, &mut frames, rows)?;
             residuals.push(pending.residual);
             let share = match task.binds {
                 true => &mut rows_of_goals,
@@ -208,7 +209,7 @@ impl<'m> ProblemBuilder<'m> {
 }
 
 /// Resolves one task; adds the frames it is the first to look at to `frames`.
-fn place(
+fn compile_task(
     model: &Model,
     index: usize,
     pending: &PendingTask,
@@ -302,10 +303,11 @@ fn place(
         binds: pending.role == Role::Goal && blocks.iter().any(Block::can_miss),
         blocks,
         rows: first_row..next_row,
+        // Set later: by `build`, which counts the shares' rows, and `choose_sweeps`, which has the tree.
         rows_of_share: 0..0,
+        swept: false,
         weights,
         frames: slots,
-        swept: false,
         coordinates,
     })
 }

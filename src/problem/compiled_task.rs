@@ -28,6 +28,12 @@ impl Block {
     }
 }
 
+/// A task as a problem evaluates and judges it.
+///
+/// A block *can miss* where its weight and tolerance ask for something. A goal *binds* where one of its
+/// blocks can: only those are ever missed, and preferences must *keep* those blocks' errors. Every
+/// other task pulls. The tasks that bind and those that pull are the [shares](super::Share) of a problem
+/// whose preferences act within its goals.
 #[derive(Clone, Debug)]
 pub(crate) struct CompiledTask {
     pub(crate) name: String,
@@ -37,7 +43,7 @@ pub(crate) struct CompiledTask {
     pub(crate) rows: Range<usize>,
     /// Whether it is a goal that can be missed.
     pub(crate) binds: bool,
-    /// The same rows among those of all tasks that bind, or of all that do not.
+    /// The same rows among those of all tasks that bind, or of all that pull.
     pub(crate) rows_of_share: Range<usize>,
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,
@@ -57,7 +63,7 @@ impl CompiledTask {
         self.blocks.iter()
     }
 
-    /// Whether the task wants its rows kept where the goals' own search left them: all that can miss.
+    /// Whether preferences must leave a block's error where the goals' own search left it.
     pub(crate) fn keeps(&self, block: &Block) -> bool {
         self.binds && block.can_miss()
     }

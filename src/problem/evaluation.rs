@@ -123,6 +123,7 @@ impl<'a> Evaluation<'a> {
     /// r(x) of the whole problem before weighting.
     pub(crate) fn unweighted(&mut self, x: &[f64]) -> &[f64] {
         self.forward(x);
+        // In the room that finite differences have, which need nothing kept there.
         let mut residual = std::mem::take(&mut self.scratch.shifted_residual[0]);
         for (index, task) in self.question.problem.tasks.iter().enumerate() {
             Self::gather(self.scratch, task);
@@ -176,6 +177,9 @@ impl<'a> Evaluation<'a> {
         local.scale_rows(&task.weights);
     }
 
+    /// The rows of a task are W (Σ_k L_k Jv_k + A_k Jω_k + Σ_j ∂r/∂q_j · ratio_j e_jᵀ): over its frames
+    /// the local derivatives by velocity and angular velocity times the geometric Jacobian, and over its
+    /// joints those by value, e_j the unit vector of the variable that joint j comes from.
     fn analytic_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
         // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
@@ -198,6 +202,7 @@ impl<'a> Evaluation<'a> {
                 };
                 tree.add_geometric_jacobian(state, &partials, jacobian);
             }
+            // Column-major.
             let entries = jacobian.as_mut_slice();
             for (k, &coordinate) in task.coordinates.iter().enumerate() {
                 if let Some((variable, ratio)) = problem.map.sources()[coordinate].slope() {
@@ -242,6 +247,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
+    /// Jᵀ r, by one sweep over the tree from the frames to the root.
     fn reverse_gradient(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
         self.forward(x);
         gradient.fill(0.0);

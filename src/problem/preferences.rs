@@ -21,14 +21,14 @@ pub enum Preferences {
     Traded,
 }
 
-/// A part of a problem's tasks.
+/// A part of a problem's tasks; [`CompiledTask`] says which bind and which pull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Share {
     /// Every task.
     All,
-    /// The goals that can be missed.
+    /// Those that bind: the goals that can be missed.
     Goals,
-    /// What pulls within them.
+    /// All others: preferences, and goals for which any error will do.
     Pulls,
 }
 

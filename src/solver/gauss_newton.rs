@@ -106,7 +106,7 @@ impl Method for GaussNewton {
             // the step damped by λ = s ‖r‖ does not; with s the largest column norm, that is the
             // size of the curvature that Gauss-Newton leaves out.
             normal.forget();
-            normal.step(at.at, at.column_norm * (2.0 * at.cost).sqrt());
+            normal.step(at.state, at.column_norm * (2.0 * at.cost).sqrt());
             direction.copy_from_slice(&at.step);
             let along = |_: &SolverState, j: usize| direction[j];
             found = along_projected_path(at, along, 1.0, reference, MOST_TRIALS[1]);

@@ -16,14 +16,14 @@ const FLAT: f64 = 1e-13;
 /// it or not.
 pub struct Iterate<'a> {
     pub(super) problem: &'a mut dyn LeastSquares,
-    pub(super) at: &'a mut SolverState,
+    pub(super) state: &'a mut SolverState,
 }
 
 impl Deref for Iterate<'_> {
     type Target = SolverState;
 
     fn deref(&self) -> &SolverState {
-        self.at
+        self.state
     }
 }
 
@@ -32,12 +32,12 @@ impl Iterate<'_> {
         /// The space that x is from, with its bounds.
         pub fn space(&self) -> ConfigurationSpace<'_> = self.problem.space();
         /// The step Δ, to write; it still holds the last one.
-        pub fn step_mut(&mut self) -> &mut [f64] = &mut self.at.step;
+        pub fn step_mut(&mut self) -> &mut [f64] = &mut self.state.step;
     }
 
     /// Projects the trial x + Δ into the bounds, and makes Δ what is left of the way there.
     pub fn project_step(&mut self) {
-        let SolverState { x, step, trial, .. } = &mut *self.at;
+        let SolverState { x, step, trial, .. } = &mut *self.state;
         let space = self.problem.space();
         space.integrate(x, step, trial);
         space.project(trial);
@@ -52,7 +52,7 @@ impl Iterate<'_> {
             step,
             trial_residual: predicted,
             ..
-        } = &mut *self.at;
+        } = &mut *self.state;
         predicted.copy_from_slice(residual);
         let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
         for (&step, column) in step.iter().zip(columns) {
@@ -65,7 +65,7 @@ impl Iterate<'_> {
 
     /// Evaluates the projected trial and returns its cost.
     pub fn evaluate_trial(&mut self) -> f64 {
-        let at = &mut *self.at;
+        let at = &mut *self.state;
         self.problem.residual(&at.trial, &mut at.trial_residual);
         at.counts.residuals += 1;
         at.trial_cost = half_squared(&at.trial_residual);
@@ -75,7 +75,7 @@ impl Iterate<'_> {
     /// Makes the evaluated trial the place where the search stands. Derivatives are taken anew before the
     /// next step.
     pub fn accept(&mut self) {
-        let at = &mut *self.at;
+        let at = &mut *self.state;
         std::mem::swap(&mut at.x, &mut at.trial);
         std::mem::swap(&mut at.residual, &mut at.trial_residual);
         let flat = (at.cost - at.trial_cost).abs() <= FLAT * at.cost;

@@ -20,7 +20,9 @@ const MOST_CONVEX_TRIALS: usize = 20;
 #[non_exhaustive]
 pub enum Damping {
     /// From the ratio of won to promised decrease (Nielsen 1999, "Damping parameter in
-    /// Marquardt's method", IMM-REP-1999-05).
+    /// Marquardt's method", IMM-REP-1999-05); but an accepted step lowers λ at least as much as the
+    /// cost, since convergence to a goal within reach is quadratic with a λ of the error's square and
+    /// linear with Nielsen's third at a time.
     GainRatio,
     /// λ = μ · cost, which falls off quadratically with the error (Chan & Lawrence 1988; Sugihara
     /// 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
@@ -118,7 +120,7 @@ impl Method for LevenbergMarquardt {
     fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
         own.learn_curvature(at);
         if !own.solve_curved(at) {
-            own.buffers.normal.step(at.at, own.damping);
+            own.buffers.normal.step(at.state, own.damping);
         }
         at.project_step();
         let linear = at.model_cost();
@@ -129,6 +131,8 @@ impl Method for LevenbergMarquardt {
 
         match self.damping {
             Damping::GainRatio if accepted => {
+                // Projection and curvature may leave a model that promises nothing of a step that wins:
+                // no reason to distrust it.
                 let ratio = if promised > 0.0 { won / promised } else { 1.0 };
                 let beyond_half = 2.0 * ratio - 1.0;
                 let cubed = beyond_half * beyond_half * beyond_half;
@@ -178,7 +182,7 @@ impl Buffers {
 impl LevenbergMarquardtState {
     /// Lets S learn from the last step, or takes it anew.
     fn learn_curvature(&mut self, iterate: &mut Iterate<'_>) {
-        let Iterate { problem, at } = iterate;
+        let Iterate { problem, state: at } = iterate;
         if self.curvature.wants_differences(at.cost, at.column_norm) {
             let room = &mut self.buffers.differences;
             let taken = self.curvature.take(*problem, at, room);
@@ -203,7 +207,7 @@ impl LevenbergMarquardtState {
             free,
             step,
             ..
-        } = &mut *iterate.at;
+        } = &mut *iterate.state;
         let model = CurvedModel {
             jacobian,
             curvature,

@@ -20,7 +20,7 @@ pub(super) fn along_projected_path(
 ) -> Option<(f64, f64)> {
     let mut alpha = first;
     for _ in 0..trials {
-        let at = &mut *iterate.at;
+        let at = &mut *iterate.state;
         for j in 0..at.x.len() {
             at.step[j] = alpha * direction(at, j);
         }

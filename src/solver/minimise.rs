@@ -43,7 +43,10 @@ pub fn minimise(
     Ok(method.minimise(problem, start, stopping, deadline, observer, state))
 }
 
-/// The loop around a method's steps.
+/// The loop around a method's steps. What ends it, in this order: a cost that is not finite; the goal,
+/// a gradient that is not finite or is none, or steps that hardly change the cost
+/// ([`Progress::judge`]); the observer; patience; the iteration limit; the deadline; a step too small
+/// to matter ([`Progress::step`]).
 pub(super) fn search<M: Method>(
     problem: &mut dyn LeastSquares,
     (method, own): (&M, &mut M::State),
@@ -60,7 +63,8 @@ pub(super) fn search<M: Method>(
             projected_gradient: None,
         };
     };
-    let mut milestone = (0, state.cost);
+    // When the cost had last halved, and what it was.
+    let (mut halved_at, mut halved_cost) = (0, state.cost);
     let termination = loop {
         if !progress.look(problem, method, own, state) {
             break Termination::NonFinite;
@@ -79,10 +83,10 @@ pub(super) fn search<M: Method>(
         if seen.is_break() {
             break Termination::Cancelled;
         }
-        if state.cost < 0.5 * milestone.1 {
-            milestone = (progress.iterations, state.cost);
+        if state.cost < 0.5 * halved_cost {
+            (halved_at, halved_cost) = (progress.iterations, state.cost);
         }
-        let waited = progress.iterations - milestone.0;
+        let waited = progress.iterations - halved_at;
         if stopping.patience.is_some_and(|patience| waited >= patience) {
             break Termination::Stalled;
         }
@@ -111,7 +115,7 @@ fn return_best(problem: &mut dyn LeastSquares, state: &mut SolverState) -> Optio
         return None;
     }
     state.trial.copy_from_slice(&state.best_x);
-    let mut iterate = Iterate { problem, at: state };
+    let mut iterate = Iterate { problem, state };
     iterate.evaluate_trial();
     iterate.accept();
     state.differentiate_cost(problem);

@@ -85,6 +85,7 @@ impl Progress {
     /// Whether the search ends where it stands.
     pub(crate) fn judge(&self, state: &SolverState, stopping: &Stopping) -> Option<Termination> {
         match self.projected_gradient {
+            // `look` takes no derivatives where the goal is reached, and only there.
             None => Some(Termination::Reached),
             Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
             Some(_) if self.stationarity <= stopping.gradient_tolerance => {
@@ -106,10 +107,11 @@ impl Progress {
     ) -> Option<Termination> {
         let mut iterate = Iterate {
             problem: &mut *problem,
-            at: &mut *state,
+            state: &mut *state,
         };
         self.last_step = method.step(own, &mut iterate);
         self.iterations += 1;
+        // A small step that reached the goal ends nothing here: the next look finds it so.
         let negligible = state.step_is_negligible(stopping.step_tolerance);
         let reached = self.last_step == Step::Taken
             && problem.stops_when_reached()

@@ -6,7 +6,7 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// ‖x_a − x_b‖ − distance, one row in metres.
+/// r = ‖x_a − x_b‖ − distance, one row in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
     frames: [FrameId; 2],

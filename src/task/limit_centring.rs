@@ -5,8 +5,9 @@ use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// (q_j − middle_j) / half range_j, one row per joint with two finite limits: 0 in the middle, ±1
-/// on a limit. A preference by default.
+/// r_j = (q_j − middle_j) / half range_j, one row per joint with two finite limits: 0 in the middle, ±1
+/// on a limit (Liégeois 1977, "Automatic supervisory control of the configuration and behavior of
+/// multibody mechanisms"). A preference by default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitCentring {
     joints: Vec<JointId>,

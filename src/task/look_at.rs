@@ -6,8 +6,9 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Quaternion, Vector3};
 
-/// The rotation vector that would turn the axis onto the line of sight: three rows in radians,
-/// world axes, of rank two; its length is the angle that is missing, within [0, π].
+/// r = θ (a × s)/‖a × s‖, with cos θ = a · s: the rotation vector that would turn the unit axis a onto
+/// the line of sight s = (target − x)/‖target − x‖. Three rows in radians, world axes, of rank two; its
+/// length is the angle that is missing, within [0, π].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookAt {
     frame: FrameId,

@@ -6,8 +6,8 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_log, rotation_log_jacobian};
 
-/// The rotation vector of R R_targetᵀ: three rows in radians, in world axes or those of the
-/// [base](Self::relative_to), length within [0, π].
+/// r = log(R R_targetᵀ), the rotation vector from the target: three rows in radians, in world axes or
+/// those of the [base](Self::relative_to), length within [0, π].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orientation {
     frame: FrameId,
@@ -51,7 +51,8 @@ impl Orientation {
         rotation_log(&world_turn).to_array()
     }
 
-    /// Writes ∂miss/∂ω into three rows of `jacobian`.
+    /// Writes ∂miss/∂ω into three rows of `jacobian`: J_l⁻¹(miss) (Chirikjian 2012, eq. 10.86, see
+    /// [`rotation_log_jacobian`]).
     pub(super) fn differentiate_miss(
         target: Matrix3<f64>,
         rotation: Matrix3<f64>,
@@ -59,11 +60,12 @@ impl Orientation {
         jacobian: &mut LocalJacobian,
     ) {
         let miss = Self::miss(target, rotation);
-        let by_turning = rotation_log_jacobian(miss.into()).transpose();
+        // Its rows are the columns of its transpose.
+        let transposed = rotation_log_jacobian(miss.into()).transpose();
         let rows = &mut jacobian.angular_mut(0)[first_row..];
         for (row, value) in rows
             .iter_mut()
-            .zip([by_turning.x, by_turning.y, by_turning.z])
+            .zip([transposed.x, transposed.y, transposed.z])
         {
             *row = value;
         }
@@ -95,6 +97,7 @@ impl Residual for Orientation {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         if self.base.is_some() {
+            // Two frames move: left to dual numbers.
             return false;
         }
         Self::differentiate_miss(self.target, frames[0].rotation, 0, jacobian);

@@ -65,7 +65,7 @@ impl Camera {
     }
 }
 
-/// Projected position − pixel, two rows in pixels.
+/// r = (u, v)(x) − (u, v)_target with the [projection](Camera::project) of x: two rows in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     frame: FrameId,

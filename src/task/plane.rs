@@ -6,7 +6,7 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// The signed distance n · (x − p), one row in metres.
+/// r = n · (x − p), the signed distance: one row in metres, n the unit normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     frame: FrameId,

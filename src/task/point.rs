@@ -6,7 +6,8 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// x − target, three rows in metres, in world axes or those of the [base](Self::relative_to).
+/// r = x + R o − target, o the [offset](Self::at) on the frame: three rows in metres, in world axes or
+/// those of the [base](Self::relative_to).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     frame: FrameId,
@@ -76,6 +77,7 @@ impl Residual for Point {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         if self.base.is_some() {
+            // Two frames move: left to dual numbers.
             return false;
         }
         for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {

@@ -9,11 +9,12 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacobian};
 
-/// Three rows in metres, x − x_target, then three in radians, the rotation vector of R R_targetᵀ; in
-/// world axes, or in those of the [base](Self::relative_to).
+/// r = (x − x_target, log(R R_targetᵀ)): three rows in metres, then three in radians, the rotation
+/// vector; in world axes, or in those of the [base](Self::relative_to).
 ///
-/// With a [`Goal`] they are in the target's axes, each beyond its interval: the offset, and the rotation
-/// vector of R_targetᵀ R, or where a component has room twice the vector part of its quaternion.
+/// With a [`Goal`] they are in the target's axes, each beyond its interval:
+/// r = (R_targetᵀ (x − x_target), log(R_targetᵀ R)), or where a component has room 2 v for the logarithm,
+/// with v the vector part of its quaternion, of which it is 2 sin(θ/2) n.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
@@ -122,8 +123,9 @@ impl Pose {
         axes * (placed.translation - Vector3::constant(self.target.translation))
     }
 
-    /// By hand in the target's axes, which world's turn to: of the rotation vector φ the rows are
-    /// J_l⁻¹(φ), of twice a quaternion's vector part w − [v] (from q' = ½ ω q).
+    /// By hand, in the target's axes first: there the derivative of the rotation vector φ by the
+    /// angular velocity is J_l⁻¹(φ) (Chirikjian 2012, eq. 10.86, see [`rotation_log_jacobian`]), and of
+    /// twice a quaternion's vector part w − [v] (from q' = ½ ω q).
     fn differentiate_goal(
         &self,
         goal: &Goal,
@@ -141,7 +143,9 @@ impl Pose {
             let [x, y, z] = Vector3::UNITS.map(column);
             Matrix3::from_columns(x, y, z)
         };
-        let by_turning = *target * by_turning.transpose();
+        // World's turn ω is targetᵀ ω in the target's axes; the rows of by_turning · targetᵀ are the
+        // columns of its transpose.
+        let rows_in_world = *target * by_turning.transpose();
         let bands = goal.bands();
         let offset = self.offset(placed).to_array();
         let turn = (quaternion.v * 2.0).to_array();
@@ -154,7 +158,7 @@ impl Pose {
                 }
             }
         }
-        let rows = [by_turning.x, by_turning.y, by_turning.z];
+        let rows = [rows_in_world.x, rows_in_world.y, rows_in_world.z];
         for (k, row) in rows.into_iter().enumerate() {
             if counts(turn[k], bands[3 + k]) {
                 jacobian.angular_mut(0)[3 + k] = row;
@@ -211,6 +215,7 @@ impl Residual for Pose {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         if self.base.is_some() {
+            // Two frames move: left to dual numbers.
             return false;
         }
         let placed = self.base_from_tool(frames);

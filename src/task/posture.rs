@@ -6,7 +6,7 @@ use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// q_j − reference_j, one row per joint, in the joint's own unit. A preference by default.
+/// r_j = q_j − reference_j, one row per joint, in the joint's own unit. A preference by default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posture {
     joints: Vec<JointId>,

@@ -6,7 +6,8 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// The part of x − m across the line: (I − d dᵀ)(x − m), three rows in metres, of rank two.
+/// r = (I − d dᵀ)(x − m), the part of x − m across the line of direction d = (e − m)/‖e − m‖: three rows
+/// in metres, of rank two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     frame: FrameId,
@@ -36,7 +37,6 @@ impl Ray {
         self.through = through.into();
     }
 
-    /// d = (e − m)/‖e − m‖.
     fn direction(&self) -> Vector3<f64> {
         let along = self.eye - self.through;
         along * (1.0 / along.norm())

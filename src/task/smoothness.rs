@@ -6,7 +6,7 @@ use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// (q_j − previous_j) / Δt, one row per joint, in radians or metres per second: a posture that
+/// r_j = (q_j − previous_j) / Δt, one row per joint, in radians or metres per second: a posture that
 /// moves along, seen as a speed. A preference by default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Smoothness {

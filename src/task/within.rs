@@ -6,8 +6,8 @@ use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// Another residual of which each row costs only what lies beyond an interval, so that its error is reported
-/// from there: a room, a floor, a least or greatest distance.
+/// r_i − min(max(r_i, lower), upper) for each row of another residual r, which so costs only what lies
+/// beyond an interval, its error reported from there: a room, a floor, a least or greatest distance.
 ///
 /// All rows share the interval, in their own unit: for residuals of one quantity (a pose has a
 /// [`Goal`](super::Goal) of its own). Derivatives follow by dual numbers.
