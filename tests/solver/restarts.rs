@@ -415,7 +415,8 @@ fn evaluations_of_all_attempts_are_counted() {
     }
 }
 
-/// No attempt need agree with none: the search goes on until one has come to an end.
+/// The best attempt agrees with itself, so that fewer are refused: the search goes on until one has come
+/// to an end.
 #[test]
 fn at_least_one_attempt_comes_to_an_end() {
     let model = support::planar_arm(&[1.0, 0.7, 0.4], Some((-1.0, 1.0)));
@@ -428,10 +429,10 @@ fn at_least_one_attempt_comes_to_an_end() {
             let solver = Solver::default()
                 .with_stopping(Stopping::default().with_max_iterations(most))
                 .with_restarts(Restarts::default().with_agreeing(agreeing));
-            solver.solve_once(&problem, &[-0.9, 0.8, -0.9]).unwrap()
+            solver.solve_once(&problem, &[-0.9, 0.8, -0.9])
         });
-        assert_eq!((&none.q, none.attempts), (&one.q, one.attempts));
-        later += usize::from(one.attempts > 1);
+        assert!(none.unwrap_err().to_string().contains("agreeing"));
+        later += usize::from(one.unwrap().attempts > 1);
     }
     assert!(later > 2, "{later}");
 }
