@@ -54,7 +54,11 @@ class Task:
         for named in ("weight", "tolerance"):
             value = getattr(self, named)
             if isinstance(value, Mapping):
+                for quantity, number in value.items():
+                    self._check_name(f"a quantity of {named}", quantity, optional=False)
+                    _check_number(f"{named} per {quantity}", number)
                 self._keep(named, dict(value))
+        _check_number("times", self.times)
 
     def _keep(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
