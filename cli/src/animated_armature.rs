@@ -166,7 +166,7 @@ impl AnimatedArmature {
     /// The length across a scene's meshes at rest, or without any across all bones, in the file's
     /// unit.
     pub(crate) fn size(&self) -> Outcome<f64> {
-        if let Some(scene) = &self.scene {
+        if let Some(scene) = self.scene.as_deref() {
             let mut posing = ScenePosing::new(scene, SkinningMethod::LinearBlend)?;
             let size = posing.mesh(self.armature.rest())?.size();
             if size > 0.0 {

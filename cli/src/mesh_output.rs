@@ -179,7 +179,7 @@ impl Skin<'_> {
             Self::Scene { scene, bridge } => {
                 let mut pose = scene.armature.rest().clone();
                 bridge.pose_of(q, &mut pose);
-                Ok(ScenePosing::new(scene, method)?.mesh(&pose)?)
+                Ok(ScenePosing::new(*scene, method)?.mesh(&pose)?)
             }
         }
     }

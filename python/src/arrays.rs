@@ -95,6 +95,11 @@ impl<'py> Questions<'py> {
         })
     }
 
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.count.unwrap_or(1)
+    }
+
     /// The shape of answers that have the shape `each` for one question.
     pub(crate) fn shape(&self, each: &[usize]) -> Vec<usize> {
         self.count.iter().chain(each).copied().collect()
@@ -232,7 +237,7 @@ pub(crate) fn numbers<'py, D: Dimension, T: Element>(
     expected: &str,
 ) -> PyResult<Numbers<'py, D, T>> {
     if let Ok(array) = value.cast::<PyArray<T, D>>() {
-        if array.is_c_contiguous() {
+        if array.is_c_contiguous() && array.is_aligned() {
             return readonly(array, what);
         }
     }
@@ -292,9 +297,17 @@ pub(crate) fn convert<'py, T: Element>(
     }
     let arguments = PyDict::new(py);
     arguments.set_item(intern!(py, "dtype"), T::get_dtype(py))?;
-    numpy
+    let converted = numpy
         .call_method(intern!(py, "ascontiguousarray"), (array,), Some(&arguments))
-        .map_err(no_numbers)
+        .map_err(no_numbers)?;
+    // The numbers of a buffer of bytes may lie where the processor cannot read them.
+    let aligned = converted
+        .cast::<PyUntypedArray>()
+        .is_ok_and(|array| array.is_aligned());
+    match aligned {
+        true => Ok(converted),
+        false => converted.call_method0(intern!(py, "copy")),
+    }
 }
 
 /// An array of the caller's to write rows into, or a new one.
@@ -329,7 +342,7 @@ pub(crate) fn room_of<'py, T: Element>(
         .getattr(intern!(py, "flags"))?
         .getattr(intern!(py, "writeable"))?
         .extract()?;
-    match array.shape() == shape && array.is_c_contiguous() && writable {
+    match array.shape() == shape && array.is_c_contiguous() && array.is_aligned() && writable {
         true => Ok(array.clone()),
         false => Err(unfit()),
     }

@@ -1,5 +1,7 @@
 //! The library's errors as exceptions, with its own messages.
 
+use kinopt::animation::{ClipNameError, NoEffector, ParameterError};
+use kinopt::io::bvh::BvhError;
 use kinopt::io::{ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
 use kinopt::robot::UrdfError;
@@ -66,8 +68,21 @@ faults!(
     kinopt::BadOption,
     kinopt::arm::ArmError,
     kinopt::arm::QueryError,
+    kinopt::animation::AimError,
+    kinopt::animation::ArmatureError,
+    kinopt::animation::BlendError,
+    kinopt::animation::ChannelError,
     kinopt::animation::ClipError,
+    kinopt::animation::HandleError,
+    kinopt::animation::LimbError,
+    kinopt::animation::LocalError,
+    kinopt::animation::MaskError,
+    kinopt::animation::ReachError,
     kinopt::animation::SampleError,
+    kinopt::animation::SizeMismatch,
+    kinopt::animation::curve::KeyError,
+    kinopt::io::gltf::PosingError,
+    kinopt::io::gltf::UnwritableScene,
     kinopt::io::rig::RigPosingError,
     kinopt::geometric::GeometricError,
     kinopt::ik::SolveError,
@@ -78,10 +93,46 @@ faults!(
     kinopt::robot::ToolError,
     kinopt::skeleton::SkeletonError,
     kinopt::skinning::AutomaticWeightsError,
+    kinopt::skinning::BlendShapesError,
+    kinopt::skinning::CageError,
+    kinopt::skinning::MorphError,
     kinopt::skinning::SkinningError,
     kinopt::skinning::WeightsError,
     serde_json::Error,
 );
+
+impl Fault for ClipNameError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Unknown(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
+impl Fault for NoEffector {
+    fn kind(&self) -> Kind {
+        Kind::UnknownName
+    }
+}
+
+impl Fault for ParameterError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Unknown(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
+impl Fault for BvhError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Write(error) => error.kind(),
+            _ => Kind::InvalidValue,
+        }
+    }
+}
 
 impl Fault for UnknownSkinning {
     fn kind(&self) -> Kind {

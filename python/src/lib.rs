@@ -9,8 +9,10 @@ use pyo3::prelude::*;
 mod animation;
 mod arm;
 mod arrays;
+mod capture;
 mod error;
 mod goal;
+mod io;
 mod kinematics;
 mod mesh;
 mod model;
@@ -20,11 +22,13 @@ mod problem;
 mod progress;
 mod rig;
 mod robot;
+mod scene;
 mod skeleton;
 mod skinning;
 mod solution;
 mod solver;
 mod threads;
+mod transforms;
 mod vertices;
 
 /// Inverse kinematics by optimisation: the compiled part.
@@ -35,7 +39,11 @@ mod _kinopt {
     #[pymodule_export]
     use super::arm::{Arm, Batch, Follower, Jump, Servo, ServoStep, Track};
     #[pymodule_export]
+    use super::capture::MotionCapture;
+    #[pymodule_export]
     use super::goal::Goal;
+    #[pymodule_export]
+    use super::io::io;
     #[pymodule_export]
     use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
     #[pymodule_export]
@@ -48,6 +56,8 @@ mod _kinopt {
     use super::rig::{Rig, RigPosing};
     #[pymodule_export]
     use super::robot::{Robot, Shape};
+    #[pymodule_export]
+    use super::scene::{Scene, SceneMesh, ScenePosing, Skin};
     #[pymodule_export]
     use super::skeleton::{Bone, Skeleton, SkeletonBuilder};
     #[pymodule_export]
@@ -69,7 +79,7 @@ mod _kinopt {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        register(module, &["animation", "skinning", "tasks"])
+        register(module, &["animation", "io", "skinning", "tasks"])
     }
 }
 

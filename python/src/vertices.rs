@@ -2,44 +2,48 @@
 
 use std::ops::Deref;
 
-use kinopt::glam::Vec3;
+use kinopt::glam::{Vec3, Vec4};
+use kinopt::skinning::PosedVertices;
 use numpy::ndarray::Ix2;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{
+    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
 use crate::arrays::{self, Numbers, shape_text};
 use crate::error::invalid;
 
-/// Vectors of single precision: `V` is one of glam's.
-pub(crate) struct Vectors<'py, V> {
-    numbers: Numbers<'py, Ix2, f32>,
-    kind: std::marker::PhantomData<V>,
-}
+/// Vectors of single precision.
+pub(crate) struct Vectors<'py>(Numbers<'py, Ix2, f32>);
 
-impl<V: bytemuck::Pod> Deref for Vectors<'_, V> {
-    type Target = [V];
+impl Deref for Vectors<'_> {
+    type Target = [Vec3];
 
-    fn deref(&self) -> &[V] {
-        bytemuck::cast_slice(&self.numbers)
+    fn deref(&self) -> &[Vec3] {
+        bytemuck::cast_slice(&self.0)
     }
 }
 
 /// Positions, normals or other vectors, shape (N, 3); `what` is their name in messages.
-pub(crate) fn vectors<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vectors<'py, Vec3>> {
-    of_columns(value, what, 3)
+pub(crate) fn vectors<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vectors<'py>> {
+    of_columns(value, what, 3).map(Vectors)
 }
 
-fn of_columns<'py, V>(
+/// Tangents with the bitangent's sign, shape (N, 4). The library's lie on multiples of 16 bytes, so they are
+/// copied.
+pub(crate) fn tangents(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec4>> {
+    let rows = of_columns(value, what, 4)?;
+    Ok(rows.chunks_exact(4).map(Vec4::from_slice).collect())
+}
+
+fn of_columns<'py>(
     value: &Bound<'py, PyAny>,
     what: &str,
     columns: usize,
-) -> PyResult<Vectors<'py, V>> {
+) -> PyResult<Numbers<'py, Ix2, f32>> {
     let numbers: Numbers<'py, Ix2, f32> = arrays::numbers(value, what, &format!("(N, {columns})"))?;
     match numbers.shape()[1] == columns {
-        true => Ok(Vectors {
-            numbers,
-            kind: std::marker::PhantomData,
-        }),
+        true => Ok(numbers),
         false => Err(invalid(format!(
             "{what} has shape {}, expected (N, {columns})",
             shape_text(numbers.shape())
@@ -63,6 +67,46 @@ pub(crate) fn to_array<'py, V: bytemuck::Pod>(
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let numbers: &[f32] = bytemuck::cast_slice(vectors);
     PyArray1::from_slice(py, numbers).reshape([vectors.len(), columns])
+}
+
+/// Calls `fill` with an array's numbers as vectors.
+pub(crate) fn fill(
+    array: &Bound<'_, PyArrayDyn<f32>>,
+    fill: impl FnOnce(&mut [Vec3]) -> PyResult<()>,
+) -> PyResult<()> {
+    arrays::fill(array, |numbers| fill(bytemuck::cast_slice_mut(numbers)))
+}
+
+/// What is asked of each vertex.
+#[derive(Clone, Copy)]
+pub(crate) enum Part {
+    Positions,
+    Normals,
+}
+
+impl Part {
+    /// How many of them a mesh has.
+    pub(crate) fn count(self, mesh: &kinopt::mesh::TriangleMesh) -> usize {
+        match self {
+            Self::Positions => mesh.positions().len(),
+            Self::Normals => mesh.normals().len(),
+        }
+    }
+
+    /// Buffers that have room for this alone.
+    pub(crate) fn of(self, room: &mut [f32]) -> PosedVertices<'_> {
+        let room = bytemuck::cast_slice_mut(room);
+        match self {
+            Self::Positions => PosedVertices {
+                positions: room,
+                ..PosedVertices::default()
+            },
+            Self::Normals => PosedVertices {
+                normals: room,
+                ..PosedVertices::default()
+            },
+        }
+    }
 }
 
 /// Indices of vertices by threes, shape (N, 3), of any whole type.

@@ -34,6 +34,15 @@ impl From<SkinWeights> for MeshWeights {
 }
 
 impl MeshWeights {
+    /// Weights as they are, also where they could be packed: what packed ones are measured against.
+    #[must_use]
+    pub fn unpacked(weights: SkinWeights) -> Self {
+        Self {
+            form: Form::Any(weights),
+            pivots: None,
+        }
+    }
+
     /// Whether the four packed influences of the fast path are enough.
     #[must_use]
     pub fn is_packed(&self) -> bool {

@@ -2,9 +2,11 @@
 //! mirrored nodes, and weights put right.
 #![allow(clippy::unwrap_used)]
 
+use std::sync::Arc;
+
 use glam::{DMat4, DQuat, DVec3, Vec3, Vec4};
 use kinopt::io::gltf::{Note, ScenePosing};
-use kinopt::skinning::SkinningMethod;
+use kinopt::skinning::{PosedVertices, SkinningMethod};
 use support::gltf_text::{Numbers, read};
 
 #[test]
@@ -93,6 +95,27 @@ fn morph_targets_may_be_sparse_and_start_with_weights() {
         joined.triangles(),
         [[0, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6]]
     );
+
+    // Into memory of the caller's, by what owns the scene.
+    let mut owned = ScenePosing::new(Arc::new(scene.clone()), SkinningMethod::LinearBlend).unwrap();
+    let all: Vec<Vec3> = meshes
+        .iter()
+        .flat_map(|mesh| mesh.normals().to_vec())
+        .collect();
+    let (mut positions, mut normals) = (vec![Vec3::ZERO; 8], vec![Vec3::ZERO; all.len()]);
+    let buffers = PosedVertices {
+        positions: &mut positions,
+        normals: &mut normals,
+        tangents: &mut [],
+    };
+    owned.deform(scene.armature.rest(), buffers).unwrap();
+    assert_eq!(positions, joined.positions());
+    assert_eq!(normals, all);
+    let short = PosedVertices {
+        positions: &mut positions[1..],
+        ..PosedVertices::default()
+    };
+    assert!(owned.deform(scene.armature.rest(), short).is_err());
 }
 
 #[test]

@@ -68,7 +68,7 @@ each! { value:
     skinning::SkinningMethod, skinning::TwistedTube, skinning::WeightRepair,
     io::Place, io::bvh::BvhChannel, io::bvh::BvhNote, io::bvh::MotionCapture,
     io::dmat::DmatEncoding, io::gltf::Note, io::gltf::Scene, io::gltf::SceneMesh,
-    io::gltf::ScenePosing, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
+    io::gltf::ScenePosing<&io::gltf::Scene>, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
     io::rig::Rig, io::rig::RigNote, io::rig::RigPosing<&io::rig::Rig>,
 }
 

@@ -4,8 +4,13 @@
 
 use std::fmt::Debug;
 
-use kinopt::animation::curve::TensionContinuityBias;
-use kinopt::animation::{EulerClip, EulerInterpolation, EulerKey, EulerTrack};
+use glam::{Quat, Vec3A, Vec4};
+use kinopt::animation::curve::{BezierHandle, KeyedCurve, TensionContinuityBias};
+use kinopt::animation::rotation::{EulerOrder, RotationCurve};
+use kinopt::animation::{
+    Armature, Channel, Clip, Cursor, Easing, EulerClip, EulerCurve, EulerInterpolation, EulerKey,
+    EulerTrack, Playback,
+};
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::lanes::LaneOptions;
@@ -160,6 +165,103 @@ fn clips() {
         false => EulerInterpolation::Linear,
     });
     same(&drawn.unwrap());
+}
+
+#[test]
+fn armatures_poses_and_clips_of_all_kinds_of_curves() {
+    let skeleton = RandomRig::new(4).skeleton;
+    let armature = Armature::of_skeleton(&skeleton)
+        .with_morph_targets(vec!["smile".into(), "blink".into()])
+        .unwrap();
+    same(&armature);
+    let mut pose = armature.rest().clone();
+    pose.morph_weights_mut()[1] = 0.3;
+    same(&pose);
+
+    let times = || vec![0.0_f32, 0.4, 1.1];
+    let turns = || [0.1_f32, 2.0, -1.0].map(Quat::from_rotation_y).to_vec();
+    let rates = || vec![[Vec4::ONE * 0.1; 2]; 3];
+    let eased = || vec![Easing::CubicIn; 3];
+    let rotations = [
+        RotationCurve::step(times(), turns()),
+        RotationCurve::slerp(times(), turns()),
+        RotationCurve::eased(times(), turns(), eased()),
+        RotationCurve::squad(times(), turns()),
+        RotationCurve::smooth(times(), turns()),
+        RotationCurve::cubic(times(), turns(), rates()),
+    ];
+    let values = || vec![Vec3A::X, Vec3A::Y * 0.3, Vec3A::Z];
+    let handle = |time| BezierHandle {
+        time,
+        value: Vec3A::ONE * 0.1,
+    };
+    let vectors = [
+        KeyedCurve::step(times(), values()),
+        KeyedCurve::linear(times(), values()),
+        KeyedCurve::eased(times(), values(), eased()),
+        KeyedCurve::catmull_rom(times(), values()),
+        KeyedCurve::bezier(times(), values(), vec![[handle(-0.1), handle(0.1)]; 3]),
+    ];
+    let mut builder = Clip::builder("all", &armature);
+    let mut bones = skeleton.bone_ids();
+    for curve in rotations {
+        let curve = curve.unwrap();
+        same(&curve);
+        let bone = bones.next().unwrap();
+        builder.channel(bone, Channel::Rotation(curve)).unwrap();
+    }
+    for (curve, bone) in vectors.into_iter().zip(skeleton.bone_ids()) {
+        let curve = curve.unwrap();
+        same(&curve);
+        builder
+            .channel(bone, Channel::Translation(curve.clone()))
+            .unwrap();
+        builder.channel(bone, Channel::Scale(curve)).unwrap();
+    }
+    let angles = EulerCurve {
+        order: EulerOrder::Zxy,
+        before: Quat::from_rotation_x(0.2),
+        angles: KeyedCurve::linear(times(), values()).unwrap(),
+    };
+    builder
+        .channel(bones.next().unwrap(), Channel::Euler(angles))
+        .unwrap();
+    builder
+        .morph_weight(0, KeyedCurve::linear(times(), vec![0.0, 1.0, 0.5]).unwrap())
+        .unwrap();
+    builder
+        .morph_weight(1, KeyedCurve::step(vec![0.0], vec![0.7]).unwrap())
+        .unwrap();
+    builder.event(0.5, "there").unwrap();
+    builder.span(-0.2, 2.0).unwrap();
+    let clip = builder.build();
+    let read = again(&clip);
+    assert_eq!(read.events(), clip.events());
+    assert_eq!((read.name(), read.span()), (clip.name(), clip.span()));
+    for step in 0..60 {
+        let elapsed = f64::from(step) * 0.07;
+        let [ours, theirs] = [&clip, &read].map(|clip| {
+            let mut pose = armature.rest().clone();
+            clip.sample(elapsed, Playback::Loop, &mut Cursor::new(), &mut pose)
+                .unwrap();
+            pose
+        });
+        assert_eq!(ours, theirs);
+    }
+
+    let text = serde_json::to_string(&clip).unwrap();
+    for (right, wrong) in [
+        ("\"span\":[-0.2,2.0]", "\"span\":[3.0,2.0]"),
+        ("\"times\":[0.0,0.4,1.1]", "\"times\":[0.0,1.4,1.1]"),
+        ("\"time\":0.5", "\"time\":null"),
+    ] {
+        assert!(text.contains(right), "{right}");
+        assert!(serde_json::from_str::<Clip>(&text.replace(right, wrong)).is_err());
+    }
+    let text = serde_json::to_string(&armature).unwrap();
+    let short = text.replacen("\"parents\":[null,", "\"parents\":[", 1);
+    let error = serde_json::from_str::<Armature>(&short).unwrap_err();
+    assert!(error.to_string().contains("parents"), "{error}");
 }
 
 #[test]

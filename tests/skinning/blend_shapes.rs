@@ -175,7 +175,7 @@ fn what_cannot_be_mixed_is_refused_by_name() {
     }
     says(
         shapes.blend(&[0.5, 0.5], &mut [Vec3::ONE; 3]).unwrap_err(),
-        &["3 positions", "2 vertices"],
+        &["3 positions", "must be 2"],
     );
     assert_eq!(out, [Vec3::ONE; 2]);
     // A sum that only rounding keeps from 1 is fine.

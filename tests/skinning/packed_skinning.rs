@@ -249,6 +249,9 @@ fn a_mesh_is_posed_alike_by_whichever_path_fits() {
             for (a, b) in posed.positions().iter().zip(expected.positions()) {
                 assert!((*a - *b).length() < 3e-6, "{method}: {a} {b}");
             }
+            let plain = MeshWeights::unpacked(weights.clone());
+            assert!(!plain.is_packed());
+            assert_eq!(plain.mesh(method, &mesh, &transforms).unwrap(), expected);
         }
         // Bones that scale need to be told about what.
         let stretched: Vec<Affine3A> = transforms

@@ -1,47 +1,20 @@
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, final, overload
-from collections.abc import Callable, Sequence
-from os import PathLike
-from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import animation as animation
+from . import io as io
+from . import skinning as skinning
 from ..types import Floats, HasModel, PlacementLike, PlacementsLike
+from .animation import Armature, Clip, EulerClip, Pose, Poses
+from .skinning import MorphTargets, SkinWeights
 
 __version__: str
 
 # Models and robots.
-
-from . import animation as animation
-from . import skinning as skinning
-from .animation import EulerClip
-from .skinning import SkinWeights
-
-__all__ = [
-    "Bone",
-    "ForwardKinematics",
-    "Frame",
-    "Jacobian",
-    "Joint",
-    "Model",
-    "ModelBuilder",
-    "Rig",
-    "RigPosing",
-    "Robot",
-    "Shape",
-    "Skeleton",
-    "SkeletonBuilder",
-    "TriangleMesh",
-    "__version__",
-    "animation",
-    "frame_jacobian",
-    "frame_placement",
-    "skinning",
-]
-
-__version__: str
 
 @final
 class Joint:
@@ -51,8 +24,6 @@ class Joint:
     def kind(self) -> str: ...
     @property
     def parent(self) -> str | None: ...
-    @property
-    def parent_from_joint(self) -> NDArray[np.float64]: ...
     @property
     def axis(self) -> list[float]: ...
     @property
@@ -72,7 +43,6 @@ class Frame:
     def joint(self) -> str | None: ...
     @property
     def joint_from_frame(self) -> Floats: ...
-    def joint_from_frame(self) -> NDArray[np.float64]: ...
 
 @final
 class Model:
@@ -88,9 +58,6 @@ class Model:
     def lower(self) -> Floats: ...
     @property
     def upper(self) -> Floats: ...
-    def lower(self) -> NDArray[np.float64]: ...
-    @property
-    def upper(self) -> NDArray[np.float64]: ...
     @property
     def joints(self) -> list[Joint]: ...
     @property
@@ -110,32 +77,18 @@ class Model:
 @final
 class ModelBuilder:
     def __new__(cls, name: str, length_unit: Literal["m", "units"] = "m") -> ModelBuilder: ...
-    def neutral(self) -> NDArray[np.float64]: ...
-    def random_configuration(
-        self, seed: int | np.random.Generator | None = None, n: int | None = None
-    ) -> NDArray[np.float64]: ...
-    def to_json(self) -> str: ...
-    @classmethod
-    def from_json(cls, text: str) -> Model: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
-
-@final
-class ModelBuilder:
-    def __new__(cls, name: str, length_unit: str = "m") -> Self: ...
     def joint(
         self,
         name: str,
         kind: str = "revolute",
         parent: str | None = None,
         parent_from_joint: PlacementLike | None = None,
-        parent_from_joint: Any = None,
         axis: Sequence[float] = ...,
         lower: float = ...,
         upper: float = ...,
     ) -> None: ...
     def frame(
         self, name: str, joint: str | None = None, joint_from_frame: PlacementLike | None = None
-        self, name: str, joint: str | None = None, joint_from_frame: Any = None
     ) -> None: ...
     def build(self) -> Model: ...
 
@@ -161,14 +114,6 @@ class Robot:
         cls, text: str, name: str = "robot.urdf", *, lenient: bool = False, soft_limits: bool = False
     ) -> Robot: ...
     def with_tool(self, name: str, link: str, link_from_tool: PlacementLike) -> Robot: ...
-        cls,
-        text: str,
-        name: str = "robot.urdf",
-        *,
-        lenient: bool = False,
-        soft_limits: bool = False,
-    ) -> Robot: ...
-    def with_tool(self, name: str, link: str, link_from_tool: Any) -> Robot: ...
     @property
     def model(self) -> Model: ...
     @property
@@ -187,13 +132,6 @@ class Robot:
     def velocity_limits(self) -> Floats: ...
     @property
     def effort_limits(self) -> Floats: ...
-    def lower(self) -> NDArray[np.float64]: ...
-    @property
-    def upper(self) -> NDArray[np.float64]: ...
-    @property
-    def velocity_limits(self) -> NDArray[np.float64]: ...
-    @property
-    def effort_limits(self) -> NDArray[np.float64]: ...
     @property
     def tips(self) -> list[str]: ...
     @property
@@ -208,31 +146,6 @@ class Robot:
     ) -> Floats: ...
 
 # Kinematics.
-    def neutral(self) -> NDArray[np.float64]: ...
-    def random_configuration(
-        self, seed: int | np.random.Generator | None = None, n: int | None = None
-    ) -> NDArray[np.float64]: ...
-    @classmethod
-    def _rebuild(
-        cls,
-        text: str,
-        file: str,
-        lenient: bool,
-        soft_limits: bool,
-        tools: list[tuple[str, str, Any]],
-    ) -> Robot: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
-
-@final
-class Shape:
-    @property
-    def name(self) -> str | None: ...
-    @property
-    def link_from_shape(self) -> NDArray[np.float64]: ...
-    @property
-    def kind(self) -> str: ...
-    @property
-    def measures(self) -> dict[str, Any]: ...
 
 @final
 class ForwardKinematics:
@@ -504,29 +417,8 @@ class ServoStep:
     def orientation_error(self) -> float: ...
     @property
     def held(self) -> list[tuple[str, str]]: ...
-        cls, model: Model | Robot | Skeleton | Rig, frames: Sequence[str] | None = None
-    ) -> Self: ...
-    @property
-    def frame_names(self) -> list[str]: ...
-    def place(self, q: ArrayLike) -> NDArray[np.float64]: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
-@final
-class Jacobian:
-    def __new__(
-        cls, model: Model | Robot | Skeleton | Rig, frames: Sequence[str] | None = None
-    ) -> Self: ...
-    @property
-    def frame_names(self) -> list[str]: ...
-    def at(self, q: ArrayLike) -> NDArray[np.float64]: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
-
-def frame_placement(
-    model: Model | Robot | Skeleton | Rig, frame: str, q: ArrayLike
-) -> NDArray[np.float64]: ...
-def frame_jacobian(
-    model: Model | Robot | Skeleton | Rig, frame: str, q: ArrayLike
-) -> NDArray[np.float64]: ...
+# Characters.
 
 @final
 class Bone:
@@ -538,7 +430,7 @@ class Bone:
         length: float = 0.0,
         model_from_rest: ArrayLike | None = None,
         limits: ArrayLike | None = None,
-    ) -> Self: ...
+    ) -> Bone: ...
     @property
     def name(self) -> str: ...
     @property
@@ -565,7 +457,7 @@ class Bone:
 
 @final
 class SkeletonBuilder:
-    def __new__(cls, name: str) -> Self: ...
+    def __new__(cls, name: str) -> SkeletonBuilder: ...
     @property
     def bones(self) -> list[Bone]: ...
     def add(
@@ -581,7 +473,7 @@ class SkeletonBuilder:
 
 @final
 class Skeleton:
-    def __new__(cls, name: str, bones: Sequence[Bone]) -> Self: ...
+    def __new__(cls, name: str, bones: Sequence[Bone]) -> Skeleton: ...
     @classmethod
     def builder(cls, name: str) -> SkeletonBuilder: ...
     @classmethod
@@ -624,7 +516,7 @@ class Skeleton:
 class TriangleMesh:
     def __new__(
         cls, positions: ArrayLike, triangles: ArrayLike, normals: ArrayLike | None = None
-    ) -> Self: ...
+    ) -> TriangleMesh: ...
     @property
     def positions(self) -> NDArray[np.float32]: ...
     @property
@@ -652,7 +544,7 @@ class Rig:
         weights: SkinWeights | None = None,
         clip: EulerClip | None = None,
         constrained: Sequence[str] = ...,
-    ) -> Self: ...
+    ) -> Rig: ...
     @classmethod
     def read(cls, path: str | PathLike[str]) -> Rig: ...
     @classmethod
@@ -891,3 +783,148 @@ class Leap:
     def joint(self) -> str: ...
     @property
     def distance(self) -> float: ...
+@final
+class Scene:
+    def __new__(
+        cls,
+        armature: Armature,
+        meshes: Sequence[SceneMesh] = ...,
+        clips: Sequence[Clip] = ...,
+    ) -> Scene: ...
+    @classmethod
+    def read(cls, path: str | PathLike[str]) -> Scene: ...
+    @classmethod
+    def from_bytes(
+        cls,
+        data: str | bytes,
+        name: str = "scene.gltf",
+        open: Callable[[str], bytes] | None = None,
+    ) -> Scene: ...
+    @property
+    def armature(self) -> Armature: ...
+    @property
+    def meshes(self) -> list[SceneMesh]: ...
+    @property
+    def clips(self) -> list[Clip]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def clip(self, name: str) -> Clip: ...
+    def posing(self, method: str = "lbs") -> ScenePosing: ...
+    def write(self, path: str | PathLike[str], keys_per_second: float = 30.0) -> None: ...
+    def to_bytes(self, keys_per_second: float = 30.0) -> bytes: ...
+    @staticmethod
+    def _rebuild(
+        armature: Armature,
+        meshes: Sequence[SceneMesh],
+        clips: Sequence[Clip],
+        notes: Sequence[str],
+    ) -> Scene: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class SceneMesh:
+    def __new__(
+        cls,
+        armature: Armature,
+        name: str,
+        bone: str,
+        mesh: TriangleMesh,
+        *,
+        tangents: ArrayLike | None = None,
+        morph_targets: MorphTargets | None = None,
+        first_morph_weight: int = 0,
+        skin: Skin | None = None,
+    ) -> SceneMesh: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def bone(self) -> str: ...
+    @property
+    def mesh(self) -> TriangleMesh: ...
+    @property
+    def tangents(self) -> NDArray[np.float32] | None: ...
+    @property
+    def morph_targets(self) -> MorphTargets: ...
+    @property
+    def first_morph_weight(self) -> int: ...
+    @property
+    def skin(self) -> Skin | None: ...
+    @staticmethod
+    def _rebuild(
+        armature: Armature,
+        name: str,
+        bone: str,
+        mesh: TriangleMesh,
+        tangents: ArrayLike | None,
+        morph_targets: MorphTargets,
+        first_morph_weight: int,
+        skin: Skin | None,
+    ) -> SceneMesh: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Skin:
+    def __new__(
+        cls,
+        armature: Armature,
+        name: str,
+        joints: Sequence[str],
+        joint_from_mesh: ArrayLike,
+        weights: SkinWeights,
+    ) -> Skin: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def joint_from_mesh(self) -> NDArray[np.float32]: ...
+    @property
+    def weights(self) -> SkinWeights: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class ScenePosing:
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def triangles(self) -> NDArray[np.uint32]: ...
+    def positions(
+        self, pose: Pose | Poses | Sequence[Pose], *, out: NDArray[np.float32] | None = None
+    ) -> NDArray[np.float32]: ...
+    def normals(
+        self, pose: Pose | Poses | Sequence[Pose], *, out: NDArray[np.float32] | None = None
+    ) -> NDArray[np.float32]: ...
+    def meshes(self, pose: Pose) -> list[TriangleMesh]: ...
+    def mesh(self, pose: Pose) -> TriangleMesh: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class MotionCapture:
+    @classmethod
+    def read(cls, path: str | PathLike[str]) -> MotionCapture: ...
+    @classmethod
+    def from_bytes(cls, data: str | bytes, name: str = "capture.bvh") -> MotionCapture: ...
+    @property
+    def armature(self) -> Armature: ...
+    @property
+    def clip(self) -> Clip: ...
+    @property
+    def frames(self) -> int: ...
+    @property
+    def frame_time(self) -> float: ...
+    @property
+    def channels(self) -> list[list[str]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @staticmethod
+    def _rebuild(
+        armature: Armature,
+        clip: Clip,
+        frames: int,
+        frame_time: float,
+        channels: Sequence[Sequence[str]],
+        surplus: Sequence[tuple[int, int, int]],
+    ) -> MotionCapture: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...

@@ -1,15 +1,48 @@
 //! Motion over time: keyframes, what is between them, and poses.
 
+mod armature;
+mod blend;
+mod clip;
+mod crowd;
+mod curve;
 mod euler_clip;
+mod limb;
 mod playback;
+mod playhead;
+mod pose;
+mod reach;
+mod state_machine;
 
 use pyo3::prelude::*;
 
+pub(crate) use self::armature::Armature;
+pub(crate) use self::clip::Clip;
 pub(crate) use self::euler_clip::EulerClip;
+pub(crate) use self::pose::{Pose, asked};
 
 /// Motion over time: keyframes, what is between them, and poses.
 #[pymodule(submodule)]
 pub(crate) mod animation {
     #[pymodule_export]
-    use super::EulerClip;
+    use super::armature::Armature;
+    #[pymodule_export]
+    use super::blend::{BoneMask, Layer, blend_poses};
+    #[pymodule_export]
+    use super::clip::{Clip, ClipBuilder};
+    #[pymodule_export]
+    use super::crowd::{Crowd, PlayingClip};
+    #[pymodule_export]
+    use super::curve::{EulerCurve, KeyedCurve, RotationCurve, easing};
+    #[pymodule_export]
+    use super::euler_clip::EulerClip;
+    #[pymodule_export]
+    use super::limb::{Aim, AimGoal, Limb, LimbGoal};
+    #[pymodule_export]
+    use super::playhead::{Passage, Playhead};
+    #[pymodule_export]
+    use super::pose::{Pose, Poses};
+    #[pymodule_export]
+    use super::reach::{PoseAngles, ReachLayer};
+    #[pymodule_export]
+    use super::state_machine::{StateMachine, StateMachineRun};
 }

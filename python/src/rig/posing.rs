@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kinopt::skinning::{PosedVertices, SkinningMethod};
+use kinopt::skinning::SkinningMethod;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
@@ -11,6 +11,7 @@ use crate::arrays::{self, Questions};
 use crate::error::OrRaise;
 use crate::mesh::TriangleMesh;
 use crate::pool::Pool;
+use crate::vertices::Part;
 
 /// Poses that are computed between two looks at signals.
 const POSES_AT_A_TIME: usize = 16;
@@ -23,30 +24,6 @@ pub(crate) struct RigPosing {
     rig: Py<Rig>,
     method: SkinningMethod,
     posings: Pool<kinopt::io::rig::RigPosing<Arc<kinopt::io::rig::Rig>>>,
-}
-
-/// What is asked of each vertex.
-#[derive(Clone, Copy)]
-enum Part {
-    Positions,
-    Normals,
-}
-
-impl Part {
-    /// Buffers that have room for this alone.
-    fn of(self, room: &mut [f32]) -> PosedVertices<'_> {
-        let room = bytemuck::cast_slice_mut(room);
-        match self {
-            Self::Positions => PosedVertices {
-                positions: room,
-                ..PosedVertices::default()
-            },
-            Self::Normals => PosedVertices {
-                normals: room,
-                ..PosedVertices::default()
-            },
-        }
-    }
 }
 
 impl RigPosing {
@@ -71,11 +48,7 @@ impl RigPosing {
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let rig = &self.rig.get().inner;
         let q = Questions::rows(q, "q", rig.skeleton.angles())?;
-        let mesh = rig.mesh.as_ref();
-        let vertices = mesh.map_or(0, |mesh| match part {
-            Part::Positions => mesh.positions().len(),
-            Part::Normals => mesh.normals().len(),
-        });
+        let vertices = rig.mesh.as_ref().map_or(0, |mesh| part.count(mesh));
         let array = arrays::room_of::<f32>(py, out, &q.shape(&[vertices, 3]))?;
         self.posings.with(|posing| {
             arrays::fill(&array, |room| {

@@ -9,6 +9,7 @@ use crate::animation::rotation::{EulerOrder, RotationCurve};
 /// A curve for one property of one bone; times are in seconds. Weights of morph targets go to
 /// [`ClipBuilder::morph_weight`](super::ClipBuilder::morph_weight), because they hang on no bone.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Channel {
     /// Where the bone is in its parent.
@@ -24,6 +25,7 @@ pub enum Channel {
 /// A rotation before · R(angles), whose angles run along a curve. For motion that is authored in
 /// angles; they may pass whole turns, which quaternions cannot.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EulerCurve {
     /// The axes of the angles.
     pub order: EulerOrder,

@@ -7,6 +7,7 @@ use crate::animation::Playback;
 
 /// Something that happens at a time of a clip: a foot lands, a sound starts.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
     /// In seconds of the clip's own time.
     pub time: f32,

@@ -12,6 +12,8 @@ pub(crate) mod named;
 mod playback;
 mod playhead;
 mod rotation_tracks;
+#[cfg(feature = "serde")]
+mod serialised;
 mod slerp_arcs;
 mod timelines;
 mod tracks;
@@ -65,6 +67,11 @@ use super::{Armature, Pose, SizeMismatch};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+)]
 pub struct Clip {
     name: String,
     span: [f32; 2],

@@ -8,6 +8,14 @@ use super::{CubicBezier, CurveValue, Real};
 /// side, so that there is one value at every time. Handles in one line through their key make the
 /// curve smooth there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "V: serde::Serialize, V::Real: serde::Serialize",
+        deserialize = "V: serde::Deserialize<'de>, V::Real: serde::Deserialize<'de>"
+    ))
+)]
 pub struct BezierHandle<V: CurveValue> {
     /// In seconds from the key.
     pub time: V::Real,

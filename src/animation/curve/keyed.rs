@@ -8,6 +8,18 @@ use super::{CurveValue, Hermite, KeyError, TensionContinuityBias, lerp};
 /// A curve through values at key times: step, linear, eased, cubic or drawn by handles. Before the first and after the last
 /// key it holds the value there.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        bound(
+            serialize = "V: serde::Serialize, V::Real: serde::Serialize",
+            deserialize = "V: serde::Deserialize<'de>, V::Real: serde::Deserialize<'de>"
+        ),
+        try_from = "super::serialised::Keys<V>",
+        into = "super::serialised::Keys<V>"
+    )
+)]
 pub struct KeyedCurve<V: CurveValue> {
     times: Vec<V::Real>,
     values: Vec<V>,
@@ -16,6 +28,14 @@ pub struct KeyedCurve<V: CurveValue> {
 
 /// What a curve does between keys.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "V: serde::Serialize, V::Real: serde::Serialize",
+        deserialize = "V: serde::Deserialize<'de>, V::Real: serde::Deserialize<'de>"
+    ))
+)]
 pub(crate) enum Between<V: CurveValue> {
     /// It keeps the value of the key before.
     Step,
@@ -30,7 +50,11 @@ pub(crate) enum Between<V: CurveValue> {
 }
 
 impl<V: CurveValue> KeyedCurve<V> {
-    fn new(times: Vec<V::Real>, values: Vec<V>, between: Between<V>) -> Result<Self, KeyError> {
+    pub(super) fn new(
+        times: Vec<V::Real>,
+        values: Vec<V>,
+        between: Between<V>,
+    ) -> Result<Self, KeyError> {
         check_times(&times)?;
         check_count("values", values.len(), times.len())?;
         let wrong = |what| move |key| KeyError::NonFiniteValue { key, what };
@@ -199,6 +223,11 @@ impl<V: CurveValue> KeyedCurve<V> {
             (Between::Bezier(handles), Some(&end)) => self.drawn(key, handles, end).position(u),
             _ => start,
         }
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn into_parts(self) -> (Vec<V::Real>, Vec<V>, Between<V>) {
+        (self.times, self.values, self.between)
     }
 
     /// What it does between keys.

@@ -9,6 +9,8 @@ mod keyed;
 mod keys;
 mod kochanek_bartels;
 mod linear;
+#[cfg(feature = "serde")]
+mod serialised;
 mod value;
 
 pub use bezier::CubicBezier;

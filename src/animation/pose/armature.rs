@@ -27,12 +27,20 @@ pub struct ArmatureBone {
 /// what characters are animated by, in single precision. A [`Skeleton`] becomes one by
 /// [`of_skeleton`](Self::of_skeleton), with the same bone ids.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "super::serialised::ArmatureParts",
+        into = "super::serialised::ArmatureParts"
+    )
+)]
 pub struct Armature {
-    names: Vec<String>,
-    parents: Vec<i32>,
-    morph_targets: Vec<String>,
-    rest: Pose,
-    rest_from_model: Vec<Affine3A>,
+    pub(super) names: Vec<String>,
+    pub(super) parents: Vec<i32>,
+    pub(super) morph_targets: Vec<String>,
+    pub(super) rest: Pose,
+    pub(super) rest_from_model: Vec<Affine3A>,
 }
 
 /// What is wrong with the bones of an armature.

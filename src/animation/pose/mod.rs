@@ -5,6 +5,8 @@ mod in_model;
 mod local_transform;
 #[allow(clippy::module_inception, reason = "it is the pose itself")]
 mod pose;
+#[cfg(feature = "serde")]
+mod serialised;
 
 pub use armature::{Armature, ArmatureBone, ArmatureError};
 pub use local_transform::LocalTransform;

@@ -9,6 +9,14 @@ use crate::skeleton::BoneId;
 /// A local transform for each bone and a weight for each morph target, by property: most clips and
 /// blends touch rotations only.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "super::serialised::PoseParts",
+        into = "super::serialised::PoseParts"
+    )
+)]
 pub struct Pose {
     pub(crate) translations: Vec<Vec3A>,
     pub(crate) rotations: Vec<Quat>,

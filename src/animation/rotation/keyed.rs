@@ -9,6 +9,11 @@ use crate::animation::curve::{Hermite, KeyError, check_count, check_times};
 /// A curve through unit quaternions at key times. Before the first and after the last key it holds
 /// the rotation there.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "super::serialised::Keys", into = "super::serialised::Keys")
+)]
 pub struct RotationCurve {
     times: Vec<f32>,
     rotations: Vec<Quat>,
@@ -17,6 +22,7 @@ pub struct RotationCurve {
 
 /// What a curve does between keys.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum BetweenRotations {
     Step,
     Slerp,
@@ -32,7 +38,7 @@ pub(crate) enum BetweenRotations {
 
 impl RotationCurve {
     /// Checks keys and makes them of unit length, each on the side of the one before.
-    fn checked(
+    pub(super) fn checked(
         times: Vec<f32>,
         mut rotations: Vec<Quat>,
         between: BetweenRotations,
@@ -148,6 +154,11 @@ impl RotationCurve {
         pub fn times(&self) -> &[f32] = &self.times;
         /// The rotations at the keys: unit quaternions.
         pub fn rotations(&self) -> &[Quat] = &self.rotations;
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn into_parts(self) -> (Vec<f32>, Vec<Quat>, BetweenRotations) {
+        (self.times, self.rotations, self.between)
     }
 
     /// What it does between keys.

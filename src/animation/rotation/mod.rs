@@ -5,6 +5,8 @@ mod euler;
 pub(crate) mod exponential;
 mod hermite;
 mod keyed;
+#[cfg(feature = "serde")]
+mod serialised;
 mod slerp;
 mod squad;
 

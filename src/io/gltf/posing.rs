@@ -1,21 +1,26 @@
 //! The meshes of a scene in a pose.
 
+use std::borrow::Borrow;
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3};
 
 use super::{Scene, SceneError, SceneMesh, Skin};
 use crate::animation::{Pose, SizeMismatch};
 use crate::mesh::{MeshError, TriangleMesh};
 use crate::skinning::{
-    MeshWeights, MorphError, SkinWeights, SkinningError, SkinningMethod, WeightsError,
+    MeshWeights, MorphError, PosedVertices, RestVertices, SkinWeights, SkinningError,
+    SkinningMethod, WeightsError,
 };
 
-/// Poses the meshes of one scene again and again: their weights in the fast form, and memory.
+/// Poses the meshes of one scene again and again: their weights in the fast form, and memory. `S` is a
+/// `&Scene`, or what owns one, such as an `Arc<Scene>`.
 #[derive(Clone, Debug)]
-pub struct ScenePosing<'a> {
-    scene: &'a Scene,
+pub struct ScenePosing<S> {
+    scene: S,
     method: SkinningMethod,
-    /// One for each mesh.
-    weights: Vec<MeshWeights>,
+    /// One for each mesh; shared by clones.
+    weights: Arc<[MeshWeights]>,
     model_from_bone: Vec<Affine3A>,
     posed_from_mesh: Vec<Affine3A>,
 }
@@ -64,26 +69,29 @@ pub enum PosingError {
     },
 }
 
-impl<'a> ScenePosing<'a> {
+impl<S: Borrow<Scene>> ScenePosing<S> {
     /// Memory for posing `scene`. Skins move by `method`, with dual quaternions stretching each joint
     /// about where it was bound; meshes without one move with their bones, scale and all.
     ///
     /// # Errors
     /// The parts of a mesh are of different sizes, or not of the scene's armature.
-    pub fn new(scene: &'a Scene, method: SkinningMethod) -> Result<Self, PosingError> {
-        let mut weights = Vec::with_capacity(scene.meshes.len());
-        for mesh in &scene.meshes {
-            mesh.check(&scene.armature)?;
+    pub fn new(scene: S, method: SkinningMethod) -> Result<Self, PosingError> {
+        let Scene {
+            armature, meshes, ..
+        } = scene.borrow();
+        let mut weights = Vec::with_capacity(meshes.len());
+        for mesh in meshes {
+            mesh.check(armature)?;
             weights.push(match &mesh.skin {
                 Some(skin) => weights_of(skin),
                 None => all_of_one_bone(mesh)?.into(),
             });
         }
         Ok(Self {
+            model_from_bone: vec![Affine3A::IDENTITY; armature.bones()],
             scene,
             method,
-            weights,
-            model_from_bone: vec![Affine3A::IDENTITY; scene.armature.bones()],
+            weights: weights.into(),
             posed_from_mesh: Vec::new(),
         })
     }
@@ -96,14 +104,75 @@ impl<'a> ScenePosing<'a> {
     /// The pose is of another armature, a number in it is not finite, or dual quaternions meet a
     /// joint that mirrors or flattens space.
     pub fn meshes(&mut self, pose: &Pose) -> Result<Vec<TriangleMesh>, PosingError> {
-        let armature = &self.scene.armature;
+        self.place(pose)?;
+        let meshes = 0..self.scene.borrow().meshes.len();
+        meshes.map(|index| self.posed(index, pose)).collect()
+    }
+
+    /// The vertices of all meshes in their order, in a pose as [`meshes`](Self::meshes) has it, into
+    /// buffers of the caller's: whichever of positions and normals are there.
+    ///
+    /// # Errors
+    /// As [`meshes`](Self::meshes), or a buffer has not one entry for each of all meshes'.
+    pub fn deform(&mut self, pose: &Pose, posed: PosedVertices<'_>) -> Result<(), PosingError> {
+        self.place(pose)?;
+        let meshes = &self.scene.borrow().meshes;
+        let all = |of: fn(&TriangleMesh) -> usize| meshes.iter().map(|m| of(&m.mesh)).sum();
+        let sized = |what, given: usize, all: usize| match given {
+            0 => Ok(()),
+            _ => SizeMismatch::check(what, given, all),
+        };
+        let points = all(|mesh| mesh.positions().len());
+        sized("posed positions", posed.positions.len(), points)?;
+        let directions = all(|mesh| mesh.normals().len());
+        sized("posed normals", posed.normals.len(), directions)?;
+        let (mut positions, mut normals) = (posed.positions, posed.normals);
+        for index in 0..meshes.len() {
+            let mesh = &self.scene.borrow().meshes[index];
+            let morphed = morphed(mesh, pose)?;
+            let morphed = morphed.as_ref().unwrap_or(&mesh.mesh);
+            let (own_positions, positions_after) =
+                positions.split_at_mut(morphed.positions().len().min(positions.len()));
+            let (own_normals, normals_after) =
+                normals.split_at_mut(morphed.normals().len().min(normals.len()));
+            let mut rest = RestVertices::default();
+            if !own_positions.is_empty() {
+                rest.positions = morphed.positions();
+            }
+            if !own_normals.is_empty() {
+                rest.normals = morphed.normals();
+            }
+            let own = PosedVertices {
+                positions: own_positions,
+                normals: own_normals,
+                tangents: &mut [],
+            };
+            let method = self.method_of(mesh);
+            move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
+            self.weights[index]
+                .deform(method, &self.posed_from_mesh, rest, own)
+                .map_err(|problem| PosingError::Skinning {
+                    mesh: mesh.name.clone(),
+                    problem,
+                })?;
+            (positions, normals) = (positions_after, normals_after);
+        }
+        Ok(())
+    }
+
+    fn place(&mut self, pose: &Pose) -> Result<(), PosingError> {
+        let armature = &self.scene.borrow().armature;
         armature.rest().check_same_size(pose)?;
         armature.local_to_model(pose, &mut self.model_from_bone)?;
-        let scene = self.scene;
-        let meshes = scene.meshes.iter().enumerate();
-        meshes
-            .map(|(index, mesh)| self.posed(index, mesh, pose))
-            .collect()
+        Ok(())
+    }
+
+    /// A mesh without a skin moves with its bone, scale and all.
+    fn method_of(&self, mesh: &SceneMesh) -> SkinningMethod {
+        match mesh.skin {
+            Some(_) => self.method,
+            None => SkinningMethod::LinearBlend,
+        }
     }
 
     /// As [`meshes`](Self::meshes), joined to one: the vertices of all meshes in their order.
@@ -136,29 +205,13 @@ impl<'a> ScenePosing<'a> {
         })
     }
 
-    fn posed(
-        &mut self,
-        index: usize,
-        mesh: &SceneMesh,
-        pose: &Pose,
-    ) -> Result<TriangleMesh, PosingError> {
+    fn posed(&mut self, index: usize, pose: &Pose) -> Result<TriangleMesh, PosingError> {
+        let mesh = &self.scene.borrow().meshes[index];
         let name = || mesh.name.clone();
-        let place = |bone: usize| self.model_from_bone.get(bone).copied().unwrap_or_default();
-        self.posed_from_mesh.clear();
-        match &mesh.skin {
-            Some(skin) => {
-                let joints = skin.joints.iter().zip(&skin.joint_from_mesh);
-                let moved = joints.map(|(joint, bound)| place(joint.index()) * *bound);
-                self.posed_from_mesh.extend(moved);
-            }
-            None => self.posed_from_mesh.push(place(mesh.bone.index())),
-        }
+        let method = self.method_of(mesh);
+        move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
         let morphed = morphed(mesh, pose)?;
         let rest = morphed.as_ref().unwrap_or(&mesh.mesh);
-        let method = match mesh.skin {
-            Some(_) => self.method,
-            None => SkinningMethod::LinearBlend,
-        };
         let moved = self.weights[index].mesh(method, rest, &self.posed_from_mesh);
         let moved = moved.map_err(|problem| PosingError::Skinning {
             mesh: name(),
@@ -174,6 +227,20 @@ impl<'a> ScenePosing<'a> {
             let mesh = name();
             PosingError::Mesh { mesh, problem }
         })
+    }
+}
+
+/// The transforms of a mesh's joints, or of its bone, from the mesh to the pose.
+fn move_with(mesh: &SceneMesh, model_from_bone: &[Affine3A], posed_from_mesh: &mut Vec<Affine3A>) {
+    let place = |bone: usize| model_from_bone.get(bone).copied().unwrap_or_default();
+    posed_from_mesh.clear();
+    match &mesh.skin {
+        Some(skin) => {
+            let joints = skin.joints.iter().zip(&skin.joint_from_mesh);
+            let moved = joints.map(|(joint, bound)| place(joint.index()) * *bound);
+            posed_from_mesh.extend(moved);
+        }
+        None => posed_from_mesh.push(place(mesh.bone.index())),
     }
 }
 

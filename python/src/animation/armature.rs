@@ -1,0 +1,383 @@
+//! Armatures: bones in a tree, with their rest pose and the names of morph targets.
+
+use std::sync::Arc;
+
+use kinopt::animation::{Armature as Bones, ArmatureBone, LocalTransform};
+use kinopt::glam::{Affine3A, Quat, Vec3A};
+use kinopt::model::Limits;
+use numpy::ndarray::Ix3;
+use numpy::{PyArray1, PyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+use super::pose::{Pose, asked};
+use crate::arrays::{self, Numbers, shape_text};
+use crate::error::{OrRaise, invalid};
+use crate::skeleton::Skeleton;
+use crate::transforms::{
+    self, Order, given, one_to_array, quaternion, quaternions, shaped, to_array, vector, vectors,
+};
+use crate::vertices::whole;
+
+/// Poses that are computed between two looks at signals.
+const POSES_AT_A_TIME: usize = 256;
+
+/// Bones in a tree, parents before children, with their rest pose and the names of morph targets: what
+/// characters are animated by, in single precision.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Armature {
+    pub(crate) inner: Arc<Bones>,
+}
+
+impl From<Arc<Bones>> for Armature {
+    fn from(inner: Arc<Bones>) -> Self {
+        Self { inner }
+    }
+}
+
+impl From<Bones> for Armature {
+    fn from(bones: Bones) -> Self {
+        Arc::new(bones).into()
+    }
+}
+
+impl Armature {
+    fn turned(&self, pose: &Bound<'_, Pose>, bone: &str) -> PyResult<Quat> {
+        let bone = self.inner.bone(bone).or_raise()?;
+        self.inner
+            .model_rotation(&pose.get().now(), bone)
+            .or_raise()
+    }
+}
+
+#[pymethods]
+impl Armature {
+    /// An armature of bones: `names`; `parents`, shape (bones,), each bone's parent as its place in the list,
+    /// before it, or -1; and the rest pose: `translations` (bones, 3), `rotations_xyzw` or `rotations_wxyz`
+    /// (bones, 4) and `scales` (bones, 3), where they are not the identity; `morph_targets` are names.
+    ///
+    /// Raises `InvalidValueError` naming the bone.
+    #[new]
+    #[pyo3(signature = (
+        names, parents, *, translations = None, rotations_xyzw = None, rotations_wxyz = None, scales = None,
+        morph_targets = Vec::new()
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn new(
+        names: Vec<String>,
+        parents: &Bound<'_, PyAny>,
+        translations: Option<&Bound<'_, PyAny>>,
+        rotations_xyzw: Option<&Bound<'_, PyAny>>,
+        rotations_wxyz: Option<&Bound<'_, PyAny>>,
+        scales: Option<&Bound<'_, PyAny>>,
+        morph_targets: Vec<String>,
+    ) -> PyResult<Self> {
+        let bones = names.len();
+        let parents: Numbers<'_, numpy::ndarray::Ix1, i64> =
+            whole(parents, "parents", "one list of indices")?;
+        let translations = match translations {
+            Some(value) => vectors(value, "translations")?,
+            None => vec![Vec3A::ZERO; bones],
+        };
+        let scales = match scales {
+            Some(value) => vectors(value, "scales")?,
+            None => vec![Vec3A::ONE; bones],
+        };
+        let rotations = match given(rotations_xyzw, rotations_wxyz, "rotations")? {
+            Some((value, order)) => quaternions(value, order)?,
+            None => vec![Quat::IDENTITY; bones],
+        };
+        let counts = [
+            parents.len(),
+            translations.len(),
+            scales.len(),
+            rotations.len(),
+        ];
+        if counts.iter().any(|&count| count != bones) {
+            return Err(invalid(format!(
+                "{bones} names, {} parents, {} translations, {} scales and {} rotations",
+                counts[0], counts[1], counts[2], counts[3]
+            )));
+        }
+        let listed = names
+            .into_iter()
+            .enumerate()
+            .map(|(index, name)| ArmatureBone {
+                name,
+                // Anything but -1 is looked at; one that is too large does not come before it.
+                parent: (parents[index] != -1)
+                    .then(|| usize::try_from(parents[index]).unwrap_or(usize::MAX)),
+                rest: LocalTransform {
+                    translation: translations[index],
+                    rotation: rotations[index],
+                    scale: scales[index],
+                },
+            });
+        Bones::new(listed.collect(), morph_targets)
+            .or_raise()
+            .map(Self::from)
+    }
+
+    /// The bones of a skeleton: at rest each stands where its angles are zero.
+    #[classmethod]
+    fn of_skeleton(_class: &Bound<'_, PyType>, skeleton: &Bound<'_, Skeleton>) -> Self {
+        Bones::of_skeleton(&skeleton.get().inner).into()
+    }
+
+    /// The same bones with these morph targets, whose weights are zero at rest.
+    fn with_morph_targets(&self, names: Vec<String>) -> PyResult<Self> {
+        let armature = Bones::clone(&self.inner).with_morph_targets(names);
+        armature.or_raise().map(Self::from)
+    }
+
+    /// The same with these weights of the morph targets at rest, shape (targets,).
+    fn with_rest_morph_weights(&self, weights: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let weights = transforms::numbers(weights, "weights", None)?;
+        let armature = Bones::clone(&self.inner).with_rest_morph_weights(&weights);
+        armature.or_raise().map(Self::from)
+    }
+
+    /// The same bones and morph targets, at rest as `pose` has them.
+    fn at_rest_in(&self, pose: &Bound<'_, Pose>) -> PyResult<Self> {
+        let armature = Bones::clone(&self.inner).at_rest_in(&pose.get().now());
+        armature.or_raise().map(Self::from)
+    }
+
+    /// How many bones there are.
+    #[getter]
+    fn bones(&self) -> usize {
+        self.inner.bones()
+    }
+
+    /// The bones' names, in their order.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.inner.names().to_vec()
+    }
+
+    /// Each bone's parent as its place in `names`, shape (bones,), int64; -1 for roots.
+    #[getter]
+    fn parents<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let bones = (0..self.inner.bones()).filter_map(|index| self.inner.bone_at(index));
+        let parent = |bone| self.inner.parent(bone).map_or(-1, |p| p.index() as i64);
+        PyArray1::from_iter(py, bones.map(parent))
+    }
+
+    /// The morph targets' names, in their order.
+    #[getter]
+    fn morph_targets(&self) -> Vec<String> {
+        self.inner.morph_targets().to_vec()
+    }
+
+    /// The pose at rest; a new one each time.
+    #[getter]
+    fn rest(&self) -> Pose {
+        Pose::of(&self.inner, self.inner.rest().clone())
+    }
+
+    /// The inverse of where each bone is at rest: model -> the bone at rest, shape (bones, 4, 4), float32.
+    #[getter]
+    fn rest_from_model<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        to_array(py, self.inner.rest_from_model())
+    }
+
+    /// Where the bones are in the model: model_from_bone, float32, shape (bones, 4, 4) for a `Pose`,
+    /// (N, bones, 4, 4) for `Poses`. `out` takes the result.
+    #[pyo3(signature = (pose, *, out = None))]
+    fn local_to_model<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let (poses, count) = asked(pose)?;
+        let bones = self.inner.bones();
+        let shape: Vec<usize> = count.into_iter().chain([bones, 4, 4]).collect();
+        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        let mut placed: Vec<Affine3A> = Vec::new();
+        arrays::fill(&array, |room| {
+            let pieces = room.chunks_mut(POSES_AT_A_TIME * (bones * 16).max(1));
+            for (poses, room) in poses.chunks(POSES_AT_A_TIME).zip(pieces) {
+                py.check_signals()?;
+                py.detach(|| {
+                    for (pose, room) in poses.iter().zip(room.chunks_mut((bones * 16).max(1))) {
+                        self.inner.local_to_model(pose, &mut placed).or_raise()?;
+                        transforms::write(&placed, room);
+                    }
+                    Ok::<(), PyErr>(())
+                })?;
+            }
+            Ok(())
+        })?;
+        Ok(array)
+    }
+
+    /// The skinning matrices of `model_from_bone`, shape (bones, 4, 4) or (N, bones, 4, 4): from the model at
+    /// rest to the posed model; float32 of the same shape. `out` takes the result.
+    #[pyo3(signature = (model_from_bone, *, out = None))]
+    fn skinning_transforms<'py>(
+        &self,
+        py: Python<'py>,
+        model_from_bone: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let (placed, before) = transforms::read(model_from_bone, "model_from_bone")?;
+        let bones = self.inner.bones();
+        match before.as_slice() {
+            [own] | [_, own] if *own == bones => {}
+            _ => {
+                let shape = shape_text(&[before.as_slice(), &[4, 4]].concat());
+                return Err(invalid(format!(
+                    "model_from_bone has shape {shape}, expected ({bones}, 4, 4) or (N, {bones}, 4, 4)"
+                )));
+            }
+        }
+        let shape = [before.as_slice(), &[4, 4]].concat();
+        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        let mut posed: Vec<Affine3A> = Vec::new();
+        arrays::fill(&array, |room| {
+            py.detach(|| {
+                let rooms = room.chunks_mut((bones * 16).max(1));
+                for (placed, room) in placed.chunks(bones.max(1)).zip(rooms) {
+                    self.inner
+                        .skinning_transforms(placed, &mut posed)
+                        .or_raise()?;
+                    transforms::write(&posed, room);
+                }
+                Ok(())
+            })
+        })?;
+        Ok(array)
+    }
+
+    /// Where one bone is in the model, shape (4, 4), float32.
+    fn model_from_bone<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, Pose>,
+        bone: &str,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let bone = self.inner.bone(bone).or_raise()?;
+        let placed = self.inner.model_from_bone(&pose.get().now(), bone);
+        one_to_array(py, &placed.or_raise()?)
+    }
+
+    /// How one bone is turned in the model, shape (4,), float32: x, y, z, w; scales aside.
+    fn model_rotation_xyzw<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, Pose>,
+        bone: &str,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let q = self.turned(pose, bone)?;
+        shaped(py, Order::Xyzw.to_array(q).to_vec(), &[4])
+    }
+
+    /// How one bone is turned in the model, shape (4,), float32: w, x, y, z; scales aside.
+    fn model_rotation_wxyz<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, Pose>,
+        bone: &str,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let q = self.turned(pose, bone)?;
+        shaped(py, Order::Wxyz.to_array(q).to_vec(), &[4])
+    }
+
+    /// Places a bone of `pose` in the model by a 4 x 4 transform. The bones above stay, those below move
+    /// along.
+    ///
+    /// Raises `InvalidValueError` where the bone would have to shear for it.
+    fn set_model_from_bone(
+        &self,
+        pose: &Bound<'_, Pose>,
+        bone: &str,
+        model_from_bone: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let bone = self.inner.bone(bone).or_raise()?;
+        let placed = transforms::read_one(model_from_bone, "model_from_bone")?;
+        let set = |locals: &mut _| self.inner.set_model_from_bone(locals, bone, placed);
+        pose.get().with(set).or_raise()
+    }
+
+    /// Turns a bone of `pose` in the model by a quaternion of shape (4,), `xyzw` or `wxyz`; its translation
+    /// and scale in its parent stay.
+    #[pyo3(signature = (pose, bone, *, xyzw = None, wxyz = None))]
+    fn set_model_rotation(
+        &self,
+        pose: &Bound<'_, Pose>,
+        bone: &str,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let bone = self.inner.bone(bone).or_raise()?;
+        let (q, order) = given(xyzw, wxyz, "rotations")?
+            .ok_or_else(|| invalid("a rotation is given as xyzw or as wxyz"))?;
+        let q = quaternion(q, order)?;
+        let set = |locals: &mut _| self.inner.set_model_rotation(locals, bone, q);
+        pose.get().with(set).or_raise()
+    }
+
+    /// Moves a bone's origin of `pose` in the model, shape (3,); its rotation and scale stay.
+    fn set_model_translation(
+        &self,
+        pose: &Bound<'_, Pose>,
+        bone: &str,
+        origin: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let bone = self.inner.bone(bone).or_raise()?;
+        let origin = vector(origin, "origin")?;
+        let set = |locals: &mut _| self.inner.set_model_translation(locals, bone, origin);
+        pose.get().with(set).or_raise()
+    }
+
+    /// The skeleton with the same bones, at rest where the armature is: what problems and `ReachLayer` are
+    /// stated on. `limits`, shape (bones, 3, 2), are the ranges of first twist, bend and second twist about
+    /// the bone's own x, z and x, radians (None: no limits). Tips are where their bones stand.
+    ///
+    /// Raises `InvalidValueError` naming a bone that scales its children unevenly.
+    #[pyo3(signature = (name = "armature", limits = None))]
+    fn skeleton(&self, name: &str, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Skeleton> {
+        let bones = self.inner.bones();
+        let mut ranges = vec![[Limits::UNBOUNDED; 3]; bones];
+        if let Some(limits) = limits {
+            let numbers: Numbers<'_, Ix3> = arrays::numbers(limits, "limits", "(bones, 3, 2)")?;
+            if numbers.shape() != [bones, 3, 2] {
+                return Err(invalid(format!(
+                    "limits has shape {}, expected ({bones}, 3, 2)",
+                    shape_text(numbers.shape())
+                )));
+            }
+            let rows = numbers.chunks_exact(2);
+            for (range, row) in ranges.iter_mut().flatten().zip(rows) {
+                *range = Limits::new(row[0], row[1]);
+            }
+        }
+        let limits = |bone: kinopt::skeleton::BoneId| ranges[bone.index()];
+        self.inner
+            .skeleton(name, limits)
+            .or_raise()
+            .map(Skeleton::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let text = serde_json::to_string(&*self.inner).or_raise()?;
+        Ok((rebuild, (text,)).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(text: &str) -> PyResult<Self> {
+        serde_json::from_str::<Bones>(text)
+            .or_raise()
+            .map(Self::from)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Armature({} bones, {} morph targets)",
+            self.inner.bones(),
+            self.inner.morph_targets().len()
+        )
+    }
+}

@@ -1,0 +1,237 @@
+//! Blending: masks, layers and weighted means of poses.
+
+use std::sync::Arc;
+
+use kinopt::animation::{Armature as Bones, BoneMask as Mask, Layer as Over, LayerMode};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+use super::armature::Armature;
+use super::pose::{Pose, Poses, asked};
+use crate::error::{OrRaise, invalid};
+use crate::transforms::{numbers, shaped};
+
+/// A share within [0, 1] for each bone and each morph target of an armature; nothing changes it.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct BoneMask {
+    pub(crate) inner: Mask,
+    armature: Arc<Bones>,
+}
+
+impl BoneMask {
+    fn with(&self, inner: Mask) -> Self {
+        let armature = Arc::clone(&self.armature);
+        Self { inner, armature }
+    }
+}
+
+#[pymethods]
+impl BoneMask {
+    /// The whole armature.
+    #[classmethod]
+    fn all(_class: &Bound<'_, PyType>, armature: &Bound<'_, Armature>) -> Self {
+        let armature = Arc::clone(&armature.get().inner);
+        let inner = Mask::all(&armature);
+        Self { inner, armature }
+    }
+
+    /// None of it, to add parts to.
+    #[classmethod]
+    fn none(_class: &Bound<'_, PyType>, armature: &Bound<'_, Armature>) -> Self {
+        let armature = Arc::clone(&armature.get().inner);
+        let inner = Mask::none(&armature);
+        Self { inner, armature }
+    }
+
+    /// The same with another share of one bone.
+    ///
+    /// Raises `UnknownNameError`, and `InvalidValueError` for a share that is not within [0, 1].
+    #[pyo3(signature = (bone, share = 1.0))]
+    fn with_bone(&self, bone: &str, share: f32) -> PyResult<Self> {
+        let bone = self.armature.bone(bone).or_raise()?;
+        Ok(self.with(self.inner.clone().with_bone(bone, share).or_raise()?))
+    }
+
+    /// The same with another share of a bone and of all that hang on it.
+    #[pyo3(signature = (root, share = 1.0))]
+    fn with_subtree(&self, root: &str, share: f32) -> PyResult<Self> {
+        let root = self.armature.bone(root).or_raise()?;
+        let mask = self.inner.clone().with_subtree(&self.armature, root, share);
+        Ok(self.with(mask.or_raise()?))
+    }
+
+    /// The same with another share of one morph target.
+    #[pyo3(signature = (target, share = 1.0))]
+    fn with_morph_target(&self, target: &str, share: f32) -> PyResult<Self> {
+        let target = self.armature.morph_target(target).or_raise()?;
+        let mask = self.inner.clone().with_morph_target(target, share);
+        Ok(self.with(mask.or_raise()?))
+    }
+
+    /// The bones' shares, shape (bones,), float32.
+    #[getter]
+    fn bones<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        shaped(py, self.inner.bones().to_vec(), &[self.inner.bones().len()])
+    }
+
+    /// The morph targets' shares, shape (targets,), float32.
+    #[getter]
+    fn morph_targets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let shares = self.inner.morph_targets().to_vec();
+        let count = shares.len();
+        shaped(py, shares, &[count])
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let armature = Armature::from(Arc::clone(&self.armature));
+        let parts = (armature, self.bones(py)?, self.morph_targets(py)?);
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        armature: &Bound<'_, Armature>,
+        bones: &Bound<'_, PyAny>,
+        morph_targets: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let armature = Arc::clone(&armature.get().inner);
+        let mut inner = Mask::none(&armature);
+        for (i, share) in numbers(bones, "bones", Some(armature.bones()))?
+            .into_iter()
+            .enumerate()
+        {
+            if let Some(bone) = armature.bone_at(i) {
+                inner = inner.with_bone(bone, share).or_raise()?;
+            }
+        }
+        let targets = Some(armature.morph_targets().len());
+        for (i, share) in numbers(morph_targets, "targets", targets)?
+            .into_iter()
+            .enumerate()
+        {
+            inner = inner.with_morph_target(i, share).or_raise()?;
+        }
+        Ok(Self { inner, armature })
+    }
+
+    fn __repr__(&self) -> String {
+        let moved = self.inner.bones().iter().filter(|share| **share > 0.0);
+        format!(
+            "BoneMask({} of {} bones)",
+            moved.count(),
+            self.inner.bones().len()
+        )
+    }
+}
+
+/// What is put over a base pose: how, how much, and where.
+///
+/// Without a `reference` it goes in the base's place, by cross-fade; with one, on top of it, as the difference
+/// from that pose.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Layer {
+    inner: Over,
+    mask: Py<BoneMask>,
+    reference: Option<Py<Pose>>,
+}
+
+#[pymethods]
+impl Layer {
+    /// A layer under a mask: `weight` is within [0, 1] in place of the base, any finite number on top of it,
+    /// where 1 adds the whole difference from `reference`.
+    #[new]
+    #[pyo3(signature = (mask, weight = 1.0, reference = None))]
+    fn new(
+        mask: &Bound<'_, BoneMask>,
+        weight: f32,
+        reference: Option<&Bound<'_, Pose>>,
+    ) -> PyResult<Self> {
+        if !weight.is_finite() {
+            return Err(invalid(format!("the weight {weight} is not finite")));
+        }
+        let mode = match reference {
+            Some(reference) => LayerMode::Additive {
+                reference: reference.get().now(),
+            },
+            None => LayerMode::Override,
+        };
+        let inner = Over {
+            mode,
+            weight,
+            mask: mask.get().inner.clone(),
+        };
+        let reference = reference.map(|pose| Py::new(pose.py(), pose.get().copy()));
+        Ok(Self {
+            inner,
+            mask: mask.clone().unbind(),
+            reference: reference.transpose()?,
+        })
+    }
+
+    /// How much.
+    #[getter]
+    fn weight(&self) -> f32 {
+        self.inner.weight
+    }
+
+    /// Which bones and morph targets it moves.
+    #[getter]
+    fn mask(&self, py: Python<'_>) -> Py<BoneMask> {
+        self.mask.clone_ref(py)
+    }
+
+    /// The pose that adds nothing; None for a layer in the base's place.
+    #[getter]
+    fn reference(&self, py: Python<'_>) -> PyResult<Option<Py<Pose>>> {
+        let copy = |pose: &Py<Pose>| Py::new(py, pose.get().copy());
+        self.reference.as_ref().map(copy).transpose()
+    }
+
+    /// Puts the layer's pose over a base pose, which is changed.
+    ///
+    /// Raises `InvalidValueError` for poses or a mask of different armatures.
+    fn apply(&self, base: &Bound<'_, Pose>, layer: &Bound<'_, Pose>) -> PyResult<()> {
+        let layer = layer.get().now();
+        base.get()
+            .with(|base| self.inner.apply(base, &layer))
+            .or_raise()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let parts = (self.mask(py), self.inner.weight, self.reference(py)?);
+        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        let mode = match self.inner.mode {
+            LayerMode::Additive { .. } => "on top",
+            _ => "in place",
+        };
+        format!("Layer({mode}, weight={})", self.inner.weight)
+    }
+}
+
+/// The weighted mean of poses, a new one; `weights`, shape (N,), of at least 0, need not sum to one.
+///
+/// Raises `InvalidValueError` for a weight that is negative or not finite, for none above 0, and for poses of
+/// different armatures.
+#[pyfunction]
+pub(crate) fn blend_poses(poses: &Bound<'_, PyAny>, weights: &Bound<'_, PyAny>) -> PyResult<Pose> {
+    let (list, _) = asked(poses)?;
+    let armature = match poses.cast::<Poses>() {
+        Ok(poses) => Some(Arc::clone(&poses.get().armature)),
+        Err(_) => {
+            let first = poses.try_iter()?.next().transpose()?;
+            let pose = first.as_ref().and_then(|pose| pose.cast::<Pose>().ok());
+            pose.map(|pose| Arc::clone(pose.get().bones()))
+        }
+    };
+    let armature = armature.ok_or_else(|| invalid("there are no poses to blend"))?;
+    let weights = numbers(weights, "weights", Some(list.len()))?;
+    let weighted: Vec<_> = list.iter().zip(weights).collect();
+    let mut out = armature.rest().clone();
+    kinopt::animation::blend_poses(&weighted, &mut out).or_raise()?;
+    Ok(Pose::of(&armature, out))
+}

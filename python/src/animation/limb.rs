@@ -1,0 +1,399 @@
+//! Limbs that reach and bones that aim, in closed form, over the pose that clips gave.
+
+use std::sync::Arc;
+
+use kinopt::animation::{
+    Aim as Aiming, AimGoal as Look, Armature as Bones, EndRotation, Limb as TwoBones,
+    LimbGoal as Goal,
+};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use super::armature::Armature;
+use super::pose::Pose;
+use crate::error::{OrRaise, invalid};
+use crate::transforms::{given, quaternion, shaped, vector};
+
+/// A thigh and a shin, an upper arm and a forearm: two bones of an armature and the point that should go
+/// somewhere. Bones between the two turn with the upper one.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Limb {
+    pub(crate) inner: TwoBones,
+    pub(crate) armature: Arc<Bones>,
+    /// What it was made of.
+    made: Made,
+}
+
+#[derive(Clone)]
+struct Made {
+    upper: String,
+    lower: String,
+    end: End,
+    hinge: Option<[f32; 3]>,
+    softening: f32,
+}
+
+#[derive(Clone)]
+enum End {
+    Bone(String),
+    Point([f32; 3]),
+}
+
+#[pymethods]
+impl Limb {
+    /// The limb of two bones that ends where the bone `end` starts, a hand or a foot, or in a point in the
+    /// lower bone's coordinates, shape (3,).
+    ///
+    /// `hinge`, shape (3,), is the axis about which the elbow or knee bends, in the lower bone's coordinates:
+    /// a positive turn bends it the way it may. `softening` slows the end down beyond that share of the
+    /// limb's length, so that the elbow does not snap: 0.95 to 0.98, or 1 for none.
+    ///
+    /// Raises `UnknownNameError` for a bone, `InvalidValueError` for bones that do not hang on each other, an
+    /// axis without length, a share that is not within [0, 1].
+    #[new]
+    #[pyo3(signature = (armature, upper, lower, end, *, hinge = None, softening = 1.0))]
+    fn new(
+        armature: &Bound<'_, Armature>,
+        upper: String,
+        lower: String,
+        end: &Bound<'_, PyAny>,
+        hinge: Option<&Bound<'_, PyAny>>,
+        softening: f32,
+    ) -> PyResult<Self> {
+        let armature = Arc::clone(&armature.get().inner);
+        let end = match end.extract::<String>() {
+            Ok(bone) => End::Bone(bone),
+            Err(_) => End::Point(vector(end, "end")?.to_array()),
+        };
+        let hinge = hinge.map(|axis| vector(axis, "hinge")).transpose()?;
+        let bone = |name: &str| armature.bone(name).or_raise();
+        let (up, low) = (bone(&upper)?, bone(&lower)?);
+        let limb = match &end {
+            End::Bone(end) => TwoBones::to_bone(&armature, up, low, bone(end)?),
+            End::Point(end) => TwoBones::new(&armature, up, low, (*end).into()),
+        };
+        let mut inner = limb.or_raise()?.with_softening(softening).or_raise()?;
+        if let Some(axis) = hinge {
+            inner = inner.with_hinge(axis).or_raise()?;
+        }
+        let made = Made {
+            upper,
+            lower,
+            end,
+            hinge: hinge.map(|axis| axis.to_array()),
+            softening,
+        };
+        Ok(Self {
+            inner,
+            armature,
+            made,
+        })
+    }
+
+    /// Turns the two bones of a pose so that the end goes its weight's share of the way to the target, or as
+    /// near as the bones reach; then the bone at the end.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
+    fn reach(&self, pose: &Bound<'_, Pose>, goal: &Bound<'_, LimbGoal>) -> PyResult<()> {
+        let goal = goal.get().inner;
+        let reach = |locals: &mut _| self.inner.reach(&self.armature, locals, &goal);
+        pose.get().with(reach).or_raise()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let Made {
+            upper,
+            lower,
+            end,
+            hinge,
+            softening,
+        } = self.made.clone();
+        let end = match end {
+            End::Bone(bone) => bone.into_pyobject(py)?.into_any(),
+            End::Point(point) => point.into_pyobject(py)?.into_any(),
+        };
+        let armature = Armature::from(Arc::clone(&self.armature));
+        let parts = (armature, upper, lower, end, hinge, softening);
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        armature: &Bound<'_, Armature>,
+        upper: String,
+        lower: String,
+        end: &Bound<'_, PyAny>,
+        hinge: Option<&Bound<'_, PyAny>>,
+        softening: f32,
+    ) -> PyResult<Self> {
+        Self::new(armature, upper, lower, end, hinge, softening)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Limb({:?}, {:?})", self.made.upper, self.made.lower)
+    }
+}
+
+/// What the end of a limb should do this frame.
+#[pyclass(frozen, module = "kinopt.animation")]
+#[derive(Clone)]
+pub(crate) struct LimbGoal {
+    pub(crate) inner: Goal,
+}
+
+#[pymethods]
+impl LimbGoal {
+    /// The end at `target`, shape (3,), in model coordinates.
+    ///
+    /// `weight` is how far it goes, from 0, the pose as it is, to 1; `pole`, shape (3,), the point towards
+    /// which the elbow or knee goes (None keeps the side that the pose has); `twist` how far the limb turns
+    /// about the way to the target besides, radians.
+    ///
+    /// The bone at the end goes along, is held as it was by the share `hold`, or turned in the model as
+    /// `rotation_xyzw` or `rotation_wxyz` says, shape (4,), by the share `rotation_weight`.
+    #[new]
+    #[pyo3(signature = (
+        target, *, weight = 1.0, pole = None, twist = 0.0, hold = None, rotation_xyzw = None,
+        rotation_wxyz = None, rotation_weight = 1.0
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn new(
+        target: &Bound<'_, PyAny>,
+        weight: f32,
+        pole: Option<&Bound<'_, PyAny>>,
+        twist: f32,
+        hold: Option<f32>,
+        rotation_xyzw: Option<&Bound<'_, PyAny>>,
+        rotation_wxyz: Option<&Bound<'_, PyAny>>,
+        rotation_weight: f32,
+    ) -> PyResult<Self> {
+        let rotation = given(rotation_xyzw, rotation_wxyz, "rotations")?;
+        let end = match (hold, rotation) {
+            (Some(_), Some(_)) => {
+                return Err(invalid("the bone at the end is held or turned, not both"));
+            }
+            (Some(weight), None) => EndRotation::Hold { weight },
+            (None, Some((q, order))) => EndRotation::Goal {
+                rotation: quaternion(q, order)?,
+                weight: rotation_weight,
+            },
+            (None, None) => EndRotation::Follow,
+        };
+        let mut inner = Goal::at(vector(target, "target")?);
+        inner.weight = weight;
+        inner.pole = pole.map(|pole| vector(pole, "pole")).transpose()?;
+        inner.twist = twist;
+        inner.end = end;
+        Ok(Self { inner })
+    }
+
+    /// Where the end should be, shape (3,), float32.
+    #[getter]
+    fn target<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        shaped(py, self.inner.target.to_array().to_vec(), &[3])
+    }
+
+    /// How far it goes.
+    #[getter]
+    fn weight(&self) -> f32 {
+        self.inner.weight
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let goal = &self.inner;
+        let (hold, rotation, weight) = match goal.end {
+            EndRotation::Hold { weight } => (Some(weight), None, 1.0),
+            EndRotation::Goal { rotation, weight } => (None, Some(rotation.to_array()), weight),
+            _ => (None, None, 1.0),
+        };
+        let parts = (
+            goal.target.to_array(),
+            goal.weight,
+            goal.pole.map(|pole| pole.to_array()),
+            goal.twist,
+            hold,
+            rotation,
+            weight,
+        );
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        target: &Bound<'_, PyAny>,
+        weight: f32,
+        pole: Option<&Bound<'_, PyAny>>,
+        twist: f32,
+        hold: Option<f32>,
+        rotation: Option<&Bound<'_, PyAny>>,
+        rotation_weight: f32,
+    ) -> PyResult<Self> {
+        Self::new(
+            target,
+            weight,
+            pole,
+            twist,
+            hold,
+            rotation,
+            None,
+            rotation_weight,
+        )
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "LimbGoal({}, weight={})",
+            self.inner.target, self.inner.weight
+        )
+    }
+}
+
+/// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Aim {
+    inner: Aiming,
+    armature: Arc<Bones>,
+    /// The bone's name, forward, up and muzzle.
+    made: (String, [f32; 3], Option<[f32; 3]>, [f32; 3]),
+}
+
+#[pymethods]
+impl Aim {
+    /// A bone that points along `forward`, in its own coordinates; `up` is the axis that goals may hold
+    /// upright, `muzzle` a point from which it points instead of from its joint. All have shape (3,).
+    ///
+    /// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes without length or on one line.
+    #[new]
+    #[pyo3(signature = (armature, bone, forward, *, up = None, muzzle = None))]
+    fn new(
+        armature: &Bound<'_, Armature>,
+        bone: String,
+        forward: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        muzzle: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let armature = Arc::clone(&armature.get().inner);
+        let id = armature.bone(&bone).or_raise()?;
+        let forward = vector(forward, "forward")?;
+        let up = up.map(|up| vector(up, "up")).transpose()?;
+        let muzzle = match muzzle {
+            Some(muzzle) => vector(muzzle, "muzzle")?.to_array(),
+            None => [0.0; 3],
+        };
+        let mut inner = Aiming::new(&armature, id, forward).or_raise()?;
+        inner = inner.with_muzzle(muzzle).or_raise()?;
+        if let Some(up) = up {
+            inner = inner.with_up(up).or_raise()?;
+        }
+        Ok(Self {
+            inner,
+            armature,
+            made: (bone, forward.to_array(), up.map(|up| up.to_array()), muzzle),
+        })
+    }
+
+    /// Turns the bone of a pose by its weight's share of the rotation that points it at the target. Says
+    /// whether there is one: there is none for a target that is not finite or is the joint itself.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
+    fn turn(&self, pose: &Bound<'_, Pose>, goal: &Bound<'_, AimGoal>) -> PyResult<bool> {
+        let goal = goal.get().inner;
+        let turn = |locals: &mut _| self.inner.turn(&self.armature, locals, &goal);
+        pose.get().with(turn).or_raise()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let (bone, forward, up, muzzle) = self.made.clone();
+        let armature = Armature::from(Arc::clone(&self.armature));
+        let parts = (armature, bone, forward, up, muzzle);
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        armature: &Bound<'_, Armature>,
+        bone: String,
+        forward: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        muzzle: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        Self::new(armature, bone, forward, up, Some(muzzle))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Aim({:?})", self.made.0)
+    }
+}
+
+/// What a bone should point at this frame.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct AimGoal {
+    inner: Look,
+}
+
+#[pymethods]
+impl AimGoal {
+    /// At the point `target`, shape (3,), in model coordinates. `up`, shape (3,), is the direction to which
+    /// the bone's up axis goes as far as it can (None: the shortest arc); `twist` how far the bone turns about
+    /// the way to the target besides, radians; `weight` the share of the angle, within [0, 1].
+    #[new]
+    #[pyo3(signature = (target, *, up = None, twist = 0.0, weight = 1.0))]
+    fn new(
+        target: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        twist: f32,
+        weight: f32,
+    ) -> PyResult<Self> {
+        let inner = Look {
+            target: vector(target, "target")?,
+            up: up.map(|up| vector(up, "up")).transpose()?,
+            twist,
+            weight,
+        };
+        Ok(Self { inner })
+    }
+
+    /// The point to point at, shape (3,), float32.
+    #[getter]
+    fn target<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        shaped(py, self.inner.target.to_array().to_vec(), &[3])
+    }
+
+    /// The share of the angle.
+    #[getter]
+    fn weight(&self) -> f32 {
+        self.inner.weight
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let Look {
+            target,
+            up,
+            twist,
+            weight,
+        } = self.inner;
+        let parts = (target.to_array(), up.map(|up| up.to_array()), twist, weight);
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        target: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        twist: f32,
+        weight: f32,
+    ) -> PyResult<Self> {
+        Self::new(target, up, twist, weight)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "AimGoal({}, weight={})",
+            self.inner.target, self.inner.weight
+        )
+    }
+}

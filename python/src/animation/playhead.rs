@@ -1,0 +1,90 @@
+//! Time that passes while a clip plays.
+
+use std::sync::{Mutex, PoisonError};
+
+use pyo3::prelude::*;
+
+/// Time that passes while a clip plays, at a speed that may be negative.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Playhead {
+    inner: Mutex<kinopt::animation::Playhead>,
+}
+
+impl Playhead {
+    fn with<T>(&self, run: impl FnOnce(&mut kinopt::animation::Playhead) -> T) -> T {
+        run(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[pymethods]
+impl Playhead {
+    /// `elapsed` seconds after the start, at `speed` seconds of the clip a second.
+    #[new]
+    #[pyo3(signature = (elapsed = 0.0, speed = 1.0))]
+    fn new(elapsed: f64, speed: f64) -> Self {
+        let mut playhead = kinopt::animation::Playhead::starting_at(elapsed);
+        playhead.speed = speed;
+        let inner = Mutex::new(playhead);
+        Self { inner }
+    }
+
+    /// Seconds since playback started.
+    #[getter]
+    fn elapsed(&self) -> f64 {
+        self.with(|own| own.elapsed())
+    }
+
+    /// How many seconds of the clip pass in a second; may be assigned, negative plays backwards.
+    #[getter]
+    fn speed(&self) -> f64 {
+        self.with(|own| own.speed)
+    }
+
+    #[setter]
+    fn set_speed(&self, speed: f64) {
+        self.with(|own| own.speed = speed);
+    }
+
+    /// Plays on for so many seconds; not at all for a number that is not finite. What was passed is for
+    /// `Clip.fired`.
+    fn advance(&self, seconds: f64) -> Passage {
+        let inner = self.with(|own| own.advance(seconds));
+        Passage { inner }
+    }
+
+    fn __repr__(&self) -> String {
+        let (elapsed, speed) = self.with(|own| (own.elapsed(), own.speed));
+        format!("Playhead(elapsed={elapsed}, speed={speed})")
+    }
+}
+
+/// The stretch of time between two moments of playback.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Passage {
+    pub(crate) inner: kinopt::animation::Passage,
+}
+
+#[pymethods]
+impl Passage {
+    /// Where playback was, in seconds since it started.
+    #[getter]
+    fn start(&self) -> f64 {
+        self.inner.from
+    }
+
+    /// Where it is now; before `start` when it plays backwards.
+    #[getter]
+    fn end(&self) -> f64 {
+        self.inner.to
+    }
+
+    /// Whether playback started at `start`.
+    #[getter]
+    fn starts(&self) -> bool {
+        self.inner.starts
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Passage({} s to {} s)", self.inner.from, self.inner.to)
+    }
+}

@@ -1,0 +1,215 @@
+//! Inverse kinematics over an animated pose by the optimiser, and a skeleton's angles in poses.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use kinopt::animation::{PoseAngles as Angles, ReachLayer as Reach};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use super::armature::Armature;
+use super::pose::{Pose, Poses, asked};
+use crate::arrays::{self, Questions};
+use crate::error::{OrRaise, invalid};
+use crate::skeleton::Skeleton;
+use crate::solution::Solution;
+use crate::transforms::{given, quaternion};
+
+/// Poses that are converted between two looks at signals.
+const POSES_AT_A_TIME: usize = 256;
+
+/// Inverse kinematics over an animated pose: tasks for the tips of bones, each with a weight, on top of the
+/// pose that clips gave. Slower than a `Limb`, but for any bones, with joint limits, and several tips that
+/// share a spine. The search starts at the clip's pose, so what does not help a tip stays.
+///
+/// It holds what is running, so it is not pickled; calls from many threads come one after another.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct ReachLayer {
+    inner: Mutex<Reach>,
+    skeleton: Arc<kinopt::Skeleton>,
+}
+
+impl ReachLayer {
+    fn with<T>(&self, run: impl FnOnce(&mut Reach) -> T) -> T {
+        run(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[pymethods]
+impl ReachLayer {
+    /// A layer for the tips of these bones of a skeleton, all with weight 0 at first; bones that are `held`
+    /// stay turned in the model as the clip has them, or are turned as asked.
+    ///
+    /// Raises `UnknownNameError` for a bone, `InvalidValueError` where there are none.
+    #[new]
+    #[pyo3(signature = (skeleton, tips, held = Vec::new()))]
+    fn new(skeleton: &Bound<'_, Skeleton>, tips: Vec<String>, held: Vec<String>) -> PyResult<Self> {
+        let skeleton = Arc::clone(&skeleton.get().inner);
+        let ids = |names: &[String]| {
+            let ids = names.iter().map(|name| skeleton.bone(name).or_raise());
+            ids.collect::<PyResult<Vec<_>>>()
+        };
+        let (tips, held) = (ids(&tips)?, ids(&held)?);
+        let layer = Reach::holding(&skeleton, &tips, &held, kinopt::Solver::default());
+        Ok(Self {
+            inner: Mutex::new(layer.or_raise()?),
+            skeleton,
+        })
+    }
+
+    /// Sets where a bone's tip should be, shape (3,), in model coordinates, and how much of the way it goes:
+    /// from 0, where the clip has it, to 1, the target.
+    ///
+    /// Raises `UnknownNameError` for a bone that is none of the layer's.
+    #[pyo3(signature = (bone, target, weight = 1.0))]
+    fn set_goal(&self, bone: &str, target: &Bound<'_, PyAny>, weight: f64) -> PyResult<()> {
+        let bone = self.skeleton.bone(bone).or_raise()?;
+        let target: [f64; 3] = arrays::array(target, "target")?;
+        self.with(|layer| layer.set_goal(bone, target, weight))
+            .or_raise()
+    }
+
+    /// Sets how a held bone should be turned in the model, `xyzw` or `wxyz` of shape (4,), and how much of the
+    /// way it goes there, from 0 to 1.
+    ///
+    /// Raises `UnknownNameError` for a bone that the layer does not hold.
+    #[pyo3(signature = (bone, weight = 1.0, *, xyzw = None, wxyz = None))]
+    fn set_rotation(
+        &self,
+        bone: &str,
+        weight: f64,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let bone = self.skeleton.bone(bone).or_raise()?;
+        let (q, order) = given(xyzw, wxyz, "rotations")?
+            .ok_or_else(|| invalid("a rotation is given as xyzw or as wxyz"))?;
+        let q = quaternion(q, order)?;
+        self.with(|layer| layer.set_rotation(bone, q, weight))
+            .or_raise()
+    }
+
+    /// Turns the bones of a pose so that the tips go their weights' shares of the way to their targets, within
+    /// the joints' limits. Gives the `Solution`, which says what is missed and by how much; None where all
+    /// weights are 0.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature, and for a bone that scales unevenly what
+    /// hangs on it; the pose stays as it is.
+    fn apply(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<Option<Solution>> {
+        let pose = pose.get();
+        let mut locals = pose.now();
+        let solved = py.detach(|| {
+            self.with(|layer| layer.apply(&mut locals).map(|solution| solution.cloned()))
+        });
+        let solution = solved.or_raise()?;
+        pose.with(|own| own.copy_from(&locals));
+        Ok(solution.map(Solution::from))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("ReachLayer({} bones)", self.skeleton.bones().len())
+    }
+}
+
+/// A skeleton's stacked angles in poses of its armature, and back.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct PoseAngles {
+    inner: Angles,
+    skeleton: Arc<kinopt::Skeleton>,
+    armature: Arc<kinopt::animation::Armature>,
+}
+
+#[pymethods]
+impl PoseAngles {
+    /// The angles of a skeleton in poses of `Armature.of_skeleton(skeleton)`, or of another armature with the
+    /// same bones: the one whose skeleton it is.
+    #[new]
+    #[pyo3(signature = (skeleton, armature = None))]
+    fn new(
+        skeleton: &Bound<'_, Skeleton>,
+        armature: Option<&Bound<'_, Armature>>,
+    ) -> PyResult<Self> {
+        let skeleton = Arc::clone(&skeleton.get().inner);
+        let armature = match armature {
+            Some(armature) => Arc::clone(&armature.get().inner),
+            None => Arc::new(kinopt::animation::Armature::of_skeleton(&skeleton)),
+        };
+        if armature.bones() != skeleton.bones().len() {
+            return Err(invalid(format!(
+                "an armature of {} bones for a skeleton of {}",
+                armature.bones(),
+                skeleton.bones().len()
+            )));
+        }
+        let inner = Angles::new(&skeleton);
+        Ok(Self {
+            inner,
+            skeleton,
+            armature,
+        })
+    }
+
+    /// The stacked angles of a pose, radians: shape (3 * bones,) for a `Pose`, (N, 3 * bones) for `Poses`.
+    /// `out` takes the result.
+    #[pyo3(signature = (pose, *, out = None))]
+    fn angles_of<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let (poses, count) = asked(pose)?;
+        let angles = self.skeleton.angles();
+        if let Some(odd) = poses.iter().find(|pose| pose.bones() * 3 != angles) {
+            return Err(invalid(format!(
+                "a pose of {} bones for a skeleton of {}",
+                odd.bones(),
+                self.skeleton.bones().len()
+            )));
+        }
+        let shape: Vec<usize> = count.into_iter().chain([angles]).collect();
+        let array = arrays::room_of::<f64>(py, out, &shape)?;
+        arrays::fill(&array, |room| {
+            py.detach(|| {
+                for (pose, room) in poses.iter().zip(room.chunks_mut(angles.max(1))) {
+                    self.inner.angles_of(pose, room);
+                }
+            });
+            Ok(())
+        })?;
+        Ok(array)
+    }
+
+    /// The pose of stacked angles, radians: a `Pose` for shape (3 * bones,), `Poses` for (N, 3 * bones);
+    /// translations and scales are at rest.
+    ///
+    /// Raises `InvalidValueError` for another shape and for angles that are not finite.
+    fn pose_of<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let one = arrays::axes(q)? == 1;
+        let q = Questions::rows(q, "q", self.skeleton.angles())?;
+        let mut poses = vec![self.armature.rest().clone(); q.count()];
+        q.each(py, &mut poses, POSES_AT_A_TIME, |q, pose| {
+            if !q.iter().all(|angle| angle.is_finite()) {
+                return Err(invalid("q holds a number that is not finite"));
+            }
+            self.inner.pose_of(q, &mut pose[0]);
+            Ok(())
+        })?;
+        match (one, poses.pop()) {
+            (true, Some(pose)) => Ok(Bound::new(py, Pose::of(&self.armature, pose))?.into_any()),
+            (_, last) => {
+                poses.extend(last);
+                Ok(Bound::new(py, Poses::of(&self.armature, poses))?.into_any())
+            }
+        }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let skeleton = Skeleton::from(Arc::clone(&self.skeleton));
+        let parts = (skeleton, Armature::from(Arc::clone(&self.armature)));
+        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("PoseAngles({} bones)", self.skeleton.bones().len())
+    }
+}

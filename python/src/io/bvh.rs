@@ -1,0 +1,78 @@
+//! Motion as BVH.
+
+use std::path::PathBuf;
+
+use kinopt::io::bvh;
+use pyo3::prelude::*;
+
+use crate::animation::{Armature, Clip, asked};
+use crate::error::OrRaise;
+
+/// A clip as BVH text, `rate` frames a second from its start to its end; what is left after the last whole
+/// frame is not written.
+///
+/// Raises `InvalidValueError`: no bones, a name the format cannot say, a scaled bone, a clip of another
+/// armature's size, a rate that is not positive.
+#[pyfunction]
+pub(crate) fn bvh_to_text(
+    armature: &Bound<'_, Armature>,
+    clip: &Bound<'_, Clip>,
+    rate: f64,
+) -> PyResult<String> {
+    let (bones, own) = (&armature.get().inner, &clip.get().inner);
+    armature
+        .py()
+        .detach(|| bvh::to_text(bones, own, rate))
+        .or_raise()
+}
+
+/// Poses (`Poses` or a list of `Pose`) as BVH text, `rate` of them a second: what became of a clip by
+/// blending, layers or inverse kinematics.
+///
+/// Raises `InvalidValueError` as `to_text` does.
+#[pyfunction]
+pub(crate) fn bvh_poses_to_text(
+    armature: &Bound<'_, Armature>,
+    poses: &Bound<'_, PyAny>,
+    rate: f64,
+) -> PyResult<String> {
+    let (bones, (poses, _)) = (&armature.get().inner, asked(poses)?);
+    armature
+        .py()
+        .detach(|| bvh::poses_to_text(bones, &poses, rate))
+        .or_raise()
+}
+
+/// Writes a clip to a BVH file, as `to_text` has it.
+///
+/// Raises `FileError`, and `InvalidValueError` as `to_text` does.
+#[pyfunction]
+pub(crate) fn bvh_write(
+    armature: &Bound<'_, Armature>,
+    clip: &Bound<'_, Clip>,
+    rate: f64,
+    path: PathBuf,
+) -> PyResult<()> {
+    let (bones, own) = (&armature.get().inner, &clip.get().inner);
+    armature
+        .py()
+        .detach(|| bvh::write(bones, own, rate, &path))
+        .or_raise()
+}
+
+/// Writes poses (`Poses` or a list of `Pose`) to a BVH file, `rate` of them a second.
+///
+/// Raises `FileError`, and `InvalidValueError` as `to_text` does.
+#[pyfunction]
+pub(crate) fn bvh_write_poses(
+    armature: &Bound<'_, Armature>,
+    poses: &Bound<'_, PyAny>,
+    rate: f64,
+    path: PathBuf,
+) -> PyResult<()> {
+    let (bones, (poses, _)) = (&armature.get().inner, asked(poses)?);
+    armature
+        .py()
+        .detach(|| bvh::write_poses(bones, &poses, rate, &path))
+        .or_raise()
+}

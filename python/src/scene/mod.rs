@@ -1,0 +1,198 @@
+//! Scenes of glTF: an armature with the meshes that hang on it and the clips that move it.
+
+mod mesh;
+mod posing;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kinopt::animation::Armature as Bones;
+use kinopt::io::gltf::{self, Note, WriteOptions};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyType};
+
+pub(crate) use self::mesh::{SceneMesh, Skin};
+pub(crate) use self::posing::ScenePosing;
+use crate::animation::{Armature, Clip};
+use crate::error::OrRaise;
+use crate::rig::{opened, text_or_bytes};
+
+/// What a glTF file holds that can be posed: an armature, the meshes that hang on it and the clips that move
+/// it.
+///
+/// Every node of the file is a bone. Lengths are in the file's unit, which glTF says are metres.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Scene {
+    pub(crate) inner: Arc<gltf::Scene>,
+    armature: Arc<Bones>,
+    notes: Vec<String>,
+}
+
+impl From<gltf::Scene> for Scene {
+    fn from(scene: gltf::Scene) -> Self {
+        Self {
+            armature: Arc::new(scene.armature.clone()),
+            notes: scene.notes.iter().map(Note::to_string).collect(),
+            inner: Arc::new(scene),
+        }
+    }
+}
+
+fn options(keys_per_second: f32) -> WriteOptions {
+    let mut options = WriteOptions::default();
+    options.keys_per_second = keys_per_second;
+    options
+}
+
+#[pymethods]
+impl Scene {
+    /// A scene of an armature, of meshes on its bones and of clips for it.
+    #[new]
+    #[pyo3(signature = (armature, meshes = Vec::new(), clips = Vec::new()))]
+    fn new(
+        armature: &Bound<'_, Armature>,
+        meshes: Vec<Bound<'_, SceneMesh>>,
+        clips: Vec<Bound<'_, Clip>>,
+    ) -> Self {
+        let scene = gltf::Scene {
+            armature: Bones::clone(&armature.get().inner),
+            meshes: meshes.iter().map(|mesh| mesh.get().inner.clone()).collect(),
+            clips: clips
+                .iter()
+                .map(|clip| kinopt::animation::Clip::clone(&clip.get().inner))
+                .collect(),
+            notes: Vec::new(),
+        };
+        scene.into()
+    }
+
+    /// Reads a .glb or .gltf file and the buffers beside it.
+    ///
+    /// Raises `FileError` where a file cannot be opened, `InvalidFileError` naming the file, a path in it such
+    /// as `animations[1].samplers[0]`, and the node, mesh or animation.
+    #[classmethod]
+    fn read(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
+        let scene = class.py().detach(|| gltf::read(&path));
+        scene.or_raise().map(Self::from)
+    }
+
+    /// Reads a scene from the bytes of a .glb or .gltf file, or from the text of a .gltf; `name` is what
+    /// messages call it.
+    ///
+    /// `open` is called with the names of buffers beside the file and gives their bytes:
+    /// `dict.__getitem__` of a dictionary will do.
+    ///
+    /// Raises `InvalidFileError`, and whatever `open` raises; a `FileNotFoundError` or `KeyError` of it is a
+    /// file that does not exist.
+    #[classmethod]
+    #[pyo3(signature = (data, name = "scene.gltf", open = None))]
+    fn from_bytes(
+        _class: &Bound<'_, PyType>,
+        data: &Bound<'_, PyAny>,
+        name: &str,
+        open: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let data = text_or_bytes(data, "data")?;
+        let mut raised = None;
+        let scene = gltf::from_bytes(&data, name, |file| opened(open, file, &mut raised));
+        match raised {
+            Some(error) => Err(error),
+            None => scene.or_raise().map(Self::from),
+        }
+    }
+
+    /// Writes the scene to a file, which should end in .glb. Curves that glTF does not have become
+    /// `keys_per_second` keys.
+    ///
+    /// Raises `FileError`, and `InvalidValueError` for parts that do not go together.
+    #[pyo3(signature = (path, keys_per_second = 30.0))]
+    fn write(&self, py: Python<'_>, path: PathBuf, keys_per_second: f32) -> PyResult<()> {
+        let options = options(keys_per_second);
+        py.detach(|| gltf::write(&self.inner, &options, &path))
+            .or_raise()
+    }
+
+    /// The bytes of a .glb file of the scene, as `write` has it.
+    #[pyo3(signature = (keys_per_second = 30.0))]
+    fn to_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        keys_per_second: f32,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let options = options(keys_per_second);
+        let bytes = py
+            .detach(|| gltf::to_bytes(&self.inner, &options))
+            .or_raise()?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Every node of the file as a bone, and the morph targets of all meshes.
+    #[getter]
+    fn armature(&self) -> Armature {
+        Arc::clone(&self.armature).into()
+    }
+
+    /// The meshes, by the bone they hang on.
+    #[getter]
+    fn meshes(&self) -> Vec<SceneMesh> {
+        let of = |mesh: &gltf::SceneMesh| SceneMesh::of(&self.armature, mesh.clone());
+        self.inner.meshes.iter().map(of).collect()
+    }
+
+    /// The animations.
+    #[getter]
+    fn clips(&self) -> Vec<Clip> {
+        let clips = self.inner.clips.iter();
+        clips
+            .map(|clip| Clip::of(&self.armature, Arc::new(clip.clone())))
+            .collect()
+    }
+
+    /// A clip by its name, or by the end of its name: "Walk" means "Armature|Walk".
+    ///
+    /// Raises `UnknownNameError`, `InvalidValueError` where several may be meant.
+    fn clip(&self, name: &str) -> PyResult<Clip> {
+        let clip = self.inner.clip(name).or_raise()?;
+        Ok(Clip::of(&self.armature, Arc::new(clip.clone())))
+    }
+
+    /// What reading changed or left out, one text each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// Memory for posing the meshes again and again; skins move by `method`, "lbs" or "dqs".
+    ///
+    /// Raises `InvalidValueError` for parts of a mesh that do not go together.
+    #[pyo3(signature = (method = "lbs"))]
+    fn posing(slf: &Bound<'_, Self>, method: &str) -> PyResult<ScenePosing> {
+        ScenePosing::make(slf, crate::skinning::method(method)?)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let parts = (self.armature(), self.meshes(), self.clips(), self.notes());
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        armature: &Bound<'_, Armature>,
+        meshes: Vec<Bound<'_, SceneMesh>>,
+        clips: Vec<Bound<'_, Clip>>,
+        notes: Vec<String>,
+    ) -> Self {
+        let scene = Self::new(armature, meshes, clips);
+        Self { notes, ..scene }
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Scene({} bones, {} meshes, {} clips)",
+            self.armature.bones(),
+            self.inner.meshes.len(),
+            self.inner.clips.len()
+        )
+    }
+}

@@ -1,0 +1,146 @@
+//! A scene's meshes in many poses.
+
+use std::sync::Arc;
+
+use kinopt::io::gltf;
+use kinopt::skinning::SkinningMethod;
+use numpy::{PyArray2, PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+
+use super::Scene;
+use crate::animation::{Pose, asked};
+use crate::arrays;
+use crate::error::OrRaise;
+use crate::mesh::TriangleMesh;
+use crate::pool::Pool;
+use crate::vertices::Part;
+
+/// Poses the meshes of one scene again and again: their weights made ready once, and memory.
+///
+/// Made by `Scene.posing`; asked as often as wanted, from any number of threads.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct ScenePosing {
+    scene: Py<Scene>,
+    method: SkinningMethod,
+    posings: Pool<gltf::ScenePosing<Arc<gltf::Scene>>>,
+}
+
+impl ScenePosing {
+    pub(super) fn make(scene: &Bound<'_, Scene>, method: SkinningMethod) -> PyResult<Self> {
+        let owned = Arc::clone(&scene.get().inner);
+        let made = scene.py().detach(|| gltf::ScenePosing::new(owned, method));
+        Ok(Self {
+            posings: Pool::new(made.or_raise()?),
+            scene: scene.clone().unbind(),
+            method,
+        })
+    }
+
+    fn each_pose<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        part: Part,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let (poses, count) = asked(pose)?;
+        let meshes = self.scene.get().inner.meshes.iter();
+        let vertices: usize = meshes.map(|mesh| part.count(&mesh.mesh)).sum();
+        let shape: Vec<usize> = count.into_iter().chain([vertices, 3]).collect();
+        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        self.posings.with(|posing| {
+            arrays::fill(&array, |room| {
+                for (i, pose) in poses.iter().enumerate() {
+                    py.check_signals()?;
+                    let room = &mut room[i * vertices * 3..(i + 1) * vertices * 3];
+                    py.detach(|| posing.deform(pose, part.of(room)))
+                        .or_raise()?;
+                }
+                Ok(())
+            })
+        })?;
+        Ok(array)
+    }
+}
+
+#[pymethods]
+impl ScenePosing {
+    /// The scene.
+    #[getter]
+    fn scene(&self, py: Python<'_>) -> Py<Scene> {
+        self.scene.clone_ref(py)
+    }
+
+    /// The way skins move: "lbs" or "dqs".
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.method.name()
+    }
+
+    /// The triangles over the vertices of all meshes in their order, shape (F, 3), uint32.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let mut first = 0;
+        let mut corners = Vec::new();
+        for mesh in &self.scene.get().inner.meshes {
+            let triangles = mesh.mesh.triangles().iter().flatten();
+            corners.extend(triangles.map(|corner| first + corner));
+            first += mesh.mesh.positions().len() as u32;
+        }
+        let count = corners.len() / 3;
+        numpy::PyArray1::from_vec(py, corners).reshape([count, 3])
+    }
+
+    /// The positions of the vertices of all meshes in their order, in the scene's coordinates: float32, shape
+    /// (V, 3) for a `Pose` of the scene's armature, (N, V, 3) for `Poses`. `out`, a float32 array of that
+    /// shape, takes the result.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
+    #[pyo3(signature = (pose, *, out = None))]
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.each_pose(py, pose, out, Part::Positions)
+    }
+
+    /// The unit normals of the meshes that have normals, as `positions` has it.
+    #[pyo3(signature = (pose, *, out = None))]
+    fn normals<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.each_pose(py, pose, out, Part::Normals)
+    }
+
+    /// The meshes in a pose, in the scene's coordinates.
+    fn meshes(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<Vec<TriangleMesh>> {
+        let pose = pose.get().now();
+        let posed = py.detach(|| self.posings.with(|posing| posing.meshes(&pose)));
+        Ok(posed
+            .or_raise()?
+            .into_iter()
+            .map(TriangleMesh::from)
+            .collect())
+    }
+
+    /// As `meshes`, joined to one; it has normals where all of them have.
+    fn mesh(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<TriangleMesh> {
+        let pose = pose.get().now();
+        let posed = py.detach(|| self.posings.with(|posing| posing.mesh(&pose)));
+        posed.or_raise().map(TriangleMesh::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = self.scene.bind(py).getattr("posing")?;
+        Ok((rebuild, (self.method(),)).into_pyobject(py)?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("ScenePosing({:?})", self.method.name())
+    }
+}

@@ -1,0 +1,169 @@
+//! Weights that are made up: by distance, and by heat on the surface.
+
+use kinopt::glam::DVec3;
+use kinopt::skinning::{AutomaticWeights as ByDistance, HeatWeights as ByHeat};
+use numpy::ndarray::Ix3;
+use pyo3::prelude::*;
+
+use super::SkinWeights;
+use crate::arrays::{self, Numbers, shape_text};
+use crate::error::{OrRaise, invalid};
+use crate::mesh::TriangleMesh;
+use crate::skeleton::Skeleton;
+
+/// Weights by distance: bones pull at what is near, evened out over the surface. Distances are straight, also
+/// through gaps; weights by heat are not.
+#[pyclass(frozen, module = "kinopt.skinning")]
+pub(crate) struct AutomaticWeights {
+    inner: ByDistance,
+}
+
+/// Weights by heat on the surface: they pass smoothly from bone to bone along the skin, and never through the
+/// air.
+#[pyclass(frozen, module = "kinopt.skinning")]
+pub(crate) struct HeatWeights {
+    inner: ByHeat,
+}
+
+/// Bones as [tail, tip].
+fn segments(value: &Bound<'_, PyAny>) -> PyResult<Vec<[DVec3; 2]>> {
+    let numbers: Numbers<'_, Ix3> = arrays::numbers(value, "segments", "(bones, 2, 3)")?;
+    if numbers.shape()[1..] != [2, 3] {
+        return Err(invalid(format!(
+            "segments has shape {}, expected (bones, 2, 3)",
+            shape_text(numbers.shape())
+        )));
+    }
+    let bones = numbers.chunks_exact(6);
+    Ok(bones
+        .map(|bone| [DVec3::from_slice(&bone[..3]), DVec3::from_slice(&bone[3..])])
+        .collect())
+}
+
+#[pymethods]
+impl AutomaticWeights {
+    /// `falloff` is how fast a bone's pull falls with distance, above 0; `smoothing_steps` how often weights are
+    /// evened out over the mesh's edges; `most` the most influences a vertex keeps, at least 1.
+    #[new]
+    #[pyo3(signature = (*, falloff = 4.0, smoothing_steps = 10, most = 8))]
+    fn new(falloff: f64, smoothing_steps: u32, most: usize) -> Self {
+        let mut inner = ByDistance::default();
+        inner.falloff = falloff;
+        inner.smoothing_steps = smoothing_steps;
+        inner.most = most;
+        Self { inner }
+    }
+
+    /// Weights of a mesh for a skeleton's bones at rest, in one frame and unit.
+    ///
+    /// Raises `InvalidValueError` for a skeleton without bones and for options out of range.
+    fn for_skeleton(
+        &self,
+        py: Python<'_>,
+        mesh: &Bound<'_, TriangleMesh>,
+        skeleton: &Bound<'_, Skeleton>,
+    ) -> PyResult<SkinWeights> {
+        let (mesh, skeleton) = (&mesh.get().inner, &skeleton.get().inner);
+        let weights = py.detach(|| self.inner.for_skeleton(mesh, skeleton));
+        weights.or_raise().map(SkinWeights::from)
+    }
+
+    /// Weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
+    ///
+    /// Raises `InvalidValueError` where there are none, an end is not finite, or options are out of range.
+    fn for_segments(
+        &self,
+        py: Python<'_>,
+        mesh: &Bound<'_, TriangleMesh>,
+        segments: &Bound<'_, PyAny>,
+    ) -> PyResult<SkinWeights> {
+        let (mesh, segments) = (&mesh.get().inner, self::segments(segments)?);
+        let weights = py.detach(|| self.inner.for_segments(mesh, &segments));
+        weights.or_raise().map(SkinWeights::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let ByDistance {
+            falloff,
+            smoothing_steps,
+            most,
+            ..
+        } = self.inner;
+        let parts = (falloff, smoothing_steps, most);
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(falloff: f64, smoothing_steps: u32, most: usize) -> Self {
+        Self::new(falloff, smoothing_steps, most)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "AutomaticWeights(falloff={}, smoothing_steps={}, most={})",
+            self.inner.falloff, self.inner.smoothing_steps, self.inner.most
+        )
+    }
+}
+
+#[pymethods]
+impl HeatWeights {
+    /// `heat` is how much heat bones give, above 0; larger is stiffer. `most` is the most influences a vertex
+    /// keeps, at least 1.
+    #[new]
+    #[pyo3(signature = (*, heat = 1.0, most = 8))]
+    fn new(heat: f64, most: usize) -> Self {
+        let mut inner = ByHeat::default();
+        inner.heat = heat;
+        inner.most = most;
+        Self { inner }
+    }
+
+    /// Weights of a mesh for a skeleton's bones at rest, in one frame and unit.
+    ///
+    /// Raises `InvalidValueError` for a skeleton without bones and for options out of range.
+    fn for_skeleton(
+        &self,
+        py: Python<'_>,
+        mesh: &Bound<'_, TriangleMesh>,
+        skeleton: &Bound<'_, Skeleton>,
+    ) -> PyResult<SkinWeights> {
+        let (mesh, skeleton) = (&mesh.get().inner, &skeleton.get().inner);
+        let weights = py.detach(|| self.inner.for_skeleton(mesh, skeleton));
+        weights.or_raise().map(SkinWeights::from)
+    }
+
+    /// Weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
+    ///
+    /// Raises `InvalidValueError` where there are none, an end is not finite, options are out of range, or the
+    /// surface's equations cannot be solved in double precision.
+    fn for_segments(
+        &self,
+        py: Python<'_>,
+        mesh: &Bound<'_, TriangleMesh>,
+        segments: &Bound<'_, PyAny>,
+    ) -> PyResult<SkinWeights> {
+        let (mesh, segments) = (&mesh.get().inner, self::segments(segments)?);
+        let weights = py.detach(|| self.inner.for_segments(mesh, &segments));
+        weights.or_raise().map(SkinWeights::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let parts = (self.inner.heat, self.inner.most);
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(heat: f64, most: usize) -> Self {
+        Self::new(heat, most)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "HeatWeights(heat={}, most={})",
+            self.inner.heat, self.inner.most
+        )
+    }
+}

@@ -1,0 +1,255 @@
+//! Weights made ready for many poses, and what moves vertices with them.
+
+use std::sync::Arc;
+
+use kinopt::glam::{Affine3A, Vec3, Vec4};
+use kinopt::skinning::{
+    MeshWeights as Ready, PosedVertices, RestVertices, SkinWeights as Weights, SkinningMethod,
+};
+use numpy::{PyArray2, PyArrayDyn};
+use pyo3::prelude::*;
+
+use super::SkinWeights;
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::mesh::TriangleMesh;
+use crate::transforms;
+use crate::vertices::{tangents, to_array, vectors};
+
+/// Skin weights made ready once for many poses: packed where no vertex follows more than four bones, as they
+/// are otherwise. Both give the same vertices to rounding.
+#[pyclass(frozen, module = "kinopt.skinning")]
+pub(crate) struct MeshWeights {
+    inner: Ready,
+    weights: Arc<Weights>,
+    pivots: Option<Vec<Vec3>>,
+    packed: bool,
+}
+
+impl MeshWeights {
+    /// The transforms of poses, and how many, where it is not one alone.
+    fn poses(&self, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Affine3A>, Option<usize>)> {
+        let (transforms, before) = transforms::read(value, "transforms")?;
+        let bones = self.weights.bone_count();
+        match before.as_slice() {
+            [own] if *own == bones => Ok((transforms, None)),
+            [count, own] if *own == bones => Ok((transforms, Some(*count))),
+            _ => Err(invalid(format!(
+                "transforms are of {} before (4, 4), expected ({bones},) or (N, {bones})",
+                arrays::shape_text(&before)
+            ))),
+        }
+    }
+
+    /// Calls `deform` with each pose's transforms and its part of the room.
+    fn each_pose<'py>(
+        &self,
+        py: Python<'py>,
+        transforms: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        columns: usize,
+        deform: impl Fn(&[Affine3A], &mut [f32]) -> Result<(), kinopt::skinning::SkinningError> + Sync,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let (transforms, count) = self.poses(transforms)?;
+        let vertices = self.weights.vertex_count();
+        let shape: Vec<usize> = count.into_iter().chain([vertices, columns]).collect();
+        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        let (bones, width) = (self.weights.bone_count(), vertices * columns);
+        arrays::fill(&array, |room| {
+            for i in 0..count.unwrap_or(1) {
+                py.check_signals()?;
+                let transforms = &transforms[i * bones..(i + 1) * bones];
+                let room = &mut room[i * width..(i + 1) * width];
+                py.detach(|| deform(transforms, room)).or_raise()?;
+            }
+            Ok(())
+        })?;
+        Ok(array)
+    }
+}
+
+#[pymethods]
+impl MeshWeights {
+    /// Weights made ready. `packed` True asks for the fast form, False for the other one (None: what suits).
+    ///
+    /// With `pivots`, shape (bones, 3), the bones' tails at rest, dual quaternions take transforms that scale:
+    /// each bone stretches about its pivot.
+    ///
+    /// Raises `InvalidValueError` where packing is asked for and a vertex follows more than four bones.
+    #[new]
+    #[pyo3(signature = (weights, *, pivots = None, packed = None))]
+    fn new(
+        weights: &Bound<'_, SkinWeights>,
+        pivots: Option<&Bound<'_, PyAny>>,
+        packed: Option<bool>,
+    ) -> PyResult<Self> {
+        let weights = Arc::clone(&weights.get().inner);
+        let inner = match packed {
+            Some(false) => Ready::unpacked(Weights::clone(&weights)),
+            _ => Ready::from(Weights::clone(&weights)),
+        };
+        if packed == Some(true) {
+            // It says which vertex has too many influences.
+            kinopt::skinning::PackedWeights::new(&weights).or_raise()?;
+        }
+        let pivots = match pivots {
+            Some(pivots) => Some(vectors(pivots, "pivots")?.to_vec()),
+            None => None,
+        };
+        let inner = match &pivots {
+            Some(pivots) => inner.with_pivots(pivots.clone()),
+            None => inner,
+        };
+        Ok(Self {
+            packed: inner.is_packed(),
+            inner,
+            weights,
+            pivots,
+        })
+    }
+
+    /// Whether the four packed influences of the fast path are enough.
+    #[getter]
+    fn is_packed(&self) -> bool {
+        self.packed
+    }
+
+    /// The weights.
+    #[getter]
+    fn weights(&self) -> SkinWeights {
+        Arc::clone(&self.weights).into()
+    }
+
+    /// The bones' tails at rest, shape (bones, 3), float32; None without.
+    #[getter]
+    fn pivots<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        let pivots = self.pivots.as_ref();
+        pivots.map(|pivots| to_array(py, pivots, 3)).transpose()
+    }
+
+    /// Moves positions at `rest`, shape (V, 3), by the bones' `transforms`, rest -> posed: float32, shape
+    /// (V, 3) for transforms of shape (bones, 4, 4), (N, V, 3) for (N, bones, 4, 4). `method` is "lbs" (linear
+    /// blend) or "dqs" (dual quaternions); `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for other shapes, numbers that are not finite, and transforms that are not
+    /// rigid where they must be: with dual quaternions and without pivots.
+    #[pyo3(signature = (method, transforms, rest, *, out = None))]
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        method: &str,
+        transforms: &Bound<'py, PyAny>,
+        rest: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let method: SkinningMethod = super::method(method)?;
+        let rest = vectors(rest, "rest")?;
+        let positions: &[Vec3] = &rest;
+        self.each_pose(py, transforms, out, 3, |transforms, room| {
+            let rest = RestVertices {
+                positions,
+                ..RestVertices::default()
+            };
+            let posed = PosedVertices {
+                positions: bytemuck::cast_slice_mut(room),
+                ..PosedVertices::default()
+            };
+            self.inner.deform(method, transforms, rest, posed)
+        })
+    }
+
+    /// Turns normals at `rest`, shape (V, 3), as `positions` moves positions; they come out with unit length.
+    #[pyo3(signature = (method, transforms, rest, *, out = None))]
+    fn normals<'py>(
+        &self,
+        py: Python<'py>,
+        method: &str,
+        transforms: &Bound<'py, PyAny>,
+        rest: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let method: SkinningMethod = super::method(method)?;
+        let rest = vectors(rest, "rest")?;
+        let normals: &[Vec3] = &rest;
+        self.each_pose(py, transforms, out, 3, |transforms, room| {
+            let rest = RestVertices {
+                normals,
+                ..RestVertices::default()
+            };
+            let posed = PosedVertices {
+                normals: bytemuck::cast_slice_mut(room),
+                ..PosedVertices::default()
+            };
+            self.inner.deform(method, transforms, rest, posed)
+        })
+    }
+
+    /// Turns tangents at `rest`, shape (V, 4), the bitangent's sign last, as `positions` moves positions.
+    #[pyo3(signature = (method, transforms, rest, *, out = None))]
+    fn tangents<'py>(
+        &self,
+        py: Python<'py>,
+        method: &str,
+        transforms: &Bound<'py, PyAny>,
+        rest: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let method: SkinningMethod = super::method(method)?;
+        let at_rest = tangents(rest, "rest")?;
+        self.each_pose(py, transforms, out, 4, |transforms, room| {
+            let mut posed = vec![Vec4::ZERO; at_rest.len()];
+            let rest = RestVertices {
+                tangents: &at_rest,
+                ..RestVertices::default()
+            };
+            let buffers = PosedVertices {
+                tangents: &mut posed,
+                ..PosedVertices::default()
+            };
+            self.inner.deform(method, transforms, rest, buffers)?;
+            for (tangent, room) in posed.iter().zip(room.chunks_exact_mut(4)) {
+                room.copy_from_slice(&tangent.to_array());
+            }
+            Ok(())
+        })
+    }
+
+    /// The posed mesh: positions, and normals where the mesh has them; `transforms` have shape (bones, 4, 4).
+    fn mesh(
+        &self,
+        py: Python<'_>,
+        method: &str,
+        rest: &Bound<'_, TriangleMesh>,
+        transforms: &Bound<'_, PyAny>,
+    ) -> PyResult<TriangleMesh> {
+        let method = super::method(method)?;
+        let transforms = transforms::read_list(transforms, "transforms")?;
+        let rest = &rest.get().inner;
+        let posed = py.detach(|| self.inner.mesh(method, rest, &transforms));
+        posed.or_raise().map(TriangleMesh::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let parts = (self.weights(), self.pivots(py)?, self.packed);
+        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        weights: &Bound<'_, SkinWeights>,
+        pivots: Option<&Bound<'_, PyAny>>,
+        packed: bool,
+    ) -> PyResult<Self> {
+        Self::new(weights, pivots, Some(packed))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "MeshWeights({} vertices, {} bones{})",
+            self.weights.vertex_count(),
+            self.weights.bone_count(),
+            if self.packed { ", packed" } else { "" }
+        )
+    }
+}

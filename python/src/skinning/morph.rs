@@ -1,0 +1,306 @@
+//! Morph targets and blend shapes: shapes mixed into the mesh at rest.
+
+use std::sync::Arc;
+
+use kinopt::glam::{Vec3, Vec4};
+use kinopt::skinning::{BlendShapes as Shapes, MorphTarget as Target, MorphTargets as Targets};
+use numpy::ndarray::Ix1;
+use numpy::{PyArray1, PyArray2, PyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+use crate::arrays::{self, Numbers};
+use crate::error::{OrRaise, invalid};
+use crate::mesh::TriangleMesh;
+use crate::transforms::numbers;
+use crate::vertices::{self, to_array, vectors, whole};
+
+/// The differences of one shape from the rest, at the vertices where there are any; float32, in the model's
+/// unit.
+#[pyclass(frozen, module = "kinopt.skinning")]
+#[derive(Clone)]
+pub(crate) struct MorphTarget {
+    inner: Target,
+}
+
+#[pymethods]
+impl MorphTarget {
+    /// A target of sparse deltas: `vertices`, shape (N,), rising, and for each of them `position_deltas`,
+    /// shape (N, 3); `normal_deltas` and `tangent_deltas`, (N, 3), where there are any.
+    ///
+    /// Raises `InvalidValueError` for lists of different lengths, vertices that do not rise and numbers that
+    /// are not finite.
+    #[new]
+    #[pyo3(signature = (name, vertices, position_deltas, normal_deltas = None, tangent_deltas = None))]
+    fn new(
+        name: String,
+        vertices: &Bound<'_, PyAny>,
+        position_deltas: &Bound<'_, PyAny>,
+        normal_deltas: Option<&Bound<'_, PyAny>>,
+        tangent_deltas: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let indices: Numbers<'_, Ix1, i64> = whole(vertices, "vertices", "one list of indices")?;
+        let index = |&index: &i64| {
+            u32::try_from(index).map_err(|_| invalid(format!("{index} is no index of a vertex")))
+        };
+        let indices = indices.iter().map(index).collect::<PyResult<_>>()?;
+        let optional = |value: Option<&Bound<'_, PyAny>>, what: &str| match value {
+            Some(value) => Ok(vectors(value, what)?.to_vec()),
+            None => PyResult::Ok(Vec::new()),
+        };
+        let target = Target::new(
+            name,
+            indices,
+            vectors(position_deltas, "position_deltas")?.to_vec(),
+            optional(normal_deltas, "normal_deltas")?,
+            optional(tangent_deltas, "tangent_deltas")?,
+        );
+        let inner = target.or_raise()?;
+        Ok(Self { inner })
+    }
+
+    /// The target whose full weight turns the mesh `rest` into `shape`. Vertices that move by no more than
+    /// `threshold` (in the model's unit) and whose normal keeps to it as well are left out.
+    #[classmethod]
+    #[pyo3(signature = (name, rest, shape, threshold = 0.0))]
+    fn between(
+        _class: &Bound<'_, PyType>,
+        name: String,
+        rest: &Bound<'_, TriangleMesh>,
+        shape: &Bound<'_, TriangleMesh>,
+        threshold: f32,
+    ) -> PyResult<Self> {
+        let (rest, shape) = (&rest.get().inner, &shape.get().inner);
+        let inner = Target::between(name, rest, shape, threshold).or_raise()?;
+        Ok(Self { inner })
+    }
+
+    /// The name that clips and files know it by.
+    #[getter]
+    fn name(&self) -> &str {
+        self.inner.name()
+    }
+
+    /// The vertices it moves, rising, shape (N,), uint32.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        PyArray1::from_slice(py, self.inner.vertices())
+    }
+
+    /// How far it moves each of those vertices, shape (N, 3).
+    #[getter]
+    fn position_deltas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        to_array(py, self.inner.position_deltas(), 3)
+    }
+
+    /// What it adds to their normals, shape (N, 3); None where it leaves normals alone.
+    #[getter]
+    fn normal_deltas<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        some(py, self.inner.normal_deltas())
+    }
+
+    /// What it adds to their tangents, shape (N, 3); None where it leaves tangents alone.
+    #[getter]
+    fn tangent_deltas<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        some(py, self.inner.tangent_deltas())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let parts = (
+            self.name(),
+            self.vertices(py),
+            self.position_deltas(py)?,
+            self.normal_deltas(py)?,
+            self.tangent_deltas(py)?,
+        );
+        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "MorphTarget({:?}, {} vertices)",
+            self.inner.name(),
+            self.inner.vertices().len()
+        )
+    }
+}
+
+fn some<'py>(py: Python<'py>, deltas: &[Vec3]) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+    let there = (!deltas.is_empty()).then(|| to_array(py, deltas, 3));
+    there.transpose()
+}
+
+/// The morph targets of one mesh; nothing changes them.
+#[pyclass(frozen, module = "kinopt.skinning")]
+pub(crate) struct MorphTargets {
+    pub(crate) inner: Arc<Targets>,
+}
+
+impl From<Targets> for MorphTargets {
+    fn from(targets: Targets) -> Self {
+        let inner = Arc::new(targets);
+        Self { inner }
+    }
+}
+
+#[pymethods]
+impl MorphTargets {
+    /// Targets for a mesh of so many vertices.
+    ///
+    /// Raises `InvalidValueError` where one names a vertex that does not exist.
+    #[new]
+    fn new(vertex_count: usize, targets: Vec<Bound<'_, MorphTarget>>) -> PyResult<Self> {
+        let targets = targets.iter().map(|target| target.get().inner.clone());
+        let targets = Targets::new(vertex_count, targets.collect());
+        targets.or_raise().map(Self::from)
+    }
+
+    /// The targets, in the order of the weights.
+    #[getter]
+    fn targets(&self) -> Vec<MorphTarget> {
+        let targets = self.inner.targets().iter();
+        targets
+            .map(|inner| MorphTarget {
+                inner: inner.clone(),
+            })
+            .collect()
+    }
+
+    /// Their names.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.inner.targets().iter().map(Target::name).collect()
+    }
+
+    /// How many vertices the mesh has.
+    #[getter]
+    fn vertex_count(&self) -> usize {
+        self.inner.vertex_count()
+    }
+
+    /// Adds the sum of the targets by their `weights`, shape (targets,), to vertices at rest, in place:
+    /// `positions` (V, 3), `normals` (V, 3) and `tangents` (V, 4) are float32 arrays in C order that are
+    /// written to. Normals and tangents that a target touches come out with unit length.
+    ///
+    /// Raises `InvalidValueError` for other shapes and for weights that are not finite; nothing is changed
+    /// then.
+    #[pyo3(signature = (weights, positions = None, normals = None, tangents = None))]
+    fn apply(
+        &self,
+        py: Python<'_>,
+        weights: &Bound<'_, PyAny>,
+        positions: Option<&Bound<'_, PyAny>>,
+        normals: Option<&Bound<'_, PyAny>>,
+        tangents: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let weights = numbers(weights, "weights", None)?;
+        let vertices = self.inner.vertex_count();
+        // What is not there has no vertices.
+        let room = |buffer: Option<&Bound<'_, PyAny>>, columns: usize| {
+            let rows = if buffer.is_some() { vertices } else { 0 };
+            arrays::room_of::<f32>(py, buffer, &[rows, columns]).map(Bound::unbind)
+        };
+        let (positions, normals, signed) =
+            (room(positions, 3)?, room(normals, 3)?, room(tangents, 4)?);
+        vertices::fill(positions.bind(py), |positions| {
+            vertices::fill(normals.bind(py), |normals| {
+                arrays::fill(signed.bind(py), |signed| {
+                    let mut tangents: Vec<Vec4> =
+                        signed.chunks_exact(4).map(Vec4::from_slice).collect();
+                    let apply = || {
+                        self.inner
+                            .apply(&weights, positions, normals, &mut tangents)
+                    };
+                    py.detach(apply).or_raise()?;
+                    for (tangent, room) in tangents.iter().zip(signed.chunks_exact_mut(4)) {
+                        room.copy_from_slice(&tangent.to_array());
+                    }
+                    Ok(())
+                })
+            })
+        })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let parts = (self.inner.vertex_count(), self.targets());
+        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("MorphTargets({})", self.names().join(", "))
+    }
+}
+
+/// Key shapes of one mesh, each with a place for every vertex: a mesh is their weighted mean.
+#[pyclass(frozen, module = "kinopt.skinning")]
+pub(crate) struct BlendShapes {
+    inner: Shapes,
+    /// The positions, by shape, for pickling.
+    shapes: Vec<(String, Vec<Vec3>)>,
+}
+
+#[pymethods]
+impl BlendShapes {
+    /// Key shapes: {name: positions}, each of shape (V, 3), in the model's own unit.
+    ///
+    /// Raises `InvalidValueError` where there is none, counts differ or a position is not finite.
+    #[new]
+    fn new(shapes: &Bound<'_, pyo3::types::PyDict>) -> PyResult<Self> {
+        let mut read = Vec::new();
+        for (name, positions) in shapes {
+            let name: String = name.extract()?;
+            let positions = vectors(&positions, &name)?.to_vec();
+            read.push((name, positions));
+        }
+        let inner = Shapes::new(read.clone()).or_raise()?;
+        Ok(Self {
+            inner,
+            shapes: read,
+        })
+    }
+
+    /// The shapes' names, in the order of the weights.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.inner.names().to_vec()
+    }
+
+    /// How many vertices each shape has.
+    #[getter]
+    fn vertex_count(&self) -> usize {
+        self.inner.vertex_count()
+    }
+
+    /// The weighted mean of the shapes, shape (V, 3), float32. `weights`, shape (shapes,), must sum to 1
+    /// within 1e-5; negative ones exaggerate. `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for other weights.
+    #[pyo3(signature = (weights, *, out = None))]
+    fn blend<'py>(
+        &self,
+        py: Python<'py>,
+        weights: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let weights = numbers(weights, "weights", None)?;
+        let array = arrays::room_of::<f32>(py, out, &[self.inner.vertex_count(), 3])?;
+        vertices::fill(&array, |room| {
+            py.detach(|| self.inner.blend(&weights, room)).or_raise()
+        })?;
+        Ok(array)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shapes = pyo3::types::PyDict::new(py);
+        for (name, positions) in &self.shapes {
+            shapes.set_item(name, to_array(py, positions, 3)?)?;
+        }
+        Ok((py.get_type::<Self>(), (shapes,))
+            .into_pyobject(py)?
+            .into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("BlendShapes({})", self.inner.names().join(", "))
+    }
+}

@@ -1,0 +1,85 @@
+//! A clip as serde writes it: what moves, by its curves, and what does not. One that is read is built
+//! anew.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Channel, ChannelError, Clip, Event};
+use crate::animation::curve::KeyedCurve;
+use crate::animation::{Armature, ArmatureBone, ArmatureError, Pose};
+use crate::skeleton::BoneId;
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct Parts {
+    name: String,
+    span: [f32; 2],
+    channels: Vec<(BoneId, Channel)>,
+    /// By morph target.
+    morphs: Vec<(usize, KeyedCurve<f32>)>,
+    constant: Pose,
+    events: Vec<Event>,
+}
+
+/// Why parts that are read are no clip.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum PartsError {
+    #[error(transparent)]
+    Armature(#[from] ArmatureError),
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
+}
+
+impl From<Clip> for Parts {
+    fn from(clip: Clip) -> Self {
+        let curves = clip.tracks.curves();
+        let bone = BoneId::new;
+        let translations = curves.translations.into_iter();
+        let rotations = curves.rotations.into_iter();
+        let eulers = curves.eulers.into_iter();
+        let scales = curves.scales.into_iter();
+        let morphs = curves.morphs.into_iter();
+        Self {
+            name: clip.name,
+            span: clip.span,
+            channels: translations
+                .map(|track| (bone(track.target), Channel::Translation(track.curve)))
+                .chain(rotations.map(|track| (bone(track.target), Channel::Rotation(track.curve))))
+                .chain(eulers.map(|track| (bone(track.target), Channel::Euler(track.curve))))
+                .chain(scales.map(|track| (bone(track.target), Channel::Scale(track.curve))))
+                .collect(),
+            morphs: morphs.map(|track| (track.target, track.curve)).collect(),
+            constant: clip.constant,
+            events: clip.events,
+        }
+    }
+}
+
+impl TryFrom<Parts> for Clip {
+    type Error = PartsError;
+
+    fn try_from(parts: Parts) -> Result<Self, PartsError> {
+        // An armature whose rest is what does not move: clips know no names.
+        let still = &parts.constant;
+        let bones = (0..still.bones()).map(|index| ArmatureBone {
+            name: index.to_string(),
+            parent: None,
+            rest: still.local_of(BoneId::new(index)),
+        });
+        let targets = (0..still.morph_weights().len()).map(|index| index.to_string());
+        let armature = Armature::new(bones.collect(), targets.collect())?
+            .with_rest_morph_weights(still.morph_weights())
+            .map_err(|_| ArmatureError::TooMany { given: 0, most: 0 })?;
+        let mut builder = Self::builder(parts.name, &armature);
+        let [start, end] = parts.span;
+        builder.span(start, end)?;
+        for (bone, channel) in parts.channels {
+            builder.channel(bone, channel)?;
+        }
+        for (target, curve) in parts.morphs {
+            builder.morph_weight(target, curve)?;
+        }
+        for event in parts.events {
+            builder.event(event.time, event.name)?;
+        }
+        Ok(builder.build())
+    }
+}

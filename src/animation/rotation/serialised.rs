@@ -1,0 +1,59 @@
+//! A curve of rotations as serde writes it: its keys, and what runs between them. One that is read is
+//! checked.
+
+use glam::Quat;
+use serde::{Deserialize, Serialize};
+
+use super::RotationCurve;
+use super::keyed::BetweenRotations;
+use crate::animation::curve::{KeyError, check_count};
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct Keys {
+    times: Vec<f32>,
+    rotations: Vec<Quat>,
+    between: BetweenRotations,
+}
+
+impl From<RotationCurve> for Keys {
+    fn from(curve: RotationCurve) -> Self {
+        let (times, rotations, between) = curve.into_parts();
+        Self {
+            times,
+            rotations,
+            between,
+        }
+    }
+}
+
+impl TryFrom<Keys> for RotationCurve {
+    type Error = KeyError;
+
+    fn try_from(keys: Keys) -> Result<Self, KeyError> {
+        let Keys {
+            times,
+            rotations,
+            between,
+        } = keys;
+        let odd = |given: usize, finite: bool| {
+            check_count("tangents", given, times.len())?;
+            let (key, what) = (0, "tangent");
+            finite
+                .then_some(())
+                .ok_or(KeyError::NonFiniteValue { key, what })
+        };
+        match &between {
+            // A cubic keeps its signs.
+            BetweenRotations::Cubic(rates) => return Self::cubic(times, rotations, rates.clone()),
+            BetweenRotations::Eased(easings) => check_count("easings", easings.len(), times.len())?,
+            BetweenRotations::Squad(controls) => {
+                odd(controls.len(), controls.iter().all(|q| q.is_finite()))?;
+            }
+            BetweenRotations::Hermite(rates) => {
+                odd(rates.len(), rates.iter().all(|rate| rate.is_finite()))?;
+            }
+            BetweenRotations::Step | BetweenRotations::Slerp => {}
+        }
+        Self::checked(times, rotations, between)
+    }
+}
