@@ -112,7 +112,7 @@ class SolveProblem:
         if self.starts is not None:
             starts = numbers(targets, self.starts, (self.problem.degrees_of_freedom,))
         else:
-            starts = np.tile(self.start, (targets.num_rows, 1))
+            starts = np.tile(np.asarray(self.start), (targets.num_rows, 1))
         wanted = {
             name: numbers(targets, place, self._shapes[name]) for name, place in self.targets.items()
         }
