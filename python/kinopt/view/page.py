@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 #: So many tips have a gizmo when the page opens; others are picked from the list.
 MOST_TARGETS = 8
 #: Tips nearer to each other than this share of the body's size share a gizmo when the page opens.
-NEAR = 0.09
+NEAR = 0.06
 #: Seconds between two looks at what need not be told sixty times a second: text, sliders, loose gizmos.
 SLOW = 0.08
 

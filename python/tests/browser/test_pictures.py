@@ -45,7 +45,7 @@ SCENES = {
     "panda": ("tool", [0.15, 0.2, -0.1], None),
     "humanoid": ("left_hand/tip", [0.05, 0.0, 0.28], None),
     "gltf": (None, [0.0, 0.15, 0.0], 1.0),
-    "capture": (None, [0.0, 0.15, 0.1], 1.2),
+    "capture": ("left_hand/tip", [0.05, 0.12, 0.08], 1.2),
     "fox": (None, [0.0, 0.15, 0.1], 0.35),
 }
 
@@ -81,8 +81,6 @@ def test_a_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
 
             Path(PICTURES).mkdir(parents=True, exist_ok=True)
             image = Image.fromarray(shown.colors().astype(np.uint8))
-            image.quantize(160, dither=Image.Dither.NONE).save(
-                Path(PICTURES) / f"view-{kind}.png", optimize=True
-            )
+            image.quantize(256).save(Path(PICTURES) / f"view-{kind}.png", optimize=True)
     finally:
         page.scene.close()

@@ -1,0 +1,102 @@
+"""Scenes and captures on a page: drawn as the library poses them, dragged from wherever a clip has them."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip install 'kinopt[view]')")
+
+from browser import made  # noqa: E402
+from kinopt.view.opening import open_page  # noqa: E402
+from test_view_page import drag, off  # noqa: E402
+
+MODELS = Path(__file__).parents[2] / "models"
+
+
+@pytest.fixture
+def humanoid():
+    return kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+
+
+@pytest.fixture
+def opened(tmp_path):
+    pages = []
+
+    def open_one(name):
+        pages.append(open_page(tmp_path / name, port=8240))
+        return pages[-1]
+
+    yield open_one
+    for page in pages:
+        page.scene.close()
+
+
+def test_a_scene_plays_as_the_library_poses_it(humanoid, opened, tmp_path):
+    made.write_scene(humanoid, "humanoid", tmp_path / "humanoid.glb")
+    page = opened("humanoid.glb")
+    scene = kinopt.Scene.read(tmp_path / "humanoid.glb")
+    posing = scene.posing()
+    for seconds in (0.0, 0.7, 2.2):
+        page.call(lambda seconds=seconds: page.time.show(seconds))
+        expected = np.asarray(posing.positions(scene.clips[0].sample(seconds)))
+        vertices = np.concatenate([piece.solid.vertices for piece in page.body.pieces()])
+        # The page makes one of vertices that are at one place.
+        assert np.abs(vertices.min(axis=0) - expected.min(axis=0)).max() < 1e-5
+        assert np.abs(vertices.max(axis=0) - expected.max(axis=0)).max() < 1e-5
+        assert np.abs(vertices.mean(axis=0) - expected.mean(axis=0)).max() < 2e-2
+
+
+def test_a_scene_is_dragged_from_where_a_clip_has_it(humanoid, opened, tmp_path):
+    made.write_scene(humanoid, "humanoid", tmp_path / "humanoid.glb")
+    page = opened("humanoid.glb")
+    page.call(lambda: page.time.show(1.3))
+    hand, foot = "left_hand", "right_toes"
+    page.call(lambda: page.add_target(hand))
+    before = {frame: page.body.frame(frame) for frame in (hand, foot)}
+    page.call(lambda: page._grab(hand))
+    assert np.abs(page.body.frame(hand) - before[hand]).max() < 1e-6
+    drag(page, hand, [0.0, 0.08, 0.05])
+    assert page.answer.solution.reached and off(page, hand) < 1e-4
+    assert np.abs(page.body.frame(foot) - before[foot]).max() < 1e-4
+    # Playing on takes it back.
+    page.call(lambda: page.time.show(1.3))
+    assert np.abs(page.body.frame(hand) - before[hand]).max() < 1e-6
+    assert not page.body.q.any()
+
+
+def test_a_capture_is_played_and_dragged(humanoid, opened, tmp_path):
+    made.write_capture(humanoid, tmp_path / "waving.bvh")
+    page = opened("waving.bvh")
+    capture = kinopt.MotionCapture.read(tmp_path / "waving.bvh")
+    assert page.time._clip.span[1] == pytest.approx((capture.frames - 1) * capture.frame_time, abs=1e-5)
+    page.call(lambda: page.time.show(0.5))
+    bones = np.asarray(capture.armature.local_to_model(capture.clip.sample(0.5)))
+    head = list(capture.armature.names).index("head")
+    assert np.abs(page.body.frame("head")[:3, 3] - bones[head, :3, 3]).max() < 1e-6
+    hand = next(frame for frame in page.targets if "left_hand" in frame)
+    drag(page, hand, [0.0, 0.05, 0.0])
+    assert page.answer.solution.reached
+    page.call(page.time.play)
+    time.sleep(0.15)
+    page.call(page.time.pause)
+    assert page.scene.loop.failure is None and page.time.now > 0.5
+
+
+def test_bones_that_scale_send_the_vertices_of_their_mesh(tmp_path, opened):
+    armature = kinopt.animation.Armature(["root", "tip"], [-1, 0], translations=[[0, 0, 0], [0, 1, 0]])
+    clip = kinopt.animation.Clip.builder("grow", armature)
+    growing = kinopt.animation.KeyedCurve.linear([0.0, 1.0], [[1.0, 1.0, 1.0], [1.0, 3.0, 1.0]])
+    clip.channel("tip", "scale", growing)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float32)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], dtype=np.uint32)
+    mesh = kinopt.SceneMesh(armature, "body", "tip", kinopt.TriangleMesh(corners, faces))
+    kinopt.Scene(armature, [mesh], [clip.build()]).write(tmp_path / "grow.glb")
+    page = opened("grow.glb")
+    assert any("its vertices travel" in note for note in page.notes)
+    page.call(lambda: page.time.show(1.0))
+    (piece,) = page.body.pieces()
+    assert piece.solid.vertices.max(axis=0) == pytest.approx([1.0, 4.0, 1.0])
