@@ -109,10 +109,10 @@ class SolveProblem:
 
     def __call__(self, targets: pa.Table) -> pa.Table:
         """Solves a table of targets."""
-        if self.starts is not None:
-            starts = numbers(targets, self.starts, (self.problem.degrees_of_freedom,))
+        if self.start is not None:
+            starts = np.tile(self.start, (targets.num_rows, 1))
         else:
-            starts = np.tile(np.asarray(self.start), (targets.num_rows, 1))
+            starts = numbers(targets, str(self.starts), (self.problem.degrees_of_freedom,))
         wanted = {
             name: numbers(targets, place, self._shapes[name]) for name, place in self.targets.items()
         }
