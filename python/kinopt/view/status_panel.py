@@ -31,6 +31,7 @@ class StatusPanel:
         self._lines: Any = None
         #: The distances that are written beside missed targets, by frame.
         self.marks: dict[str, Any] = {}
+        self._labels: dict[str, Any] = {}
         self.show()
 
     def show(self) -> None:
@@ -66,15 +67,15 @@ class StatusPanel:
                 place, target = page.body.frame(goal.frame)[:3, 3], goal.placement[:3, 3]
                 if np.linalg.norm(place - target) * scene.drawn > 1e-3:
                     missed[goal.frame] = (place, target)
+        # Hidden, not removed: the page would say that it knows them no more.
         for frame in [frame for frame in self.marks if frame not in missed]:
-            self.marks.pop(frame).remove()
+            self.marks.pop(frame).visible = False
+        if self._lines is not None:
+            self._lines.visible = bool(missed)
         if not missed:
-            if self._lines is not None:
-                self._lines.remove()
-                self._lines = None
             return
         points = (np.array(list(missed.values())) * scene.drawn).astype(np.float32)
-        if self._lines is None or self._lines.points.shape != points.shape:
+        if self._lines is None:
             self._lines = scene.server.scene.add_line_segments(
                 "/missed", points=points, colors=(214, 58, 58), thickness=3.0, thickness_units="screen"
             )
@@ -84,13 +85,12 @@ class StatusPanel:
         for frame, (place, target) in missed.items():
             text = f"{length(float(np.linalg.norm(place - target)), unit)} off"
             position = (place + target) / 2 * scene.drawn
-            if frame not in self.marks:
-                self.marks[frame] = scene.server.scene.add_label(
+            if frame not in self._labels:
+                self._labels[frame] = scene.server.scene.add_label(
                     f"/miss of {frame}", text, position=position, anchor="bottom-center"
                 )
-            else:
-                self.marks[frame].text = text
-                self.marks[frame].position = position
+            label = self.marks[frame] = self._labels[frame]
+            label.text, label.position, label.visible = text, position, True
 
 
 def _html(head: str, body: str, foot: str) -> str:
