@@ -5,6 +5,11 @@ Placements are 4 x 4 arrays (or what has ``homogeneous``, ``as_matrix()`` or ``A
 ``(N, 4, 4)`` targets give ``(N, dof)`` configurations.
 """
 
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
 from . import animation, io, methods, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
@@ -58,6 +63,19 @@ from .errors import (
     UnknownNameError,
 )
 
+from .placements import placement
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+
+def __getattr__(name: str) -> ModuleType:
+    # Their extras need not be installed for the rest.
+    if name in ("ray", "view"):
+        return importlib.import_module(f"kinopt.{name}")
+    raise AttributeError(f"module 'kinopt' has no attribute {name!r}")
+
+
 __all__ = [
     "ActiveLimit",
     "Arm",
@@ -109,6 +127,7 @@ __all__ = [
     "frame_placement",
     "io",
     "methods",
+    "placement",
     "skinning",
     "tasks",
 ]

@@ -380,8 +380,18 @@ pub(crate) fn place(i: isize, count: usize) -> PyResult<usize> {
     })
 }
 
+/// A new list of numbers that nobody can write to, as what is written there would be lost.
+pub(crate) fn frozen(
+    py: Python<'_>,
+    values: impl IntoIterator<Item = f64>,
+) -> PyResult<Bound<'_, PyArray1<f64>>> {
+    let array = PyArray1::from_iter(py, values);
+    freeze(&array)?;
+    Ok(array)
+}
+
 /// Makes an array one that nobody can write to.
-pub(crate) fn freeze<D: Dimension>(array: &Bound<'_, PyArray<f64, D>>) -> PyResult<()> {
+pub(crate) fn freeze<T: Element, D: Dimension>(array: &Bound<'_, PyArray<T, D>>) -> PyResult<()> {
     match array.try_readwrite() {
         Ok(writable) => drop(writable.make_nonwriteable()),
         Err(error) => return Err(invalid(error.to_string())),

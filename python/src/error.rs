@@ -66,7 +66,6 @@ macro_rules! faults {
 
 faults!(
     kinopt::BadOption,
-    kinopt::arm::ArmError,
     kinopt::arm::QueryError,
     kinopt::animation::AimError,
     kinopt::animation::ArmatureError,
@@ -90,7 +89,6 @@ faults!(
     kinopt::mesh::MeshError,
     kinopt::model::ModelError,
     kinopt::problem::ProblemError,
-    kinopt::robot::ToolError,
     kinopt::skeleton::SkeletonError,
     kinopt::skinning::AutomaticWeightsError,
     kinopt::skinning::BlendShapesError,
@@ -100,6 +98,24 @@ faults!(
     kinopt::skinning::WeightsError,
     serde_json::Error,
 );
+
+impl Fault for kinopt::arm::ArmError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::UnknownName(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
+impl Fault for kinopt::robot::ToolError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::UnknownLink(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
 
 impl Fault for ClipNameError {
     fn kind(&self) -> Kind {

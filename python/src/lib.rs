@@ -13,6 +13,7 @@ mod capture;
 mod error;
 mod goal;
 mod io;
+mod items;
 mod kinematics;
 mod mesh;
 mod model;

@@ -82,14 +82,14 @@ impl Model {
 
     /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
     #[getter]
-    pub(crate) fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_iter(py, self.inner.limits().map(|limits| limits.lower))
+    pub(crate) fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.limits().map(|limits| limits.lower))
     }
 
     /// Upper limits in configuration order, shape (dof,), radians or metres; inf for none.
     #[getter]
-    pub(crate) fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_iter(py, self.inner.limits().map(|limits| limits.upper))
+    pub(crate) fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.limits().map(|limits| limits.upper))
     }
 
     /// All joints, fixed ones among them, parents before children.

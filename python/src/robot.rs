@@ -8,6 +8,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
+use crate::arrays;
 use crate::error::{Kind, OrRaise, raise};
 use crate::model::Model;
 use crate::placement;
@@ -58,9 +59,9 @@ impl Robot {
         &self,
         py: Python<'py>,
         value: impl Fn(kinopt::model::JointId) -> Option<f64>,
-    ) -> Bound<'py, PyArray1<f64>> {
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let joints = self.model.moving_joints().iter();
-        PyArray1::from_iter(py, joints.map(|&id| value(id).unwrap_or(f64::INFINITY)))
+        arrays::frozen(py, joints.map(|&id| value(id).unwrap_or(f64::INFINITY)))
     }
 }
 
@@ -167,25 +168,25 @@ impl Robot {
 
     /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
     #[getter]
-    fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.model().lower(py)
     }
 
     /// Upper limits in configuration order, shape (dof,), radians or metres; inf for none.
     #[getter]
-    fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.model().upper(py)
     }
 
     /// Highest speeds in configuration order, shape (dof,), rad/s or m/s; inf for none.
     #[getter]
-    fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn velocity_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.velocity_limit(id))
     }
 
     /// Strongest torques and forces in configuration order, shape (dof,), N m or N; inf for none.
     #[getter]
-    fn effort_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn effort_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.effort_limit(id))
     }
 

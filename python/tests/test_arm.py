@@ -163,6 +163,9 @@ def test_options_are_keywords_and_checked(robot, arm, targets):
     ):
         with pytest.raises(kinopt.InvalidValueError):
             kinopt.Arm(robot, "base", "flange", **wrong)
+    for frame in (("base", "flang"), ("bse", "flange")):
+        with pytest.raises(KeyError, match="flang|bse"):
+            kinopt.Arm(robot, *frame)
     with pytest.raises(kinopt.UnknownNameError, match="did you mean `attempts`|attempts"):
         kinopt.Arm(robot, "base", "flange", atempts=3)
 
@@ -174,6 +177,24 @@ def test_pickles_and_copies_answer_alike(robot, targets):
             assert np.array_equal(twin.solve(target, START).q, arm.solve(target, START).q)
     batch = arm.solve_batch(targets[:5], START)
     assert np.array_equal(batch.q[2], arm.solve(targets[2], START).q)
+
+
+def test_batches_and_tracks_travel_and_are_gone_through(arm, targets):
+    batch, track = arm.solve_batch(targets[:20], START), arm.track(targets[:3], START)
+    for twin in (pickle.loads(pickle.dumps(batch)), copy.deepcopy(batch)):
+        assert np.array_equal(twin.q, batch.q) and np.array_equal(twin.reached, batch.reached)
+        assert twin.explain(3) == batch.explain(3)
+    twin = pickle.loads(pickle.dumps(track))
+    assert np.array_equal(twin.q, track.q) and len(twin.jumps) == len(track.jumps)
+    assert twin.explain() == track.explain()
+    assert [solution.reached for solution in batch] == batch.reached.tolist()
+    assert len(list(track)) == 3
+
+
+def test_what_would_be_lost_cannot_be_written(arm, robot):
+    for array in (arm.lower, robot.upper, robot.velocity_limits, arm.solve(arm.base_from_tool(START), START).q):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
 
 
 def test_an_array_given_as_option_may_be_changed_later(robot, targets):

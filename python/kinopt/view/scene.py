@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
@@ -97,17 +98,21 @@ class Scene:
         beside: str | Path | None = None,
         packages: Mapping[str, str | Path] | Iterable[str | Path] = (),
     ) -> Body:
-        """Shows a robot, rig, skeleton or model: a `Body`, whose `q` moves it.
+        """Shows a robot, rig, skeleton, model, glTF scene or motion capture: a `Body`, whose `q` moves it.
 
         `at` is world_from_model, 4 x 4 or three numbers, in the model's unit. With `style="file"` a robot is drawn
         with the shapes of its file; its meshes are looked for in the folder `beside` (and above it), in
         `packages` (folders by package, or folders that hold packages) and in `ROS_PACKAGE_PATH`; clean
         capsules stand in for those that are not at hand. With "capsules" there are no others; "auto" is
         "capsules" for files that have cylinders alone. `color` is red, green, blue up to 255, `opacity` from 0
-        to 1. Of the same `name` only the last is shown.
+        to 1. Of the same given `name` only the last is shown.
         """
         at = np.eye(4) if at is None else placement_of(at, "at")
-        name = self._free_name(name or getattr(getattr(thing, "model", thing), "name", "") or "body")
+        if not (hasattr(thing, "armature") or hasattr(thing, "model") or isinstance(thing, kinopt.Model)):
+            raise kinopt.InvalidValueError(
+                f"a scene shows a robot, rig, skeleton, model, glTF scene or capture, not {type(thing).__name__}"
+            )
+        name = self._free_name(name) if name else self._numbered(thing)
         self._measure(thing)
         body: Body
         if hasattr(thing, "armature"):
@@ -148,6 +153,13 @@ class Scene:
             if name in known:
                 known[name].remove()
         return name
+
+    def _numbered(self, thing: Any) -> str:
+        """The thing's own name, with a number where that is taken: nothing is replaced unasked."""
+        own = getattr(getattr(thing, "model", thing), "name", None)
+        own = (own if isinstance(own, str) else "").strip("/") or "body"
+        names = itertools.chain([own], (f"{own} {i}" for i in itertools.count(2)))
+        return next(name for name in names if name not in self._bodies and name not in self._targets)
 
     def frame_all(self) -> None:
         """Lays the ground below all bodies and lets the camera see the whole of them."""

@@ -9,8 +9,9 @@ use pyo3::prelude::*;
 
 use super::armature::Armature;
 use super::blend::BoneMask;
-use crate::arrays::place;
+use crate::arrays::{self, place};
 use crate::error::{OrRaise, invalid};
+use crate::items::Items;
 use crate::transforms::{
     Order, flat, given, numbers, one_to_array, quaternion, quaternions, shaped, vector, vectors,
 };
@@ -56,8 +57,14 @@ impl Pose {
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let numbers = self.with(|locals| numbers(locals));
         let rows = numbers.len() / columns;
-        shaped(py, numbers, &[rows, columns])
+        frozen(shaped(py, numbers, &[rows, columns])?)
     }
+}
+
+/// An array that nobody can write to: a pose would not hear of it.
+fn frozen(array: Bound<'_, PyArrayDyn<f32>>) -> PyResult<Bound<'_, PyArrayDyn<f32>>> {
+    arrays::freeze(&array)?;
+    Ok(array)
 }
 
 /// The parts of poses as arrays, N of them or one.
@@ -347,7 +354,7 @@ impl Poses {
         shape: &[usize],
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let all: Vec<f32> = py.detach(|| self.list.iter().flat_map(&numbers).collect());
-        shaped(py, all, &[&[self.list.len()], shape].concat())
+        frozen(shaped(py, all, &[&[self.list.len()], shape].concat())?)
     }
 }
 
@@ -453,6 +460,10 @@ impl Poses {
     fn morph_weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let numbers = |locals: &Locals| locals.morph_weights().to_vec();
         self.array(py, numbers, &[self.armature.morph_targets().len()])
+    }
+
+    fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
+        Items::of(slf)
     }
 
     fn __len__(&self) -> usize {

@@ -168,20 +168,20 @@ impl Arm {
 
     /// Lower limits of the free joints, shape (dof,), radians or metres; -inf for none.
     #[getter]
-    fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_iter(py, self.inner.limits().map(|limits| limits.lower))
+    fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.limits().map(|limits| limits.lower))
     }
 
     /// Upper limits of the free joints, shape (dof,), radians or metres; inf for none.
     #[getter]
-    fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_iter(py, self.inner.limits().map(|limits| limits.upper))
+    fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.limits().map(|limits| limits.upper))
     }
 
     /// Highest speeds of the free joints, shape (dof,), rad/s or m/s; inf for none.
     #[getter]
-    fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, self.inner.velocity_limits())
+    fn velocity_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.velocity_limits().iter().copied())
     }
 
     /// Where the tool stands: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
@@ -251,7 +251,7 @@ impl Arm {
     /// called with (done, total) now and then; True shows a bar, if tqdm is installed. Ctrl-C stops it.
     #[pyo3(signature = (targets, starts = None, threads = 1, *, out = None, progress = None))]
     fn solve_batch<'py>(
-        &self,
+        slf: &Bound<'py, Self>,
         targets: &Bound<'py, PyAny>,
         starts: Option<&Bound<'py, PyAny>>,
         threads: Option<usize>,
@@ -260,9 +260,9 @@ impl Arm {
     ) -> PyResult<Batch> {
         let starts = match starts {
             Some(starts) => starts.clone(),
-            None => arrays::list(targets.py(), &self.start(None)?).into_any(),
+            None => arrays::list(targets.py(), &slf.get().start(None)?).into_any(),
         };
-        batch::solve(&self.inner, targets, &starts, threads, out, progress)
+        batch::solve(slf, targets, &starts, threads, out, progress)
     }
 
     /// Follows a path of targets (shape (N, 4, 4) or a list) from `start` on one branch where there is one:

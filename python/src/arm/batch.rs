@@ -8,10 +8,11 @@ use kinopt::spatial::Placement;
 use numpy::ndarray::Ix2;
 use numpy::{PyArray1, PyArrayMethods, PyReadwriteArray};
 use pyo3::prelude::*;
-use pyo3::types::PyAny;
+use pyo3::types::{PyAny, PyType};
 
 use crate::arrays::{self, Rows, Vector, axes};
 use crate::error::{OrRaise, invalid};
+use crate::items::Items;
 use crate::placement::{self, Placements, placement, placements};
 use crate::progress::Progress;
 use crate::solution::Solution;
@@ -27,6 +28,8 @@ const PIECE: usize = 2048;
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Batch {
     arm: Arc<Arm>,
+    /// The same arm in Python, which knows how it is built again.
+    owner: Py<PyAny>,
     targets: Py<PyAny>,
     starts: Py<PyAny>,
     count: usize,
@@ -91,13 +94,14 @@ impl<'py> Starts<'py> {
 
 /// Solves all targets.
 pub(super) fn solve<'py>(
-    arm: &Arc<Arm>,
+    owner: &Bound<'py, super::Arm>,
     targets: &Bound<'py, PyAny>,
     starts: &Bound<'py, PyAny>,
     threads: Option<usize>,
     out: Option<&Bound<'py, PyAny>>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Batch> {
+    let arm = &owner.get().inner;
     let (py, dof) = (targets.py(), arm.joint_count());
     let given = targets;
     let targets = placements(given, "target")?;
@@ -116,6 +120,7 @@ pub(super) fn solve<'py>(
     }
     Ok(Batch {
         arm: Arc::clone(arm),
+        owner: owner.clone().into_any().unbind(),
         targets: given.clone().unbind(),
         starts: given_starts.clone().unbind(),
         count,
@@ -277,12 +282,62 @@ impl Batch {
         Ok(texts.into_pyobject(py)?.into_any())
     }
 
+    fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
+        Items::of(slf)
+    }
+
     fn __len__(&self) -> usize {
         self.count
     }
 
     fn __getitem__(&self, py: Python<'_>, i: isize) -> PyResult<Solution> {
         self.solution(py, self.place(i)?).map(Solution::from)
+    }
+
+    #[classmethod]
+    #[allow(clippy::too_many_arguments, reason = "it is what `__reduce__` gives")]
+    fn _rebuild(
+        _class: &Bound<'_, PyType>,
+        arm: &Bound<'_, super::Arm>,
+        targets: Py<PyAny>,
+        starts: Py<PyAny>,
+        q: Py<PyAny>,
+        reached: Py<PyArray1<bool>>,
+        errors: (Py<PyArray1<f64>>, Py<PyArray1<f64>>),
+        iterations: Py<PyArray1<u32>>,
+        attempts: Py<PyArray1<u32>>,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            arm: Arc::clone(&arm.get().inner),
+            owner: arm.clone().into_any().unbind(),
+            targets,
+            starts,
+            count: reached.bind(arm.py()).len()?,
+            q,
+            reached,
+            position_error: errors.0,
+            orientation_error: errors.1,
+            iterations,
+            attempts,
+        })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = (
+            self.owner.bind(py),
+            self.targets.bind(py),
+            self.starts.bind(py),
+            self.q.bind(py),
+            self.reached.bind(py),
+            (
+                self.position_error.bind(py),
+                self.orientation_error.bind(py),
+            ),
+            self.iterations.bind(py),
+            self.attempts.bind(py),
+        );
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        Ok((rebuild, arguments).into_pyobject(py)?.into_any())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

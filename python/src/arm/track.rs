@@ -2,8 +2,11 @@
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
 use crate::arrays;
+use crate::error::OrRaise;
+use crate::items::Items;
 use crate::solution::Solution;
 
 /// A step in which a joint moves further than 0.2 rad.
@@ -118,6 +121,10 @@ impl Track {
             .collect()
     }
 
+    fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
+        Items::of(slf)
+    }
+
     fn __len__(&self) -> usize {
         self.solutions.len()
     }
@@ -125,6 +132,35 @@ impl Track {
     fn __getitem__(&self, i: isize) -> PyResult<Solution> {
         let i = arrays::place(i, self.solutions.len())?;
         Ok(Solution::from(self.solutions[i].clone()))
+    }
+
+    #[classmethod]
+    fn _rebuild(
+        _class: &Bound<'_, PyType>,
+        solutions: &str,
+        dof: usize,
+        jumps: Vec<(usize, String, f64, bool)>,
+    ) -> PyResult<Self> {
+        let jump = |(step, joint, distance, continuous)| Jump {
+            step,
+            joint,
+            distance,
+            continuous,
+        };
+        Ok(Self {
+            solutions: serde_json::from_str(solutions).or_raise()?,
+            dof,
+            jumps: jumps.into_iter().map(jump).collect(),
+        })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let jumps = self.jumps.iter();
+        let jumps = jumps.map(|j| (j.step, j.joint.as_str(), j.distance, j.continuous));
+        let solutions = serde_json::to_string(&self.solutions).or_raise()?;
+        let arguments = (solutions, self.dof, jumps.collect::<Vec<_>>());
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        Ok((rebuild, arguments).into_pyobject(py)?.into_any())
     }
 
     fn __repr__(&self) -> String {

@@ -8,11 +8,13 @@ use std::time::Duration;
 use kinopt::Workspace;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
 use super::methods::Engine;
 use super::watch::Watch;
 use crate::arrays;
-use crate::error::invalid;
+use crate::error::{OrRaise, invalid};
+use crate::items::Items;
 use crate::problem::{Move, Problem, raised};
 use crate::progress::Progress;
 use crate::solution::Solution;
@@ -92,6 +94,10 @@ impl Solutions {
         self.inner.iter().map(kinopt::Solution::explain).collect()
     }
 
+    fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
+        Items::of(slf)
+    }
+
     fn __len__(&self) -> usize {
         self.inner.len()
     }
@@ -99,6 +105,20 @@ impl Solutions {
     fn __getitem__(&self, index: isize) -> PyResult<Solution> {
         let place = arrays::place(index, self.inner.len())?;
         Ok(self.inner[place].clone().into())
+    }
+
+    #[classmethod]
+    fn _rebuild(_class: &Bound<'_, PyType>, solutions: &str, dof: usize) -> PyResult<Self> {
+        let inner = serde_json::from_str(solutions).or_raise()?;
+        Ok(Self { inner, dof })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let solutions = serde_json::to_string(&self.inner).or_raise()?;
+        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        Ok((rebuild, (solutions, self.dof))
+            .into_pyobject(py)?
+            .into_any())
     }
 
     fn __repr__(&self) -> String {

@@ -1,0 +1,100 @@
+"""Placements of positions and rotations, however those are written."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import InvalidValueError
+from .types import Floats
+
+#: How far a given rotation may be from one: what is left of numbers that were written with two digits.
+_ROUGH = 0.02
+
+
+def placement(
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    wxyz: ArrayLike | None = None,
+    xyzw: ArrayLike | None = None,
+    matrix: ArrayLike | None = None,
+) -> Floats:
+    """A placement of shape (4, 4), or (N, 4, 4) of N of each: targets for arms, tools, poses.
+
+    ``position`` has shape (3,) or (N, 3), metres. The rotation is one of: a quaternion ``wxyz`` (scalar first)
+    or ``xyzw`` (scalar last), shape (4,) or (N, 4), of any length but 0; or a ``matrix``, shape (3, 3) or
+    (N, 3, 3), which is taken to the nearest rotation, so that rounded numbers will do (a (4, 4) is taken too,
+    and brings its position). Without any there is none.
+
+    Raises ``InvalidValueError``: wrong shapes, numbers that are not finite, quaternions of length 0, matrices that mirror
+    or are further than 0.02 from a rotation, more than one rotation.
+    """
+    given = {"wxyz": wxyz, "xyzw": xyzw, "matrix": matrix}
+    given = {name: value for name, value in given.items() if value is not None}
+    if len(given) > 1:
+        raise InvalidValueError(f"a placement has one rotation, not {' and '.join(given)}")
+    place = _numbers(position, "position")
+    if wxyz is not None:
+        rotation = _of_quaternion(_numbers(wxyz, "wxyz"), "wxyz")
+    elif xyzw is not None:
+        rotation = _of_quaternion(np.roll(_numbers(xyzw, "xyzw"), 1, axis=-1), "xyzw")
+    elif matrix is not None:
+        whole = _numbers(matrix, "matrix")
+        if whole.shape[-2:] == (4, 4):
+            place = place + whole[..., :3, 3]
+            whole = whole[..., :3, :3]
+        rotation = _nearest_rotation(whole)
+    else:
+        rotation = np.eye(3)
+    if place.shape[-1:] != (3,) or place.ndim > 2:
+        raise InvalidValueError(f"position has shape {place.shape}, expected (3,) or (N, 3)")
+    try:
+        many = np.broadcast_shapes(place.shape[:-1], rotation.shape[:-2])
+    except ValueError:
+        shapes = f"{place.shape[:-1]} positions, {rotation.shape[:-2]} rotations"
+        raise InvalidValueError(f"there must be one of each, or as many of both: {shapes}") from None
+    placed = np.zeros((*many, 4, 4))
+    placed[..., :3, :3] = rotation
+    placed[..., :3, 3] = place
+    placed[..., 3, 3] = 1.0
+    return placed
+
+
+def _numbers(value: ArrayLike, name: str) -> Floats:
+    try:
+        numbers = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidValueError(f"{name} holds no numbers: {error}") from None
+    if not np.isfinite(numbers).all():
+        raise InvalidValueError(f"{name} holds numbers that are not finite")
+    return numbers
+
+
+def _of_quaternion(wxyz: Floats, name: str) -> Floats:
+    if wxyz.shape[-1:] != (4,) or wxyz.ndim > 2:
+        raise InvalidValueError(f"{name} has shape {wxyz.shape}, expected (4,) or (N, 4)")
+    length = np.linalg.norm(wxyz, axis=-1, keepdims=True)
+    if not (length > 0).all():
+        raise InvalidValueError(f"{name} is a quaternion of length 0, which is no rotation")
+    w, x, y, z = np.moveaxis(wxyz / length, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def _nearest_rotation(matrix: Floats) -> Floats:
+    """The nearest rotation: U Vᵀ of the singular value decomposition (Schönemann 1966)."""
+    if matrix.shape[-2:] != (3, 3) or matrix.ndim > 3:
+        raise InvalidValueError(f"matrix has shape {matrix.shape}, expected (3, 3), (4, 4) or N of them")
+    left, _, right = np.linalg.svd(matrix)
+    nearest = np.asarray(left @ right)
+    off = float(np.abs(nearest - matrix).max(initial=0.0))
+    if off > _ROUGH or (np.linalg.det(nearest) < 0).any():
+        raise InvalidValueError(f"matrix is no rotation: it is {off:.2g} from the nearest, or mirrors")
+    return nearest
+
+
+__all__ = ["placement"]
