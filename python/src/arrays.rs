@@ -398,3 +398,21 @@ pub(crate) fn freeze<T: Element, D: Dimension>(array: &Bound<'_, PyArray<T, D>>)
     }
     Ok(())
 }
+
+/// A number of things, for arguments: what is no whole number of at least 0 is told by its value.
+pub(crate) fn whole(value: &Bound<'_, PyAny>) -> PyResult<usize> {
+    value.extract().map_err(|_| {
+        let shown = value
+            .repr()
+            .map_or_else(|_| "that".to_owned(), |text| text.to_string());
+        invalid(format!("{shown} is no whole number of at least 0"))
+    })
+}
+
+/// As [`whole`], or None.
+pub(crate) fn whole_or_none(value: &Bound<'_, PyAny>) -> PyResult<Option<usize>> {
+    match value.is_none() {
+        true => Ok(None),
+        false => whole(value).map(Some),
+    }
+}

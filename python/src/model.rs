@@ -134,7 +134,7 @@ impl Model {
         &self,
         py: Python<'py>,
         seed: Option<&Bound<'py, PyAny>>,
-        n: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let seed = match seed {
             Some(seed) => first_seed(seed)?,

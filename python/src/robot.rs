@@ -262,7 +262,7 @@ impl Robot {
         &self,
         py: Python<'py>,
         seed: Option<&Bound<'py, PyAny>>,
-        n: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.model().random_configuration(py, seed, n)
     }

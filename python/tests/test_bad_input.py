@@ -140,6 +140,22 @@ def test_thousands_of_calls_with_arguments_of_all_kinds():
     assert len(made) > len(right) + 20
 
 
+def test_numbers_of_things_are_whole_and_not_negative():
+    robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
+    arm = kinopt.Arm(robot, "base", "flange", atlas=False)
+    pose = arm.base_from_tool(np.zeros(6))
+    for wrong in (-1, 1.5, "two", 2**70):
+        for call in (
+            lambda wrong=wrong: arm.solve_batch([pose], threads=wrong),
+            lambda wrong=wrong: arm.distinct(pose, k=wrong),
+            lambda wrong=wrong: robot.random_configuration(1, wrong),
+            lambda wrong=wrong: kinopt.Solver(max_iterations=wrong),
+            lambda wrong=wrong: kinopt.Solver(attempts=wrong),
+        ):
+            with pytest.raises(kinopt.InvalidValueError, match="no whole number of at least 0"):
+                call()
+
+
 def test_objects_outlive_what_they_were_made_of():
     robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
     arm = kinopt.Arm(robot, "base", "flange", atlas=False)

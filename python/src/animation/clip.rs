@@ -146,7 +146,7 @@ impl Clip {
         py: Python<'_>,
         passage: &Bound<'_, Passage>,
         playback: &str,
-        most: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] most: usize,
     ) -> PyResult<Vec<(String, f64)>> {
         let playback = playback::of(playback)?;
         let passage = passage.get().inner;

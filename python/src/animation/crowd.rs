@@ -174,7 +174,12 @@ impl Crowd {
 
     /// Goes on by so many seconds, over `threads` threads (None: one a core), with the same bits at any number.
     #[pyo3(signature = (seconds, threads = Some(1)))]
-    fn advance(&self, py: Python<'_>, seconds: f64, threads: Option<usize>) -> PyResult<()> {
+    fn advance(
+        &self,
+        py: Python<'_>,
+        seconds: f64,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
+    ) -> PyResult<()> {
         let pool = threads::pool(threads)?;
         py.detach(|| {
             self.with(|crowd| match &pool {

@@ -19,6 +19,22 @@ use crate::rig::text_or_bytes;
 
 /// States, transitions and the clips they play, checked. It never changes; each character that runs it has a
 /// `StateMachineRun`.
+///
+/// Its JSON names parameters with their first values (a number, true or false, or "trigger"), the initial
+/// state, states that play clips by name, and transitions with their conditions:
+///
+///     {"parameters": {"speed": 0.0, "hit": "trigger", "dead": false},
+///      "initial": "idle",
+///      "states": [{"name": "idle", "clip": "stand"},
+///                 {"name": "blow", "clip": "jump", "playback": "hold", "speed": 1.25}],
+///      "transitions": [
+///         {"from": "idle", "to": "blow", "seconds": 0.1, "when": [{"parameter": "hit"}]},
+///         {"from": "blow", "to": "idle", "seconds": 0.25, "after": 0.8, "easing": "quadratic_in_out"},
+///         {"to": "idle", "seconds": 0.3, "when": [{"parameter": "speed", "above": 0.5}]}]}
+///
+/// A transition without "from" leads from every state; "seconds" is how long its cross-fade takes, "after" the
+/// share of the clip that must have played; a condition is "is", "above" or "below" a value, and nothing for a
+/// trigger. "playback" is "hold", "loop" or "ping_pong", "speed" a factor.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct StateMachine {
     inner: Arc<Machine>,

@@ -231,7 +231,7 @@ impl Arm {
         py: Python<'_>,
         target: &Bound<'_, PyAny>,
         start: Option<&Bound<'_, PyAny>>,
-        k: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] k: usize,
         distance: f64,
     ) -> PyResult<Vec<Solution>> {
         let target = placement(target, "target")?;
@@ -254,7 +254,7 @@ impl Arm {
         slf: &Bound<'py, Self>,
         targets: &Bound<'py, PyAny>,
         starts: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
         out: Option<&Bound<'py, PyAny>>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Batch> {

@@ -66,6 +66,7 @@ impl Follower {
     }
 
     fn __repr__(&self) -> String {
-        "Follower()".to_owned()
+        let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
+        format!("Follower(at {:.4?})", cell.borrow_dependent().q())
     }
 }

@@ -93,7 +93,8 @@ impl Servo {
     }
 
     fn __repr__(&self) -> String {
-        "Servo()".to_owned()
+        let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
+        format!("Servo(at {:.4?})", cell.borrow_dependent().q())
     }
 }
 

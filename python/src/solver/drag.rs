@@ -75,7 +75,7 @@ impl Drag {
         start: &Bound<'_, PyAny>,
         solver: Option<&Bound<'_, Solver>>,
         max_move: Option<f64>,
-        search: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] search: Option<usize>,
         seed: u64,
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
@@ -139,7 +139,7 @@ impl Drag {
         &self,
         py: Python<'_>,
         targets: Option<&Bound<'_, PyAny>>,
-        frames: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] frames: usize,
     ) -> PyResult<Solution> {
         self.go(py, targets, |drag| {
             drag.follow(frames);
@@ -153,7 +153,7 @@ impl Drag {
         &self,
         py: Python<'_>,
         targets: Option<&Bound<'_, PyAny>>,
-        frames: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] frames: usize,
     ) -> PyResult<Solution> {
         self.go(py, targets, |drag| {
             drag.settle(frames);

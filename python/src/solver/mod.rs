@@ -51,15 +51,15 @@ impl Solver {
     fn new(
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
-        max_iterations: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] max_iterations: Option<usize>,
         gradient_tolerance: Option<f64>,
         step_tolerance: Option<f64>,
         patience: Option<f64>,
         time_limit: Option<f64>,
-        attempts: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<usize>,
         seed: Option<u64>,
-        agreeing: Option<usize>,
-        restart_steps: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<usize>,
     ) -> PyResult<Self> {
         let counts = [("attempts", attempts), ("agreeing", agreeing)];
         if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
@@ -157,7 +157,7 @@ impl Solver {
         problem: &Bound<'_, Problem>,
         starts: &Bound<'_, PyAny>,
         targets: Option<&Bound<'_, PyAny>>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solutions> {
         batch::solve(&self.engine, problem, starts, targets, threads, progress)
