@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::animation::{Armature, Clip};
+use crate::contents::text_or_bytes;
 use crate::error::{OrRaise, invalid};
-use crate::rig::text_or_bytes;
 
 /// What a BVH file holds: a skeleton and what it does frame by frame, in the file's unit of length.
 #[pyclass(frozen, module = "kinopt")]

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{self, axes};
 use crate::error::{OrRaise, invalid};
-use crate::model::model_of;
+use crate::has_model::model_of;
 use crate::placement::to_numbers;
 use crate::pool::Pool;
 

@@ -11,7 +11,6 @@ use pyo3::types::PyType;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::placement;
-use crate::robot::Robot;
 
 /// A tree of joints and the frames they carry, that nothing changes.
 ///
@@ -27,23 +26,6 @@ impl From<kinopt::Model> for Model {
     fn from(model: kinopt::Model) -> Self {
         let inner = Arc::new(model);
         Self { inner }
-    }
-}
-
-/// The model of a `Model`, or of what has one.
-pub(crate) fn model_of(value: &Bound<'_, PyAny>) -> PyResult<Arc<kinopt::Model>> {
-    if let Ok(model) = value.cast::<Model>() {
-        return Ok(Arc::clone(&model.get().inner));
-    }
-    if let Ok(robot) = value.cast::<Robot>() {
-        return Ok(Arc::clone(&robot.get().model));
-    }
-    match value.getattr_opt("model")? {
-        Some(model) if !model.is(value) => model_of(&model),
-        _ => Err(invalid(format!(
-            "expected a model, a robot, a skeleton or a rig, not {}",
-            value.get_type().name()?
-        ))),
     }
 }
 

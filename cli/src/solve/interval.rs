@@ -1,11 +1,5 @@
-//! `--interval` and `--free-axis`: room on single axes of a target.
+//! `--interval`: how far a component of a pose may be from its target.
 
-use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Goal;
-
-use super::arguments::Arguments;
-use super::goals::Goals;
-use crate::failure::{Failure, Outcome};
 use crate::number_list::{not_negative, number};
 
 const AXES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
@@ -16,9 +10,9 @@ const SHAPE: &str = "expected AXIS=WIDTH, AXIS=LOW..HIGH or AXIS=free, \
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
     /// x, y, z, then turns about them.
-    axis: usize,
-    low: f64,
-    high: f64,
+    pub(super) axis: usize,
+    pub(super) low: f64,
+    pub(super) high: f64,
 }
 
 impl Interval {
@@ -54,81 +48,6 @@ impl Interval {
     }
 }
 
-/// What of a target counts.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
-    pub(super) goal: Goal,
-    /// Where the middle of the room lies in the target, where it is not the target itself.
-    shift: Option<Placement<f64>>,
-}
-
-impl Room {
-    /// As the options say of a target with an orientation that counts, or of one without.
-    pub(super) fn of(arguments: &Arguments, turns: bool) -> Outcome<Self> {
-        let options = &arguments.arm;
-        let only_turning = match options.free_axis {
-            _ if turns => None,
-            _ if options.intervals.iter().any(Interval::turns) => Some("--interval of a turn"),
-            free_axis => free_axis.map(|_| "--free-axis"),
-        };
-        if let Some(option) = only_turning {
-            return Err(Failure::usage(format!(
-                "{option} is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
-            )));
-        }
-        let goal = match options.free_axis {
-            _ if !turns => Goal::position(),
-            Some(axis) => Goal::free_about(axis.into()),
-            None => Goal::pose(),
-        };
-        let (intervals, degrees) = (&options.intervals, arguments.degrees);
-        Ok(Self::within(goal.half_widths(), intervals, degrees))
-    }
-
-    /// Of the one target, where an option gives it room.
-    pub(super) fn asked(arguments: &Arguments, goals: &Goals) -> Outcome<Option<Self>> {
-        let option = match (arguments.arm.free_axis, arguments.arm.intervals.as_slice()) {
-            (Some(_), _) => "--free-axis",
-            (None, [_, ..]) => "--interval",
-            (None, []) => return Ok(None),
-        };
-        match goals.targets.as_slice() {
-            [target] => Self::of(arguments, target.turns).map(Some),
-            targets => Err(Failure::usage(format!(
-                "{option} is for one --target or for --targets, not for {} targets at once",
-                targets.len()
-            ))),
-        }
-    }
-
-    fn within(mut half_widths: [f64; 6], intervals: &[Interval], degrees: bool) -> Self {
-        let mut middle = [0.0; 3];
-        for interval in intervals {
-            let half = match interval.high.is_finite() {
-                true => 0.5 * (interval.high - interval.low),
-                false => f64::INFINITY,
-            };
-            half_widths[interval.axis] = match interval.turns() && degrees {
-                true => half.to_radians(),
-                false => half,
-            };
-            if let (Some(middle), true) = (middle.get_mut(interval.axis), half.is_finite()) {
-                *middle = 0.5 * (interval.low + interval.high);
-            }
-        }
-        let shifted = middle != [0.0; 3];
-        Self {
-            goal: Goal::within(half_widths),
-            shift: shifted.then(|| Placement::translation(Vector3::from(middle))),
-        }
-    }
-
-    /// Where to stand for a target, the room about it even.
-    pub(super) fn middle(&self, target: Placement<f64>) -> Placement<f64> {
-        self.shift.map_or(target, |shift| target * shift)
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -153,18 +72,5 @@ mod tests {
             let error = Interval::parse(bad).unwrap_err();
             assert!(error.contains(reason), "{bad}: {error}");
         }
-    }
-
-    #[test]
-    fn the_middle_of_the_room_is_the_target() {
-        let intervals =
-            ["x=-0.01..0.03", "y=free", "rz=90"].map(|text| Interval::parse(text).unwrap());
-        let Room { goal, shift } = Room::within([0.0; 6], &intervals, true);
-        let quarter = std::f64::consts::FRAC_PI_2;
-        assert_eq!(
-            goal.half_widths(),
-            [0.02, f64::INFINITY, 0.0, 0.0, 0.0, quarter]
-        );
-        assert!((shift.unwrap().translation.x - 0.01).abs() < 1e-15);
     }
 }

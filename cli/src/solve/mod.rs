@@ -15,6 +15,7 @@ mod out_file;
 mod pose_finder;
 mod query;
 mod report;
+mod room;
 mod settings;
 mod weights;
 

@@ -14,8 +14,8 @@ use pyo3::types::{PyDict, PyType};
 use super::armature::Armature;
 use super::clip::Clip;
 use super::pose::Pose;
+use crate::contents::text_or_bytes;
 use crate::error::{Kind, OrRaise, invalid, raise};
-use crate::rig::text_or_bytes;
 
 /// States, transitions and the clips they play, checked. It never changes; each character that runs it has a
 /// `StateMachineRun`.

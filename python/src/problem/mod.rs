@@ -18,7 +18,7 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::model::model_of;
+use crate::has_model::model_of;
 use crate::pool::Pool;
 use crate::robot::Robot;
 pub(crate) use camera::Camera;

@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyTuple};
 use super::task::items;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::model::model_of;
+use crate::has_model::model_of;
 use crate::robot::Robot;
 
 /// The map from solver variables x to configurations q: which joints are free, locked, coupled or

@@ -14,8 +14,8 @@ use pyo3::types::{PyBytes, PyType};
 pub(crate) use self::mesh::{SceneMesh, Skin};
 pub(crate) use self::posing::ScenePosing;
 use crate::animation::{Armature, Clip};
+use crate::contents::{opened, text_or_bytes};
 use crate::error::OrRaise;
-use crate::rig::{opened, text_or_bytes};
 
 /// What a glTF file holds that can be posed: an armature, the meshes that hang on it and the clips that move
 /// it.

@@ -1,0 +1,48 @@
+//! What is in files: texts, bytes, and what a function of the caller's opens.
+
+use kinopt::io::{Place, ReadError, ReadProblem};
+use pyo3::exceptions::{PyFileNotFoundError, PyKeyError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::error::invalid;
+
+/// The bytes of a text, or bytes as they are.
+pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u8>> {
+    if let Ok(text) = value.extract::<String>() {
+        return Ok(text.into_bytes());
+    }
+    let bytes = value.extract::<Vec<u8>>();
+    bytes.map_err(|_| invalid(format!("{what} must be a text or bytes")))
+}
+
+/// A file's bytes by a function of the caller's, whose exception is kept.
+pub(crate) fn opened(
+    open: Option<&Bound<'_, PyAny>>,
+    file: &str,
+    raised: &mut Option<PyErr>,
+) -> Result<Vec<u8>, ReadError> {
+    let fail = |kind, text: String| ReadError {
+        file: file.to_owned(),
+        place: Place::File,
+        problem: ReadProblem::Io(std::io::Error::new(kind, text)),
+    };
+    let missing = |text: &str| fail(std::io::ErrorKind::NotFound, text.to_owned());
+    let open = open.ok_or_else(|| missing("no `open` was given"))?;
+    let bytes = open
+        .call1((file,))
+        .and_then(|bytes| match bytes.cast::<PyBytes>() {
+            Ok(bytes) => Ok(bytes.as_bytes().to_vec()),
+            Err(_) => bytes.extract::<Vec<u8>>(),
+        });
+    bytes.map_err(|error| {
+        let py = open.py();
+        if error.is_instance_of::<PyFileNotFoundError>(py) || error.is_instance_of::<PyKeyError>(py)
+        {
+            return missing("not found");
+        }
+        let text = error.to_string();
+        *raised = Some(error);
+        fail(std::io::ErrorKind::Other, text)
+    })
+}
