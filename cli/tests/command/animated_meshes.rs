@@ -1,8 +1,8 @@
 //! Promise: `animate` writes the mesh that the keyframes pose, at one time or frame by frame.
 
-use crate::forked_rig::{Folder, json, kinopt, refused, rig, says, stderr, stdout};
+use crate::forked_rig::*;
 use glam::Vec3;
-use kinopt::animation::Playback;
+use kinopt::animation::{EulerInterpolation, Playback};
 use kinopt::io::ply;
 use kinopt::skinning::SkinningMethod;
 
@@ -32,41 +32,23 @@ fn expected(time: f64, playback: Playback) -> Vec<Vec3> {
 fn close(got: &[Vec3], expected: &[Vec3]) {
     assert_eq!(got.len(), expected.len());
     for (got, expected) in got.iter().zip(expected) {
-        assert!(
-            (*got - *expected).length() < 1e-5,
-            "{got} is not {expected}"
-        );
+        assert!(got.distance(*expected) < 1e-5, "{got} is not {expected}");
     }
+}
+
+/// The vertices of a written file.
+fn posed(file: &str) -> Vec<Vec3> {
+    ply::read(file).unwrap().positions().to_vec()
 }
 
 #[test]
 fn one_time_is_one_file() {
     let folder = Folder::new("animate-time");
     let (rig, out) = (folder.rig(), folder.file("posed.ply"));
-    for (skinning, looped) in [("lbs", false), ("dqs", true)] {
-        let mut arguments = vec![
-            "animate",
-            &rig,
-            "--time=2.3",
-            "--out",
-            &out,
-            "--skinning",
-            skinning,
-        ];
-        let playback = match looped {
-            true => Playback::Loop,
-            false => Playback::Hold,
-        };
-        if looped {
-            arguments.push("--loop");
-        }
-        let output = kinopt(&arguments);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        assert!(stdout(&output).contains("20 vertices") && stdout(&output).contains("2.3 s"));
-        close(
-            ply::read(&out).unwrap().positions(),
-            &expected(2.3, playback),
-        );
+    for (options, playback) in [("lbs", Playback::Hold), ("dqs --loop", Playback::Loop)] {
+        let text = text!("animate {rig} --time=2.3 --out {out} --skinning {options}");
+        says(&text, "20 vertices | 2.3 s");
+        close(&posed(&out), &expected(2.3, playback));
     }
 }
 
@@ -74,33 +56,25 @@ fn one_time_is_one_file() {
 fn frames_are_numbered_files_at_even_times() {
     let folder = Folder::new("animate-frames");
     let (rig, out) = (folder.rig(), folder.file("deep/frames"));
-    let document = json(&format!(
-        "animate {rig} --fps=10 --from=0.7 --to=1.4 --format=ply --out {out} --json"
-    ));
-    let frames = document["frames"].as_array().unwrap();
-    assert_eq!((frames.len(), document["vertices"].as_u64()), (8, Some(20)));
-    for (number, frame) in frames.iter().enumerate() {
-        let time = frame["time"].as_f64().unwrap();
-        assert!((time - (0.7 + 0.1 * number as f64)).abs() < 1e-12);
-        let file = frame["file"].as_str().unwrap();
-        assert!(file.ends_with(&format!("frame-{number:04}.ply")), "{file}");
-        close(
-            ply::read(file).unwrap().positions(),
-            &expected(time, Playback::Hold),
-        );
+    let document = answer!("animate {rig} --fps=10 --from=0.7 --to=1.4 --format=ply --out {out}");
+    let frames = list(&document["frames"]);
+    assert_eq!((frames.len(), count(&document["vertices"])), (8, 20));
+    for (index, frame) in frames.iter().enumerate() {
+        let (time, file) = (number(&frame["time"]), word(&frame["file"]));
+        assert!((time - (0.7 + 0.1 * index as f64)).abs() < 1e-12);
+        assert!(file.ends_with(&format!("frame-{index:04}.ply")), "{file}");
+        close(&posed(file), &expected(time, Playback::Hold));
     }
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 8);
 
     // By itself it is all keyframes, 0.5 s to 2 s.
     let all = folder.file("all");
-    let document = json(&["animate", &rig, "--fps=4", "--out", &all, "--json"]);
-    assert_eq!(document["frames"].as_array().unwrap().len(), 7);
+    let document = answer!("animate {rig} --fps=4 --out {all}");
+    assert_eq!(list(&document["frames"]).len(), 7);
     assert_eq!(document["skinning"], SkinningMethod::default().name());
     let text = std::fs::read_to_string(format!("{all}/frame-0006.obj")).unwrap();
-    assert_eq!(
-        text.lines().filter(|line| line.starts_with("v ")).count(),
-        20
-    );
+    let vertices = text.lines().filter(|line| line.starts_with("v "));
+    assert_eq!(vertices.count(), 20);
 }
 
 #[test]
@@ -119,20 +93,13 @@ fn what_cannot_be_animated_is_said() {
     refused!("animate {rig_file} --fps=2 --out {file}" => 2, "posed.obj | folder");
     refused!("animate {rig_file} --fps=0 --out {out}" => 2, "above 0");
     refused!("animate {rig_file} --fps=1e9 --out {out}" => 2, "1000000");
-    let turned = [
-        "animate", &rig_file, "--fps=2", "--from=2", "--to=1", "--out", &out,
-    ];
-    refused(&turned, 2, "--from 2 | --to 1");
+    refused!("animate {rig_file} --fps=2 --from=2 --to=1 --out {out}" => 2, "--from 2 | --to 1");
     refused!("animate {rig_file} --time=1 --out {file} --skinning best" => 2, "lbs | dqs");
     assert!(!std::path::Path::new(&out).exists() && !std::path::Path::new(&file).exists());
 
-    let mut still = rig();
-    still.clip = Default::default();
-    let still = folder.write("still.json", &still);
+    let still = folder.changed("still.json", |rig| rig.clip = Default::default());
     refused!("animate {still} --time=1 --out {file}" => 1, "still.json | keyframes");
-    let mut bare = rig();
-    (bare.weights, bare.mesh) = (None, None);
-    let bare = folder.write("bare.json", &bare);
+    let bare = folder.changed("bare.json", |rig| (rig.weights, rig.mesh) = (None, None));
     refused!("animate {bare} --time=1 --out {file}" => 1, "bare.json | a mesh");
     let blocked = folder.file("rig.json/frames");
     refused!("animate {rig_file} --fps=2 --out {blocked}" => 1, "cannot be made");
@@ -141,24 +108,18 @@ fn what_cannot_be_animated_is_said() {
 #[test]
 fn a_mesh_without_weights_follows_the_nearest_bones() {
     let folder = Folder::new("animate-no-weights");
-    let mut bare = rig();
-    bare.weights = None;
-    let bare = folder.write("bare.json", &bare);
+    let bare = folder.changed("bare.json", |rig| rig.weights = None);
     let out = folder.file("posed.ply");
-    let output = kinopt(&["animate", &bare, "--time=2.3", "--out", &out]);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(0), "{message}");
-    assert!(message.contains("bare.json") && message.contains("no skin weights"));
-    assert!(message.contains("heat"), "{message}");
+    let (_, told) = answer!(told "animate {bare} --time=2.3 --out {out}");
+    says(&told, "bare.json | no skin weights | heat");
     // The skin goes with the limbs it is on, within its own thickness at the joints.
-    let posed = ply::read(&out).unwrap();
     let rest = rig().mesh.unwrap();
     let expected = expected(2.3, Playback::Hold);
     let off = |got: &[Vec3]| -> f32 {
         let each = got.iter().zip(&expected);
         each.map(|(got, expected)| got.distance(*expected)).sum()
     };
-    let (posed, still) = (off(posed.positions()), off(rest.positions()));
+    let (posed, still) = (off(&posed(&out)), off(rest.positions()));
     assert!(posed < 0.25 * still, "off by {posed}, at rest by {still}");
 }
 
@@ -170,39 +131,23 @@ fn a_rig_whose_weights_file_is_missing_is_posed() {
     std::fs::remove_file(folder.file("rig.dmat")).unwrap();
     let note = "rig.dmat does not exist";
     let out = folder.file("posed.ply");
-    for way in ["heat", "distance"] {
-        let arguments = ["animate", &file, "--time=2.3", "--out", &out, "--json"];
-        let output = kinopt(&[&arguments[..], &["--skin-weights", way]].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        assert!(stderr(&output).contains(note), "{}", stderr(&output));
-        let document: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
-        let notes = &document["notes"];
-        assert!(notes[0].as_str().unwrap().contains(note), "{notes}");
-        let follows = if way == "heat" { "heat" } else { "nearest" };
-        assert!(notes[1].as_str().unwrap().contains(follows), "{notes}");
-        assert_eq!(
-            ply::read(&out).unwrap().positions().len(),
-            rig().mesh.unwrap().positions().len()
-        );
+    for (way, follows) in [("heat", "heat"), ("distance", "nearest")] {
+        let (document, told) =
+            answer!(told "animate {file} --time=2.3 --out {out} --skin-weights {way}");
+        says(&told, note);
+        says(word(&document["notes"][0]), note);
+        says(word(&document["notes"][1]), follows);
+        assert_eq!(posed(&out).len(), rig().mesh.unwrap().positions().len());
     }
-    for command in [&["info", &file][..], &["fk", &file, "--time=1"]] {
-        let output = kinopt(&[command, &["--json"]].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        assert!(stderr(&output).contains(note));
-        let document: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
-        let notes = &document["notes"];
-        assert!(notes[0].as_str().unwrap().contains(note), "{notes}");
+    for command in ["info", "fk --time=1"] {
+        let (document, told) = answer!(told "{command} {file}");
+        says(&told, note);
+        says(word(&document["notes"][0]), note);
     }
     // What the file does give may be made up anew, which is said too.
     let other = Folder::new("animate-other-weights");
-    let output = kinopt(&[
-        "animate",
-        &other.rig(),
-        "--time=1",
-        "--out",
-        &out,
-        "--skin-weights=heat",
-    ]);
+    let whole = other.rig();
+    let output = kinopt!("animate {whole} --time=1 --out {out} --skin-weights=heat");
     says(stderr(&output), "not taken");
 }
 
@@ -210,12 +155,7 @@ fn a_rig_whose_weights_file_is_missing_is_posed() {
 fn keys_are_interpolated_as_asked() {
     let folder = Folder::new("animate-interpolation");
     let (file, out) = (folder.rig(), folder.file("posed.ply"));
-    let angles = |more: &[&str], file: &str| {
-        let fixed = ["fk", file, "--time=1.1", "--json"];
-        let document = json(&[&fixed[..], more].concat());
-        let q = document["q"].as_array().unwrap().clone();
-        q.iter().map(|q| q.as_f64().unwrap()).collect::<Vec<f64>>()
-    };
+    let angles = |file: &str, more: &str| numbers(&answer!("fk {file} --time=1.1 {more}")["q"]);
     // A straight line between the keys on either side, by hand.
     let own = rig();
     let mut straight = vec![0.0; own.skeleton.angles()];
@@ -227,43 +167,39 @@ fn keys_are_interpolated_as_asked() {
             straight[3 * track.bone.index() + k] = a.angles[k] + u * (b.angles[k] - a.angles[k]);
         }
     }
-    let linear = angles(&["--interpolation", "linear"], &file);
-    for (got, expected) in linear.iter().zip(&straight) {
-        assert!((got - expected).abs() < 1e-14);
-    }
-    // The default is Catmull-Rom, which is Kochanek-Bartels with zeros.
+    let linear = angles(&file, "--interpolation linear");
     let apart = |a: &[f64], b: &[f64]| {
         let each = a.iter().zip(b).map(|(a, b)| (a - b).abs());
         each.fold(0.0, f64::max)
     };
-    let default = angles(&[], &file);
-    assert_eq!(angles(&["--interpolation=catmull-rom"], &file), default);
-    let zeros = angles(&["--interpolation=kochanek-bartels:0,0,0"], &file);
+    assert!(apart(&linear, &straight) < 1e-14);
+    // The default is Catmull-Rom, which is Kochanek-Bartels with zeros.
+    let default = angles(&file, "");
+    assert_eq!(angles(&file, "--interpolation=catmull-rom"), default);
+    let zeros = angles(&file, "--interpolation=kochanek-bartels:0,0,0");
     assert!(apart(&zeros, &default) < 1e-14 && apart(&linear, &default) > 1e-3);
-    let tense = angles(&["--interpolation=kochanek-bartels:0.8,0,-0.3"], &file);
+    let tense = angles(&file, "--interpolation=kochanek-bartels:0.8,0,-0.3");
     assert!(apart(&tense, &default) > 1e-3);
 
     // A file's own word counts where the command says nothing, and `animate` takes it too.
-    let mut asked = rig();
-    asked.clip = asked
-        .clip
-        .interpolated(|_| kinopt::animation::EulerInterpolation::Linear)
-        .unwrap();
-    let linear_file = folder.write("linear.json", &asked);
+    let linear_file = folder.changed("linear.json", |rig| {
+        let clip = std::mem::take(&mut rig.clip);
+        rig.clip = clip.interpolated(|_| EulerInterpolation::Linear).unwrap();
+    });
     for (file, name) in [(&file, "catmull-rom"), (&linear_file, "linear")] {
-        let info = json(&["info", file, "--json"]);
-        assert_eq!(info["keyframes"]["interpolation"][0], name);
-        assert!(stdout(&kinopt(&["info", file])).contains(name));
+        assert_eq!(
+            answer!("info {file}")["keyframes"]["interpolation"][0],
+            name
+        );
+        says(&text!("info {file}"), name);
     }
-    assert!(apart(&angles(&[], &linear_file), &linear) < 1e-14);
-    let animated = |arguments: &[&str]| {
-        let fixed = ["--time=1.1", "--out", &out];
-        let output = kinopt(&[&["animate"][..], arguments, &fixed].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        ply::read(&out).unwrap().positions().to_vec()
+    assert!(apart(&angles(&linear_file, ""), &linear) < 1e-14);
+    let animated = |arguments: &str| {
+        text!("animate {arguments} --time=1.1 --out {out}");
+        posed(&out)
     };
-    let by_option = animated(&[&file, "--interpolation=linear"]);
-    close(&animated(&[&linear_file]), &by_option);
+    let by_option = animated(&format!("{file} --interpolation=linear"));
+    close(&animated(&linear_file), &by_option);
     let off = by_option.iter().zip(expected(1.1, Playback::Hold));
     assert!(off.map(|(a, b)| a.distance(b)).fold(0.0, f32::max) > 1e-3);
 

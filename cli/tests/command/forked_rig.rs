@@ -5,7 +5,8 @@ use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Vec3;
-use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
+use kinopt::animation::{Armature, Clip, EulerClip, EulerKey, EulerTrack};
+use kinopt::io::gltf::{self, Scene, SceneMesh, WriteOptions};
 use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
 use kinopt::model::Limits;
@@ -40,6 +41,27 @@ impl Folder {
     pub(crate) fn write(&self, name: &str, rig: &Rig) -> String {
         let path = self.file(name);
         rig.write(&path).unwrap();
+        path
+    }
+
+    /// Writes the rig with something changed; the path of its JSON.
+    pub(crate) fn changed<T>(&self, name: &str, change: impl FnOnce(&mut Rig) -> T) -> String {
+        let mut own = rig();
+        change(&mut own);
+        self.write(name, &own)
+    }
+
+    /// Writes a scene; the path of it.
+    pub(crate) fn scene(&self, name: &str, scene: &Scene) -> String {
+        let path = self.file(name);
+        gltf::write(scene, &WriteOptions::default(), &path).unwrap();
+        path
+    }
+
+    /// Writes any text; the path of it.
+    pub(crate) fn text(&self, name: &str, content: impl std::fmt::Display) -> String {
+        let path = self.file(name);
+        std::fs::write(&path, content.to_string()).unwrap();
         path
     }
 }
@@ -131,63 +153,31 @@ fn strips() -> (TriangleMesh, SkinWeights) {
     (mesh, weights.build().unwrap())
 }
 
-/// The words of a command line: as one text, or one by one where a word holds blanks.
-pub(crate) trait CommandLine {
-    fn words(&self) -> Vec<&str>;
-}
-
-/// Words between blanks, or between quotation marks.
-impl CommandLine for str {
-    fn words(&self) -> Vec<&str> {
-        let parts = self.split('\'').enumerate();
-        let words = parts.map(|(k, part)| match k % 2 {
-            0 => part.split_whitespace().collect(),
-            _ => vec![part],
-        });
-        words.collect::<Vec<_>>().concat()
-    }
-}
-
-impl CommandLine for String {
-    fn words(&self) -> Vec<&str> {
-        self.as_str().words()
-    }
-}
-
-impl CommandLine for [&str] {
-    fn words(&self) -> Vec<&str> {
-        self.to_vec()
-    }
-}
-
-impl<const N: usize> CommandLine for [&str; N] {
-    fn words(&self) -> Vec<&str> {
-        self.to_vec()
-    }
-}
-
-impl CommandLine for Vec<&str> {
-    fn words(&self) -> Vec<&str> {
-        self.clone()
-    }
-}
-
-pub(crate) fn kinopt(line: &(impl CommandLine + ?Sized)) -> Output {
+/// Runs a command line: its words stand between blanks, or between quotation marks.
+pub(crate) fn kinopt(line: &str) -> Output {
+    let parts = line.split('\'').enumerate();
+    let words = parts.map(|(k, part)| match k % 2 {
+        0 => part.split_whitespace().collect(),
+        _ => vec![part],
+    });
     let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
-    command.args(line.words()).output().unwrap()
+    let words = words.collect::<Vec<Vec<&str>>>().concat();
+    command.args(words).output().unwrap()
 }
 
-/// The one document of a run that must succeed.
-pub(crate) fn json(line: &(impl CommandLine + ?Sized)) -> Value {
+/// What a run printed that must succeed.
+#[track_caller]
+pub(crate) fn succeeds(line: &str) -> (String, String) {
     let output = kinopt(line);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    serde_json::from_slice(&output.stdout).unwrap()
+    let (text, told) = (stdout(&output), stderr(&output));
+    assert_eq!(output.status.code(), Some(0), "{line}: {told}");
+    (text.to_owned(), told.to_owned())
 }
 
 /// Runs what must end with `code`, print nothing and say all of `words` (between bars); a failure in one line.
-pub(crate) fn refused(line: &(impl CommandLine + ?Sized), code: i32, words: &str) {
+pub(crate) fn refused(line: &str, code: i32, words: &str) {
     let output = kinopt(line);
-    let (message, line) = (stderr(&output), line.words());
+    let message = stderr(&output);
     assert_eq!(output.status.code(), Some(code), "{line:?}: {message}");
     assert_eq!(stdout(&output), "", "{line:?}");
     says(message, words);
@@ -203,6 +193,51 @@ macro_rules! refused {
         $crate::forked_rig::refused(&format!($line $(, $part)*), $code, &format!($words))
     };
 }
+
+/// A run of a command line that may fail.
+macro_rules! kinopt {
+    ($line:literal $(, $part:expr)*) => { $crate::forked_rig::kinopt(&format!($line $(, $part)*)) };
+}
+
+/// The standard output for people of a run that must succeed.
+macro_rules! text {
+    ($line:literal $(, $part:expr)*) => {
+        $crate::forked_rig::succeeds(&format!($line $(, $part)*)).0
+    };
+}
+
+/// The one JSON document of a run that must succeed; with `told`, what stood on the other stream besides.
+macro_rules! answer {
+    (told $line:literal) => {{
+        let (text, told) = $crate::forked_rig::succeeds(&(format!($line) + " --json"));
+        (serde_json::from_str::<serde_json::Value>(&text).unwrap(), told)
+    }};
+    ($line:literal $(, $part:expr)*) => {{
+        let line = format!($line $(, $part)*) + " --json";
+        let text = $crate::forked_rig::succeeds(&line).0;
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()
+    }};
+}
+
+/// A scene without notes.
+pub(crate) fn scene(armature: Armature, meshes: Vec<SceneMesh>, clips: Vec<Clip>) -> Scene {
+    let notes = Vec::new();
+    Scene {
+        armature,
+        meshes,
+        clips,
+        notes,
+    }
+}
+
+/// The names of the general solvers.
+pub(crate) const METHODS: [&str; 5] = [
+    "levenberg-marquardt",
+    "levenberg-marquardt-error",
+    "gauss-newton",
+    "projected-gradient",
+    "projected-gradient-bb",
+];
 
 /// Whether a text has all of these words, which stand between bars.
 #[track_caller]
@@ -220,16 +255,52 @@ pub(crate) fn stderr(output: &Output) -> &str {
     std::str::from_utf8(&output.stderr).unwrap()
 }
 
+/// Whether a document has these values at these keys, or at paths such as `tasks/0/frame`.
+#[track_caller]
+pub(crate) fn has(document: &Value, expected: Value) {
+    for (path, expected) in expected.as_object().unwrap() {
+        let found = document.pointer(&format!("/{path}"));
+        assert_eq!(
+            found.unwrap_or(&Value::Null),
+            expected,
+            "{path} of {document}"
+        );
+    }
+}
+
+/// A file of the folder `models`.
+pub(crate) fn model(name: &str) -> String {
+    format!("{}/../models/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+pub(crate) fn list(value: &Value) -> &[Value] {
+    value.as_array().unwrap()
+}
+
+pub(crate) fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+pub(crate) fn count(value: &Value) -> u64 {
+    value.as_u64().unwrap()
+}
+
+pub(crate) fn word(value: &Value) -> &str {
+    value.as_str().unwrap()
+}
+
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().unwrap();
-    list.iter().map(|v| v.as_f64().unwrap()).collect()
+    list(value).iter().map(number).collect()
 }
 
 pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).powi(2))
-        .sum::<f64>()
-        .sqrt()
+    let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));
+    squares.sum::<f64>().sqrt()
+}
+
+/// Numbers as they are typed, with every digit.
+pub(crate) fn commas(numbers: &[f64]) -> String {
+    let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+    numbers.join(",")
 }

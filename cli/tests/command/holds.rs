@@ -1,13 +1,13 @@
 //! Promise: a character of a scene that is dragged by a hand stays on its feet, within reach and
 //! beyond; `--hold` says what stays instead, and a path is dragged without leaps.
 
-use crate::forked_rig::{Folder, json, kinopt, stderr};
+use crate::forked_rig::*;
 use glam::{Affine3A, Vec3A};
 use kinopt::animation::{Armature, ArmatureBone, LocalTransform};
-use kinopt::io::gltf::{self, Scene, SceneMesh, Skin, WriteOptions};
+use kinopt::io::gltf::{self, SceneMesh, Skin};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MorphTargets, SkinWeights};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Name, parent, and where it stands in the model, in metres: y is up.
 const BONES: [(&str, Option<usize>, [f32; 3]); 12] = [
@@ -39,10 +39,7 @@ fn character(folder: &Folder) -> String {
             },
         });
     let armature = Armature::new(bones.collect(), Vec::new()).unwrap();
-    let joints: Vec<_> = BONES
-        .iter()
-        .map(|(name, ..)| armature.bone(name).unwrap())
-        .collect();
+    let joints = BONES.map(|(name, ..)| armature.bone(name).unwrap());
     let inverses = (0..BONES.len()).map(|k| Affine3A::from_translation((-at(k)).into()));
     let mut weights = SkinWeights::builder(BONES.len(), BONES.len());
     (0..BONES.len()).for_each(|k| weights.add(k, k, 1.0).unwrap());
@@ -58,18 +55,10 @@ fn character(folder: &Folder) -> String {
             name: String::new(),
             joint_from_mesh: inverses.collect(),
             weights: weights.build().unwrap(),
-            joints,
+            joints: joints.to_vec(),
         }),
     };
-    let scene = Scene {
-        armature,
-        meshes: vec![mesh],
-        clips: Vec::new(),
-        notes: Vec::new(),
-    };
-    let path = folder.file("character.glb");
-    gltf::write(&scene, &WriteOptions::default(), &path).unwrap();
-    path
+    folder.scene("character.glb", &scene(armature, vec![mesh], Vec::new()))
 }
 
 /// How far the vertex of a bone moved from rest.
@@ -81,17 +70,17 @@ fn moved(posed: &str, bone: &str) -> f32 {
 }
 
 fn held(document: &Value) -> Vec<&str> {
-    let tasks = document["tasks"].as_array().unwrap().iter();
+    let tasks = list(&document["tasks"]).iter();
     let held = tasks.filter(|task| task["held"] == true);
-    held.map(|task| task["frame"].as_str().unwrap()).collect()
+    held.map(|task| word(&task["frame"])).collect()
 }
 
 #[test]
 fn a_character_dragged_by_a_hand_stays_on_its_feet() {
     let folder = Folder::new("holds");
     let (file, out) = (character(&folder), folder.file("posed.glb"));
-    for target in ["--target=left hand=0.3,1.9,0.5", "--target=left hand=3,3,1"] {
-        let document = json(&["solve", &file, target, "--out", &out, "--json"]);
+    for target in ["0.3,1.9,0.5", "3,3,1"] {
+        let document = answer!("solve {file} '--target=left hand={target}' --out {out}");
         assert_eq!(held(&document), ["right hand", "left foot", "right foot"]);
         for still in ["hips", "left leg", "left foot", "right leg", "right foot"] {
             let moved = moved(&out, still);
@@ -101,18 +90,15 @@ fn a_character_dragged_by_a_hand_stays_on_its_feet() {
     }
     // The arm goes, not the back; and where it is too short the back bends, but does not twist round.
     let shoulder = |target: &str| {
-        let hold = json(&["solve", &file, target, "--out", &out, "--json"]);
+        let hold = answer!("solve {file} '--target=left hand={target}' --out {out}");
         (hold["reached"] == true, moved(&out, "right arm"))
     };
-    let (reached, moved_shoulder) = shoulder("--target=left hand=0.5,1.6,0.3");
-    assert!(reached && moved_shoulder < 0.02, "{moved_shoulder}");
+    let (reached, by) = shoulder("0.5,1.6,0.3");
+    assert!(reached && by < 0.02, "{by}");
     for target in ["3,3,1", "-3,1.4,0.5", "0.5,1.4,-3", "0.2,-3,0.5"] {
-        let (reached, moved_shoulder) = shoulder(&format!("--target=left hand={target}"));
+        let (reached, by) = shoulder(target);
         // 0.7 rad of an arm's length of 0.2.
-        assert!(
-            !reached && moved_shoulder < 0.15,
-            "{target}: {moved_shoulder}"
-        );
+        assert!(!reached && by < 0.15, "{target}: {by}");
     }
 }
 
@@ -120,59 +106,37 @@ fn a_character_dragged_by_a_hand_stays_on_its_feet() {
 fn hold_says_what_stays() {
     let folder = Folder::new("hold-names");
     let (file, out) = (character(&folder), folder.file("posed.glb"));
-    let target = "--target=left hand=3,3,1";
-    for nothing in [&["--hold=none"][..], &["--free"]] {
-        let arguments = ["solve", &file, target, "--out", &out, "--json"];
-        let document = json(&[&arguments, nothing].concat());
-        assert!(held(&document).is_empty());
+    let solve = |more| answer!("solve {file} '--target=left hand=3,3,1' --out {out} {more}");
+    for nothing in ["--hold=none", "--free"] {
+        assert!(held(&solve(nothing)).is_empty());
         // This is what toppling is.
         assert!(moved(&out, "left foot") > 0.1);
     }
-    let solve =
-        |more: &[&str]| json(&[&["solve", &file, target, "--out", &out, "--json"], more].concat());
-    let document = solve(&["--hold=hips"]);
-    assert!(held(&document).is_empty());
+    assert!(held(&solve("--hold=hips")).is_empty());
     assert!(moved(&out, "left foot") < 1e-6 && moved(&out, "right hand") > 0.1);
-    let document = solve(&["--hold=right hand", "--hold=right foot"]);
+    let document = solve("'--hold=right hand' '--hold=right foot'");
     assert_eq!(held(&document), ["right hand", "right foot"]);
 
-    let refused = kinopt(&["solve", &file, target, "--hold=tail"]);
-    assert_eq!(refused.status.code(), Some(1));
-    assert!(stderr(&refused).contains("`tail`"));
-    let both = kinopt(&["solve", &file, target, "--hold=hips", "--free"]);
-    assert_eq!(both.status.code(), Some(2));
+    let target = "'--target=left hand=3,3,1'";
+    refused!("solve {file} {target} --hold=tail" => 1, "`tail`");
+    refused!("solve {file} {target} --hold=hips --free" => 2, "--hold");
 }
 
 #[test]
 fn a_path_is_dragged_out_of_reach_and_back() {
     let folder = Folder::new("dragged-path");
     let file = character(&folder);
-    let targets: Vec<[f64; 3]> = (0..40)
-        .map(|k| {
-            let turn = f64::from(k) * std::f64::consts::TAU / 40.0;
-            [
-                0.8 + 1.5 * turn.sin(),
-                1.4 + 0.3 * turn.sin(),
-                0.3 * (2.0 * turn).sin(),
-            ]
-        })
-        .collect();
-    let path = folder.file("path.json");
-    let document = serde_json::json!({ "targets": targets });
-    std::fs::write(&path, document.to_string()).unwrap();
-    let arguments = [
-        "solve",
-        &file,
-        "--tip=left hand",
-        "--targets",
-        &path,
-        "--track",
-        "--json",
-    ];
-    let answers = json(&arguments);
+    let target = |k: u32| {
+        let turn = f64::from(k) * std::f64::consts::TAU / 40.0;
+        let aside = 0.3 * (2.0 * turn).sin();
+        [0.8 + 1.5 * turn.sin(), 1.4 + 0.3 * turn.sin(), aside]
+    };
+    let targets: Vec<[f64; 3]> = (0..40).map(target).collect();
+    let path = folder.text("path.json", json!({ "targets": targets }));
+    let answers = answer!("solve {file} '--tip=left hand' --targets {path} --track");
     let summary = &answers["summary"];
     assert!(summary["jumps"].is_array(), "{summary}");
-    let last = &answers["solutions"].as_array().unwrap()[39];
+    let last = &list(&answers["solutions"])[39];
     assert_eq!(held(last), ["right hand", "left foot", "right foot"]);
     assert!(last["reached"] == true, "{last}");
 }

@@ -1,7 +1,7 @@
 //! Promise: a file of targets gives every target's own answer, the same to the bit on any number of
 //! threads, within the limits and on the target; and a malformed file is named with the place.
 
-use crate::forked_rig::{Folder, distance, json, kinopt, numbers, says, stderr, stdout};
+use crate::forked_rig::*;
 use crate::seeded_robot::Seeded;
 use serde_json::{Value, json};
 
@@ -14,15 +14,9 @@ fn robots() -> [Seeded; 4] {
     ]
 }
 
-fn write(folder: &Folder, name: &str, content: &Value) -> String {
-    let file = folder.file(name);
-    std::fs::write(&file, content.to_string()).unwrap();
-    file
-}
-
 /// Every answer's q.
 fn configurations(document: &Value) -> Vec<Vec<f64>> {
-    let solutions = document["solutions"].as_array().unwrap().iter();
+    let solutions = list(&document["solutions"]).iter();
     solutions.map(|solution| numbers(&solution["q"])).collect()
 }
 
@@ -30,32 +24,24 @@ fn configurations(document: &Value) -> Vec<Vec<f64>> {
 fn every_reachable_target_is_reached() {
     let folder = Folder::new("reached");
     for seeded in robots() {
-        let file = write(&folder, "targets.json", &seeded.targets(15));
-        for way in [
-            vec![],
-            vec!["--search=first"],
-            vec!["--batch", "--threads=2"],
-        ] {
-            let mut arguments = vec!["solve", &seeded.file, "--targets", &file, "--json"];
-            arguments.extend(&way);
-            let document = json(&arguments);
+        let file = folder.text("targets.json", seeded.targets(15));
+        for way in ["", "--search=first", "--batch --threads=2"] {
+            let document = answer!("solve {seeded} --targets {file} {way}");
             let summary = &document["summary"];
-            assert_eq!(summary["solved"], 15);
-            assert_eq!(summary["total"], 15);
-            assert!(summary["micros_mean"].as_f64().unwrap() > 0.0);
-            let alone = !way.contains(&"--batch");
+            has(summary, json!({"solved": 15, "total": 15}));
+            assert!(number(&summary["micros_mean"]) > 0.0);
+            let alone = !way.contains("--batch");
             for key in ["micros_median", "micros_p99"] {
                 assert_eq!(summary.get(key).is_some(), alone, "{way:?}");
             }
             let model = seeded.robot.model();
-            assert_eq!(
-                document["joints"].as_array().unwrap().len(),
-                model.degrees_of_freedom()
-            );
-            let solutions = document["solutions"].as_array().unwrap();
-            for (solution, pose) in solutions.iter().zip(seeded.poses(15)) {
-                assert_eq!(solution["reached"], true);
-                assert_eq!(solution["tasks"][0]["frame"], seeded.tip);
+            assert_eq!(list(&document["joints"]).len(), model.degrees_of_freedom());
+            let solutions = list(&document["solutions"]).iter();
+            for (solution, pose) in solutions.zip(seeded.poses(15)) {
+                has(
+                    solution,
+                    json!({"reached": true, "tasks/0/frame": seeded.tip}),
+                );
                 assert_eq!(solution.get("micros").is_some(), alone);
                 seeded.check(&numbers(&solution["q"]), &pose);
             }
@@ -67,33 +53,18 @@ fn every_reachable_target_is_reached() {
 fn threads_change_no_bit() {
     let folder = Folder::new("threads");
     // More targets than the batch door hands to a thread at once.
-    let (panda, ur5e) = (
-        Seeded::panda(),
-        Seeded::new("universal_ur5e", "base", "flange"),
-    );
-    let general = "--solver=levenberg-marquardt";
+    let ur5e = Seeded::new("universal_ur5e", "base", "flange");
     for (seeded, count, ways) in [
-        (panda, 150, vec!["--batch", "--search=first"]),
-        (ur5e, 30, vec!["--search=start", general]),
+        (Seeded::panda(), 150, ["--batch", "--search=first"]),
+        (ur5e, 30, ["--search=start", "--solver=levenberg-marquardt"]),
     ] {
-        let file = write(&folder, "targets.json", &seeded.targets(count));
+        let file = folder.text("targets.json", seeded.targets(count));
         for way in ways {
             let on = |threads: &str| {
-                let all = [
-                    "solve",
-                    &seeded.file,
-                    "--targets",
-                    &file,
-                    way,
-                    threads,
-                    "--json",
-                ];
-                configurations(&json(&all))
+                configurations(&answer!("solve {seeded} --targets {file} {way} {threads}"))
             };
             let one = on("--threads=1");
-            assert!(one == on("--threads=8"), "{way}");
-            let plain = json(&["solve", &seeded.file, "--targets", &file, way, "--json"]);
-            assert!(one == configurations(&plain), "{way}");
+            assert!(one == on("--threads=8") && one == on(""), "{way}");
         }
     }
 }
@@ -104,27 +75,24 @@ fn a_path_goes_on_from_the_last_answer() {
     for seeded in robots() {
         // Straight through joint space between two configurations.
         let (from, to) = (seeded.configuration(21), seeded.configuration(22));
-        let path: Vec<Vec<f64>> = (0..=200)
-            .map(|step| {
-                let share = f64::from(step) / 2000.0;
-                from.iter()
-                    .zip(&to)
-                    .map(|(a, b)| a + share * (b - a))
-                    .collect()
-            })
-            .collect();
-        let targets: Vec<Vec<f64>> = path.iter().map(|q| seeded.pose(q)).collect();
-        let start = vec![from; targets.len()];
-        let names = seeded.robot.model().moving_joints().iter();
-        let names: Vec<&str> = names
-            .map(|id| seeded.robot.model().joints()[id.index()].name.as_str())
+        let targets = (0..=200).map(|step| {
+            let share = f64::from(step) / 2000.0;
+            let pairs = from.iter().zip(&to);
+            let q: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
+            seeded.pose(&q)
+        });
+        let targets: Vec<Vec<f64>> = targets.collect();
+        let start = vec![&from; targets.len()];
+        let model = seeded.robot.model();
+        let moving = model.moving_joints().iter();
+        let names: Vec<&str> = moving
+            .map(|id| model.joints()[id.index()].name.as_str())
             .collect();
         let content = json!({"targets": targets, "starts": start, "joint_names": names,
             "tip_link": seeded.tip, "base_link": seeded.base});
-        let file = write(&folder, "path.json", &content);
-        let document = json(&format!("solve {seeded} --targets {file} --track --json"));
-        assert_eq!(document["summary"]["solved"], 201);
-        assert_eq!(document["summary"]["jumps"], json!([]));
+        let file = folder.text("path.json", content);
+        let document = answer!("solve {seeded} --targets {file} --track");
+        has(&document["summary"], json!({"solved": 201, "jumps": []}));
         let q = configurations(&document);
         for (q, pose) in q.iter().zip(&targets) {
             seeded.check(q, pose);
@@ -140,45 +108,32 @@ fn a_path_goes_on_from_the_last_answer() {
 #[test]
 fn a_flip_is_told() {
     let folder = Folder::new("flip");
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/adept_cobra_s600.urdf"
-    );
-    let robot = kinopt::robot::Robot::read(file).unwrap();
+    let file = model("adept_cobra_s600.urdf");
+    let robot = kinopt::robot::Robot::read(&file).unwrap();
     let arm = kinopt::arm::Arm::new(&robot, "base", "flange").unwrap();
     let first = arm.limits().next().unwrap().upper - 0.3;
     let start = [first, -0.9, 0.1, 0.0];
-    let pose = arm.base_from_tool(&start).unwrap();
-    let targets: Vec<Vec<f64>> = (0..60)
-        .map(|step| {
-            let (sin, cos) = (0.01 * f64::from(step)).sin_cos();
-            let p = pose.translation;
-            vec![cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z]
-        })
-        .collect();
+    let p = arm.base_from_tool(&start).unwrap().translation;
+    let turned = |step: u32| {
+        let (sin, cos) = (0.01 * f64::from(step)).sin_cos();
+        [cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z]
+    };
+    let targets: Vec<[f64; 3]> = (0..60).map(turned).collect();
     let starts = vec![start; targets.len()];
     let content = json!({"targets": targets, "starts": starts, "tip_link": "flange"});
-    let path = write(&folder, "path.json", &content);
-    let all = ["solve", file, "--targets", &path, "--track", "--base=base"];
-    let document = json(&[&all[..], &["--json"]].concat());
-    assert_eq!(
-        document["summary"]["jumps"],
-        json!([]),
-        "it stays on its branch"
-    );
-    let all = [&all[..], &["--global-search-on-miss"]].concat();
-    let document = json(&[&all[..], &["--json"]].concat());
-    let jumps = document["summary"]["jumps"].as_array().unwrap();
+    let path = folder.text("path.json", content);
+    let track = format!("solve {file} --targets {path} --track --base=base");
+    // It stays on its branch.
+    assert_eq!(answer!("{track}")["summary"]["jumps"], json!([]));
+    let document = answer!("{track} --global-search-on-miss");
+    let jumps = list(&document["summary"]["jumps"]);
     assert_eq!(jumps.len(), 1, "{jumps:?}");
-    assert_eq!(jumps[0]["step"], 31);
-    assert_eq!(jumps[0]["continuous"], false);
-    assert!(jumps[0]["distance"].as_f64().unwrap() > 0.2);
-    let joint = jumps[0]["joint"].as_str().unwrap();
-    let output = kinopt(&all);
-    let text = stdout(&output);
-    assert!(text.contains("step 31") && text.contains(joint), "{text}");
+    has(&jumps[0], json!({"step": 31, "continuous": false}));
+    assert!(number(&jumps[0]["distance"]) > 0.2);
+    let text = text!("{track} --global-search-on-miss");
+    says(&text, &format!("step 31 | {}", word(&jumps[0]["joint"])));
     // Targets that are no path have no jumps.
-    let alone = json(&[&all[..4], &["--json"]].concat());
+    let alone = answer!("solve {file} --targets {path}");
     assert!(alone["summary"].get("jumps").is_none());
 }
 
@@ -196,17 +151,9 @@ fn starts_go_by_name_or_from_base_to_tip() {
         json!({"targets": [pose], "starts": [&q[..7]]}),
         json!({"targets": [pose], "starts": [q]}),
     ] {
-        let file = write(&folder, "targets.json", &content);
-        let all = [
-            "solve",
-            &panda.file,
-            "--targets",
-            &file,
-            "--tip=tool",
-            "--json",
-        ];
-        let answer = &configurations(&json(&all))[0];
-        assert!(distance(&answer[..7], &q[..7]) < 1e-6);
+        let file = folder.text("targets.json", content);
+        let answer = answer!("solve {panda} --targets {file} --tip=tool");
+        assert!(distance(&configurations(&answer)[0][..7], &q[..7]) < 1e-6);
     }
 }
 
@@ -217,17 +164,8 @@ fn the_command_line_overrides_the_file() {
     let mut content = seeded.targets(10);
     content["tip_link"] = "flange".into();
     content["base_link"] = "base".into();
-    let file = write(&folder, "targets.json", &content);
-    let all = [
-        "solve",
-        &seeded.file,
-        "--targets",
-        &file,
-        "--tip=hand",
-        "--base=link1",
-        "--json",
-    ];
-    let document = json(&all);
+    let file = folder.text("targets.json", content);
+    let document = answer!("solve {seeded} --targets {file} --tip=hand --base=link1");
     for (q, pose) in configurations(&document).iter().zip(seeded.poses(10)) {
         seeded.check(q, &pose);
     }
@@ -240,43 +178,38 @@ fn positions_alone_and_misses() {
     let panda = Seeded::panda();
     let mut points: Vec<Vec<f64>> = panda.poses(6).iter().map(|p| p[..3].to_vec()).collect();
     points[4] = vec![3.0, 0.0, 0.0];
-    let content = json!({"targets": points, "tip_link": "tool"});
-    let file = write(&folder, "targets.json", &content);
-    let document = json(&["solve", &panda.file, "--targets", &file, "--json"]);
-    let summary = &document["summary"];
-    assert_eq!(summary["solved"], 5);
-    assert_eq!(summary["total"], 6);
+    let file = folder.text(
+        "targets.json",
+        json!({"targets": points, "tip_link": "tool"}),
+    );
+    let document = answer!("solve {panda} --targets {file}");
+    has(&document["summary"], json!({"solved": 5, "total": 6}));
     assert_eq!(document["solutions"][4]["reached"], false);
-    let output = kinopt(&["solve", &panda.file, "--targets", &file]);
+    let output = kinopt!("solve {panda} --targets {file}");
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     says(
         stdout(&output),
         "5 of 6 | median | target 4: Not reached | misses by",
     );
-    let output = kinopt(&["solve", &panda.file, "--targets", &file, "--batch"]);
-    assert!(stdout(&output).contains("mean") && !stdout(&output).contains("median"));
+    let text = text!("solve {panda} --targets {file} --batch");
+    assert!(text.contains("mean") && !text.contains("median"));
 }
 
 #[test]
 fn a_rig_s_tip_too() {
     let folder = Folder::new("rig");
     let rig = folder.rig();
-    let content = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
-    let file = write(&folder, "targets.json", &content);
+    let targets = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
+    let file = folder.text("targets.json", targets);
     for way in ["--track", "--batch", "--threads=2"] {
-        let document = json(&format!(
-            "solve {rig} --targets {file} --tip=bone/2 {way} --json"
-        ));
+        let document = answer!("solve {rig} --targets {file} --tip=bone/2 {way}");
         assert_eq!(document["summary"]["solved"], 2);
-        let first = &document["solutions"][0];
-        assert_eq!(first["tasks"][1]["frame"], "bone/4");
-        assert_eq!(first["tasks"][1]["held"], true);
-        assert!(first["tasks"][0]["position_error"].as_f64().unwrap() < 1e-8);
+        let tasks = &document["solutions"][0]["tasks"];
+        has(&tasks[1], json!({"frame": "bone/4", "held": true}));
+        assert!(number(&tasks[0]["position_error"]) < 1e-8);
         assert!(document.get("joints").is_none());
     }
-    let output = kinopt(&["solve", &rig, "--targets", &file]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(stderr(&output).contains("--tip"));
+    refused!("solve {rig} --targets {file}" => 1, "--tip");
 }
 
 #[test]
@@ -312,8 +245,8 @@ hello => is not JSON | line 1
 "#;
     for line in files.trim_start_matches('\n').lines() {
         let (content, words) = line.split_once(" => ").unwrap();
-        let file = folder.file("targets.json");
-        std::fs::write(&file, content.replace("POSE", "[0.4,0,0.5,0,1,0,0]")).unwrap();
+        let content = content.replace("POSE", "[0.4,0,0.5,0,1,0,0]");
+        let file = folder.text("targets.json", content);
         refused!("solve {panda} --targets {file} --json" => 1, "{words}");
     }
     let missing = folder.file("missing.json");

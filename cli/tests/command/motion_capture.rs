@@ -1,7 +1,7 @@
 //! Promise: `info` says what a motion capture file holds, and `fk` where its joints are at rest and at
 //! any time of it.
 
-use crate::forked_rig::{Folder, distance, json, kinopt, numbers, says, stdout};
+use crate::forked_rig::*;
 use serde_json::json;
 
 const WAVE: &str = "HIERARCHY
@@ -28,19 +28,18 @@ Frame Time: 0.25
 ";
 
 fn wave(folder: &Folder) -> String {
-    let path = folder.file("wave.bvh");
-    std::fs::write(&path, WAVE).unwrap();
-    path
+    folder.text("wave.bvh", WAVE)
 }
 
 #[test]
 fn info_lists_bones_frames_and_channels() {
     let folder = Folder::new("capture-info");
     let file = wave(&folder);
-    let info = json(&["info", &file, "--json"]);
-    assert_eq!(info["file"], file);
-    assert_eq!(info["kind"], "motion capture");
-    assert_eq!(info["size"], 5.0);
+    let info = answer!("info {file}");
+    has(
+        &info,
+        json!({"file": file, "kind": "motion capture", "size": 5.0}),
+    );
     assert_eq!(
         info["clips"],
         json!([{"name": "wave", "start": 0.0, "end": 0.5}])
@@ -54,48 +53,45 @@ fn info_lists_bones_frames_and_channels() {
         "channels": ["Zrotation", "Xrotation"],
     });
     assert_eq!(info["bones"][1], arm);
-    assert_eq!(info["bones"][2]["name"], "Upper Arm/tip");
-    assert_eq!(info["bones"][2]["channels"], json!([]));
+    has(
+        &info["bones"][2],
+        json!({"name": "Upper Arm/tip", "channels": []}),
+    );
 
-    let output = kinopt(&["info", &file]);
-    for words in [
-        "wave.bvh (motion capture)",
-        "wave, 0 s to 0.5 s",
-        "3, one every 0.25 s (4.000 a second)",
-        "6 on 2 bones",
-        "Zrotation Xrotation",
-        "Upper Arm/tip",
-    ] {
-        says(stdout(&output), words);
-    }
+    let text = text!("info {file}");
+    says(
+        &text,
+        "wave.bvh (motion capture) | wave, 0 s to 0.5 s | 6 on 2 bones",
+    );
+    says(
+        &text,
+        "3, one every 0.25 s (4.000 a second) | Zrotation Xrotation | Upper Arm/tip",
+    );
 }
 
 #[test]
 fn fk_places_joints_at_rest_and_in_time() {
     let folder = Folder::new("capture-fk");
     let file = wave(&folder);
-    let tip = |more: &[&str], expected: [f64; 3]| {
-        let fk = json(&[&["fk", &file, "--frame=Upper Arm/tip", "--json"], more].concat());
+    let tip = |more: &str, expected: [f64; 3]| {
+        let fk = answer!("fk {file} '--frame=Upper Arm/tip' {more}");
         let frames = fk["frames"].as_object().unwrap();
         assert_eq!(frames.len(), 1);
         let at = numbers(&frames["Upper Arm/tip"]["position"]);
         assert!(distance(&at, &expected) < 1e-5, "{more:?}: {at:?}");
     };
     let half = 4.5_f64.sqrt();
-    tip(&[], [3.0, 4.0, 0.0]);
-    tip(&["--time=0"], [4.0, 6.0, 3.0]);
+    tip("", [3.0, 4.0, 0.0]);
+    tip("--time=0", [4.0, 6.0, 3.0]);
     // The hips' quarter turn about y leaves the arm's, upwards, as it is.
-    tip(&["--time=0.25"], [1.0, 9.0, 5.0]);
-    tip(&["--time=7"], [1.0, 9.0, 5.0]);
+    tip("--time=0.25", [1.0, 9.0, 5.0]);
+    tip("--time=7", [1.0, 9.0, 5.0]);
     // One half of the loop further on, and half way there.
-    tip(
-        &["--time=0.625", "--loop"],
-        [1.0 + 1.5, 6.0 + half, 4.0 - 1.5],
-    );
+    tip("--time=0.625 --loop", [1.0 + 1.5, 6.0 + half, 4.0 - 1.5]);
     // Seen from the arm the tip never moves.
-    tip(&["--time=0.1", "--base=Upper Arm"], [3.0, 0.0, 0.0]);
+    tip("--time=0.1 '--base=Upper Arm'", [3.0, 0.0, 0.0]);
 
-    let fk = json(&["fk", &file, "--time=0.25", "--json"]);
+    let fk = answer!("fk {file} --time=0.25");
     assert_eq!(fk["time"], 0.25);
     let turned = numbers(&fk["frames"]["Hips"]["quaternion"]);
     let half = 0.5_f64.sqrt();
@@ -104,8 +100,8 @@ fn fk_places_joints_at_rest_and_in_time() {
         "{turned:?}"
     );
 
-    let output = kinopt(&["fk", &file, "--time", "0.25"]);
-    let rows: Vec<&str> = stdout(&output).lines().map(str::trim_start).collect();
+    let text = text!("fk {file} --time 0.25");
+    let rows: Vec<&str> = text.lines().map(str::trim_start).collect();
     assert_eq!(rows.len(), 4, "{rows:?}");
     let row = rows
         .iter()
@@ -134,8 +130,7 @@ fn what_cannot_be_is_refused() {
     let tip = "--target=bone/2=-2,0,0";
     refused!("solve {rig} {tip} --time=1" => 2, "--time | motion");
     refused!("solve {rig} {tip} --out {capture}" => 2, ".bvh | rig");
-    let broken = folder.file("broken.BVH");
-    std::fs::write(&broken, WAVE.replace("5 90", "5 NaN")).unwrap();
+    let broken = folder.text("broken.BVH", WAVE.replace("5 90", "5 NaN"));
     refused!("info {broken}" => 1, "broken.BVH: line 20:  | `Hips` in frame 2 | `NaN`");
 }
 
@@ -147,25 +142,20 @@ fn solve_drags_a_captured_pose() {
     let out = folder.file("posed.bvh");
     // At 0.25 s the hips stand at (1, 2, 5) and have turned by 90° about y.
     let target = "--target=Upper Arm/tip=1,9,5";
-    let solved = json(&format!(
-        "solve {file} --time=0.25 '{target}' --out {out} --json"
-    ));
-    assert_eq!(solved["reached"], true);
-    assert_eq!(solved["way"], "own");
-    let frames = |frame: &str| {
-        let fk = json(&["fk", &out, "--time=0", "--json", "--frame", frame]);
-        numbers(&fk["frames"][frame]["position"])
-    };
-    assert!(distance(&frames("Upper Arm/tip"), &[1.0, 9.0, 5.0]) < 1e-4);
-    assert!(distance(&frames("Upper Arm"), &[1.0, 6.0, 5.0]) < 1e-4);
-    assert!(distance(&frames("Hips"), &[1.0, 2.0, 5.0]) < 1e-4);
-    let info = json(&["info", &out, "--json"]);
-    assert_eq!(info["captured"]["frames"], 1);
+    let solved = answer!("solve {file} --time=0.25 '{target}' --out {out}");
+    has(&solved, json!({"reached": true, "way": "own"}));
+    for (frame, at) in [
+        ("Upper Arm/tip", [1.0, 9.0, 5.0]),
+        ("Upper Arm", [1.0, 6.0, 5.0]),
+        ("Hips", [1.0, 2.0, 5.0]),
+    ] {
+        let fk = answer!("fk {out} --time=0 --frame '{frame}'");
+        assert!(distance(&numbers(&fk["frames"][frame]["position"]), &at) < 1e-4);
+    }
+    assert_eq!(answer!("info {out}")["captured"]["frames"], 1);
 
     // At rest they stand at the origin, and an End Site does not turn.
-    let far = json(&["solve", &file, "--target=Upper Arm/tip=9,4,0", "--json"]);
-    assert_eq!(far["reached"], false);
-    assert_eq!(far["way"], "own");
-    let q = numbers(&far["q"]);
-    assert_eq!(q[6..9], [0.0; 3]);
+    let far = answer!("solve {file} '--target=Upper Arm/tip=9,4,0'");
+    has(&far, json!({"reached": false, "way": "own"}));
+    assert_eq!(numbers(&far["q"])[6..9], [0.0; 3]);
 }

@@ -1,6 +1,6 @@
 //! Promise: --out writes the mesh in the pose found, and it reads back.
 
-use crate::forked_rig::{Folder, json, kinopt, rig};
+use crate::forked_rig::*;
 use glam::Vec3;
 use kinopt::io::ply;
 
@@ -20,9 +20,7 @@ fn expected() -> Vec<Vec3> {
 fn solve_to(folder: &Folder, out: &str) {
     let rig = folder.rig();
     let target = "--target=bone/4=2,-1,0";
-    let solution = json(&format!(
-        "solve {rig} {target} {START} --degrees --out {out} --json"
-    ));
+    let solution = answer!("solve {rig} {target} {START} --degrees --out {out}");
     assert_eq!(solution["reached"], true);
 }
 
@@ -54,16 +52,11 @@ fn as_obj() {
         let lines = text.lines().filter_map(move |line| line.strip_prefix(kind));
         lines.map(|line| line.split_whitespace().collect::<Vec<_>>())
     };
-    let positions: Vec<Vec3> = of("v ")
-        .map(|words| {
-            let numbers: Vec<f32> = words.iter().map(|w| w.parse().unwrap()).collect();
-            Vec3::from_slice(&numbers)
-        })
-        .collect();
-    close(&positions);
-    let triangles: Vec<[u32; 3]> = of("f ")
-        .map(|words| [0, 1, 2].map(|k| words[k].parse::<u32>().unwrap() - 1))
-        .collect();
+    let position = |words: Vec<&str>| Vec3::from([0, 1, 2].map(|k| words[k].parse().unwrap()));
+    close(&of("v ").map(position).collect::<Vec<_>>());
+    let corner = |word: &str| word.parse::<u32>().unwrap() - 1;
+    let triangles = of("f ").map(|words| [0, 1, 2].map(|k| corner(words[k])));
+    let triangles: Vec<[u32; 3]> = triangles.collect();
     assert_eq!(triangles, rig().mesh.unwrap().triangles());
 }
 
@@ -71,21 +64,9 @@ fn as_obj() {
 fn dual_quaternions_move_rigid_parts_alike_and_need_an_output() {
     let folder = Folder::new("dqs");
     let (rig, out) = (folder.rig(), folder.file("posed.ply"));
-    let target = "--target=bone/4=2,-1,0";
-    let common = [
-        "solve",
-        &rig,
-        target,
-        START,
-        "--degrees",
-        "--skinning",
-        "dqs",
-        "--json",
-    ];
-    let mut arguments = common.to_vec();
-    arguments.extend(["--out", &out]);
-    assert_eq!(json(&arguments)["reached"], true);
+    let common = format!("solve {rig} --target=bone/4=2,-1,0 {START} --degrees --skinning dqs");
+    assert_eq!(answer!("{common} --out {out}")["reached"], true);
     // Every vertex of this rig follows one bone.
     close(ply::read(&out).unwrap().positions());
-    assert_eq!(kinopt(&common).status.code(), Some(2));
+    assert_eq!(kinopt!("{common} --json").status.code(), Some(2));
 }

@@ -3,7 +3,7 @@
 
 use serde_json::json;
 
-use crate::forked_rig::{Folder, json, kinopt, says, stderr, stdout};
+use crate::forked_rig::*;
 
 const DOOR: &str = r#"<robot name="door"><link name="frame"/>
 <link name="leaf"><inertial><mass value="12.5"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
@@ -15,34 +15,26 @@ const DOOR: &str = r#"<robot name="door"><link name="frame"/>
   <limit upper="0.1"/></joint><link name="tip"/></robot>"#;
 
 fn door(folder: &Folder, text: &str) -> String {
-    let file = folder.file("door.urdf");
-    std::fs::write(&file, text).unwrap();
-    file
+    folder.text("door.urdf", text)
 }
 
 #[test]
 fn a_damaged_robot_is_refused_with_a_hint_and_mended_on_request() {
     let folder = Folder::new("lenient");
     let file = door(&folder, DOOR);
-    let output = kinopt(&["info", &file]);
-    assert_eq!(output.status.code(), Some(1));
-    let message = stderr(&output);
-    for words in ["door.urdf:5: joint `hinge`", "lower limit 1.5", "--lenient"] {
-        assert!(message.contains(words), "{message}");
-    }
-    let output = kinopt(&["info", &file, "--lenient", "--json"]);
-    let notes = stderr(&output);
-    for words in [
-        "note: ",
-        "door.urdf:5: joint `hinge`, <limit>: limits out of order, taken as -1 to 1.5",
-        "door.urdf:8: joint `bolt`, <limit>: `lower` is not given and taken as 0, the default",
-    ] {
-        assert!(notes.contains(words), "{notes}");
-    }
-    let info: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
-    assert_eq!(info["repairs"][0]["line"], 5);
-    assert_eq!(info["repairs"][0]["element"], "joint `hinge`, <limit>");
-    assert_eq!(info["repairs"].as_array().unwrap().len(), 2);
+    let words = "door.urdf:5: joint `hinge` | lower limit 1.5 | --lenient";
+    refused!("info {file}" => 1, "{words}");
+    let (info, notes) = answer!(told "info {file} --lenient");
+    says(
+        &notes,
+        "note:  | door.urdf:5: joint `hinge`, <limit>: limits out of order, taken as -1 to 1.5 | \
+         door.urdf:8: joint `bolt`, <limit>: `lower` is not given and taken as 0, the default",
+    );
+    has(
+        &info,
+        json!({"repairs/0/line": 5, "repairs/0/element": "joint `hinge`, <limit>"}),
+    );
+    assert_eq!(list(&info["repairs"]).len(), 2);
     assert_eq!(info["joints"][0]["lower"], -1.0);
 }
 
@@ -51,31 +43,31 @@ fn a_file_that_only_leaves_things_to_defaults_needs_no_switch() {
     let folder = Folder::new("defaults");
     let sound = DOOR.replace("lower=\"1.5\" upper=\"-1\"", "lower=\"-1\" upper=\"1.5\"");
     let file = door(&folder, &sound);
-    let output = kinopt(&["fk", &file, "--frame", "tip"]);
-    assert!(output.status.success());
-    assert!(stderr(&output).contains("`lower` is not given"));
+    let (_, told) = answer!(told "fk {file} --frame tip");
+    says(&told, "`lower` is not given");
 }
 
 #[test]
 fn shapes_masses_speeds_and_soft_limits_are_told() {
     let folder = Folder::new("bodies");
     let file = door(&folder, DOOR);
-    let info = json(&["info", &file, "--lenient", "--json"]);
+    let info = answer!("info {file} --lenient");
     assert_eq!(info["mass"], 12.5);
     let leaf = json!({"name": "leaf", "mass": 12.5, "visuals": 1, "collisions": 0,
                       "meshes": ["package://door/leaf.stl"]});
     assert_eq!(info["links"][1], leaf);
     assert_eq!(info["links"][0]["mass"], json!(null));
-    let hinge = &info["joints"][0];
-    assert_eq!(hinge["velocity"], 2.0);
-    assert_eq!(hinge["effort"], 30.0);
-    assert_eq!(hinge["soft_limits"], json!([-0.5, null]));
-    assert_eq!(info["joints"][1]["velocity"], json!(null));
-    assert_eq!(info["joints"][1]["soft_limits"], json!(null));
-    let output = kinopt(&["info", &file, "--lenient"]);
-    let text = stdout(&output);
-    says(text, "1 to be seen, 0 to collide, 1 files of meshes");
-    assert!(text.contains("12.5") && text.contains("kg"), "{text}");
+    let driven = json!({"velocity": 2.0, "effort": 30.0, "soft_limits": [-0.5, null]});
+    has(&info["joints"][0], driven);
+    has(
+        &info["joints"][1],
+        json!({"velocity": null, "soft_limits": null}),
+    );
+    let text = text!("info {file} --lenient");
+    says(
+        &text,
+        "1 to be seen, 0 to collide, 1 files of meshes | 12.5 | kg",
+    );
 }
 
 #[test]
@@ -84,13 +76,10 @@ fn soft_limits_bind_on_request() {
     let file = door(&folder, DOOR);
     // A quarter turn to the right, which the soft limit cuts short.
     let target = "--target=tip=0.5403,-0.8415,0";
-    let hinge = |more: &[&str]| {
-        let all = [&["solve", &file, target, "--lenient", "--json"], more].concat();
-        json(&all)["q"][0].as_f64().unwrap()
-    };
-    assert!(hinge(&[]) < -0.9);
-    assert_eq!(hinge(&["--soft-limits"]), -0.5);
-    let info = json(&["info", &file, "--lenient", "--soft-limits", "--json"]);
+    let hinge = |more: &str| number(&answer!("solve {file} {target} --lenient {more}")["q"][0]);
+    assert!(hinge("") < -0.9);
+    assert_eq!(hinge("--soft-limits"), -0.5);
+    let info = answer!("info {file} --lenient --soft-limits");
     assert_eq!(info["joints"][0]["lower"], -0.5);
 }
 
@@ -99,10 +88,7 @@ fn only_robots_are_read_so() {
     let folder = Folder::new("rig");
     let rig = folder.rig();
     for option in ["--lenient", "--soft-limits"] {
-        for command in ["info", "fk"] {
-            let output = kinopt(&[command, &rig, option]);
-            assert_eq!(output.status.code(), Some(2));
-            assert!(stderr(&output).contains(option));
-        }
+        refused!("info {rig} {option}" => 2, "{option}");
+        refused!("fk {rig} {option}" => 2, "{option}");
     }
 }

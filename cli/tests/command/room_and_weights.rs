@@ -1,9 +1,9 @@
 //! Promise: a target may leave room on single axes, frames and joints weigh what they are said to, and
 //! a script hears of a miss by the exit code.
 
-use crate::forked_rig::{Folder, json, kinopt, numbers, says, stderr, stdout};
-use crate::seeded_robot::{Seeded, typed};
-use kinopt::spatial::{Placement, Vector3};
+use crate::forked_rig::*;
+use crate::seeded_robot::{Seeded, seven, typed};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 /// Where the tool came to stand in the target.
 fn in_target(panda: &Seeded, q: &[f64], wanted: &Placement<f64>) -> Placement<f64> {
@@ -15,40 +15,31 @@ fn room_on_axes() {
     let panda = Seeded::panda();
     let q = panda.configuration(11);
     let wanted = panda.base_from("tool", &q);
+    let start = commas(&q);
     // 2 cm beyond the target along its own x is within the room, 3 cm before it is not.
     for (offset, within) in [(0.02, true), (-0.03, false)] {
         let shifted = wanted * Placement::translation(Vector3::new(-offset, 0.0, 0.0));
-        let target = typed("tool", &crate::seeded_robot::seven(&shifted));
-        let start: Vec<String> = q.iter().map(f64::to_string).collect();
-        let start = format!("--start={}", start.join(","));
-        let solution = json(&format!(
-            "solve {panda} {target} {start} --interval=x=-0.01..0.03 --json"
-        ));
+        let target = typed("tool", &seven(&shifted));
+        let solution = answer!("solve {panda} {target} --start={start} --interval=x=-0.01..0.03");
         assert_eq!(solution["reached"], true);
         let apart = in_target(&panda, &numbers(&solution["q"]), &shifted);
         let x = apart.translation.x;
         assert!((-0.01 - 2e-6..=0.03 + 2e-6).contains(&x), "{x}");
         assert!(apart.translation.y.abs() < 2e-6 && apart.translation.z.abs() < 2e-6);
-        let stayed = (x - offset).abs() < 1e-5;
-        assert_eq!(stayed, within, "{x}");
+        assert_eq!((x - offset).abs() < 1e-5, within, "{x}");
     }
     // Turns, in degrees.
     let target = typed("tool", &panda.pose(&q));
-    let solution = json(&format!(
-        "solve {panda} {target} --interval=rz=free,y=0.02 --json"
-    ));
-    assert_eq!(solution["reached"], true);
-    let apart = in_target(&panda, &numbers(&solution["q"]), &wanted);
-    assert!((apart.rotation.z.z - 1.0).abs() < 1e-9);
-    assert!(apart.translation.y.abs() < 0.02 + 2e-6);
-    let solution = json(&format!(
-        "solve {panda} {target} --interval=rx=10 --degrees --json"
-    ));
-    assert_eq!(solution["reached"], true);
-    let apart = in_target(&panda, &numbers(&solution["q"]), &wanted);
-    assert!(
-        apart.rotation.x.x > 1.0 - 1e-9 && apart.rotation.y.z.abs() < 10.1_f64.to_radians().sin()
-    );
+    let apart = |room: &str| {
+        let solution = answer!("solve {panda} {target} --interval={room}");
+        assert_eq!(solution["reached"], true);
+        in_target(&panda, &numbers(&solution["q"]), &wanted)
+    };
+    let free = apart("rz=free,y=0.02");
+    assert!((free.rotation.z.z - 1.0).abs() < 1e-9);
+    assert!(free.translation.y.abs() < 0.02 + 2e-6);
+    let Matrix3 { x, y, .. } = apart("rx=10 --degrees").rotation;
+    assert!(x.x > 1.0 - 1e-9 && y.z.abs() < 10.1_f64.to_radians().sin());
     refused!("solve {panda} {target} --interval=w=1" => 2, "rx, ry, rz");
     refused!("solve {panda} {target} --interval=rz=0..1" => 2, "either way");
     refused!("solve {panda} {target} --interval=x=2..1" => 2, "wrong order");
@@ -64,7 +55,7 @@ fn room_beyond_arms() {
     // The stretched arm's tip is at x = −3; turned so far about itself no bone gets there.
     let turned = "--target=bone/2=-3,0,0,0,0,0.997495,0.070737";
     for solver in ["", "--solver=levenberg-marquardt"] {
-        let solution = |line: &str| json(&format!("solve {rig} {line} {solver} --json"));
+        let solution = |line: &str| answer!("solve {rig} {line} {solver}");
         for (line, reached) in [
             ("--target=bone/2=-3.1,0,0", false),
             ("--target=bone/2=-3.1,0,0 --interval=x=0..0.2", true),
@@ -85,9 +76,7 @@ fn room_beyond_arms() {
     let q = panda.configuration(11);
     let target = typed("tool", &panda.pose(&q));
     let solver = "--solver=levenberg-marquardt";
-    let solution = json(&format!(
-        "solve {panda} {target} {solver} --interval=rz=free,y=0.01..0.02 --json"
-    ));
+    let solution = answer!("solve {panda} {target} {solver} --interval=rz=free,y=0.01..0.02");
     assert_eq!(solution["reached"], true);
     let wanted = panda.base_from("tool", &q);
     let apart = in_target(&panda, &numbers(&solution["q"]), &wanted);
@@ -103,18 +92,14 @@ fn weights_say_who_gives_way() {
     // only through the weights of one frame's two targets.
     let ask = |weight: &str| {
         let targets = "--target=bone/2=-2.5,0.5,0 --target=bone/1=-1.5,-0.8,0";
-        let solution = json(&format!("solve {rig} {targets} {weight} --json"));
-        let error = |task: usize| solution["tasks"][task]["position_error"].as_f64().unwrap();
-        [error(0), error(1)]
+        let solution = answer!("solve {rig} {targets} {weight}");
+        [0, 1].map(|task| number(&solution["tasks"][task]["position_error"]))
     };
     let even = ask("");
-    let hand = ask("--weight=bone/2=20");
-    let elbow = ask("--weight=bone/1=20");
+    let (hand, elbow) = (ask("--weight=bone/2=20"), ask("--weight=bone/1=20"));
     assert!(even[0] > 1e-3 && even[1] > 1e-3, "{even:?}");
-    assert!(
-        hand[0] < 0.5 * even[0] && elbow[1] < 0.5 * even[1],
-        "{even:?} {hand:?} {elbow:?}"
-    );
+    let less = hand[0] < 0.5 * even[0] && elbow[1] < 0.5 * even[1];
+    assert!(less, "{even:?} {hand:?} {elbow:?}");
     let hand = "--target=bone/2=-2.5,0.5,0 --weight=bone/2";
     refused!("solve {rig} {hand}=1 --weight=bone/3=2" => 1, "`bone/3`");
     refused!("solve {rig} {hand}=0" => 2, "not above 0");
@@ -127,38 +112,29 @@ fn joints_weigh_in_the_nearest_answer() {
     let q = panda.configuration(11);
     let target = typed("tool", &panda.pose(&q));
     let moved = |weights: &str| {
-        let solution = json(&format!(
-            "solve {panda} {target} --search=nearest {weights} --json"
-        ));
+        let solution = answer!("solve {panda} {target} --search=nearest --joint-weights={weights}");
         assert_eq!(solution["reached"], true);
-        let start = numbers(&json(&["solve", &panda.file, &target, "--max-move=0", "--json"])["q"]);
-        (numbers(&solution["q"])[0] - start[0]).abs()
+        let start = answer!("solve {panda} {target} --max-move=0");
+        (number(&solution["q"][0]) - number(&start["q"][0])).abs()
     };
-    let (even, heavy) = (
-        moved("--joint-weights=1"),
-        moved("--joint-weights=100,1,1,1,1,1,1"),
-    );
+    let (even, heavy) = (moved("1"), moved("100,1,1,1,1,1,1"));
     assert!(heavy < even, "{heavy} {even}");
     refused!("solve {panda} {target} --joint-weights=1,2" => 1, "--joint-weights");
     // Which of the two errors of an unreachable pose is the smaller is a matter of weights.
     let far = "--target=tool=1.5,0,0.5,1,0,0,0";
-    let angle = |metres: &str| {
-        let solution = json(&["solve", &panda.file, far, metres, "--json"]);
-        solution["tasks"][0]["orientation_error"].as_f64().unwrap()
+    let angle = |metres: f64| {
+        let solution = answer!("solve {panda} {far} --metres-per-radian={metres}");
+        number(&solution["tasks"][0]["orientation_error"])
     };
-    assert!(angle("--metres-per-radian=10") < angle("--metres-per-radian=0.01"));
+    assert!(angle(10.0) < angle(0.01));
 }
 
 #[test]
 fn scripts_hear_of_misses() {
     let scara = Seeded::new("adept_cobra_s600", "base", "flange");
     let folder = Folder::new("misses");
-    let targets = folder.file("targets.json");
-    std::fs::write(
-        &targets,
-        r#"{"targets": [[2, 0, 0.2], [0.4, 0.1, 0.2]], "tip_link": "flange"}"#,
-    )
-    .unwrap();
+    let content = r#"{"targets": [[2, 0, 0.2], [0.4, 0.1, 0.2]], "tip_link": "flange"}"#;
+    let targets = folder.text("targets.json", content);
     let far = "--target=flange=2,0,0.2";
     let near = "--target=flange=0.4,0.1,0.2";
     for (line, code, message) in [
@@ -169,7 +145,7 @@ fn scripts_hear_of_misses() {
         (format!("--targets {targets} --fail-on-miss"), 3, "1 of 2"),
     ] {
         for format in ["", "--json"] {
-            let output = kinopt(&format!("solve {scara} {line} {format}"));
+            let output = kinopt!("solve {scara} {line} {format}");
             let told = stderr(&output);
             assert_eq!(output.status.code(), Some(code), "{line}: {told}");
             // What came out is told all the same.

@@ -1,5 +1,6 @@
 //! Robots of models/, and targets that seeded configurations reach.
 
+use crate::forked_rig::{commas, model};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, rotation_log};
@@ -22,7 +23,7 @@ impl std::fmt::Display for Seeded {
 
 impl Seeded {
     pub(crate) fn new(name: &str, base: &'static str, tip: &'static str) -> Self {
-        let file = format!("{}/../models/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+        let file = model(&format!("{name}.urdf"));
         let robot = Robot::read(&file).unwrap();
         Self {
             file,
@@ -60,10 +61,8 @@ impl Seeded {
     }
 
     pub(crate) fn poses(&self, count: u64) -> Vec<Vec<f64>> {
-        let seeds = 1..=count;
-        seeds
-            .map(|seed| self.pose(&self.configuration(seed)))
-            .collect()
+        let pose = |seed| self.pose(&self.configuration(seed));
+        (1..=count).map(pose).collect()
     }
 
     /// A file of that many targets, without starts.
@@ -106,6 +105,5 @@ fn placement(pose: &[f64]) -> Placement<f64> {
 
 /// `FRAME=…` with every digit.
 pub(crate) fn typed(frame: &str, numbers: &[f64]) -> String {
-    let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
-    format!("--target={frame}={}", numbers.join(","))
+    format!("--target={frame}={}", commas(numbers))
 }

@@ -1,25 +1,22 @@
 //! Promise: `--servo` moves no joint faster than its velocity limit nor beyond its limits, comes to the
 //! last target where it is given time, and tells what held it.
 
-use crate::forked_rig::{Folder, json, kinopt, numbers, stderr, stdout};
+use crate::forked_rig::*;
 use crate::seeded_robot::Seeded;
 use serde_json::{Value, json};
 
 /// A file whose targets go 5 cm down at 0.2 m/s and a thousand a second, then rest.
 fn targets(folder: &Folder, seeded: &Seeded, start: &[f64]) -> (String, Vec<f64>) {
     let mut pose = seeded.pose(start);
-    let mut poses = Vec::new();
-    for tick in 0..400 {
-        if tick < 250 {
-            pose[2] -= 2e-4;
-        }
-        poses.push(pose.clone());
-    }
+    let down = |tick| {
+        pose[2] -= if tick < 250 { 2e-4 } else { 0.0 };
+        pose.clone()
+    };
+    let poses: Vec<Vec<f64>> = (0..400).map(down).collect();
     let starts = vec![start; poses.len()];
-    let content = json!({"targets": poses, "starts": starts, "tip_link": seeded.tip, "base_link": seeded.base});
-    let file = folder.file("line.json");
-    std::fs::write(&file, content.to_string()).unwrap();
-    (file, pose)
+    let (tip, base) = (seeded.tip, seeded.base);
+    let content = json!({"targets": poses, "starts": starts, "tip_link": tip, "base_link": base});
+    (folder.text("line.json", content), pose)
 }
 
 /// Bent at the elbow, away from limits; the fingers closed.
@@ -50,13 +47,11 @@ fn a_line_is_followed_within_the_file_s_velocity_limits() {
     let seeded = Seeded::panda();
     let start = start(&seeded);
     let (file, last) = targets(&folder, &seeded, &start);
-    let asked = ["solve", &seeded.file, "--targets", &file, "--servo", "1000"];
-    let document = json(&[&asked[..], &["--json"]].concat());
-    let ticks = document["ticks"].as_array().unwrap();
+    let document = answer!("solve {seeded} --targets {file} --servo 1000");
+    let ticks = list(&document["ticks"]);
     assert_eq!(ticks.len(), 400);
-    let model = seeded.robot.model();
-    let limits: Vec<f64> = model.moving_joints()[..7]
-        .iter()
+    let moving = seeded.robot.model().moving_joints()[..7].iter();
+    let limits: Vec<f64> = moving
         .map(|&id| seeded.robot.velocity_limit(id).unwrap())
         .collect();
     assert_eq!(numbers(&document["velocity_limits"]), limits);
@@ -67,10 +62,9 @@ fn a_line_is_followed_within_the_file_s_velocity_limits() {
     }
     seeded.check(&numbers(&ticks[399]["q"]), &last);
     assert_eq!(ticks[399]["status"], "on target");
-    let output = kinopt(&asked);
-    let text = stdout(&output);
+    let text = text!("solve {seeded} --targets {file} --servo 1000");
     assert!(text.starts_with("ticks     400 at 1000 a second"), "{text}");
-    assert!(text.contains("at last   on target"), "{text}");
+    says(&text, "at last   on target");
 }
 
 #[test]
@@ -79,20 +73,15 @@ fn slower_limits_hold_and_are_told() {
     let seeded = Seeded::panda();
     let start = start(&seeded);
     let (file, last) = targets(&folder, &seeded, &start);
-    let slow = ["--servo", "1000", "--velocity-limits", "0.05"];
-    let said = ["--json", "--fail-on-miss"];
-    let asked = ["solve", &seeded.file, "--targets", &file];
-    let missed = kinopt(&[&asked[..], &slow, &said].concat());
+    let slow = "--servo 1000 --velocity-limits 0.05 --json --fail-on-miss";
+    let missed = kinopt!("solve {seeded} --targets {file} {slow}");
     let document: Value = serde_json::from_str(stdout(&missed)).unwrap();
-    let ticks = document["ticks"].as_array().unwrap();
+    let ticks = list(&document["ticks"]);
     let all = speeds(ticks, &start).concat();
     assert!(all.iter().all(|speed| *speed <= 0.05 * (1.0 + 1e-9)));
     assert!(all.iter().any(|speed| *speed > 0.05 * (1.0 - 1e-9)));
-    let held = ticks[200]["held"].as_object().unwrap();
-    assert!(
-        held.values()
-            .any(|by| by.as_str().unwrap().starts_with("velocity limit"))
-    );
+    let mut held = ticks[200]["held"].as_object().unwrap().values();
+    assert!(held.any(|by| word(by).starts_with("velocity limit")));
     // A fifth of a second later it is still on its way, and a script can know.
     let [metres, _] = seeded.errors(&numbers(&ticks[399]["q"]), &last);
     assert!(metres > 1e-3, "{metres}");
@@ -112,10 +101,7 @@ fn what_makes_no_sense_is_refused() {
     refused!("solve {seeded} {one} --velocity-limits 1" => 2, "--servo");
     let few = "--velocity-limits: 2 numbers given";
     refused!("{asked} --servo 1000 --velocity-limits 1,2" => 1, "{few}");
-    let rig = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
+    let rig = model("humanoid/humanoid.json");
     let ours = "--tip left_hand --servo 1000";
     refused!("solve {rig} --targets {file} {ours}" => 2, "--servo is for robots");
 }

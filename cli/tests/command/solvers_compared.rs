@@ -1,60 +1,39 @@
 //! Promise: `kinopt bench` compares solvers on a robot or a rig, writes results that can be read
 //! again, and keeps what is done when it is interrupted.
 
-use crate::forked_rig::{Folder, json, kinopt, stderr};
+use crate::forked_rig::*;
 use serde_json::{Value, json};
-
-fn model(name: &str) -> String {
-    format!("{}/../models/{name}", env!("CARGO_MANIFEST_DIR"))
-}
 
 fn results(folder: &Folder) -> Value {
     let text = std::fs::read_to_string(folder.file("out/results.json")).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
-const TWO: [&str; 4] = ["--solver", "kinopt default", "--solver", "argmin L-BFGS"];
+const TWO: &str = "--solver 'kinopt default' --solver 'argmin L-BFGS'";
 
 #[test]
 fn a_robot_and_its_default_tip() {
     let folder = Folder::new("bench-robot");
     let (file, out) = (model("franka_panda.urdf"), folder.file("out"));
-    let mut arguments = vec!["bench", &file, "--out", &out, "--json"];
-    arguments.extend([
-        "--problems",
-        "random:3",
-        "--bones",
-        "8",
-        "--time-limit",
-        "60000",
-    ]);
-    arguments.extend(TWO);
-    let document = json(&arguments);
-    assert_eq!(document["problems"], 3);
-    assert_eq!(document["interrupted"], false);
-    let runs = document["runs"].as_array().unwrap();
-    let names: Vec<_> = runs
-        .iter()
-        .map(|run| run["jacobian"].as_str().unwrap())
-        .collect();
+    let limits = "--problems random:3 --bones 8 --time-limit 60000";
+    let document = answer!("bench {file} --out {out} {limits} {TWO}");
+    has(&document, json!({"problems": 3, "interrupted": false}));
+    let runs = list(&document["runs"]);
+    let names: Vec<_> = runs.iter().map(|run| word(&run["jacobian"])).collect();
     let routes = ["analytic", "dual", "fd", "central"];
     assert_eq!(names, [routes, routes].concat());
 
     let results = results(&folder);
     // The tool is farther out than the fingers that slide beside it.
-    assert_eq!(results["model"]["frames"], json!(["tool"]));
-    assert_eq!(results["model"]["turns"], true);
-    for key in ["tool", "date"] {
-        assert!(!results["provenance"][key].as_str().unwrap().is_empty());
-    }
-    assert_eq!(
-        results["jacobian_cost"][0]["points"]
-            .as_array()
-            .unwrap()
-            .len(),
-        4
+    has(
+        &results["model"],
+        json!({"frames": ["tool"], "turns": true}),
     );
-    let records = results["runs"][0]["records"].as_array().unwrap();
+    for key in ["tool", "date"] {
+        assert!(!word(&results["provenance"][key]).is_empty());
+    }
+    assert_eq!(list(&results["jacobian_cost"][0]["points"]).len(), 4);
+    let records = list(&results["runs"][0]["records"]);
     assert!(records.iter().all(|record| record["solved"] == true));
 
     let table = std::fs::read_to_string(folder.file("out/results.md")).unwrap();
@@ -76,29 +55,16 @@ fn a_robot_and_its_default_tip() {
 fn a_rig_and_its_pinned_tips() {
     let folder = Folder::new("bench-rig");
     let (file, out) = (folder.rig(), folder.file("out"));
-    let mut arguments = vec!["bench", &file, "--out", &out, "--json"];
-    arguments.extend([
-        "--problems",
-        "random:2",
-        "--bones",
-        "0",
-        "--solver",
-        "lane engine",
-    ]);
-    arguments.extend(TWO);
-    let document = json(&arguments);
-    let lanes = document["runs"].as_array().unwrap().iter();
-    let lanes = lanes
-        .into_iter()
-        .find(|run| run["solver"] == "lane engine")
-        .unwrap();
-    assert!(lanes["sat_out"].as_str().unwrap().contains("one frame"));
-    let results = results(&folder);
-    assert_eq!(
-        results["model"]["frames"],
-        json!(["bone/2/tip", "bone/4/tip"])
+    let limits = "--problems random:2 --bones 0 --solver 'lane engine'";
+    let document = answer!("bench {file} --out {out} {limits} {TWO}");
+    let mut runs = list(&document["runs"]).iter();
+    let lanes = runs.find(|run| run["solver"] == "lane engine").unwrap();
+    says(word(&lanes["sat_out"]), "one frame");
+    let frames = ["bone/2/tip", "bone/4/tip"];
+    has(
+        &results(&folder)["model"],
+        json!({"frames": frames, "turns": false}),
     );
-    assert_eq!(results["model"]["turns"], false);
 }
 
 #[test]
@@ -106,31 +72,19 @@ fn targets_of_a_file() {
     let folder = Folder::new("bench-file");
     let (file, out) = (model("universal_ur5e.urdf"), folder.file("out"));
     // Where the flange stands at a configuration that `fk` tells.
-    let placed = json(&["fk", &file, "--q=0.3,-1,1.2,-0.4,0.6,0.2", "--json"]);
+    let placed = answer!("fk {file} --q=0.3,-1,1.2,-0.4,0.6,0.2");
     let flange = &placed["frames"]["flange"];
-    let numbers = ["position", "quaternion"].map(|key| flange[key].as_array().unwrap().clone());
-    let targets = folder.file("targets.json");
-    let written = json!({
-        "targets": [numbers.concat()],
-        "tip_link": "flange",
-        "starts": [[0.2, -0.9, 1.1, -0.3, 0.5, 0.1]],
-    });
-    std::fs::write(&targets, written.to_string()).unwrap();
-    let mut arguments = vec![
-        "bench",
-        &file,
-        "--out",
-        &out,
-        "--json",
-        "--targets",
-        &targets,
-    ];
-    arguments.extend(["--bones", "0", "--solver", "levenberg-marquardt"]);
-    let document = json(&arguments);
+    let pose = ["position", "quaternion"]
+        .map(|key| numbers(&flange[key]))
+        .concat();
+    let starts = [[0.2, -0.9, 1.1, -0.3, 0.5, 0.1]];
+    let content = json!({"targets": [pose], "tip_link": "flange", "starts": starts});
+    let targets = folder.text("targets.json", content);
+    let one = "--bones 0 --solver levenberg-marquardt";
+    let document = answer!("bench {file} --out {out} --targets {targets} {one}");
     assert_eq!(document["problems"], 1);
     let record = &results(&folder)["runs"][0]["records"][0];
-    assert_eq!(record["solved"], true);
-    assert_eq!(record["attempts"], 1);
+    has(record, json!({"solved": true, "attempts": 1}));
 }
 
 #[cfg(unix)]
@@ -140,17 +94,10 @@ fn an_interrupt_keeps_what_is_done() {
 
     let folder = Folder::new("bench-interrupt");
     let (file, out) = (model("universal_ur5e.urdf"), folder.file("out"));
+    let line = format!("bench {file} --out {out} --problems random:5000 --position-only --json");
     let mut child = Command::new(env!("CARGO_BIN_EXE_kinopt"))
-        .args([
-            "bench",
-            &file,
-            "--out",
-            &out,
-            "--problems",
-            "random:5000",
-            "--position-only",
-        ])
-        .args(["--solver", "levenberg-marquardt", "--json"])
+        .args(line.split(' '))
+        .args(["--solver", "levenberg-marquardt"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -161,33 +108,23 @@ fn an_interrupt_keeps_what_is_done() {
         "so many problems take longer"
     );
     let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    let killed = Command::new("kill").args(["-INT", &id]).status().unwrap();
+    assert!(killed.success());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success(), "{output:?}");
-    assert!(stderr(&output).contains("interrupted"));
+    says(stderr(&output), "interrupted");
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(document["interrupted"], true);
 
     let results = results(&folder);
-    let done = results["problems"].as_u64().unwrap();
+    let done = count(&results["problems"]);
     assert!(0 < done && done < 5000);
     assert_eq!(results["setting"]["problems"], 5000);
-    for run in results["runs"].as_array().unwrap() {
-        assert_eq!(run["records"].as_array().unwrap().len() as u64, done);
+    for run in list(&results["runs"]) {
+        assert_eq!(list(&run["records"]).len() as u64, done);
     }
-    for file in ["results.md", "solved-over-time.svg"] {
-        assert!(
-            std::fs::metadata(folder.file(&format!("out/{file}")))
-                .unwrap()
-                .len()
-                > 0
-        );
+    for file in ["out/results.md", "out/solved-over-time.svg"] {
+        assert!(std::fs::metadata(folder.file(file)).unwrap().len() > 0);
     }
 }
 
@@ -205,11 +142,10 @@ fn models_of_others() {
         let folder = Folder::new(&format!("bench-others-{}", model.len()));
         let file = shared.join(model).display().to_string();
         let out = folder.file("out");
-        let mut arguments = vec!["bench", &file, "--out", &out, "--json", "--bones", "0"];
-        arguments.extend(["--problems", "random:3", "--time-limit", "60000"]);
-        arguments.extend(["--solver", "kinopt default", "--solver", "lane engine"]);
-        let document = json(&arguments);
-        for run in document["runs"].as_array().unwrap() {
+        let limits = "--bones 0 --problems random:3 --time-limit 60000";
+        let solvers = "--solver 'kinopt default' --solver 'lane engine'";
+        let document = answer!("bench {file} --out {out} {limits} {solvers}");
+        for run in list(&document["runs"]) {
             assert_eq!(run["solved"], 3, "{model}: {run}");
         }
     }
@@ -219,17 +155,9 @@ fn models_of_others() {
 fn wrong_usage_is_named() {
     let folder = Folder::new("bench-usage");
     let (file, out) = (model("universal_ur5e.urdf"), folder.file("out"));
-    for (wrong, reason) in [
-        (["--problems", "12"], "random:N"),
-        (["--solver", "newton"], "levenberg-marquardt"),
-        (["--problem", "100"], "100 problems"),
-        (["--tolerance", "0"], "above 0"),
-    ] {
-        let output = kinopt(&["bench", &file, "--out", &out, wrong[0], wrong[1]]);
-        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
-        assert!(stderr(&output).contains(reason), "{}", stderr(&output));
-    }
-    let output = kinopt(&["bench", &file, "--out", &out, "--tip", "hand"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(stderr(&output).contains("flange"));
+    refused!("bench {file} --out {out} --problems 12" => 2, "random:N");
+    refused!("bench {file} --out {out} --solver newton" => 2, "levenberg-marquardt");
+    refused!("bench {file} --out {out} --problem 100" => 2, "100 problems");
+    refused!("bench {file} --out {out} --tolerance 0" => 2, "above 0");
+    refused!("bench {file} --out {out} --tip hand" => 1, "flange");
 }

@@ -3,29 +3,15 @@
 #[cfg(not(feature = "bench"))]
 #[test]
 fn bench_says_how_to_get_it() {
-    use crate::forked_rig::{kinopt, stderr, stdout};
-    let output = kinopt(&["bench", "robot.urdf", "--problems", "random:3", "--json"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert_eq!(stdout(&output), "");
-    let reason = stderr(&output);
-    assert_eq!(reason.lines().count(), 1, "{reason}");
-    assert!(
-        reason.contains("--features bench -- bench robot.urdf --problems random:3"),
-        "{reason}"
-    );
+    let how = "--features bench -- bench robot.urdf --problems random:3";
+    refused!("bench robot.urdf --problems random:3 --json" => 1, "{how}");
 }
 
 #[cfg(not(feature = "charts"))]
 #[test]
 fn the_picture_says_how_to_get_it() {
-    use crate::forked_rig::{Folder, kinopt, stderr, stdout};
-    let folder = Folder::new("no-picture");
+    let folder = crate::forked_rig::Folder::new("no-picture");
     let file = folder.file("twist.svg");
-    let output = kinopt(&["skin-report", "--out", &file]);
-    assert_eq!(output.status.code(), Some(1));
-    assert_eq!(stdout(&output), "");
-    let reason = stderr(&output);
-    assert_eq!(reason.lines().count(), 1, "{reason}");
-    assert!(reason.contains("--features charts"), "{reason}");
+    refused!("skin-report --out {file}" => 1, "--features charts");
     assert!(!std::path::Path::new(&file).exists());
 }
