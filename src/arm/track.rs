@@ -127,7 +127,10 @@ impl Arm {
             if !follower.try_branch(target, Some((&known.q, pull)), &mut solution) {
                 break;
             }
-            if self.longest_move(&known.q, &solution.q).1 <= MEETING {
+            let meets = self.longest_move(&known.q, &solution.q).1 <= MEETING;
+            // The way goes on from the one known, and no step of it is a jump.
+            let joins = |next: &Solution| self.longest_move(&known.q, &next.q).1 <= LONG_STEP;
+            if meets && way.last().is_some_and(joins) {
                 return Ok(Some(way));
             }
             follower.stand_at(target, &solution.q);

@@ -80,3 +80,32 @@ fn nothing_is_said_to_be_reached_that_is_not() {
     }
     assert!(built > 0 && reached > 0, "{built} {reached}");
 }
+
+/// A follower's value is a sum of two parts: where they are huge and cancel, it is known no better than they are.
+#[test]
+fn what_cancels_leaves_its_rounding() {
+    let text = |ratio: f64| {
+        format!(
+            "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>\
+             <joint name=\"lead\" type=\"prismatic\"><parent link=\"a\"/><child link=\"b\"/>\
+             <limit lower=\"0\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\
+             <joint name=\"follow\" type=\"prismatic\"><parent link=\"b\"/><child link=\"c\"/>\
+             <axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>\
+             <mimic joint=\"lead\" multiplier=\"{ratio}\" offset=\"{}\"/></joint></robot>",
+            -ratio
+        )
+    };
+    // Numbers of 1e12 are 1e-4 apart.
+    for (ratio, resolved) in [(1.0, true), (1e3, true), (1e12, false)] {
+        let robot = Robot::parse(&text(ratio), "r.urdf").unwrap();
+        let arm = Arm::new(&robot, "a", "c").unwrap();
+        let target = arm.base_from_tool(&[1.0]).unwrap();
+        let solution = arm.solve(target, &[1.0]).unwrap();
+        assert_eq!(
+            solution.reached,
+            resolved,
+            "{ratio}: {}",
+            solution.explain()
+        );
+    }
+}

@@ -2,8 +2,10 @@
 //! (best with `--release`; a debug build takes fewer).
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use kinopt::arm::{Arm, ArmBuilder, Search};
-use kinopt::spatial::Placement;
+use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::model::{Limits, Model};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, distance, robot, within_limits};
 use support::sample::{cases, few};
 use support::urdf_matrices::{apart, from_placement};
@@ -108,4 +110,28 @@ fn distinct_solutions_of_a_redundant_arm() {
     assert!(distinct(&builder, 5, 0.1, &[1.0; 7]) * 50 >= 5 * cases(5, 3) * 49);
     let weights = [2.0, 2.0, 1.0, 1.0, 0.5, 0.5, 0.1];
     assert!(distinct(&builder, 4, 0.5, &weights) > cases(5, 3));
+}
+
+/// Room is freedom to come nearer: of two slides along one line the heavier goes less, as the squares of their
+/// weights ask for, to where the room begins.
+#[test]
+fn nearest_uses_the_room_of_its_goal() {
+    let mut builder = Model::builder("rail");
+    let (at, x) = (Placement::identity(), Vector3::new(1.0, 0.0, 0.0));
+    let limits = Limits::new(-2.0, 2.0);
+    let first = builder.prismatic("first", None, at, x, limits);
+    let second = builder.prismatic("second", Some(first), at, x, limits);
+    builder.frame("base", None, at);
+    builder.frame("tip", Some(second), at);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tip");
+    let arm = arm.with_goal(Goal::within([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    let arm = arm.with_joint_weights(&[1.0, 2.0]);
+    let arm = arm.with_search(Search::Nearest).build().unwrap();
+    let target = Placement::translation(Vector3::new(0.9, 0.0, 0.0));
+    // From 0.3 to 0.8: four shares and one.
+    let solution = arm.solve(target, &[0.1, 0.2]).unwrap();
+    let moved = [solution.q[0] - 0.1, solution.q[1] - 0.2];
+    let off = (moved[0] - 0.4).abs().max((moved[1] - 0.1).abs());
+    assert!(solution.reached && off < 1e-4, "{moved:?}");
 }

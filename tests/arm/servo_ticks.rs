@@ -282,3 +282,25 @@ fn a_servo_is_never_beyond_its_limits() {
         assert_eq!(servo.q()[1], side);
     }
 }
+
+/// The damping that fades while a target rests is back once it moves: a tick later the servo goes as one that
+/// begins there.
+#[test]
+fn after_a_rest_it_is_as_calm_as_before() {
+    let arm = planar(&[0.6, 0.4], 2.5, 1.0);
+    let servo = |start: &[f64]| {
+        let servo = arm.servo(start, TICK).unwrap().with_damping(0.2).unwrap();
+        servo.with_velocity_limits(&[5.0; 3]).unwrap()
+    };
+    let mut rested = servo(&[0.0, 0.4, 0.9]);
+    for _ in 0..200 {
+        rested.step(at([0.7, 0.6, 0.0])).unwrap();
+    }
+    rested.step(at([0.701, 0.6, 0.0])).unwrap();
+    let mut fresh = servo(rested.q());
+    let target = at([0.703, 0.601, 0.0]);
+    let wanted = fresh.step(target).unwrap().q.to_vec();
+    let step = rested.step(target).unwrap();
+    let apart = wanted.iter().zip(step.q).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-9, "{:?} {wanted:?}", step.q);
+}

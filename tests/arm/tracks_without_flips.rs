@@ -283,3 +283,43 @@ fn how_far_a_path_begins_is_counted_once() {
         assert_eq!(track.jumps.len(), usize::from(leaps), "{turn}");
     }
 }
+
+/// What a track tells is what it does: a step in which a joint moves further than 0.2 rad is a jump, and nothing else
+/// is, also where another way round took the place of one that jumped.
+#[test]
+fn jumps_are_those_of_the_way_that_is_returned() {
+    let robot = robot("franka_panda");
+    let arm = Arm::builder(&robot, "base", "flange");
+    let arm = arm.with_atlas(false).build().unwrap();
+    for (seed, every) in [(1004, 10), (1005, 20), (1006, 10)] {
+        let own = path(&arm, &mut Random(seed), 2, 0.05);
+        let own: Vec<_> = own.into_iter().step_by(every).collect();
+        let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let track = arm.track(&targets, &own[0]).unwrap();
+        let steps = track.solutions.windows(2).enumerate();
+        let moves = steps.map(|(step, ends)| (step + 1, longest(&ends[0].q, &ends[1].q)));
+        let far: Vec<_> = moves.filter(|(_, moved)| *moved > 0.2).collect();
+        let told: Vec<_> = track.jumps.iter().map(|j| (j.step, j.distance)).collect();
+        assert_eq!(told, far, "{seed}");
+    }
+}
+
+/// A target far from the last is gone to by small steps along the straight way: as the tool turns about an axis of
+/// its own, so does the joint that carries it.
+#[test]
+fn a_far_step_takes_the_straight_way() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::builder(&robot, "base", "flange");
+    let arm = arm.with_atlas(false).build().unwrap();
+    let start = [0.3, -1.2, 1.4, -1.7, -1.1, 0.2];
+    for turn in [0.8, -0.9] {
+        let mut follower = arm.follower(&start).unwrap();
+        let mut solution = Solution::default();
+        let mut to = start;
+        to[5] += turn;
+        let target = arm.base_from_tool(&to).unwrap();
+        let jump = follower.advance(target, &mut solution).unwrap().unwrap();
+        assert!(solution.reached && jump.continuous, "{jump:?}");
+        assert!(longest(&solution.q, &to) < 1e-4, "{:?}", solution.q);
+    }
+}

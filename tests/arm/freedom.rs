@@ -1,0 +1,117 @@
+//! Promise: what a target leaves free goes to the posture that an arm began in, or to the one asked for, as near as
+//! the target lets it; also beside joints that may not move, near limits, and with slides of another weight.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, Goal};
+use kinopt::model::{Limits, Model};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra::{SMatrix, Vector4};
+use support::arms::robot;
+
+const LINKS: [f64; 3] = [0.5, 0.4, 0.3];
+/// Metres of the slide that weigh as much as a radian.
+const METRES: f64 = 0.2;
+
+/// A slide along x, then three turns in the plane, asked for positions alone.
+fn crane(limit_avoidance: f64) -> Arm {
+    let mut builder = Model::builder("crane");
+    let along = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
+    let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
+    let mut last = builder.prismatic("slide", None, along(0.0), x, Limits::new(-1.0, 1.0));
+    builder.frame("base", None, along(0.0));
+    let mut from = along(0.0);
+    for (k, &link) in LINKS.iter().enumerate() {
+        let limits = Limits::new(-2.0, 2.0);
+        last = builder.revolute(format!("turn {k}"), Some(last), from, z, limits);
+        from = along(link);
+    }
+    builder.frame("tip", Some(last), from);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tip").with_atlas(false);
+    let arm = arm
+        .with_goal(Goal::position())
+        .with_metres_per_radian(METRES);
+    arm.with_limit_avoidance(limit_avoidance).build().unwrap()
+}
+
+/// Follows a target that goes to `to`, and hardly moves there, so that the arm has the time.
+fn followed(arm: &Arm, start: &[f64; 4], to: Placement<f64>) -> Vec<f64> {
+    let from = arm.base_from_tool(start).unwrap().translation;
+    let mut follower = arm.follower(start).unwrap();
+    let mut solution = Solution::default();
+    for k in 0..300 {
+        let share = (f64::from(k) / 100.0).min(1.0);
+        let mut target = to;
+        target.translation = from + (to.translation - from) * share;
+        target.translation.x += 1e-6 * f64::from(k % 2);
+        assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
+        assert!(solution.reached, "{}", solution.explain());
+    }
+    follower.q().to_vec()
+}
+
+/// The joints' way from where the arm began has no part that leaves the tool, a slide counting by the metres that
+/// weigh as much as a radian.
+#[test]
+fn the_nearest_posture_counts_slides_by_their_weight() {
+    let arm = crane(0.0);
+    let start = [0.1, 0.3, 0.7, 0.6];
+    let mut to = arm.base_from_tool(&start).unwrap();
+    to.translation += Vector3::new(-0.15, 0.2, 0.0);
+    let q = followed(&arm, &start, to);
+    // Columns by hand, in radians each: the slide's, then z × (tip − joint).
+    let sums = [q[1], q[1] + q[2], q[1] + q[2] + q[3]];
+    let mut jacobian = SMatrix::<f64, 2, 4>::zeros();
+    jacobian[(0, 0)] = METRES;
+    for joint in 0..3 {
+        for link in joint..3 {
+            jacobian[(0, 1 + joint)] -= LINKS[link] * sums[link].sin();
+            jacobian[(1, 1 + joint)] += LINKS[link] * sums[link].cos();
+        }
+    }
+    let scale = Vector4::new(1.0 / METRES, 1.0, 1.0, 1.0);
+    let way = (Vector4::from_column_slice(&q) - Vector4::from(start)).component_mul(&scale);
+    let inverse = (jacobian * jacobian.transpose()).try_inverse().unwrap();
+    let left = way - jacobian.transpose() * inverse * jacobian * way;
+    assert!(way.norm() > 0.3 && left.norm() < 1e-3, "{way} {left}");
+}
+
+/// Near limits too: they pull less the slope that they have there.
+#[test]
+fn where_it_began_it_is_at_ease() {
+    let arm = crane(2.0);
+    // In the last tenths of their ranges.
+    let start = [0.9, 1.85, -1.8, 1.1];
+    let to = arm.base_from_tool(&start).unwrap();
+    let q = followed(&arm, &start, to);
+    let moves = q.iter().zip(start).map(|(a, b)| (a - b).abs());
+    assert!(moves.fold(0.0, f64::max) < 1e-3, "{q:?}");
+}
+
+/// A joint that may not move holds itself alone.
+#[test]
+fn beside_a_joint_that_is_held() {
+    let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
+    let mut posture = start;
+    posture[2] += 0.8;
+    posture[4] -= 0.6;
+    let panda = robot("franka_panda");
+    let arm = Arm::builder(&panda, "base", "flange").with_atlas(false);
+    let arm = arm.with_goal(Goal::position()).with_posture(&posture);
+    let arm = arm.build().unwrap();
+    let mut target = arm.base_from_tool(&start).unwrap();
+    let mut servo = arm.servo(&start, 0.05).unwrap();
+    servo = servo
+        .with_velocity_limits(&[0.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0])
+        .unwrap();
+    let off = |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
+    for k in 0..100 {
+        target.translation.z += 1e-5 * f64::from(k % 2 * 2 - 1);
+        servo.step(target).unwrap();
+    }
+    let q = servo.q();
+    assert_eq!(q[0], start[0]);
+    assert!(off(q) < 0.5 * off(&start), "{q:?}");
+}
