@@ -196,3 +196,30 @@ fn what_cannot_be_is_told_and_changes_nothing() {
     let said = few.model_from_bone(few.rest(), at(3));
     assert_eq!(said, Err(LocalError::UnknownBone { bone: 3, bones: 1 }));
 }
+
+/// What bones flatten is told by their proportions: tiny ones place what they carry as large ones do.
+#[test]
+fn flat_is_a_matter_of_proportions() {
+    for size in [1e-4, 1.0, 1e4] {
+        for (thin, flattened) in [(1.0, false), (1e-3, false), (1e-8, true)] {
+            let bone = |name: &str, parent, scale| ArmatureBone {
+                name: name.to_owned(),
+                parent,
+                rest: LocalTransform {
+                    scale,
+                    ..LocalTransform::IDENTITY
+                },
+            };
+            let scale = Vec3A::new(size, thin * size, size);
+            let bones = vec![
+                bone("above", None, scale),
+                bone("below", Some(0), Vec3A::ONE),
+            ];
+            let armature = Armature::new(bones, Vec::new()).unwrap();
+            let below = armature.bone_at(1).unwrap();
+            let mut pose = armature.rest().clone();
+            let moved = armature.set_model_translation(&mut pose, below, Vec3A::X);
+            assert_eq!(moved.is_err(), flattened, "{size} {thin}");
+        }
+    }
+}

@@ -379,3 +379,21 @@ fn what_the_format_cannot_say_is_refused() {
         "{error}"
     );
 }
+
+/// As many frames are written as were read: a length in seconds hides in which of them it ends.
+#[test]
+fn as_many_frames_are_written_as_were_read() {
+    for rate in [24.0, 29.97, 30.0, 60.0, 120.0] {
+        for frames in [2, 3, 8, 31, 100, 101, 365] {
+            let mut text = format!(
+                "HIERARCHY\nROOT hip\n{{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n}}\nMOTION\n\
+                 Frames: {frames}\nFrame Time: {}\n",
+                1.0 / rate
+            );
+            text += &"7.5\n".repeat(frames);
+            let capture = read(&text);
+            let again = bvh::to_text(&capture.armature, &capture.clip, rate).unwrap();
+            assert_eq!(read(&again).frames, frames, "at {rate} a second");
+        }
+    }
+}

@@ -348,3 +348,48 @@ fn a_follower_of_a_joint_elsewhere_is_turned_by_its_leader() {
         assert!((solution.q[0] + 2.0 * (expected - 0.1)).abs() < 1e-12);
     }
 }
+
+/// Σ w² (s − d)² is least at the mean by weights, whatever they are.
+#[test]
+fn a_slide_goes_to_the_mean_of_what_it_is_asked_for() {
+    let mut builder = Model::builder("slide");
+    let (x, limits) = (Vector3::new(1.0, 0.0, 0.0), Limits::new(-5.0, 5.0));
+    let slide = builder.prismatic("slide", None, Placement::identity(), x, limits);
+    let [one, other] =
+        ["one", "other"].map(|name| builder.frame(name, Some(slide), Placement::identity()));
+    let model = builder.build().unwrap();
+    let mut tasks = Problem::builder(&model);
+    let asked = [(one, 0.8, 2.0), (other, -0.7, 0.5)];
+    for (frame, place, weight) in asked {
+        tasks.add(Task::new(Point::new(frame, [place, 0.0, 0.0])).times(weight));
+    }
+    let problem = tasks.build().unwrap();
+    let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
+    let sum = |of: fn((f64, f64)) -> f64| -> f64 { asked.iter().map(|a| of((a.1, a.2))).sum() };
+    let wanted =
+        sum(|(place, weight)| weight * weight * place) / sum(|(_, weight)| weight * weight);
+    assert!(
+        (solution.q[0] - wanted).abs() < 1e-12,
+        "{:?} {wanted}",
+        solution.q
+    );
+}
+
+/// What turns or slides up to its limit stands on it to the bit, however its way there is rounded.
+#[test]
+fn a_limit_that_is_turned_to_is_met_exactly() {
+    let mut random = Random::new(3);
+    for _ in 0..200 {
+        let upper = random.within(0.1, 1.0);
+        let model = planar_arm(&[1.0], Some((-upper, upper)));
+        for end in [-upper, upper] {
+            let target = [(1.5 * end).cos(), (1.5 * end).sin(), 0.0];
+            let start = random.within(-upper, upper);
+            let solution = one_sweep()
+                .solve(&reach_for(&model, target), &[start])
+                .unwrap();
+            assert_eq!(solution.q[0].to_bits(), end.to_bits(), "from {start}");
+            assert_eq!(solution.active_limits().count(), 1);
+        }
+    }
+}

@@ -82,6 +82,11 @@ fn the_container() {
     let length = longer.len() as u32;
     longer[8..12].copy_from_slice(&length.to_le_bytes());
     assert!(read(&longer).is_ok());
+    // Of two binary chunks the first is the buffer's.
+    let mut twice = good.clone();
+    twice.extend([4, 0, 0, 0, b'B', b'I', b'N', 0, 1, 2, 3, 4]);
+    twice[8..12].copy_from_slice(&length.to_le_bytes());
+    assert_eq!(read(&twice).unwrap().meshes, read(&good).unwrap().meshes);
 }
 
 #[test]

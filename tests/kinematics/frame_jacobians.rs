@@ -170,3 +170,16 @@ fn what_is_no_configuration_or_frame_is_refused() {
         KinematicsError::NotFinite { index: 1, .. }
     ));
 }
+
+/// A Jacobian is asked again and again: each is of its configuration alone.
+#[test]
+fn asked_again_it_is_that_of_the_configuration() {
+    let tree = RandomTree::new(5, 8);
+    let mut random = Random::new(5);
+    let mut jacobian = Jacobian::new(ForwardKinematics::new(&tree.model));
+    for _ in 0..3 {
+        let q = tree.configuration(&mut random);
+        let mut fresh = Jacobian::new(ForwardKinematics::new(&tree.model));
+        assert_eq!(jacobian.at(&q).unwrap(), fresh.at(&q).unwrap());
+    }
+}

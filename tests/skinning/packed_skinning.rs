@@ -216,7 +216,7 @@ fn a_pose_set_anew_is_the_pose_built_anew() {
     let anew = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
     assert!(rest.deformed(&dqs) == rest.deformed(&anew));
     assert!(rest.deformed(&dqs.portable()) == rest.deformed(&anew.portable()));
-    // From one stretch to another, and back to none.
+    // From one stretch to another, back to none, and to one again.
     let stretched = [0.6, 1.7].map(|by| -> Vec<Affine3A> {
         let stretch = Affine3A::from_scale(Vec3::new(by, 1.0, 1.0 / by));
         after.iter().map(|turn| *turn * stretch).collect()
@@ -230,6 +230,9 @@ fn a_pose_set_anew_is_the_pose_built_anew() {
     assert!(rest.deformed(&portable) == rest.deformed(&anew.portable()));
     dqs.set_transforms(&before).unwrap();
     let anew = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    dqs.set_stretched(&stretched[0], &pivots[0]).unwrap();
+    let anew = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
     assert!(rest.deformed(&dqs) == rest.deformed(&anew));
 }
 

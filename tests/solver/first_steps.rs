@@ -267,3 +267,39 @@ fn projected_gradients_go_down_the_slope() {
         }
     }
 }
+
+/// A spectral search may climb, but never above all of its last ten places.
+#[test]
+fn spectral_steps_stay_below_the_last_ten() {
+    let lengths = [1.0, 2.0, 5.0, 13.0, 41.0, 100.0];
+    let n = lengths.len();
+    let mut problem = Linear {
+        a: DMatrix::from_diagonal(&DVector::from_column_slice(&lengths)),
+        b: DVector::zeros(n),
+        lower: vec![f64::NEG_INFINITY; n],
+        upper: vec![f64::INFINITY; n],
+        start: DVector::from_fn(n, |j, _| 1.0 + 0.1 * j as f64),
+    };
+    let mut costs: Vec<f64> = Vec::new();
+    let mut watch = |step: &Iteration<'_>| {
+        costs.push(step.cost);
+        ControlFlow::Continue(())
+    };
+    let start = problem.start.clone();
+    minimise(
+        &mut problem,
+        &ProjectedGradient::new(FirstStep::BarzilaiBorwein),
+        start.as_slice(),
+        &Stopping::default(),
+        &mut watch,
+        &mut SolverState::default(),
+    )
+    .unwrap();
+    let climbed = costs.windows(2).filter(|pair| pair[1] > pair[0]).count();
+    assert!(costs.len() > 20 && climbed > 3, "{}", costs.len());
+    for step in 1..costs.len() {
+        let last = &costs[step.saturating_sub(10)..step];
+        let worst = last.iter().copied().fold(0.0, f64::max);
+        assert!(costs[step] < worst, "{step}: {} {worst}", costs[step]);
+    }
+}

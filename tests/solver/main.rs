@@ -1,5 +1,6 @@
 //! Solving problems of tasks.
 
+mod asked_within_bounds;
 mod contradicting_targets;
 mod drags;
 mod first_steps;

@@ -2,7 +2,7 @@
 //! same derivatives by every route (to the rounding of differences where it has none), the same solution.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::model::{FrameId, JointId};
+use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
@@ -156,5 +156,40 @@ fn solutions_are_those_of_the_scalar_residual() {
             solution.unwrap()
         });
         assert_eq!(ours.reached, theirs.reached, "seed {seed}");
+    }
+}
+
+/// Differences are as long as what is differentiated: a thousand kilometres away they still tell slopes.
+#[test]
+fn far_from_the_origin_differences_are_longer() {
+    #[derive(Clone)]
+    struct Away(FrameId);
+    impl NumericResidual for Away {
+        fn frames(&self) -> Vec<FrameId> {
+            vec![self.0]
+        }
+        fn rows(&self) -> Vec<Rows> {
+            vec![Rows::new(Quantity::Metres, 1)]
+        }
+        fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
+            residual[0] = frames[0].translation.norm();
+        }
+    }
+    for size in [1.0, 1e6] {
+        let mut model = Model::builder("far");
+        let at = Placement::translation(Vector3::new(size, 2.0 * size, 0.0));
+        let x = Vector3::new(1.0, 0.0, 0.0);
+        let slide = model.prismatic("slide", None, at, x, Limits::new(-1.0, 1.0));
+        let tip = model.frame("tip", Some(slide), Placement::identity());
+        let model = model.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Numeric(Away(tip)));
+        let slope = jacobian(&tasks.build().unwrap(), &[0.5])[(0, 0)];
+        let there = size + 0.5;
+        let expected = there / there.hypot(2.0 * size);
+        assert!(
+            (slope - expected).abs() < 1e-9,
+            "{size}: {slope} {expected}"
+        );
     }
 }
