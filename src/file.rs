@@ -112,6 +112,11 @@ impl ReadError {
         Self::new(file, place, problem)
     }
 
+    /// An error in another file, from the place that names it.
+    pub(crate) fn referred(file: &str, place: Place, error: Self) -> Self {
+        Self::new(file, place, ReadProblem::Referenced(Box::new(error)))
+    }
+
     pub(crate) fn malformed(file: &str, place: Place, problem: impl Into<String>) -> Self {
         Self::new(file, place, ReadProblem::Malformed(problem.into()))
     }
@@ -146,6 +151,15 @@ pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> 
         return Err(fail(ReadProblem::TooLong { limit }));
     }
     Ok(bytes)
+}
+
+/// What `parse` makes of a whole file's bytes and its name.
+pub(crate) fn read_with<T>(
+    path: &Path,
+    limit: u64,
+    parse: impl FnOnce(&[u8], &str) -> Result<T, ReadError>,
+) -> Result<T, ReadError> {
+    parse(&read_bytes(path, limit)?, &path.display().to_string())
 }
 
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {

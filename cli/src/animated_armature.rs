@@ -11,7 +11,7 @@ use kinopt::skeleton::BoneId;
 use kinopt::skinning::SkinningMethod;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
 
 /// An armature and the clips of its file.
@@ -117,7 +117,7 @@ impl AnimatedArmature {
             None => self
                 .clips
                 .first()
-                .ok_or_else(|| Failure::new(format!("{}: there is no clip", self.file))),
+                .ok_or_else(|| failure!("{}: there is no clip", self.file)),
         }
     }
 
@@ -174,22 +174,18 @@ impl AnimatedArmature {
             }
         }
         let placements = self.placements(self.armature.rest())?;
-        let corner = |pick: fn(f64, f64) -> f64, from: f64| {
-            let points = placements.iter().map(|place| place.translation.to_array());
-            points.fold([from; 3], |corner, point| {
-                std::array::from_fn(|axis| pick(corner[axis], point[axis]))
-            })
-        };
-        if placements.is_empty() {
-            return Ok(0.0);
-        }
-        let low = Vector3::from(corner(f64::min, f64::INFINITY));
-        let high = Vector3::from(corner(f64::max, f64::NEG_INFINITY));
-        Ok((high - low).norm())
+        let points = placements.iter().map(|place| place.translation.to_array());
+        let across = [0, 1, 2].map(|axis| {
+            let low = points.clone().map(|p| p[axis]).reduce(f64::min);
+            let high = points.clone().map(|p| p[axis]).reduce(f64::max);
+            high.zip(low).map_or(0.0, |(high, low)| high - low)
+        });
+        Ok(Vector3::from(across).norm())
     }
 }
 
-fn extension(path: &Path) -> String {
+/// A path's extension in small letters; empty where there is none.
+pub(crate) fn extension(path: &Path) -> String {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.unwrap_or("").to_ascii_lowercase()
 }

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 use clap::Args;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 
 /// Compare solvers: not in this build, needs the feature `bench`.
 ///
@@ -22,9 +22,9 @@ pub(crate) fn run(arguments: &Arguments, _json: bool) -> Outcome<()> {
         .iter()
         .map(|word| word.to_string_lossy())
         .collect();
-    Err(Failure::new(format!(
+    Err(failure!(
         "bench is not in this build; to have it: \
          cargo run --release -p kinopt-cli --features bench -- bench {}",
         rest.join(" ")
-    )))
+    ))
 }

@@ -6,7 +6,7 @@ use kinopt::animation::{EulerClip, Playback};
 use kinopt::model::Limits;
 use serde::Deserialize;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
 use crate::{json_file, output};
@@ -58,7 +58,7 @@ impl LoadedModel {
 
     /// A configuration out of a JSON file, in radians.
     pub(crate) fn configuration_file(&self, path: &Path) -> Outcome<Vec<f64>> {
-        let fail = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
+        let file = path.display();
         let value = json_file::read(path)?;
         let numbers = match serde_json::from_value(value) {
             Ok(ConfigurationFile::Document {
@@ -66,24 +66,23 @@ impl LoadedModel {
                 joints: Some(joints),
             }) => {
                 let columns = self.joint_columns(&joints);
-                let columns = columns.map_err(|problem| fail(format!("joints: {problem}")))?;
-                if columns.width() != q.len() {
-                    return Err(fail(format!(
-                        "{} joints are named but q has {} numbers",
-                        columns.width(),
-                        q.len()
-                    )));
+                let columns = columns.map_err(|problem| failure!("{file}: joints: {problem}"))?;
+                let (width, given) = (columns.width(), q.len());
+                if width != given {
+                    return Err(failure!(
+                        "{file}: {width} joints are named but q has {given} numbers"
+                    ));
                 }
                 return Ok(columns.configuration(&q));
             }
             Ok(ConfigurationFile::List(q) | ConfigurationFile::Document { q, joints: None }) => q,
             Err(_) => {
-                return Err(fail(
-                    "holds neither a list of numbers nor a document with one under `q`".into(),
+                return Err(failure!(
+                    "{file}: holds neither a list of numbers nor a document with one under `q`"
                 ));
             }
         };
-        self.check_length(&numbers, &path.display().to_string())?;
+        self.check_length(&numbers, &file.to_string())?;
         Ok(numbers)
     }
 
@@ -91,26 +90,21 @@ impl LoadedModel {
     /// tracks without keys.
     pub(crate) fn keyframes(&self, option: &str) -> Outcome<&EulerClip> {
         let clip = self.rig.as_ref().map(|rig| &rig.clip);
-        if let Some(rig) = self
-            .rig
-            .as_ref()
-            .filter(|rig| !rig.clip.keyless().is_empty())
-        {
-            let bones = rig.skeleton.bones();
-            let names = rig.clip.keyless().iter();
-            let names = names.filter_map(|bone| Some(bones.get(bone.index())?.name.as_str()));
-            let names: Vec<&str> = names.collect();
-            output::message(&format!(
-                "note: {}: tracks without keys are left out",
-                names.join(", ")
-            ));
+        let keyless = self.rig.iter().flat_map(|rig| {
+            let bones = rig.clip.keyless().iter();
+            bones.filter_map(|bone| Some(rig.skeleton.bones().get(bone.index())?.name.as_str()))
+        });
+        let keyless: Vec<&str> = keyless.collect();
+        if !keyless.is_empty() {
+            let names = keyless.join(", ");
+            output::message(&format!("note: {names}: tracks without keys are left out"));
         }
         clip.filter(|clip| !clip.is_empty()).ok_or_else(|| {
-            Failure::new(format!(
+            failure!(
                 "{}: {option} needs keyframes, and the {} has none",
                 self.file,
                 self.kind()
-            ))
+            )
         })
     }
 
@@ -133,11 +127,11 @@ impl LoadedModel {
             ),
             None => format!("{expected}: {}", self.joint_names().join(", ")),
         };
-        Err(Failure::new(format!(
+        Err(failure!(
             "{source}: {} numbers given, but a configuration has {shape} (kinopt info {} lists them)",
             numbers.len(),
-            self.file,
-        )))
+            self.file
+        ))
     }
 
     /// Says on standard error which joints are not where the joint that they follow takes them.

@@ -2,6 +2,16 @@
 
 use std::fmt::Display;
 
+/// A [`Failure`] for a reason that is put together as `format!` does.
+macro_rules! failure {
+    ($($reason:tt)+) => { $crate::failure::Failure::new(format_args!($($reason)+)) };
+}
+
+/// As `failure!`, of options that do not go together.
+macro_rules! usage {
+    ($($reason:tt)+) => { $crate::failure::Failure::usage(format_args!($($reason)+)) };
+}
+
 /// What ends a command early.
 #[derive(Debug)]
 pub(crate) enum Failure {

@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
@@ -151,9 +151,9 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
     let animated = AnimatedArmature::read(&arguments.model)?;
     if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
         let (file, kind) = (&animated.file, animated.kind);
-        return Err(Failure::usage(format!(
+        return Err(usage!(
             "{file}: {option} is for robots and rigs; {kind} is posed by --time"
-        )));
+        ));
     }
     let pose = match arguments.time {
         Some(time) => {

@@ -3,7 +3,7 @@
 use kinopt::animation::curve::TensionContinuityBias;
 use kinopt::animation::{EulerInterpolation, EulerTrack, Playback};
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_list;
 
@@ -71,7 +71,7 @@ impl LoadedModel {
     ) -> Outcome<()> {
         if let (Some(choice), Some(rig)) = (choice, &mut self.rig) {
             let clip = std::mem::take(&mut rig.clip).interpolated(|track| choice.of(track));
-            rig.clip = clip.map_err(|error| Failure::usage(format!("--interpolation: {error}")))?;
+            rig.clip = clip.map_err(|error| usage!("--interpolation: {error}"))?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use kinopt::model::{ParameterMap, Source, UnknownName};
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_list::Numbers;
 
@@ -94,11 +94,11 @@ impl JointColumns {
             _ if given.len() == all => columns.filter_map(|&c| given.get(c).copied()).collect(),
             _ if given.len() == width => given.clone(),
             _ => {
-                return Err(Failure::new(format!(
+                return Err(failure!(
                     "{option}: {} numbers given; it takes {width} ({}) or {all}, one for each moving joint",
                     given.len(),
-                    self.names(loaded).join(", "),
-                )));
+                    self.names(loaded).join(", ")
+                ));
             }
         };
         Ok(self.in_radians(&picked, degrees))

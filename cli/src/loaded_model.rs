@@ -10,7 +10,7 @@ use kinopt::model::{FrameId, JointId, Limits, ParameterMap, Source};
 use kinopt::robot::Robot;
 use kinopt::skeleton::{BoneId, Skeleton};
 
-use crate::animated_armature::AnimatedArmature;
+use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::robot_options::RobotOptions;
@@ -86,22 +86,19 @@ impl LoadedModel {
         moment: Option<Moment<'_>>,
     ) -> Outcome<Self> {
         let file = path.display().to_string();
-        let is_robot = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
-        if !is_robot {
+        let extension = extension(path);
+        if extension != "urdf" {
             options.refuse(&file)?;
         }
         if AnimatedArmature::is_at(path) {
             return Self::of_animated(AnimatedArmature::read(path)?, moment);
         }
         if moment.is_some() {
-            return Err(Failure::usage(format!(
+            return Err(usage!(
                 "{file}: --time and --clip are for scenes and motion capture"
-            )));
+            ));
         }
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        match extension.to_ascii_lowercase().as_str() {
+        match extension.as_str() {
             "json" => {
                 let rig = Rig::read(path)?;
                 for note in &rig.notes {
@@ -110,12 +107,12 @@ impl LoadedModel {
                 Ok(Self::of_rig(file, rig))
             }
             "urdf" => Ok(Self::of_robot(file, options.read(path)?)),
-            "" => Err(Failure::new(format!(
+            "" => Err(failure!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
-            ))),
-            other => Err(Failure::new(format!(
+            )),
+            other => Err(failure!(
                 "{file}: models in .{other} files are not supported; supported: {SUPPORTED}"
-            ))),
+            )),
         }
     }
 
@@ -146,7 +143,7 @@ impl LoadedModel {
             false => [Limits::new(0.0, 0.0); 3],
         };
         let skeleton = armature.skeleton(file.clone(), limits);
-        let skeleton = skeleton.map_err(|error| Failure::new(format!("{file}: {error}")))?;
+        let skeleton = skeleton.map_err(|error| failure!("{file}: {error}"))?;
         let capture = frames.map(|frames| Capture {
             armature,
             frame_time: frames.time,

@@ -3,6 +3,9 @@
 //! Exit codes: 0 done (a target that is out of reach is an answer, not a failure), 1 failed with a
 //! one-line reason on standard error, 2 wrong usage, 3 a target was missed and --fail-on-miss was given.
 
+#[macro_use]
+mod failure;
+
 mod animate;
 mod animated_armature;
 #[cfg(feature = "bench")]
@@ -10,8 +13,6 @@ mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
 mod configuration;
-mod countdown;
-mod failure;
 mod fk;
 mod frame_name;
 mod frame_report;

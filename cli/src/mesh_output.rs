@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use kinopt::animation::PoseAngles;
 use kinopt::io::gltf::{Scene, ScenePosing};
 use kinopt::io::ply::PlyEncoding;
@@ -10,6 +12,7 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
 use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
 
+use crate::animated_armature::extension;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::output;
@@ -36,18 +39,7 @@ pub(crate) enum MeshFormat {
 impl MeshFormat {
     /// The format that a path's extension stands for.
     pub(crate) fn of(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Ply, Self::Glb]
-            .into_iter()
-            .find(|format| format.extension() == extension)
-    }
-
-    fn extension(self) -> &'static str {
-        match self {
-            Self::Obj => "obj",
-            Self::Ply => "ply",
-            Self::Glb => "glb",
-        }
+        Self::from_str(&extension(path), false).ok()
     }
 }
 
@@ -60,7 +52,9 @@ impl MeshFile {
 
     /// A file in a folder, its extension that of the format.
     pub(crate) fn within(folder: &Path, stem: &str, format: MeshFormat) -> Self {
-        let path = folder.join(format!("{stem}.{}", format.extension()));
+        let extension = format.to_possible_value();
+        let extension = extension.as_ref().map_or("", PossibleValue::get_name);
+        let path = folder.join(format!("{stem}.{extension}"));
         Self { path, format }
     }
 
@@ -111,9 +105,9 @@ impl LoadedModel {
             (Some(weights), None) => (weights.clone(), None),
             (given, choice) => {
                 let choice = choice.unwrap_or_default();
-                let weights = choice.made(mesh, &rig.skeleton).map_err(|error| {
-                    Failure::new(format!("{file}: no skin weights can be made up: {error}"))
-                })?;
+                let weights = choice
+                    .made(mesh, &rig.skeleton)
+                    .map_err(|error| failure!("{file}: no skin weights can be made up: {error}"))?;
                 let why = match given {
                     Some(_) => "the skin weights of the file are not taken",
                     None => "there are no skin weights",
@@ -147,9 +141,7 @@ pub(crate) fn with_meshes<'s>(
 }
 
 fn lacks_mesh(file: &str, kind: &str) -> Failure {
-    Failure::new(format!(
-        "{file}: --out needs a mesh, and the {kind} has none"
-    ))
+    failure!("{file}: --out needs a mesh, and the {kind} has none")
 }
 
 impl Skin<'_> {

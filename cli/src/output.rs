@@ -21,14 +21,14 @@ pub(crate) fn result<D: Serialize>(
     let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
     written.map_err(|error| match error.kind() {
         ErrorKind::BrokenPipe => Failure::ReaderGone,
-        _ => Failure::new(format!("standard output cannot be written: {error}")),
+        _ => failure!("standard output cannot be written: {error}"),
     })
 }
 
 /// Makes a folder to write into, where there is none.
 pub(crate) fn make_folder(path: &Path) -> Outcome<()> {
     std::fs::create_dir_all(path)
-        .map_err(|error| Failure::new(format!("{}: cannot be made: {error}", path.display())))
+        .map_err(|error| failure!("{}: cannot be made: {error}", path.display()))
 }
 
 /// Tells people something on standard error; a closed one leaves nobody to tell.

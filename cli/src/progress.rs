@@ -1,20 +1,83 @@
-//! A line on standard error while a search takes long.
+//! A line on standard error while something takes long, on a terminal only.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use kinopt::solver::{Iteration, Observer};
 
-/// Searches shorter than this show nothing.
+/// What takes less than this shows nothing.
 const PATIENCE: Duration = Duration::from_millis(300);
+/// How many drawings a second.
+const DRAWINGS: u8 = 10;
 /// How many iterations pass between looks at the clock.
 const BETWEEN_LOOKS: usize = 16;
 
-/// Counts attempts and iterations and shows them, on a terminal only.
-pub(crate) struct Progress {
+/// A line that is shown late, and taken away with what it is a line of.
+struct Line {
     started: Instant,
+    /// None where nobody would see it.
     bar: Option<ProgressBar>,
+}
+
+impl Line {
+    /// As `shape` says, of so many things where that is known.
+    fn new(length: Option<usize>, shape: &str) -> Self {
+        let target = ProgressDrawTarget::stderr_with_hz(DRAWINGS);
+        let bar = (!target.is_hidden()).then(|| {
+            let length = length.map(|length| u64::try_from(length).unwrap_or(u64::MAX));
+            let bar = ProgressBar::with_draw_target(length, target);
+            match ProgressStyle::with_template(shape) {
+                Ok(style) => bar.with_style(style),
+                Err(_) => bar,
+            }
+        });
+        let started = Instant::now();
+        Self { started, bar }
+    }
+
+    /// The bar, once that is worth looking at.
+    fn late(&self) -> Option<&ProgressBar> {
+        let bar = self.bar.as_ref();
+        bar.filter(|_| self.started.elapsed() > PATIENCE)
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Counts answers. It counts between questions, so no time that is taken holds its drawing.
+pub(crate) struct Countdown {
+    line: Line,
+    done: AtomicU64,
+}
+
+impl Countdown {
+    /// Counts up to `total`; `noun` is what is counted.
+    pub(crate) fn new(total: usize, noun: &str) -> Self {
+        let shape = format!("{{bar:40}} {{pos}} of {{len}} {noun}, {{eta}} left");
+        let line = Line::new(Some(total), &shape);
+        let done = AtomicU64::new(0);
+        Self { line, done }
+    }
+
+    pub(crate) fn one_more(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(bar) = self.line.late() {
+            bar.set_position(done);
+        }
+    }
+}
+
+/// Counts attempts and iterations of one search.
+pub(crate) struct Progress {
+    line: Line,
     attempts: usize,
     iterations: usize,
     lowest_cost: f64,
@@ -23,48 +86,28 @@ pub(crate) struct Progress {
 impl Progress {
     pub(crate) fn new() -> Self {
         Self {
-            started: Instant::now(),
-            bar: None,
+            line: Line::new(None, "{spinner} {msg}"),
             attempts: 0,
             iterations: 0,
             lowest_cost: f64::INFINITY,
         }
     }
-
-    /// Takes the line away.
-    pub(crate) fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
-
-    fn show(&mut self) {
-        if self.started.elapsed() < PATIENCE {
-            return;
-        }
-        let bar = self.bar.get_or_insert_with(|| {
-            let spinner = ProgressBar::new_spinner();
-            // Hidden by itself when standard error is no terminal.
-            spinner.set_draw_target(ProgressDrawTarget::stderr());
-            spinner
-        });
-        bar.set_message(format!(
-            "attempt {}, {} iterations, lowest cost {:.3e}",
-            self.attempts, self.iterations, self.lowest_cost
-        ));
-        bar.tick();
-    }
 }
 
 impl Observer for Progress {
     fn observe(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()> {
-        if iteration.index == 0 {
-            self.attempts += 1;
-        }
+        self.attempts += usize::from(iteration.index == 0);
         self.iterations += 1;
         self.lowest_cost = self.lowest_cost.min(iteration.cost);
         if self.iterations.is_multiple_of(BETWEEN_LOOKS) {
-            self.show();
+            if let Some(bar) = self.line.late() {
+                let (attempts, iterations) = (self.attempts, self.iterations);
+                let cost = self.lowest_cost;
+                bar.set_message(format!(
+                    "attempt {attempts}, {iterations} iterations, lowest cost {cost:.3e}"
+                ));
+                bar.tick();
+            }
         }
         ControlFlow::Continue(())
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use kinopt::robot::Robot;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::output;
 
@@ -38,7 +38,7 @@ impl RobotOptions {
                 Ok(_) if !self.lenient => " (--lenient mends it)",
                 _ => "",
             };
-            Failure::new(format!("{error}{hint}"))
+            failure!("{error}{hint}")
         })?;
         let file = path.display();
         for repair in robot.repairs() {
@@ -47,7 +47,7 @@ impl RobotOptions {
         match self.soft_limits {
             true => Ok(robot
                 .with_soft_limits()
-                .map_err(|error| Failure::new(format!("{file}: soft limits: {error}")))?),
+                .map_err(|error| failure!("{file}: soft limits: {error}"))?),
             false => Ok(robot),
         }
     }
@@ -59,10 +59,7 @@ impl RobotOptions {
             (self.soft_limits, "--soft-limits"),
         ];
         match given.iter().find(|(given, _)| *given) {
-            Some((_, option)) => {
-                let problem = format!("{file}: {option} is for robots (.urdf)");
-                Err(Failure::usage(problem))
-            }
+            Some((_, option)) => Err(usage!("{file}: {option} is for robots (.urdf)")),
             None => Ok(()),
         }
     }

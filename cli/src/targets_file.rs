@@ -5,7 +5,7 @@ use std::path::Path;
 use kinopt::spatial::Placement;
 use serde_json::{Map, Value};
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 use crate::json_file;
 use crate::loaded_model::LoadedModel;
@@ -30,7 +30,7 @@ impl TargetsFile {
     pub(crate) fn read(path: &Path) -> Outcome<Self> {
         let value = json_file::read(path)?;
         let file = Self::of_value(&value);
-        file.map_err(|problem| Failure::new(format!("{}: {problem}", path.display())))
+        file.map_err(|problem| failure!("{}: {problem}", path.display()))
     }
 
     /// The configurations that the starts are: of all moving joints, of those that are named, or of the

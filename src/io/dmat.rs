@@ -9,7 +9,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 
-use super::{Place, ReadError, WriteError, read_bytes, write_bytes};
+use super::{Place, ReadError, WriteError, read_with, write_bytes};
 
 /// The longest DMAT file that is read.
 const LENGTH_LIMIT: u64 = 1 << 31;
@@ -30,12 +30,12 @@ pub enum DmatEncoding {
 /// A [`ReadError`] with the line or byte offset: a malformed header, fewer or more values than
 /// announced, or a value that is not a finite number.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<DMatrix<f64>, ReadError> {
-    let (columns, rows, body) = header_line(bytes, 0, 1, name)?;
-    if (columns, rows) != (0, 0) {
-        return text_values(bytes, body, columns, rows, name);
+    let (size, body) = header_line(bytes, 0, 1, name)?;
+    if size != (0, 0) {
+        return text_values(bytes, body, size, name);
     }
-    let (columns, rows, body) = header_line(bytes, body, 2, name)?;
-    binary_values(bytes, body, columns, rows, name)
+    let (size, body) = header_line(bytes, body, 2, name)?;
+    binary_values(bytes, body, size, name)
 }
 
 /// Reads a DMAT file of at most 2 GiB.
@@ -43,11 +43,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<DMatrix<f64>, ReadError> {
 /// # Errors
 /// As [`from_bytes`], and when the file cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<DMatrix<f64>, ReadError> {
-    let path = path.as_ref();
-    from_bytes(
-        &read_bytes(path, LENGTH_LIMIT)?,
-        &path.display().to_string(),
-    )
+    read_with(path.as_ref(), LENGTH_LIMIT, from_bytes)
 }
 
 /// The bytes of a DMAT file. A matrix of no columns and no rows is always written in the binary
@@ -93,7 +89,7 @@ fn header_line(
     start: usize,
     line: usize,
     name: &str,
-) -> Result<(usize, usize, usize), ReadError> {
+) -> Result<((usize, usize), usize), ReadError> {
     let rest = bytes.get(start..).unwrap_or(&[]);
     let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
     let text = rest.get(..length).unwrap_or(&[]);
@@ -104,11 +100,11 @@ fn header_line(
             _ => None,
         }
     });
-    let (columns, rows) = sizes.ok_or_else(|| {
+    let size = sizes.ok_or_else(|| {
         let problem = "expected the number of columns and of rows, two whole numbers";
         ReadError::malformed(name, Place::Line(line), problem)
     })?;
-    Ok((columns, rows, (start + length + 1).min(bytes.len())))
+    Ok((size, (start + length + 1).min(bytes.len())))
 }
 
 /// columns × rows, when that many values of at least `width` bytes can be in the rest of the file.
@@ -142,8 +138,7 @@ const TEXT_WIDTH: u128 = 2;
 fn text_values(
     bytes: &[u8],
     body: usize,
-    columns: usize,
-    rows: usize,
+    (columns, rows): (usize, usize),
     name: &str,
 ) -> Result<DMatrix<f64>, ReadError> {
     let rest = bytes.get(body..).unwrap_or(&[]);
@@ -176,35 +171,29 @@ fn text_values(
 fn binary_values(
     bytes: &[u8],
     body: usize,
-    columns: usize,
-    rows: usize,
+    (columns, rows): (usize, usize),
     name: &str,
 ) -> Result<DMatrix<f64>, ReadError> {
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), 8, rest.len(), name)?;
+    let fail = |value: usize, problem| {
+        Err(ReadError::malformed(
+            name,
+            Place::Byte(body + 8 * value),
+            problem,
+        ))
+    };
     let mut values = Vec::with_capacity(count);
     for (index, chunk) in rest.chunks_exact(8).take(count).enumerate() {
         let value = f64::from_le_bytes(chunk.try_into().unwrap_or_default());
         if !value.is_finite() {
-            let problem = format!("{value} is not a finite number");
-            return Err(ReadError::malformed(
-                name,
-                Place::Byte(body + 8 * index),
-                problem,
-            ));
+            return fail(index, format!("{value} is not a finite number"));
         }
         values.push(value);
     }
-    if rest.len() != 8 * count {
-        let problem = format!(
-            "{} bytes are left after the last value",
-            rest.len() - 8 * count
-        );
-        return Err(ReadError::malformed(
-            name,
-            Place::Byte(body + 8 * count),
-            problem,
-        ));
+    let left = rest.len() - 8 * count;
+    if left > 0 {
+        return fail(count, format!("{left} bytes are left after the last value"));
     }
     Ok(DMatrix::from_vec(rows, columns, values))
 }

@@ -17,7 +17,7 @@ pub mod state_machine;
 
 pub use crate::file::{Place, ReadError, ReadProblem, WriteError};
 
-use crate::file::{read_bytes, write_bytes};
+use crate::file::{read_bytes, read_with, write_bytes};
 use crate::mesh::MeshError;
 use crate::skinning::WeightsError;
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{Place, ReadError, read_bytes};
+use super::{Place, ReadError, read_with};
 use crate::animation::{Clip, StateMachine, StateMachineDefinition};
 
 /// The longest file that is read.
@@ -16,9 +16,9 @@ const LIMIT: u64 = 1 << 24;
 /// A [`ReadError`] naming the file and a path in it such as `transitions[2].to`; unknown names come
 /// with the valid ones.
 pub fn read(path: impl AsRef<Path>, clips: &[Arc<Clip>]) -> Result<StateMachine, ReadError> {
-    let path = path.as_ref();
-    let bytes = read_bytes(path, LIMIT)?;
-    from_bytes(&bytes, &path.display().to_string(), clips)
+    read_with(path.as_ref(), LIMIT, |bytes, name| {
+        from_bytes(bytes, name, clips)
+    })
 }
 
 /// Reads a state machine from the bytes of its file; `name` is for messages.

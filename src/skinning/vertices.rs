@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use crate::SizeMismatch;
+use crate::mesh::TriangleMesh;
 
 /// Vertices at rest. A buffer that is empty is not there.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,6 +26,20 @@ pub struct PosedVertices<'a> {
     pub normals: &'a mut [Vec3],
     /// Tangents of unit length, and the bitangent's sign.
     pub tangents: &'a mut [Vec4],
+}
+
+impl PosedVertices<'_> {
+    /// What of a mesh at rest goes into the buffers that are there.
+    pub(crate) fn wanted_of<'r>(&self, mesh: &'r TriangleMesh) -> RestVertices<'r> {
+        let mut rest = RestVertices::default();
+        if !self.positions.is_empty() {
+            rest.positions = mesh.positions();
+        }
+        if !self.normals.is_empty() {
+            rest.normals = mesh.normals();
+        }
+        rest
+    }
 }
 
 /// Refuses buffers that are neither empty at both ends nor one per vertex at both ends.

@@ -1,6 +1,6 @@
 //! Times of frames and their numbers.
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 
 /// More frames than this are a slip of the keyboard.
 const MOST: f64 = 1e6;
@@ -19,15 +19,15 @@ impl Frames {
     /// The frames at `start`, `start` + 1/`per_second`, … up to `end`; times in seconds.
     pub(super) fn new(per_second: f64, start: f64, end: f64) -> Outcome<Self> {
         if end < start {
-            return Err(Failure::usage(format!(
+            return Err(usage!(
                 "no frame lies between --from {start} s and --to {end} s"
-            )));
+            ));
         }
         let steps = ((end - start) * per_second + SLACK).floor();
         if steps.is_nan() || steps >= MOST {
-            return Err(Failure::usage(format!(
+            return Err(usage!(
                 "{per_second} frames a second from {start} s to {end} s are more than {MOST} files"
-            )));
+            ));
         }
         Ok(Self {
             per_second,

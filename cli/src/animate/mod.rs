@@ -13,11 +13,11 @@ use serde::Serialize;
 
 use self::frames::Frames;
 use crate::animated_armature::AnimatedArmature;
-use crate::countdown::Countdown;
 use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{self, MeshFile, MeshFormat};
+use crate::progress::Countdown;
 use crate::robot_options::RobotOptions;
 use crate::weights_choice::WeightsChoice;
 use crate::{number_list, output, skinning_choice};
@@ -173,7 +173,7 @@ fn write_frames(
         vertices = mesh.positions().len();
         countdown.one_more();
     }
-    countdown.finish();
+    drop(countdown);
     let frames = files.iter().map(|(time, file)| FrameDocument {
         time: *time,
         file: file.path().to_string_lossy(),
@@ -191,16 +191,15 @@ fn write_frames(
 fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>> {
     let out = &arguments.out;
     let Some(fps) = arguments.fps else {
-        let file = MeshFile::parse(&out.to_string_lossy()).map_err(|problem| {
-            Failure::usage(format!("--out {}: with --time, {problem}", out.display()))
-        })?;
+        let file = MeshFile::parse(&out.to_string_lossy())
+            .map_err(|problem| usage!("--out {}: with --time, {problem}", out.display()))?;
         return Ok(vec![(arguments.time.unwrap_or(span[0]), file)]);
     };
     if MeshFormat::of(out).is_some() && !out.is_dir() {
-        return Err(Failure::usage(format!(
+        return Err(usage!(
             "--out {}: with --fps it is a folder; choose obj, ply or glb by --format",
             out.display()
-        )));
+        ));
     }
     let [start, end] = span;
     let frames = Frames::new(

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 
 /// What a shell says of a program that an interrupt ended.
 const INTERRUPTED: i32 = 130;
@@ -23,7 +23,7 @@ impl Interrupt {
             }
         };
         ctrlc::set_handler(handler)
-            .map_err(|error| Failure::new(format!("interrupts cannot be caught: {error}")))?;
+            .map_err(|error| failure!("interrupts cannot be caught: {error}"))?;
         Ok(Self(came))
     }
 

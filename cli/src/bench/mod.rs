@@ -10,10 +10,10 @@ use interrupt::Interrupt;
 use kinopt_harness::{Bench, Results, contenders, jacobian_cost, profile, report};
 use serde_json::json;
 
-use crate::countdown::Countdown;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
+use crate::progress::Countdown;
 use crate::table::Table;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
@@ -21,11 +21,11 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
     let set = problems::problems(&loaded, arguments)?;
     if arguments.problem >= set.cases().len() {
-        return Err(Failure::usage(format!(
+        return Err(usage!(
             "--problem {}: there are {} problems, counted from 0",
             arguments.problem,
             set.cases().len()
-        )));
+        ));
     }
     // Before the work, not after it.
     output::make_folder(&arguments.out)?;
@@ -34,9 +34,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     bench.extend(wanted.filter(|solver| arguments.wants(solver.name())));
     let mut results = compare(&mut bench, &interrupt)?;
     if results.problems == 0 {
-        return Err(Failure::new(
-            "interrupted before the first problem was done",
-        ));
+        return Err(failure!("interrupted before the first problem was done"));
     }
     if !interrupt.came() {
         let mut go_on = || interrupt.flow();
@@ -67,9 +65,6 @@ fn compare(bench: &mut Bench<'_>, interrupt: &Interrupt) -> Outcome<Results> {
         }
         interrupt.flow()
     });
-    if let Some(countdown) = &countdown {
-        countdown.finish();
-    }
     Ok(results?)
 }
 

@@ -7,7 +7,7 @@ use kinopt::robot::Robot;
 use kinopt_harness::{Case, ProblemSet, ProblemSetBuilder};
 
 use super::arguments::{Arguments, StartAt};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 use crate::solve::base::Base;
@@ -41,7 +41,7 @@ fn at_random(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<ProblemSet>
 }
 
 fn of_file(loaded: &LoadedModel, arguments: &Arguments, path: &Path) -> Outcome<ProblemSet> {
-    let fail = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
+    let fail = |problem: String| failure!("{}: {problem}", path.display());
     let file = TargetsFile::read(path)?;
     let frame = match arguments.tip.as_ref().or(file.tip_link.as_ref()) {
         Some(name) => loaded.frame(name, BareName::Tip)?,
@@ -132,7 +132,7 @@ fn default_tips(loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
     }
     let robot = loaded.robot.as_deref();
     let tip = robot.and_then(end_of_longest_chain);
-    let tip = tip.ok_or_else(|| Failure::new(format!("{}: has no moving link", loaded.file)))?;
+    let tip = tip.ok_or_else(|| failure!("{}: has no moving link", loaded.file))?;
     Ok(vec![tip])
 }
 

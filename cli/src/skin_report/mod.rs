@@ -7,7 +7,7 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MeshWeights, SkinningMethod, TwistedTube};
 use serde::Serialize;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::number_format::three_digits;
 use crate::number_list::Numbers;
 use crate::output;
@@ -80,18 +80,16 @@ struct Kept {
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let Numbers(twists) = &arguments.twists;
     if twists.is_empty() {
-        return Err(Failure::usage(
-            "--twists: at least one is needed".to_owned(),
-        ));
+        return Err(usage!("--twists: at least one is needed"));
     }
     if let Some(beyond) = twists.iter().find(|twist| twist.abs() > 180.0) {
-        return Err(Failure::usage(format!(
+        return Err(usage!(
             "--twists: {beyond} degrees is beyond half a turn, where dual quaternions turn the other way"
-        )));
+        ));
     }
     #[cfg(not(feature = "charts"))]
     if arguments.out.is_some() {
-        return Err(Failure::new(LEFT_OUT));
+        return Err(failure!("{LEFT_OUT}"));
     }
     let subject = Subject::new(TwistedTube::default())?;
     let rows = twists.iter().map(|&degrees| {

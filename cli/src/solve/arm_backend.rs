@@ -13,7 +13,7 @@ use super::backend::{QueryBackend, microseconds};
 use super::goals::Goals;
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use super::room::Room;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
@@ -48,7 +48,7 @@ impl<'a> ArmBackend<'a> {
         goals: &Goals,
     ) -> Outcome<Self> {
         let [target] = goals.targets.as_slice() else {
-            return Err(Failure::usage("a robot's arm is asked for one --target"));
+            return Err(usage!("a robot's arm is asked for one --target"));
         };
         // Unknown links are reported with the valid ones, as the user calls them.
         let frame = |name| loaded.frame(name, BareName::Tail);

@@ -2,10 +2,9 @@
 
 use clap::Args;
 use kinopt::model::{FrameId, JointId, ModelBuilder, ParameterMap, UnknownName};
-use kinopt::robot::Mimic;
 use kinopt::spatial::Placement;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::frame_name::{self, BareName};
 use crate::help_headings::MODEL;
 use crate::loaded_model::{HeldJoints, LoadedModel};
@@ -82,11 +81,11 @@ impl ChainArguments {
             let joints = joints(loaded, &lock.joint)?;
             if let (Some(_), [_, _, ..]) = (lock.value, joints.as_slice()) {
                 let names = joints.iter().map(|&joint| name(loaded, joint));
-                return Err(Failure::usage(format!(
+                return Err(usage!(
                     "--lock: bone `{}` has several angles, so a value is for one of them: {}",
                     lock.joint,
                     names.collect::<Vec<_>>().join(", ")
-                )));
+                ));
             }
             for joint in joints {
                 let coordinate = model.coordinate(joint);
@@ -104,20 +103,19 @@ impl ChainArguments {
         for wanted in &self.only {
             for joint in joints(loaded, wanted.trim())? {
                 if locked.iter().any(|(held, _)| *held == joint) {
-                    return Err(Failure::usage(format!(
+                    return Err(usage!(
                         "joint `{}` is in --lock and in --only",
                         name(loaded, joint)
-                    )));
+                    ));
                 }
                 only.push(joint);
             }
         }
 
-        let mut builder = ParameterMap::builder(model);
-        let followers: &[Mimic] = loaded.robot.as_ref().map_or(&[], |robot| robot.mimics());
-        for mimic in followers {
-            builder = builder.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset);
-        }
+        let mut builder = match &loaded.robot {
+            Some(robot) => robot.parameters(),
+            None => ParameterMap::builder(model),
+        };
         for &(joint, value) in &locked {
             builder = builder.lock(joint, value);
         }
@@ -147,7 +145,7 @@ fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
     }
     match model.joint(wanted) {
         Ok(joint) if model.coordinate(joint).is_some() => Ok(vec![joint]),
-        Ok(_) => Err(Failure::new(format!("joint `{wanted}` is fixed"))),
+        Ok(_) => Err(failure!("joint `{wanted}` is fixed")),
         Err(_) => {
             let bones = loaded.rig.iter().flat_map(|rig| rig.skeleton.bones());
             let bones = bones.map(|bone| bone.name.as_str());

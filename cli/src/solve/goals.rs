@@ -7,7 +7,7 @@ use kinopt::model::FrameId;
 use super::arguments::Arguments;
 use super::backend::QueryBackend;
 use super::query::Query;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::targets_file::TargetsFile;
 
@@ -77,8 +77,8 @@ impl<'a> Goals<'a> {
             [(_, first), others @ ..] if others.iter().all(|(_, other)| other == first) => {
                 loaded.put_tool(*first, tool)
             }
-            _ => Err(Failure::usage(
-                "--tool is for the targets of one frame, not of several",
+            _ => Err(usage!(
+                "--tool is for the targets of one frame, not of several"
             )),
         }
     }
@@ -98,7 +98,7 @@ impl<'a> Goals<'a> {
                 start: arguments.start(loaded, columns)?,
             }]);
         };
-        let fail = |problem| Failure::new(format!("{}: {problem}", path.display()));
+        let fail = |problem| failure!("{}: {problem}", path.display());
         let starts = match file.starts(loaded, columns.as_ref()).map_err(fail)? {
             Some(starts) => starts.iter().map(|q| loaded.within_limits(q)).collect(),
             None => vec![arguments.start(loaded, columns)?; file.targets.len()],
@@ -129,8 +129,8 @@ fn tip<'a>(
         [] => String::new(),
         tips => format!("; tips: {}", tips.join(", ")),
     };
-    Err(Failure::new(format!(
+    Err(failure!(
         "{}: has no key `tip_link`, so --tip must say which frame the targets are for{listed}",
-        path.display(),
-    )))
+        path.display()
+    ))
 }

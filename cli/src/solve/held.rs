@@ -5,7 +5,7 @@ use kinopt::skeleton::{BoneId, Holds};
 use kinopt::task::{Posture, Task};
 
 use super::arguments::Arguments;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 
@@ -39,10 +39,10 @@ impl Held {
         let Some(rig) = &loaded.rig else {
             return match named {
                 [] => Ok(Self::default()),
-                _ => Err(Failure::usage(format!(
+                _ => Err(usage!(
                     "--hold is for rigs and scenes, and {} is a robot",
                     loaded.file
-                ))),
+                )),
             };
         };
         let skeleton = &rig.skeleton;

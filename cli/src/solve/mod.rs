@@ -81,7 +81,7 @@ fn one<B: QueryBackend>(
     let written = written.transpose()?;
     let mut progress = Progress::new();
     let answer = backend.answer(&mut B::Workspace::default(), query, &mut progress)?;
-    progress.finish();
+    drop(progress);
     let mut notes = loaded.notes();
     notes.extend(written.as_ref().and_then(|written| written.note()));
     let written = written.as_ref();

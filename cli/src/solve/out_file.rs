@@ -6,7 +6,8 @@ use kinopt::animation::PoseAngles;
 use kinopt::io::bvh;
 use kinopt::skinning::SkinningMethod;
 
-use crate::failure::{Failure, Outcome};
+use crate::animated_armature::extension;
+use crate::failure::Outcome;
 use crate::loaded_model::{Capture, LoadedModel};
 use crate::mesh_output::{MeshFile, Skin};
 use crate::weights_choice::WeightsChoice;
@@ -27,8 +28,7 @@ pub(super) enum Written<'a> {
 impl OutFile {
     pub(super) fn parse(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
-        let extension = path.extension().and_then(|extension| extension.to_str());
-        match extension.is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
+        match extension(&path) == "bvh" {
             true => Ok(Self::Capture(path)),
             false => MeshFile::parse(text)
                 .map(Self::Mesh)
@@ -52,11 +52,11 @@ impl OutFile {
                 capture,
                 PoseAngles::new(&rig.skeleton),
             )),
-            (Self::Capture(_), ..) => Err(Failure::usage(format!(
+            (Self::Capture(_), ..) => Err(usage!(
                 "{}: a .bvh is written of motion capture; this is a {}",
                 loaded.file,
                 loaded.kind()
-            ))),
+            )),
         }
     }
 }

@@ -6,7 +6,7 @@ use kinopt::task::Goal;
 use super::arguments::Arguments;
 use super::goals::Goals;
 use super::interval::Interval;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 
 /// What of a target counts.
 #[derive(Clone, Copy, Debug)]
@@ -26,9 +26,9 @@ impl Room {
             free_axis => free_axis.map(|_| "--free-axis"),
         };
         if let Some(option) = only_turning {
-            return Err(Failure::usage(format!(
+            return Err(usage!(
                 "{option} is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
-            )));
+            ));
         }
         let goal = match options.free_axis {
             _ if !turns => Goal::position(),
@@ -48,10 +48,10 @@ impl Room {
         };
         match goals.targets.as_slice() {
             [target] => Self::of(arguments, target.turns).map(Some),
-            targets => Err(Failure::usage(format!(
+            targets => Err(usage!(
                 "{option} is for one --target or for --targets, not for {} targets at once",
                 targets.len()
-            ))),
+            )),
         }
     }
 

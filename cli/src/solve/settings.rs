@@ -84,33 +84,31 @@ impl Arguments {
     pub(super) fn arm_of<'l>(&self, loaded: &'l LoadedModel) -> Outcome<Option<&'l Robot>> {
         // clap's `requires` would not ask for an option that another forbids.
         if self.arm.velocity_limits.is_some() && self.arm.servo.is_none() {
-            return Err(Failure::usage("--velocity-limits is for --servo"));
+            return Err(usage!("--velocity-limits is for --servo"));
         }
         let general =
             self.solver.is_some() || self.jacobian.is_some() || self.max_iterations.is_some();
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
         match (&loaded.robot, self.arm.given(loaded.rig.is_some())) {
-            (Some(_), _) if one_frame && !general && !self.weights.is_empty() => {
-                Err(Failure::usage(
-                    "--weight is for several targets or held tips; beside a single target's position \
-                     --metres-per-radian weighs its orientation",
-                ))
-            }
+            (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(
+                "--weight is for several targets or held tips; beside a single target's position \
+                     --metres-per-radian weighs its orientation"
+            )),
             (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
             (_, None) => Ok(None),
-            (None, Some("--search")) => Err(Failure::usage(format!(
+            (None, Some("--search")) => Err(usage!(
                 "--search of a {} is start or first; the others are for robots",
                 loaded.kind()
-            ))),
-            (None, Some(option)) => Err(Failure::usage(format!(
+            )),
+            (None, Some(option)) => Err(usage!(
                 "{option} is for robots, and {} is a {}",
                 loaded.file,
                 loaded.kind()
-            ))),
-            (Some(_), Some(option)) => Err(Failure::usage(format!(
+            )),
+            (Some(_), Some(option)) => Err(usage!(
                 "{option} is for one --target or for --targets, not for {} targets at once",
                 self.targets.len()
-            ))),
+            )),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use kinopt::model::{FrameId, UnknownName};
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_list;
 
@@ -44,9 +44,7 @@ impl Weights {
                 return Err(UnknownName::new("target, ray or held tip", frame, names).into());
             }
             if weights.iter().any(|(other, _)| *other == id) {
-                return Err(Failure::usage(format!(
-                    "--weight of `{frame}` is given twice"
-                )));
+                return Err(usage!("--weight of `{frame}` is given twice"));
             }
             weights.push((id, *weight));
         }

@@ -15,21 +15,8 @@ impl Clip {
     /// The armature is not of the clip's size.
     pub fn channels(&self, armature: &Armature) -> Result<Vec<(BoneId, Channel)>, SizeMismatch> {
         self.check_armature(armature)?;
-        let curves = self.tracks.curves();
-        let mut own = Vec::new();
+        let mut own: Vec<(BoneId, Channel)> = self.tracks.curves().channels().collect();
         let bone = BoneId::new;
-        for track in curves.translations {
-            own.push((bone(track.target), Channel::Translation(track.curve)));
-        }
-        for track in curves.rotations {
-            own.push((bone(track.target), Channel::Rotation(track.curve)));
-        }
-        for track in curves.eulers {
-            own.push((bone(track.target), Channel::Euler(track.curve)));
-        }
-        for track in curves.scales {
-            own.push((bone(track.target), Channel::Scale(track.curve)));
-        }
         let moving: std::collections::BTreeSet<_> = own
             .iter()
             .map(|(bone, channel)| (*bone, channel.property()))
@@ -43,18 +30,17 @@ impl Clip {
             let rotation = RotationCurve::step(at(), vec![now.rotation]).ok();
             let scale = KeyedCurve::step(at(), vec![now.scale]).ok();
             let each = [
-                (
-                    now.translation != then.translation,
-                    translation.map(Channel::Translation),
-                ),
-                (
-                    now.rotation != then.rotation,
-                    rotation.map(Channel::Rotation),
-                ),
-                (now.scale != then.scale, scale.map(Channel::Scale)),
+                translation
+                    .filter(|_| now.translation != then.translation)
+                    .map(Channel::Translation),
+                rotation
+                    .filter(|_| now.rotation != then.rotation)
+                    .map(Channel::Rotation),
+                scale
+                    .filter(|_| now.scale != then.scale)
+                    .map(Channel::Scale),
             ];
-            let changed = each.into_iter().filter(|(changed, _)| *changed);
-            for channel in changed.filter_map(|(_, channel)| channel) {
+            for channel in each.into_iter().flatten() {
                 if !moving.contains(&(bone(index), channel.property())) {
                     own.push((bone(index), channel));
                 }

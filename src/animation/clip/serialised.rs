@@ -30,22 +30,12 @@ pub(super) enum PartsError {
 
 impl From<Clip> for Parts {
     fn from(clip: Clip) -> Self {
-        let curves = clip.tracks.curves();
-        let bone = BoneId::new;
-        let translations = curves.translations.into_iter();
-        let rotations = curves.rotations.into_iter();
-        let eulers = curves.eulers.into_iter();
-        let scales = curves.scales.into_iter();
-        let morphs = curves.morphs.into_iter();
+        let mut curves = clip.tracks.curves();
+        let morphs = std::mem::take(&mut curves.morphs).into_iter();
         Self {
             name: clip.name,
             span: clip.span,
-            channels: translations
-                .map(|track| (bone(track.target), Channel::Translation(track.curve)))
-                .chain(rotations.map(|track| (bone(track.target), Channel::Rotation(track.curve))))
-                .chain(eulers.map(|track| (bone(track.target), Channel::Euler(track.curve))))
-                .chain(scales.map(|track| (bone(track.target), Channel::Scale(track.curve))))
-                .collect(),
+            channels: curves.channels().collect(),
             morphs: morphs.map(|track| (track.target, track.curve)).collect(),
             constant: clip.constant,
             events: clip.events,

@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use super::Channel;
 use super::curved::{CurveSegments, Curved};
 use super::rotation_tracks::{SlerpSegments, Slerps};
 use super::timelines::Track;
@@ -9,6 +10,7 @@ use super::vector_tracks::{VectorSegments, Vectors};
 use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{EulerCurve, Pose};
+use crate::skeleton::BoneId;
 
 /// All moving channels of a clip.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,6 +46,23 @@ pub(super) struct Curves {
     pub(super) rotations: Vec<Track<RotationCurve>>,
     pub(super) eulers: Vec<Track<EulerCurve>>,
     pub(super) morphs: Vec<Track<KeyedCurve<f32>>>,
+}
+
+impl Curves {
+    /// What moves bones, by property.
+    pub(super) fn channels(self) -> impl Iterator<Item = (BoneId, Channel)> {
+        fn of<C>(
+            tracks: Vec<Track<C>>,
+            channel: fn(C) -> Channel,
+        ) -> impl Iterator<Item = (BoneId, Channel)> {
+            let tracks = tracks.into_iter();
+            tracks.map(move |track| (BoneId::new(track.target), channel(track.curve)))
+        }
+        of(self.translations, Channel::Translation)
+            .chain(of(self.rotations, Channel::Rotation))
+            .chain(of(self.eulers, Channel::Euler))
+            .chain(of(self.scales, Channel::Scale))
+    }
 }
 
 impl Tracks {

@@ -16,8 +16,7 @@ use super::{CurveValue, Hermite, KeyError, TensionContinuityBias, lerp};
             serialize = "V: serde::Serialize, V::Real: serde::Serialize",
             deserialize = "V: serde::Deserialize<'de>, V::Real: serde::Deserialize<'de>"
         ),
-        try_from = "super::serialised::Keys<V>",
-        into = "super::serialised::Keys<V>"
+        try_from = "super::serialised::Keys<V>"
     )
 )]
 pub struct KeyedCurve<V: CurveValue> {
@@ -223,11 +222,6 @@ impl<V: CurveValue> KeyedCurve<V> {
             (Between::Bezier(handles), Some(&end)) => self.drawn(key, handles, end).position(u),
             _ => start,
         }
-    }
-
-    #[cfg(feature = "serde")]
-    pub(super) fn into_parts(self) -> (Vec<V::Real>, Vec<V>, Between<V>) {
-        (self.times, self.values, self.between)
     }
 
     /// What it does between keys.

@@ -10,13 +10,7 @@ use crate::skeleton::BoneId;
 /// blends touch rotations only.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(
-        try_from = "super::serialised::PoseParts",
-        into = "super::serialised::PoseParts"
-    )
-)]
+#[cfg_attr(feature = "serde", serde(try_from = "super::serialised::PoseParts"))]
 pub struct Pose {
     pub(crate) translations: Vec<Vec3A>,
     pub(crate) rotations: Vec<Quat>,

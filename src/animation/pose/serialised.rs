@@ -7,23 +7,12 @@ use super::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, P
 use crate::SizeMismatch;
 use crate::skeleton::BoneId;
 
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 pub(super) struct PoseParts {
     translations: Vec<Vec3A>,
     rotations: Vec<Quat>,
     scales: Vec<Vec3A>,
     morph_weights: Vec<f32>,
-}
-
-impl From<Pose> for PoseParts {
-    fn from(pose: Pose) -> Self {
-        Self {
-            translations: pose.translations,
-            rotations: pose.rotations,
-            scales: pose.scales,
-            morph_weights: pose.morph_weights,
-        }
-    }
 }
 
 impl TryFrom<PoseParts> for Pose {

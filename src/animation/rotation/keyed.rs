@@ -10,10 +10,7 @@ use crate::animation::curve::{Hermite, KeyError, check_count, check_times};
 /// the rotation there.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(try_from = "super::serialised::Keys", into = "super::serialised::Keys")
-)]
+#[cfg_attr(feature = "serde", serde(try_from = "super::serialised::Keys"))]
 pub struct RotationCurve {
     times: Vec<f32>,
     rotations: Vec<Quat>,
@@ -154,11 +151,6 @@ impl RotationCurve {
         pub fn times(&self) -> &[f32] = &self.times;
         /// The rotations at the keys: unit quaternions.
         pub fn rotations(&self) -> &[Quat] = &self.rotations;
-    }
-
-    #[cfg(feature = "serde")]
-    pub(super) fn into_parts(self) -> (Vec<f32>, Vec<Quat>, BetweenRotations) {
-        (self.times, self.rotations, self.between)
     }
 
     /// What it does between keys.

@@ -1,29 +1,17 @@
-//! A curve of rotations as serde writes it: its keys, and what runs between them. One that is read is
-//! checked.
+//! A curve of rotations as serde reads it: its keys, and what runs between them, checked.
 
 use glam::Quat;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::RotationCurve;
 use super::keyed::BetweenRotations;
 use crate::animation::curve::{KeyError, check_count};
 
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 pub(super) struct Keys {
     times: Vec<f32>,
     rotations: Vec<Quat>,
     between: BetweenRotations,
-}
-
-impl From<RotationCurve> for Keys {
-    fn from(curve: RotationCurve) -> Self {
-        let (times, rotations, between) = curve.into_parts();
-        Self {
-            times,
-            rotations,
-            between,
-        }
-    }
 }
 
 impl TryFrom<Keys> for RotationCurve {

@@ -47,7 +47,7 @@ pub use write::{poses_to_text, to_text, write, write_poses};
 use std::path::Path;
 
 use self::lexer::Lexer;
-use super::{ReadError, read_bytes};
+use super::{ReadError, read_with};
 use crate::animation::{Armature, Clip};
 
 /// The longest BVH file that is read.
@@ -118,9 +118,5 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<MotionCapture, ReadError> 
 /// # Errors
 /// As [`from_bytes`], and when the file cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<MotionCapture, ReadError> {
-    let path = path.as_ref();
-    from_bytes(
-        &read_bytes(path, LENGTH_LIMIT)?,
-        &path.display().to_string(),
-    )
+    read_with(path.as_ref(), LENGTH_LIMIT, from_bytes)
 }

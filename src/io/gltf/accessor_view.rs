@@ -28,20 +28,16 @@ impl Source<'_> {
     ) -> Result<AccessorView<'_>, ReadError> {
         let views = &self.root.buffer_views;
         let own = views.get(view.value()).ok_or_else(|| {
-            let problem = format!(
-                "{user}: view {} of {} does not exist",
-                view.value(),
-                views.len()
-            );
-            self.fail(path, problem)
+            let (view, views) = (view.value(), views.len());
+            self.fail(
+                path,
+                format!("{user}: view {view} of {views} does not exist"),
+            )
         })?;
         let at = |key: &str| format!("bufferViews[{}].{key}", view.value());
         let buffer = self.buffers.get(own.buffer.value()).ok_or_else(|| {
-            let buffers = self.buffers.len();
-            let problem = format!(
-                "{user}: buffer {} of {buffers} does not exist",
-                own.buffer.value()
-            );
+            let (buffer, buffers) = (own.buffer.value(), self.buffers.len());
+            let problem = format!("{user}: buffer {buffer} of {buffers} does not exist");
             self.fail(at("buffer"), problem)
         })?;
         let start = own.byte_offset.map_or(0, |offset| offset.0);
@@ -60,13 +56,8 @@ impl Source<'_> {
         let needed = (count as u128 - 1) * stride as u128 + size as u128;
         let bytes = slice(viewed, offset, needed).ok_or_else(|| {
             let what = format!("{user}: {count} entries from byte {offset} of the view");
-            ReadError::truncated(
-                self.name,
-                Place::Json(path.into()),
-                what,
-                needed,
-                viewed.len(),
-            )
+            let place = Place::Json(path.into());
+            ReadError::truncated(self.name, place, what, needed, viewed.len())
         })?;
         Ok(AccessorView {
             bytes,

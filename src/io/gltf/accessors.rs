@@ -38,11 +38,8 @@ impl<'a> Source<'a> {
             None => vec![of([0.0; N]); count],
         };
         if let Some(sparse) = self.sparse::<N>(index, user)? {
-            for (place, entry) in self
-                .places(&sparse, count, &path, user)?
-                .into_iter()
-                .zip(0..)
-            {
+            let places = self.places(&sparse, count, &path, user)?;
+            for (place, entry) in places.into_iter().zip(0..) {
                 if let Some(value) = values.get_mut(place as usize) {
                     *value = of(sparse.values.entry(entry));
                 }
@@ -77,12 +74,11 @@ impl<'a> Source<'a> {
         index: Index<Accessor>,
         user: &str,
     ) -> Result<&'a Accessor, ReadError> {
-        let accessors = &self.root.accessors;
-        accessors.get(index.value()).ok_or_else(|| {
-            let path = format!("accessors[{}]", index.value());
-            let problem = format!("{user}: does not exist; there are {}", accessors.len());
-            self.fail(path, problem)
-        })
+        self.entry(
+            &self.root.accessors,
+            ("accessors", index.value()),
+            Some(user),
+        )
     }
 
     /// The numbers that an accessor's buffer view holds; `None` where it has none.
@@ -126,10 +122,8 @@ impl<'a> Source<'a> {
             Checked::Valid(kind) => Ok(kind.0),
             Checked::Invalid => {
                 let path = format!("accessors[{}].componentType", index.value());
-                Err(self.fail(
-                    path,
-                    format!("{user}: is none of 5120 to 5123, 5125 and 5126"),
-                ))
+                let problem = format!("{user}: is none of 5120 to 5123, 5125 and 5126");
+                Err(self.fail(path, problem))
             }
         }
     }

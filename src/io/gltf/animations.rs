@@ -80,22 +80,14 @@ impl Context<'_, '_> {
         let of = format!("of {}", node_label(&source.root.nodes, node));
         let samplers = &self.animation.samplers;
         let sampler = samplers.get(channel.sampler.value()).ok_or_else(|| {
-            let problem = format!(
-                "{}: sampler {} does not exist; there are {}",
-                self.title,
-                channel.sampler.value(),
-                samplers.len()
-            );
+            let (title, own, all) = (&self.title, channel.sampler.value(), samplers.len());
+            let problem = format!("{title}: sampler {own} does not exist; there are {all}");
             source.fail(format!("{path}.sampler"), problem)
         })?;
         let Checked::Valid(property) = channel.target.path else {
-            notes.push(Note::left_out(
-                format!("{path}.target.path"),
-                format!(
-                    "{}: a channel {of} that is none of translation, rotation, scale and weights",
-                    self.title
-                ),
-            ));
+            let none = "none of translation, rotation, scale and weights";
+            let what = format!("{}: a channel {of} that is {none}", self.title);
+            notes.push(Note::left_out(format!("{path}.target.path"), what));
             return Ok(());
         };
         let (what, at) = (property_name(property), channel.sampler.value());

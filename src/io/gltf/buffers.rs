@@ -7,7 +7,7 @@ use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::Root;
 
-use crate::io::{Place, ReadError, ReadProblem};
+use crate::io::{Place, ReadError};
 
 /// Padding is left out by some writers.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -24,24 +24,19 @@ pub(super) fn load<'a>(
 ) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
         let place = |key: &str| Place::Json(format!("buffers[{index}].{key}"));
+        let wrong = |problem: String| ReadError::malformed(name, place("uri"), problem);
         let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => {
                 let problem = "there is no uri, and no binary chunk for it";
-                return Err(ReadError::malformed(name, place("uri"), problem));
+                return Err(wrong(problem.into()));
             }
             (Some(uri), _) => match data(uri) {
-                Some(data) => data
-                    .map_err(|problem| ReadError::malformed(name, place("uri"), problem))?
-                    .into(),
+                Some(data) => data.map_err(wrong)?.into(),
                 None => {
-                    let path = path(uri)
-                        .map_err(|problem| ReadError::malformed(name, place("uri"), problem))?;
-                    let opened = open(&path).map_err(|error| {
-                        let problem = ReadProblem::Referenced(Box::new(error));
-                        ReadError::new(name, place("uri"), problem)
-                    });
-                    opened?.into()
+                    let opened = open(&path(uri).map_err(wrong)?);
+                    let refer = |error| ReadError::referred(name, place("uri"), error);
+                    opened.map_err(refer)?.into()
                 }
             },
         };

@@ -1,6 +1,7 @@
 //! The meshes of the scene that is shown, each on its node, and the morph targets of all of them.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
 use super::nodes::{Nodes, free_name, label, node_label};
 use super::note::Note;
@@ -9,7 +10,7 @@ use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::SceneMesh;
 use super::source::Source;
 use super::{morph_targets, skins};
-use crate::io::{Place, ReadError};
+use crate::io::ReadError;
 use crate::mesh::TriangleMesh;
 use crate::skinning::MorphTargets;
 
@@ -41,10 +42,8 @@ pub(super) fn read(
             continue;
         };
         if !nodes.in_scene[index] {
-            let what = format!(
-                "{} is in no scene that is shown: its mesh",
-                node_label(&source.root.nodes, index)
-            );
+            let node = node_label(&source.root.nodes, index);
+            let what = format!("{node} is in no scene that is shown: its mesh");
             notes.push(Note::left_out(format!("nodes[{index}].mesh"), what));
             continue;
         }
@@ -72,15 +71,8 @@ pub(super) fn read(
         }
         used.extend(node.skin.map(|skin| skin.value()));
         own.of_node.insert(index, own.meshes.len());
-        add(
-            source,
-            (index, mesh),
-            raw,
-            nodes,
-            &mut own,
-            &mut taken,
-            notes,
-        )?;
+        let which = (index, mesh);
+        add(source, which, raw, nodes, &mut own, &mut taken, notes)?;
     }
     for skin in (0..source.root.skins.len()).filter(|skin| !used.contains(skin)) {
         skins::check(source, skin)?;
@@ -109,23 +101,16 @@ fn add(
     taken: &mut BTreeSet<String>,
     notes: &mut Vec<Note>,
 ) -> Result<(), ReadError> {
-    let (node, entry) = (
-        &source.root.nodes[node_index],
-        &source.root.meshes[mesh_index],
-    );
+    let root = source.root;
+    let (node, entry) = (&root.nodes[node_index], &root.meshes[mesh_index]);
     let title = label("mesh", mesh_index, entry.name.as_ref());
-    let fail = |problem: String| {
-        source.fail(
-            format!("meshes[{mesh_index}]"),
-            format!("{title}: {problem}"),
-        )
+    let fail = |problem: &dyn Display| {
+        let problem = format!("{title}: {problem}");
+        source.fail(format!("meshes[{mesh_index}]"), problem)
     };
-    let mesh = TriangleMesh::new(
-        raw.positions.clone(),
-        raw.normals.clone(),
-        raw.triangles.clone(),
-    );
-    let mesh = mesh.map_err(|error| fail(error.to_string()))?;
+    let (positions, normals) = (raw.positions.clone(), raw.normals.clone());
+    let mesh = TriangleMesh::new(positions, normals, raw.triangles.clone());
+    let mesh = mesh.map_err(|error| fail(&error))?;
     let name = match &entry.name {
         Some(name) if !name.is_empty() => name.clone(),
         _ => format!("mesh/{mesh_index}"),
@@ -143,11 +128,7 @@ fn add(
             }
             false => free_name(plain, taken),
         };
-        targets.push(
-            deltas
-                .target(&unique)
-                .map_err(|error| fail(error.to_string()))?,
-        );
+        targets.push(deltas.target(&unique).map_err(|error| fail(&error))?);
         own.target_names.push(unique);
     }
     let path = || match node.weights {
@@ -163,37 +144,22 @@ fn add(
             own.target_weights.extend_from_slice(weights);
         }
         Some(weights) => {
-            let problem = format!(
-                "{title}: {} weights for {} targets",
-                weights.len(),
-                targets.len()
-            );
+            let (given, targets) = (weights.len(), targets.len());
+            let problem = format!("{title}: {given} weights for {targets} targets");
             return Err(source.fail(path(), problem));
         }
     }
     let vertices = mesh.positions().len();
-    let morph_targets =
-        MorphTargets::new(vertices, targets).map_err(|error| fail(error.to_string()))?;
-    let skin = match node.skin {
-        Some(skin) => {
-            let bones = &nodes.bone_of;
-            Some(skins::read(
-                source,
-                skin.value(),
-                bones,
-                (mesh_index, &name, raw),
-                notes,
-            )?)
-        }
-        None => {
-            if raw.is_skinned {
-                let place = Place::Json(format!("nodes[{node_index}]"));
-                let what = format!("{title} has joints, but the node has no skin: its weights");
-                notes.push(Note::LeftOut { place, what });
-            }
-            None
-        }
-    };
+    let morph_targets = MorphTargets::new(vertices, targets).map_err(|error| fail(&error))?;
+    let skin = node.skin.map(|skin| {
+        let mesh = (mesh_index, name.as_str(), raw);
+        skins::read(source, skin.value(), &nodes.bone_of, mesh, notes)
+    });
+    let skin = skin.transpose()?;
+    if skin.is_none() && raw.is_skinned {
+        let what = format!("{title} has joints, but the node has no skin: its weights");
+        notes.push(Note::left_out(format!("nodes[{node_index}]"), what));
+    }
     own.meshes.push(SceneMesh {
         name,
         bone,

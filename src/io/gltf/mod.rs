@@ -67,7 +67,7 @@ use std::path::Path;
 use gltf_json::Root;
 
 use self::source::Source;
-use super::{ReadError, read_bytes};
+use super::{ReadError, read_bytes, read_with};
 use crate::animation::{Armature, Clip, ClipNameError};
 
 /// The longest file that is read, and the longest buffer beside it.
@@ -81,9 +81,9 @@ const LENGTH_LIMIT: u64 = 1 << 31;
 pub fn read(path: impl AsRef<Path>) -> Result<Scene, ReadError> {
     let path = path.as_ref();
     let folder = path.parent().unwrap_or(Path::new(""));
-    let bytes = read_bytes(path, LENGTH_LIMIT)?;
-    from_bytes(&bytes, &path.display().to_string(), |file| {
-        read_bytes(&folder.join(file), LENGTH_LIMIT)
+    let part = |file: &str| read_bytes(&folder.join(file), LENGTH_LIMIT);
+    read_with(path, LENGTH_LIMIT, |bytes, name| {
+        from_bytes(bytes, name, part)
     })
 }
 

@@ -46,10 +46,8 @@ pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
     let rotation = rest.rotation.as_dquat();
     let length = rotation.length();
     if length == 0.0 {
-        return Err((
-            "rotation",
-            "the quaternion is zero and stands for no rotation".into(),
-        ));
+        let problem = "the quaternion is zero and stands for no rotation";
+        return Err(("rotation", problem.into()));
     }
     let rotation = (rotation / length).as_quat();
     let repair = Some(format!(
@@ -66,11 +64,8 @@ fn decomposed(matrix: &[f32; 16]) -> Result<LocalTransform, String> {
     let stretch = parts.stretch;
     let scale = DVec3::new(stretch.x_axis.x, stretch.y_axis.y, stretch.z_axis.z);
     let apart = stretch - DMat3::from_diagonal(scale);
-    let most = |m: DMat3| {
-        m.to_cols_array()
-            .into_iter()
-            .fold(0.0, |most: f64, x| most.max(x.abs()))
-    };
+    let entries = |m: DMat3| m.to_cols_array().into_iter().map(f64::abs);
+    let most = |m: DMat3| entries(m).fold(0.0, f64::max);
     if most(apart) > SHEAR_WITHIN * most(stretch) {
         return Err("shears, which no translation, rotation and scale do".into());
     }
@@ -88,11 +83,8 @@ pub(super) fn affine(matrix: &[f32; 16]) -> Result<DAffine3, String> {
         return Err(format!("the last row is {row:?}, not 0 0 0 1"));
     }
     let column = |at: usize| {
-        DVec3::new(
-            matrix[at].into(),
-            matrix[at + 1].into(),
-            matrix[at + 2].into(),
-        )
+        let [x, y, z] = [0, 1, 2].map(|row| matrix[at + row].into());
+        DVec3::new(x, y, z)
     };
     let affine = DAffine3 {
         matrix3: DMat3::from_cols(column(0), column(4), column(8)),

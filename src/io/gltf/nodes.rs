@@ -201,13 +201,8 @@ fn in_scene(source: &Source<'_>) -> Result<Vec<bool>, ReadError> {
     }
     while let Some(index) = stack.pop() {
         if !std::mem::replace(&mut seen[index], true) {
-            stack.extend(
-                nodes[index]
-                    .children
-                    .iter()
-                    .flatten()
-                    .map(|child| child.value()),
-            );
+            let children = nodes[index].children.iter().flatten();
+            stack.extend(children.map(|child| child.value()));
         }
     }
     Ok(seen)

@@ -64,21 +64,13 @@ impl fmt::Display for Note {
                 repair,
                 merged,
             } => {
-                write!(f, "mesh `{mesh}`: ")?;
-                let WeightRepair {
-                    negative,
-                    rescaled,
-                    worst,
-                } = repair;
+                let (negative, rescaled) = (repair.negative, repair.rescaled);
                 write!(
                     f,
-                    "{negative} negative weights set to 0, {merged} added to another of "
+                    "mesh `{mesh}`: {negative} negative weights set to 0, {merged} added to another \
+                     of their joint, those of {rescaled} vertices scaled to sum to 1"
                 )?;
-                write!(
-                    f,
-                    "their joint, those of {rescaled} vertices scaled to sum to 1"
-                )?;
-                match worst {
+                match repair.worst {
                     Some((vertex, sum)) => write!(f, " (vertex {vertex} had {sum})"),
                     None => Ok(()),
                 }

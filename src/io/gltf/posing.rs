@@ -9,8 +9,8 @@ use super::{Scene, SceneError, SceneMesh, Skin};
 use crate::animation::{Pose, SizeMismatch};
 use crate::mesh::{MeshError, TriangleMesh};
 use crate::skinning::{
-    MeshWeights, MorphError, PosedVertices, RestVertices, SkinWeights, SkinningError,
-    SkinningMethod, WeightsError,
+    MeshWeights, MorphError, PosedVertices, SkinWeights, SkinningError, SkinningMethod,
+    WeightsError,
 };
 
 /// Poses the meshes of one scene again and again: their weights in the fast form, and memory. `S` is a
@@ -67,6 +67,18 @@ pub enum PosingError {
         /// What is wrong.
         problem: MeshError,
     },
+}
+
+impl PosingError {
+    fn skinning(mesh: &SceneMesh) -> impl FnOnce(SkinningError) -> Self {
+        let mesh = mesh.name.clone();
+        |problem| Self::Skinning { mesh, problem }
+    }
+
+    fn mesh(name: &str) -> impl FnOnce(MeshError) -> Self {
+        let mesh = name.to_owned();
+        |problem| Self::Mesh { mesh, problem }
+    }
 }
 
 impl<S: Borrow<Scene>> ScenePosing<S> {
@@ -135,26 +147,17 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
                 positions.split_at_mut(morphed.positions().len().min(positions.len()));
             let (own_normals, normals_after) =
                 normals.split_at_mut(morphed.normals().len().min(normals.len()));
-            let mut rest = RestVertices::default();
-            if !own_positions.is_empty() {
-                rest.positions = morphed.positions();
-            }
-            if !own_normals.is_empty() {
-                rest.normals = morphed.normals();
-            }
             let own = PosedVertices {
                 positions: own_positions,
                 normals: own_normals,
                 tangents: &mut [],
             };
+            let rest = own.wanted_of(morphed);
             let method = self.method_of(mesh);
             move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
             self.weights[index]
                 .deform(method, &self.posed_from_mesh, rest, own)
-                .map_err(|problem| PosingError::Skinning {
-                    mesh: mesh.name.clone(),
-                    problem,
-                })?;
+                .map_err(PosingError::skinning(mesh))?;
             (positions, normals) = (positions_after, normals_after);
         }
         Ok(())
@@ -199,34 +202,25 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
             );
         }
         let joined = TriangleMesh::new(positions, normals, triangles);
-        joined.map_err(|problem| PosingError::Mesh {
-            mesh: "all".into(),
-            problem,
-        })
+        joined.map_err(PosingError::mesh("all"))
     }
 
     fn posed(&mut self, index: usize, pose: &Pose) -> Result<TriangleMesh, PosingError> {
         let mesh = &self.scene.borrow().meshes[index];
-        let name = || mesh.name.clone();
         let method = self.method_of(mesh);
         move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
         let morphed = morphed(mesh, pose)?;
         let rest = morphed.as_ref().unwrap_or(&mesh.mesh);
         let moved = self.weights[index].mesh(method, rest, &self.posed_from_mesh);
-        let moved = moved.map_err(|problem| PosingError::Skinning {
-            mesh: name(),
-            problem,
-        })?;
+        let moved = moved.map_err(PosingError::skinning(mesh))?;
         let mirrors = |bone: &Affine3A| bone.matrix3.determinant() < 0.0;
         if mesh.skin.is_some() || !self.posed_from_mesh.iter().any(mirrors) {
             return Ok(moved);
         }
         let turned = moved.triangles().iter().map(|&[a, b, c]| [a, c, b]);
         let (positions, normals) = (moved.positions().to_vec(), moved.normals().to_vec());
-        TriangleMesh::new(positions, normals, turned.collect()).map_err(|problem| {
-            let mesh = name();
-            PosingError::Mesh { mesh, problem }
-        })
+        let turned = TriangleMesh::new(positions, normals, turned.collect());
+        turned.map_err(PosingError::mesh(&mesh.name))
     }
 }
 
@@ -268,19 +262,15 @@ fn morphed(mesh: &SceneMesh, pose: &Pose) -> Result<Option<TriangleMesh>, Posing
     }
     let mut positions: Vec<Vec3> = mesh.mesh.positions().to_vec();
     let mut normals: Vec<Vec3> = mesh.mesh.normals().to_vec();
-    let name = || mesh.name.clone();
     let applied = mesh
         .morph_targets
         .apply(weights, &mut positions, &mut normals, &mut []);
-    applied.map_err(|problem| PosingError::Morph {
-        mesh: name(),
-        problem,
+    applied.map_err(|problem| {
+        let mesh = mesh.name.clone();
+        PosingError::Morph { mesh, problem }
     })?;
     let morphed = mesh.mesh.with_vertices(positions, normals);
-    morphed.map(Some).map_err(|problem| PosingError::Mesh {
-        mesh: name(),
-        problem,
-    })
+    morphed.map(Some).map_err(PosingError::mesh(&mesh.name))
 }
 
 /// Weights of a mesh that moves with one bone.

@@ -37,10 +37,7 @@ struct Having {
 }
 
 pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadError> {
-    let Some(mesh) = source.root.meshes.get(index) else {
-        let problem = format!("does not exist; there are {}", source.root.meshes.len());
-        return Err(source.fail(format!("meshes[{index}]"), problem));
-    };
+    let mesh = source.entry(&source.root.meshes, ("meshes", index), None)?;
     let name = label("mesh", index, mesh.name.as_ref());
     let mut raw = RawMesh::default();
     let mut having = Having::default();
@@ -75,14 +72,8 @@ pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadErr
                 (first, count)
             }
         };
-        triangles::append(
-            source,
-            primitive,
-            &path,
-            &user,
-            [first as usize, count],
-            &mut raw,
-        )?;
+        let block = [first as usize, count];
+        triangles::append(source, primitive, &path, &user, block, &mut raw)?;
     }
     keep_what_all_have(&having, &mut raw);
     Ok(raw)
@@ -117,10 +108,8 @@ fn vertices(
     let first = raw.positions.len();
     let end = first.checked_add(count);
     if end.is_none_or(|end| u32::try_from(end).is_err()) {
-        return Err(source.fail(
-            path,
-            format!("{user}: has more vertices than can be counted"),
-        ));
+        let problem = format!("{user}: has more vertices than can be counted");
+        return Err(source.fail(path, problem));
     }
     let same = |index: Index<Accessor>, what: &str| match source.count(index, &of(what))? {
         given if given == count => Ok(of(what)),
@@ -208,15 +197,19 @@ fn attributes(primitive: &Primitive, left_out: &mut BTreeSet<String>) -> Attribu
 
 /// Normals and tangents of some primitives only are of no use to a mesh of all.
 fn keep_what_all_have(having: &Having, raw: &mut RawMesh) {
-    if having.normals != having.blocks && !raw.normals.is_empty() {
+    let mut keep = |what: &str, given: usize, had: bool| {
+        let keeps = given == having.blocks;
+        if !keeps && had {
+            let left_out = format!("{what}, as not every primitive has it");
+            raw.left_out.insert(left_out);
+        }
+        keeps
+    };
+    if !keep("NORMAL", having.normals, !raw.normals.is_empty()) {
         raw.normals.clear();
-        raw.left_out
-            .insert("NORMAL, as not every primitive has it".into());
     }
-    if having.tangents != having.blocks && !raw.tangents.is_empty() {
+    if !keep("TANGENT", having.tangents, !raw.tangents.is_empty()) {
         raw.tangents.clear();
-        raw.left_out
-            .insert("TANGENT, as not every primitive has it".into());
     }
     raw.is_skinned = having.blocks > 0 && having.joints == having.blocks;
 }

@@ -21,20 +21,13 @@ pub(super) fn read(
     mesh: (usize, &str, &RawMesh),
     notes: &mut Vec<Note>,
 ) -> Result<Skin, ReadError> {
-    let skins = &source.root.skins;
-    let Some(entry) = skins.get(index) else {
-        let problem = format!("does not exist; there are {}", skins.len());
-        return Err(source.fail(format!("skins[{index}]"), problem));
-    };
+    let entry = source.entry(&source.root.skins, ("skins", index), None)?;
     let user = label("skin", index, entry.name.as_ref());
     let mut joints = Vec::with_capacity(entry.joints.len());
     for (at, joint) in entry.joints.iter().enumerate() {
         let bone = bone_of.get(joint.value()).ok_or_else(|| {
-            missing_node(
-                source,
-                format!("skins[{index}].joints[{at}]"),
-                joint.value(),
-            )
+            let path = format!("skins[{index}].joints[{at}]");
+            missing_node(source, path, joint.value())
         })?;
         joints.push(*bone);
     }
@@ -103,10 +96,8 @@ fn weights(
     notes: &mut Vec<Note>,
 ) -> Result<SkinWeights, ReadError> {
     let fail = |problem: String| {
-        source.fail(
-            format!("meshes[{index}]"),
-            format!("mesh `{name}`: {problem}"),
-        )
+        let problem = format!("mesh `{name}`: {problem}");
+        source.fail(format!("meshes[{index}]"), problem)
     };
     if !raw.is_skinned {
         let problem = "it has a skin, but not every primitive has JOINTS_0 and WEIGHTS_0";

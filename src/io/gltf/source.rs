@@ -42,6 +42,20 @@ impl<'a> Source<'a> {
         ReadError::malformed(self.name, Place::Json(path.into()), problem)
     }
 
+    /// An entry of one of the document's lists, by the list's name; `user` says who asks.
+    pub(super) fn entry<T>(
+        &self,
+        entries: &'a [T],
+        (list, index): (&str, usize),
+        user: Option<&str>,
+    ) -> Result<&'a T, ReadError> {
+        entries.get(index).ok_or_else(|| {
+            let user = user.map_or_else(String::new, |user| format!("{user}: "));
+            let problem = format!("{user}does not exist; there are {}", entries.len());
+            self.fail(format!("{list}[{index}]"), problem)
+        })
+    }
+
     /// Takes so many entries of type `T` out of what the file may decode to.
     pub(super) fn charge<T>(&self, count: usize, path: &str) -> Result<(), ReadError> {
         let bytes = count.checked_mul(size_of::<T>());

@@ -17,7 +17,7 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 
 use self::elements::{Face, Skipped, Vertex};
-use super::{Place, ReadError, WriteError, read_bytes, write_bytes};
+use super::{Place, ReadError, WriteError, read_with, write_bytes};
 use crate::mesh::TriangleMesh;
 
 /// The longest PLY file that is read.
@@ -72,11 +72,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<TriangleMesh, ReadError> {
 /// # Errors
 /// As [`from_bytes`], and when the file cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<TriangleMesh, ReadError> {
-    let path = path.as_ref();
-    from_bytes(
-        &read_bytes(path, LENGTH_LIMIT)?,
-        &path.display().to_string(),
-    )
+    read_with(path.as_ref(), LENGTH_LIMIT, from_bytes)
 }
 
 /// The mesh as a PLY file: `float` coordinates, normals where there are any, `uint` indices.

@@ -37,11 +37,8 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError
             SkeletonError::DuplicateName { name } => second_of(name),
             _ => None,
         };
-        at(
-            name,
-            path.unwrap_or_else(|| "bones".into()),
-            error.to_string(),
-        )
+        let path = path.unwrap_or_else(|| "bones".into());
+        at(name, path, error.to_string())
     })
 }
 
@@ -53,7 +50,8 @@ fn bone(index: usize, entry: &BoneEntry) -> Result<Bone, (String, String)> {
         _ if entry.parent_id == -1 => None,
         _ => {
             let problem = format!(
-                "{} is neither -1 nor one of the bones before this one; parents come first, which also rules cycles out",
+                "{} is neither -1 nor one of the bones before this one; parents come first, which \
+                 also rules cycles out",
                 entry.parent_id
             );
             return fail("parent_id", problem);
@@ -104,12 +102,9 @@ fn triple(key: &str, values: Option<&[f64]>, absent: f64) -> Result<[f64; 3], (S
 }
 
 fn rest(rows: &[Vec<f64>]) -> Result<Placement<f64>, (String, String)> {
-    let fail = |key: String, problem: String| Err((key, problem));
+    let fail = |key: &str, problem: String| Err((key.to_owned(), problem));
     let [x, y, z, last] = rows else {
-        return fail(
-            "rest_T".into(),
-            format!("has {} rows instead of 4", rows.len()),
-        );
+        return fail("rest_T", format!("has {} rows instead of 4", rows.len()));
     };
     let mut matrix = [[0.0; 4]; 4];
     for (row, (entries, values)) in matrix.iter_mut().zip([x, y, z, last]).enumerate() {
@@ -119,27 +114,22 @@ fn rest(rows: &[Vec<f64>]) -> Result<Placement<f64>, (String, String)> {
         })?;
     }
     let [x, y, z, last] = matrix;
-    let off = last
+    let mut off = last
         .iter()
         .zip([0.0, 0.0, 0.0, 1.0])
         .map(|(a, b)| (a - b).abs());
-    if off
-        .into_iter()
-        .any(|error| error.is_nan() || error > RIGID_WITHIN)
-    {
+    if off.any(|error| error.is_nan() || error > RIGID_WITHIN) {
         return fail(
-            "rest_T[3]".into(),
+            "rest_T[3]",
             format!("the last row is {last:?}, not 0 0 0 1"),
         );
     }
     let column = |j: usize| Vector3::new(x[j], y[j], z[j]);
-    let placement = Placement::new(
-        Matrix3::from_columns(column(0), column(1), column(2)),
-        column(3),
-    );
+    let rotation = Matrix3::from_columns(column(0), column(1), column(2));
+    let placement = Placement::new(rotation, column(3));
     match placement.check_rigid(RIGID_WITHIN) {
         Ok(()) => Ok(placement),
-        Err(why) => fail("rest_T".into(), format!("is not a rigid motion: {why}")),
+        Err(why) => fail("rest_T", format!("is not a rigid motion: {why}")),
     }
 }
 

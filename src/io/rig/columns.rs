@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::check::at;
 use super::json::RigFile;
-use crate::io::{Place, ReadError, ReadProblem};
+use crate::io::{Place, ReadError};
 use crate::mesh::TriangleMesh;
 use crate::skinning::{SkinWeights, WeightsError};
 
@@ -15,42 +15,38 @@ pub(super) fn weights(
     mesh: Option<&TriangleMesh>,
     name: &str,
 ) -> Result<SkinWeights, ReadError> {
-    if let Some(vertices) = mesh.map(|mesh| mesh.positions().len()) {
-        if vertices != table.nrows() {
-            let problem = format!(
-                "has weights for {} vertices, but the mesh has {vertices}",
-                table.nrows()
-            );
-            return Err(at(name, "weights.file", problem));
-        }
+    let (rows, columns) = table.shape();
+    if let Some(vertices) = mesh
+        .map(|mesh| mesh.positions().len())
+        .filter(|own| *own != rows)
+    {
+        let problem = format!("has weights for {rows} vertices, but the mesh has {vertices}");
+        return Err(at(name, "weights.file", problem));
     }
-    let mut owners = vec![None; table.ncols()];
+    let mut owners = vec![None; columns];
     for (bone, entry) in file.bones.iter().enumerate() {
-        if entry.weight_id == -1 {
+        let id = entry.weight_id;
+        if id == -1 {
             continue;
         }
         let path = || format!("bones[{bone}].weight_id");
-        let column = usize::try_from(entry.weight_id).ok();
+        let column = usize::try_from(id).ok();
         let Some(owner) = column.and_then(|column| owners.get_mut(column)) else {
-            let problem = format!(
-                "{} is neither -1 nor one of the {} columns of the weights",
-                entry.weight_id,
-                table.ncols()
-            );
+            let problem =
+                format!("{id} is neither -1 nor one of the {columns} columns of the weights");
             return Err(at(name, path(), problem));
         };
         if let Some(other) = owner.replace(bone) {
-            let problem = format!("column {} is bone {other}'s already", entry.weight_id);
+            let problem = format!("column {id} is bone {other}'s already");
             return Err(at(name, path(), problem));
         }
     }
     let fail = |error: WeightsError| {
         let part = file.weights.as_ref().map_or("", |part| &part.file);
         let error = ReadError::new(part, Place::File, error);
-        let problem = ReadProblem::Referenced(Box::new(error));
-        ReadError::new(name, Place::Json("weights.file".into()), problem)
+        ReadError::referred(name, Place::Json("weights.file".into()), error)
     };
-    let mut builder = SkinWeights::builder(table.nrows(), file.bones.len());
+    let mut builder = SkinWeights::builder(rows, file.bones.len());
     for (index, (column, owner)) in table.column_iter().zip(&owners).enumerate() {
         match owner {
             Some(bone) => {

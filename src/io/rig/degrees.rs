@@ -7,17 +7,11 @@ pub(super) const UNBOUNDED: f64 = 1e10;
 
 /// A range in degrees, in radians.
 pub(super) fn limits(min: f64, max: f64) -> Limits {
-    let lower = if min <= -UNBOUNDED {
-        f64::NEG_INFINITY
-    } else {
-        min.to_radians()
+    let end = |degrees: f64| match degrees.abs() >= UNBOUNDED {
+        true => f64::INFINITY.copysign(degrees),
+        false => degrees.to_radians(),
     };
-    let upper = if max >= UNBOUNDED {
-        f64::INFINITY
-    } else {
-        max.to_radians()
-    };
-    Limits::new(lower, upper)
+    Limits::new(end(min), end(max))
 }
 
 /// One end of [`limits`] as the file writes it.

@@ -38,7 +38,7 @@ pub use posing::{RigPosing, RigPosingError};
 
 use std::path::Path;
 
-use super::{Place, ReadError, ReadProblem, dmat, ply, read_bytes};
+use super::{Place, ReadError, dmat, ply, read_bytes, read_with};
 use crate::animation::EulerClip;
 use crate::mesh::TriangleMesh;
 use crate::skeleton::{BoneId, Skeleton};
@@ -74,10 +74,8 @@ impl Rig {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         let path = path.as_ref();
         let folder = path.parent().unwrap_or(Path::new(""));
-        let json = read_bytes(path, JSON_LIMIT)?;
-        Self::parse(&json, &path.display().to_string(), |file| {
-            read_bytes(&folder.join(file), PART_LIMIT)
-        })
+        let part = |file: &str| read_bytes(&folder.join(file), PART_LIMIT);
+        read_with(path, JSON_LIMIT, |json, name| Self::parse(json, name, part))
     }
 
     /// Reads a rig from the bytes of its JSON file; `name` is for messages. `open` gets the
@@ -95,11 +93,8 @@ impl Rig {
         let clip = check::clip(&file, &skeleton, name)?;
         let constrained = check::constrained(&file, &skeleton, name)?;
 
-        // An error in a named file is reported from the place that names it.
-        let referred = |place: &str, error: ReadError| {
-            let problem = ReadProblem::Referenced(Box::new(error));
-            ReadError::new(name, Place::Json(place.into()), problem)
-        };
+        let referred =
+            |place: &str, error| ReadError::referred(name, Place::Json(place.into()), error);
         let mut mesh = None;
         if let Some(part) = &file.model {
             let bytes = open(&part.file);

@@ -11,8 +11,8 @@ use crate::kinematics::KinematicsError;
 use crate::mesh::TriangleMesh;
 use crate::skeleton::Posing;
 use crate::skinning::{
-    AutomaticWeights, AutomaticWeightsError, MeshWeights, PosedVertices, RestVertices,
-    SkinningError, SkinningMethod, single_precision_transform,
+    AutomaticWeights, AutomaticWeightsError, MeshWeights, PosedVertices, SkinningError,
+    SkinningMethod, single_precision_transform,
 };
 
 /// Poses the mesh of a rig again and again: its weights made ready once, and room for transforms.
@@ -183,13 +183,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
 
     fn skin_into(&self, posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
         let mesh = self.rest()?;
-        let mut rest = RestVertices::default();
-        if !posed.positions.is_empty() {
-            rest.positions = mesh.positions();
-        }
-        if !posed.normals.is_empty() {
-            rest.normals = mesh.normals();
-        }
+        let rest = posed.wanted_of(mesh);
         let transforms = &self.posed_from_rest;
         Ok(self.weights.deform(self.method, transforms, rest, posed)?)
     }

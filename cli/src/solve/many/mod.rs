@@ -7,10 +7,10 @@ use self::summary::Outcomes;
 use super::arguments::Arguments;
 use super::backend::QueryBackend;
 use super::query::Query;
-use crate::countdown::Countdown;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
+use crate::progress::Countdown;
 
 /// Answers every query in the way that the arguments say, and prints what came out.
 pub(super) fn run(
@@ -58,7 +58,6 @@ fn answer<'b>(
             None => backend.each(queries, false, &answered)?,
         }
     };
-    countdown.finish();
     Ok(Outcomes {
         answers,
         jumps,

@@ -12,7 +12,7 @@ use super::super::arm_backend::ArmBackend;
 use super::super::backend::microseconds;
 use super::super::query::Query;
 use super::summary::{median, percentile};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
 use crate::output;
@@ -80,7 +80,7 @@ fn follow<'a>(
     ticks_a_second: f64,
 ) -> Outcome<Document<'a>> {
     let Some(first) = queries.first() else {
-        return Err(Failure::new("there are no targets to follow"));
+        return Err(failure!("there are no targets to follow"));
     };
     let mut servo = backend.servo(arguments, first, ticks_a_second)?;
     let arm_joints = backend.joint_names();

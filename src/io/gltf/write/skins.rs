@@ -15,14 +15,8 @@ type Set = (Vec<[u16; PLACES]>, Vec<[f32; PLACES]>);
 
 /// Whether two meshes may share a skin: the weights are the meshes' own.
 pub(super) fn is_same(one: &Skin, other: &Skin) -> bool {
-    let parts = |skin: &Skin| {
-        (
-            skin.name.clone(),
-            skin.joints.clone(),
-            skin.joint_from_mesh.clone(),
-        )
-    };
-    parts(one) == parts(other)
+    let same_joints = one.joints == other.joints && one.name == other.name;
+    same_joints && one.joint_from_mesh == other.joint_from_mesh
 }
 
 /// Joints and weights of every vertex, four at a time, by falling weight: some programs read the
