@@ -4,8 +4,8 @@ use argmin::core::{CostFunction, Error, OptimizationResult, State};
 use nalgebra::{DMatrix, DVector};
 
 use super::error::{BridgeError, check_length};
-use super::pool::Pool;
-use super::solution::{Place, solution_at};
+use super::pool::{Buffers, Pool};
+use super::solution::{Place, solution_of};
 use crate::ik::{Solution, SolveError};
 use crate::problem::{Evaluation, Question};
 use crate::search::variables_at;
@@ -82,6 +82,12 @@ impl<'p> BoundedProblem<'p> {
         Ok(corners)
     }
 
+    fn evaluate(&self, work: impl FnOnce(&mut Evaluation<'_>)) {
+        let evaluate =
+            |own: &mut Buffers| work(&mut Evaluation::new(self.question, &mut own.scratch));
+        self.pool.with(self.question, evaluate);
+    }
+
     /// The best point of a run, measured: errors, limits and costs are those of the returned `q`.
     ///
     /// # Errors
@@ -94,21 +100,7 @@ impl<'p> BoundedProblem<'p> {
         I: State<Float = f64>,
         I::Param: Place,
     {
-        let state = run.state();
-        let best = state.get_best_param().or_else(|| state.get_param());
-        let x = best.ok_or(BridgeError::NoParameters)?.coordinates();
-        if x.len() != self.question.variables() {
-            return Err(BridgeError::Variables {
-                given: x.len(),
-                expected: self.question.variables(),
-            });
-        }
-        Ok(solution_at(
-            self.question,
-            &self.pool,
-            x.as_slice(),
-            Some((state, &run.problem.counts)),
-        ))
+        solution_of((self.question, &self.pool), run, |x| x.as_slice().to_vec())
     }
 }
 
@@ -147,15 +139,11 @@ impl LeastSquares for BoundedProblem<'_> {
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
-        self.pool.with(self.question, |buffers| {
-            Evaluation::new(self.question, &mut buffers.scratch).residual(x, residual);
-        });
+        self.evaluate(|at| at.residual(x, residual));
     }
 
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        self.pool.with(self.question, |buffers| {
-            Evaluation::new(self.question, &mut buffers.scratch).jacobian(x, jacobian);
-        });
+        self.evaluate(|at| at.jacobian(x, jacobian));
     }
 
     fn gradient(
@@ -165,10 +153,7 @@ impl LeastSquares for BoundedProblem<'_> {
         gradient: &mut [f64],
         jacobian: &mut DMatrix<f64>,
     ) {
-        self.pool.with(self.question, |buffers| {
-            Evaluation::new(self.question, &mut buffers.scratch)
-                .gradient(x, residual, gradient, jacobian);
-        });
+        self.evaluate(|at| at.gradient(x, residual, gradient, jacobian));
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {

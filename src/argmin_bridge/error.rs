@@ -23,6 +23,15 @@ pub enum BridgeError {
     },
 }
 
+impl BridgeError {
+    pub(super) fn check_variables(given: usize, expected: usize) -> Result<(), Self> {
+        match given == expected {
+            true => Ok(()),
+            false => Err(Self::Variables { given, expected }),
+        }
+    }
+}
+
 /// What an evaluation answers to a parameter vector of the wrong length.
 pub(super) fn check_length(given: usize, expected: usize) -> Result<(), Error> {
     if given == expected {

@@ -132,23 +132,16 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
         self.method.check()?;
         self.stopping().check()?;
         let least_squares = inner(problem)?;
-        let start = state
-            .take_param()
-            .ok_or_else(|| ArgminError::NotInitialized {
-                text: format!(
-                    "`{}` needs a start: configure the state's `param`",
-                    self.method.name()
-                ),
-            })?;
+        let (name, variables) = (self.method.name(), least_squares.variables());
+        let start = state.take_param();
+        let start = start.ok_or_else(|| ArgminError::NotInitialized {
+            text: format!("`{name}` needs a start: configure the state's `param`"),
+        })?;
         let (mut at, mut own) = (SolverState::default(), M::State::default());
-        (self.method).reserve(&mut own, least_squares.rows(), least_squares.variables());
+        (self.method).reserve(&mut own, least_squares.rows(), variables);
         let progress = Progress::start(least_squares, start.as_slice(), &mut at);
         let progress = progress.ok_or_else(|| ArgminError::InvalidParameter {
-            text: format!(
-                "`{}` needs a start of {} finite numbers",
-                self.method.name(),
-                least_squares.variables()
-            ),
+            text: format!("`{name}` needs a start of {variables} finite numbers"),
         })?;
         self.search = ExecutorSearch::Running(Box::new(Running {
             progress,

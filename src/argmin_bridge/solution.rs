@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use argmin::core::{State, TerminationReason, TerminationStatus};
+use argmin::core::{OptimizationResult, State, TerminationReason, TerminationStatus};
 use argmin::solver::particleswarm::Particle;
 use nalgebra::DVector;
 
+use super::error::BridgeError;
 use super::pool::{Buffers, Pool};
 use crate::ik::Solution;
 use crate::problem::{Evaluation, Question, Share};
@@ -28,6 +29,25 @@ impl Place for Particle<DVector<f64>, f64> {
     fn coordinates(&self) -> &DVector<f64> {
         &self.position
     }
+}
+
+/// What the best point of a run solves, measured; `variables` makes the question's own of its
+/// parameters.
+pub(super) fn solution_of<O, S, I>(
+    (question, pool): (Question<'_>, &Pool),
+    run: &OptimizationResult<O, S, I>,
+    variables: impl FnOnce(&DVector<f64>) -> Vec<f64>,
+) -> Result<Solution, BridgeError>
+where
+    I: State<Float = f64>,
+    I::Param: Place,
+{
+    let state = run.state();
+    let best = state.get_best_param().or_else(|| state.get_param());
+    let best = best.ok_or(BridgeError::NoParameters)?.coordinates();
+    BridgeError::check_variables(best.len(), question.variables())?;
+    let run = Some((state, &run.problem.counts));
+    Ok(solution_at(question, pool, &variables(best), run))
 }
 
 /// Projects x, evaluates there, and reports; `run` is the state and the evaluations of a run,

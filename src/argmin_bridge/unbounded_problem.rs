@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::bounds_transform::{BoundsTransform, Image};
 use super::error::{BridgeError, check_length};
 use super::pool::{Buffers, Pool};
-use super::solution::{Place, is_finished_at, solution_at};
+use super::solution::{Place, is_finished_at, solution_at, solution_of};
 use crate::ik::{Solution, SolveError};
 use crate::problem::{Evaluation, Question};
 use crate::search::variables_at;
@@ -84,16 +84,7 @@ impl<'p> UnboundedProblem<'p> {
         I: State<Float = f64>,
         I::Param: Place,
     {
-        let state = run.state();
-        let best = state.get_best_param().or_else(|| state.get_param());
-        let y = best.ok_or(BridgeError::NoParameters)?.coordinates();
-        let x = self.checked_variables(y)?;
-        Ok(solution_at(
-            self.question,
-            &self.pool,
-            &x,
-            Some((state, &run.problem.counts)),
-        ))
+        solution_of((self.question, &self.pool), run, |y| self.variables_at(y))
     }
 
     /// As [`solution`](Self::solution), also for a run that failed. argmin's line searches answer
@@ -114,7 +105,8 @@ impl<'p> UnboundedProblem<'p> {
         match run {
             Ok(run) => self.solution(&run),
             Err(error) => {
-                let x = self.checked_variables(start)?;
+                BridgeError::check_variables(start.len(), self.transforms.len())?;
+                let x = self.variables_at(start);
                 let solution = solution_at(self.question, &self.pool, &x, None::<(&I, _)>);
                 if is_finished_at(&solution) {
                     Ok(solution)
@@ -123,16 +115,6 @@ impl<'p> UnboundedProblem<'p> {
                 }
             }
         }
-    }
-
-    fn checked_variables(&self, y: &DVector<f64>) -> Result<Vec<f64>, BridgeError> {
-        if y.len() != self.transforms.len() {
-            return Err(BridgeError::Variables {
-                given: y.len(),
-                expected: self.transforms.len(),
-            });
-        }
-        Ok(self.variables_at(y))
     }
 
     fn images(&self, y: &DVector<f64>) -> impl Iterator<Item = Image> {

@@ -53,24 +53,18 @@ impl Branch {
         self.ease = arm.ease_from(start);
     }
 
-    /// Whether the arm is where branches meet, and goes with care.
-    pub(super) fn asks_for_care(&self) -> bool {
-        self.missed || self.bend.is_known()
-    }
-
-    /// Whether the arm is stretched out and knows its side.
-    pub(super) fn is_stretched(&self) -> bool {
-        self.bend.is_known()
+    getters! {
+        /// Whether the arm is where branches meet, and goes with care.
+        pub(super) fn asks_for_care(&self) -> bool = self.missed || self.bend.is_known();
+        /// Whether the arm is stretched out and knows its side.
+        pub(super) fn is_stretched(&self) -> bool = self.bend.is_known();
+        /// Whether a target has stayed out of reach for so long that the motion to ease is over.
+        pub(super) fn rests_long(&self) -> bool = self.missed && self.left < OVER;
     }
 
     /// Whether a step spends freedom: one to another target, and those that lead back after a miss.
     pub(super) fn spends_freedom(&self, arm: &Arm) -> bool {
         arm.has_freedom() && (!self.rests || self.strayed)
-    }
-
-    /// Whether a target has stayed out of reach for so long that the motion to ease is over.
-    pub(super) fn rests_long(&self) -> bool {
-        self.missed && self.left < OVER
     }
 
     /// Notes whether the next step's target is the last one's.

@@ -13,13 +13,7 @@ impl Arm {
     /// # Errors
     /// Slices of the wrong length.
     pub fn configuration(&self, q_arm: &[f64], q_model: &mut [f64]) -> Result<(), QueryError> {
-        let n = self.joint_count();
-        self.check_length("q_arm", q_arm.len(), n)?;
-        self.check_length(
-            "q_model",
-            q_model.len(),
-            self.coordinates.degrees_of_freedom,
-        )?;
+        self.check_lengths(q_arm, q_model)?;
         for (coordinate, source, limits) in &self.coordinates.entries {
             q_model[*coordinate] = match *source {
                 Source::Constant(value) => value,
@@ -38,17 +32,17 @@ impl Arm {
         q_model: &[f64],
         q_arm: &mut (impl Buffer<f64> + ?Sized),
     ) -> Result<(), QueryError> {
-        let n = self.joint_count();
-        let q_arm = q_arm.sized(n);
-        self.check_length("q_arm", q_arm.len(), n)?;
-        self.check_length(
-            "q_model",
-            q_model.len(),
-            self.coordinates.degrees_of_freedom,
-        )?;
+        let q_arm = q_arm.sized(self.joint_count());
+        self.check_lengths(q_arm, q_model)?;
         for (value, &coordinate) in q_arm.iter_mut().zip(&self.coordinates.own) {
             *value = q_model[coordinate];
         }
         Ok(())
+    }
+
+    fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Result<(), QueryError> {
+        let freedoms = self.coordinates.degrees_of_freedom;
+        self.check_length("q_arm", q_arm.len(), self.joint_count())?;
+        self.check_length("q_model", q_model.len(), freedoms)
     }
 }

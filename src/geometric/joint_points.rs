@@ -39,15 +39,12 @@ pub(super) struct JointPoints {
 }
 
 impl JointPoints {
-    /// The points with their distances.
-    pub(super) fn linkage(&self) -> Linkage {
-        Linkage::new(self.parents.clone(), &self.rest)
-    }
-
     getters! {
         /// Which points should be where.
         pub(super) fn pins(&self) -> &[Pin] = &self.pins;
         /// Where the points are with all variables next to zero.
         pub(super) fn rest(&self) -> &[Vector3<f64>] = &self.rest;
+        /// The points with their distances.
+        pub(super) fn linkage(&self) -> Linkage = Linkage::new(self.parents.clone(), &self.rest);
     }
 }

@@ -78,6 +78,26 @@ impl Robot {
         pub fn map(&self) -> &ParameterMap = &self.map;
         /// The joints that follow others.
         pub fn mimics(&self) -> &[Mimic] = &self.mimics;
+        /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.
+        ///
+        /// ```
+        /// # #[cfg(feature = "urdf")] {
+        /// # use kinopt::robot::Robot;
+        /// let robot = Robot::read("models/franka_panda.urdf")?;
+        /// // The arm alone, the fingers held open: the second follows the first.
+        /// let finger = robot.model().joint("finger_left_slide")?;
+        /// let arm = robot.parameters().lock(finger, 0.04).build()?;
+        /// assert_eq!(arm.variables(), 7);
+        /// // Three joints, the others at zero or at the limit next to it.
+        /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
+        /// let wrist = robot.parameters().only(&wrist, &[0.0; 9]).build()?;
+        /// assert_eq!(wrist.variables(), 3);
+        /// # }
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
+        pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics);
+        /// The frames on which nothing hangs: hands, tools, feet.
+        pub fn tips(&self) -> Vec<FrameId> = chain::tips(&self.model);
     }
 
     /// The shapes and mass of a link, which is a frame; `None` for frames that are no links, such as
@@ -85,28 +105,6 @@ impl Robot {
     #[must_use]
     pub fn link(&self, frame: FrameId) -> Option<&Link> {
         self.links.get(frame.index())
-    }
-
-    /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.
-    ///
-    /// ```
-    /// # #[cfg(feature = "urdf")] {
-    /// # use kinopt::robot::Robot;
-    /// let robot = Robot::read("models/franka_panda.urdf")?;
-    /// // The arm alone, the fingers held open: the second follows the first.
-    /// let finger = robot.model().joint("finger_left_slide")?;
-    /// let arm = robot.parameters().lock(finger, 0.04).build()?;
-    /// assert_eq!(arm.variables(), 7);
-    /// // Three joints, the others at zero or at the limit next to it.
-    /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
-    /// let wrist = robot.parameters().only(&wrist, &[0.0; 9]).build()?;
-    /// assert_eq!(wrist.variables(), 3);
-    /// # }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn parameters(&self) -> ParameterMapBuilder<'_> {
-        coupled(&self.model, &self.mimics)
     }
 
     /// Looks several joints up.
@@ -130,12 +128,6 @@ impl Robot {
         let base = base.into().resolve(&self.model)?;
         let tip = tip.into().resolve(&self.model)?;
         Ok(chain::between(&self.model, base, tip))
-    }
-
-    /// The frames on which nothing hangs: hands, tools, feet.
-    #[must_use]
-    pub fn tips(&self) -> Vec<FrameId> {
-        chain::tips(&self.model)
     }
 
     /// The same robot with one more frame, `link_from_tool` away from the frame `link`. The ids of

@@ -117,6 +117,8 @@ impl Skeleton {
         pub fn bones(&self) -> &[Bone] = &self.bones;
         /// The model that the bones compile to; it is what problems are stated on.
         pub fn model(&self) -> &Model = &self.model;
+        /// How many angles a configuration has: three for each bone.
+        pub fn angles(&self) -> usize = ANGLES_PER_BONE * self.bones.len();
     }
 
     /// All bone ids in order.
@@ -164,12 +166,6 @@ impl Skeleton {
     pub fn bone_of_frame(&self, frame: FrameId) -> Option<(BoneId, bool)> {
         let bone = self.bone_at(frame.index() / 2)?;
         Some((bone, frame.index() % 2 == 1))
-    }
-
-    /// How many angles a configuration has: three for each bone.
-    #[must_use]
-    pub fn angles(&self) -> usize {
-        ANGLES_PER_BONE * self.bones.len()
     }
 
     /// The diagonal of the box around all tails and tips at rest, in the rig's own unit.

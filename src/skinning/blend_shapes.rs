@@ -132,12 +132,9 @@ impl BlendShapes {
     pub fn of_meshes<'a>(
         meshes: impl IntoIterator<Item = (&'a str, &'a TriangleMesh)>,
     ) -> Result<Self, BlendShapesError> {
-        let shapes = meshes.into_iter();
-        Self::new(
-            shapes
-                .map(|(name, mesh)| (name.to_owned(), mesh.positions().to_vec()))
-                .collect(),
-        )
+        let meshes = meshes.into_iter();
+        let shapes = meshes.map(|(name, mesh)| (name.to_owned(), mesh.positions().to_vec()));
+        Self::new(shapes.collect())
     }
 
     getters! {

@@ -77,13 +77,8 @@ impl CageBinding {
             if !position.is_finite() {
                 return Err(CageError::NonFinitePoint { point });
             }
-            if !mean_value_coordinates(
-                &corners,
-                cage.triangles(),
-                size,
-                position.as_dvec3(),
-                &mut row,
-            ) {
+            let (triangles, at) = (cage.triangles(), position.as_dvec3());
+            if !mean_value_coordinates(&corners, triangles, size, at, &mut row) {
                 return Err(CageError::NoCoordinates { point });
             }
             coordinates.extend(row.iter().map(|&coordinate| coordinate as f32));
@@ -124,11 +119,8 @@ impl CageBinding {
         SizeMismatch::check("posed points", posed.len(), self.points)?;
         let rows = self.coordinates.chunks_exact(self.corners.max(1));
         for (row, posed) in rows.zip(posed) {
-            *posed = row
-                .iter()
-                .zip(cage)
-                .map(|(&share, &corner)| share * corner)
-                .sum();
+            let shares = row.iter().zip(cage);
+            *posed = shares.map(|(&share, &corner)| share * corner).sum();
         }
         Ok(())
     }

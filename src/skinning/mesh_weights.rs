@@ -95,24 +95,19 @@ impl MeshWeights {
         transforms: &[Affine3A],
         then: impl FnOnce(&dyn Deformation) -> T,
     ) -> Result<T, SkinningError> {
-        use SkinningMethod::{DualQuaternion, LinearBlend as Linear};
+        use Form::{Any, Packed};
+        use SkinningMethod::{DualQuaternion as Dual, LinearBlend as Linear};
         Ok(match (&self.form, method, &self.pivots) {
-            (Form::Packed(weights), Linear, _) => {
-                then(&PackedLinearBlend::new(weights, transforms)?)
+            (Packed(own), Linear, _) => then(&PackedLinearBlend::new(own, transforms)?),
+            (Packed(own), Dual, None) => then(&PackedDualQuaternionBlend::new(own, transforms)?),
+            (Packed(own), Dual, Some(pivots)) => then(&PackedDualQuaternionBlend::stretched(
+                own, transforms, pivots,
+            )?),
+            (Any(own), Linear, _) => then(&LinearBlend::new(own, transforms)?),
+            (Any(own), Dual, None) => then(&DualQuaternionBlend::new(own, transforms)?),
+            (Any(own), Dual, Some(pivots)) => {
+                then(&DualQuaternionBlend::stretched(own, transforms, pivots)?)
             }
-            (Form::Packed(weights), DualQuaternion, None) => {
-                then(&PackedDualQuaternionBlend::new(weights, transforms)?)
-            }
-            (Form::Packed(weights), DualQuaternion, Some(pivots)) => then(
-                &PackedDualQuaternionBlend::stretched(weights, transforms, pivots)?,
-            ),
-            (Form::Any(weights), Linear, _) => then(&LinearBlend::new(weights, transforms)?),
-            (Form::Any(weights), DualQuaternion, None) => {
-                then(&DualQuaternionBlend::new(weights, transforms)?)
-            }
-            (Form::Any(weights), DualQuaternion, Some(pivots)) => then(
-                &DualQuaternionBlend::stretched(weights, transforms, pivots)?,
-            ),
         })
     }
 }

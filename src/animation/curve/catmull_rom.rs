@@ -76,12 +76,8 @@ impl<V: CurveValue> KeyedCurve<V> {
             at = at + knots.between(pair[0], pair[1]);
             at
         });
-        let times: Vec<V::Real> = points
-            .first()
-            .map(|_| V::Real::from(0.0))
-            .into_iter()
-            .chain(steps)
-            .collect();
+        let start = points.first().map(|_| V::Real::from(0.0));
+        let times: Vec<V::Real> = start.into_iter().chain(steps).collect();
         // Checks what the tangents below rely on.
         let straight = Self::linear(times, points).map_err(|error| match error {
             KeyError::NotIncreasing { key: point, .. } => KeyError::SamePlace { point },
@@ -89,11 +85,8 @@ impl<V: CurveValue> KeyedCurve<V> {
         })?;
         let (times, points) = (straight.times(), straight.values());
         let slope = |from: usize, to: usize| {
-            let one = V::Real::from(1.0);
-            Some(
-                (*points.get(to)? - *points.get(from)?)
-                    * (one / (*times.get(to)? - *times.get(from)?)),
-            )
+            let time = *times.get(to)? - *times.get(from)?;
+            Some((*points.get(to)? - *points.get(from)?) * (V::Real::from(1.0) / time))
         };
         let tangents = (0..points.len()).map(|key| {
             let before = key.checked_sub(1);

@@ -201,6 +201,11 @@ impl<V: CurveValue> KeyedCurve<V> {
         pub fn times(&self) -> &[V::Real] = &self.times;
         /// The values at the keys.
         pub fn values(&self) -> &[V] = &self.values;
+        /// What it does between keys.
+        #[cfg(feature = "gltf")]
+        pub(crate) fn between(&self) -> &Between<V> = &self.between;
+        /// Whether it runs straight from key to key.
+        pub(crate) fn is_linear(&self) -> bool = matches!(self.between, Between::Linear);
     }
 
     /// The value at a time; at a key's time the key's value to the bit. A time that is NaN counts
@@ -222,17 +227,6 @@ impl<V: CurveValue> KeyedCurve<V> {
             (Between::Bezier(handles), Some(&end)) => self.drawn(key, handles, end).position(u),
             _ => start,
         }
-    }
-
-    /// What it does between keys.
-    #[cfg(feature = "gltf")]
-    pub(crate) fn between(&self) -> &Between<V> {
-        &self.between
-    }
-
-    /// Whether it runs straight from key to key.
-    pub(crate) fn is_linear(&self) -> bool {
-        matches!(self.between, Between::Linear)
     }
 
     /// The rate of change per unit of time; at a key that of the segment after it. Zero outside the

@@ -186,10 +186,8 @@ impl EulerClip {
     #[must_use]
     pub fn time_span(&self) -> Option<[f64; 2]> {
         let ends = |track: &EulerTrack| Some([track.keys.first()?.time, track.keys.last()?.time]);
-        self.tracks
-            .iter()
-            .filter_map(ends)
-            .reduce(|[start, end], [s, e]| [start.min(s), end.max(e)])
+        let ends = self.tracks.iter().filter_map(ends);
+        ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)])
     }
 }
 
@@ -204,11 +202,8 @@ impl From<EulerClip> for Tracks {
             let keys = Vec::new();
             (EulerTrack { bone, keys }, EulerInterpolation::default())
         });
-        clip.tracks
-            .into_iter()
-            .zip(clip.between)
-            .chain(keyless)
-            .collect()
+        let keyed = clip.tracks.into_iter().zip(clip.between);
+        keyed.chain(keyless).collect()
     }
 }
 

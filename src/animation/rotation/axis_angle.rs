@@ -53,22 +53,13 @@ impl AxisAngle {
         Self::from_quaternion(DQuat::from_mat3(rotation).normalize())
     }
 
-    /// cos(θ/2) + sin(θ/2) (uₓ i + u_y j + u_z k).
-    #[must_use]
-    pub fn to_quaternion(self) -> DQuat {
-        turn_about_exactly(self.axis, self.angle)
-    }
-
-    /// The rotation matrix.
-    #[must_use]
-    pub fn to_matrix(self) -> DMat3 {
-        DMat3::from_quat(self.to_quaternion())
-    }
-
-    /// Axis × angle: the compact form. It is unique below half a turn; there it jumps, as the turn by
-    /// π + ε about an axis is that by π − ε about the opposite one.
-    #[must_use]
-    pub fn to_rotation_vector(self) -> DVec3 {
-        self.axis * self.angle
+    getters! {
+        /// cos(θ/2) + sin(θ/2) (uₓ i + u_y j + u_z k).
+        pub fn to_quaternion(self) -> DQuat = turn_about_exactly(self.axis, self.angle);
+        /// The rotation matrix.
+        pub fn to_matrix(self) -> DMat3 = DMat3::from_quat(self.to_quaternion());
+        /// Axis × angle: the compact form. It is unique below half a turn; there it jumps, as the turn by
+        /// π + ε about an axis is that by π − ε about the opposite one.
+        pub fn to_rotation_vector(self) -> DVec3 = self.axis * self.angle;
     }
 }

@@ -151,17 +151,11 @@ impl RotationCurve {
         pub fn times(&self) -> &[f32] = &self.times;
         /// The rotations at the keys: unit quaternions.
         pub fn rotations(&self) -> &[Quat] = &self.rotations;
-    }
-
-    /// What it does between keys.
-    #[cfg(feature = "gltf")]
-    pub(crate) fn between(&self) -> &BetweenRotations {
-        &self.between
-    }
-
-    /// Whether it runs by slerp from key to key.
-    pub(crate) fn is_slerp(&self) -> bool {
-        self.between == BetweenRotations::Slerp
+        /// What it does between keys.
+        #[cfg(feature = "gltf")]
+        pub(crate) fn between(&self) -> &BetweenRotations = &self.between;
+        /// Whether it runs by slerp from key to key.
+        pub(crate) fn is_slerp(&self) -> bool = self.between == BetweenRotations::Slerp;
     }
 
     /// The rotation at a time in seconds; NaN counts as before the first key.

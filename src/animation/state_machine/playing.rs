@@ -181,13 +181,10 @@ impl Progress {
         self.left() > MOMENT
     }
 
-    pub(super) fn left(&self) -> f64 {
-        self.seconds - self.elapsed
-    }
-
-    /// The share of its time.
-    pub(super) fn of_time(&self) -> f32 {
-        (self.elapsed / self.seconds) as f32
+    getters! {
+        pub(super) fn left(&self) -> f64 = self.seconds - self.elapsed;
+        /// The share of its time.
+        pub(super) fn of_time(&self) -> f32 = (self.elapsed / self.seconds) as f32;
     }
 
     /// How much of the pose is the state's that is being entered, so many seconds from now.

@@ -61,12 +61,6 @@ impl StateMachineRun {
         Ok(own)
     }
 
-    /// The state that it is in or on the way to.
-    #[must_use]
-    pub fn state(&self) -> &str {
-        &self.machine.states[self.current.state].name
-    }
-
     getters! {
         /// How long it has been in that state, in seconds, from the start of the cross-fade to it.
         pub fn seconds(&self) -> f64 = self.current.seconds;
@@ -75,6 +69,8 @@ impl StateMachineRun {
         pub fn events_left_out(&self) -> bool = self.events_left_out;
         /// The pose as of the last update.
         pub fn pose(&self) -> &Pose = &self.pose;
+        /// The state that it is in or on the way to.
+        pub fn state(&self) -> &str = &self.machine.states[self.current.state].name;
     }
 
     /// How many times through that state's clips have played since it was entered: 0.5 is half of it. 1

@@ -25,11 +25,8 @@ impl MorphTargets {
     pub fn new(vertex_count: usize, targets: Vec<MorphTarget>) -> Result<Self, MorphError> {
         for target in &targets {
             // They rise, so the last is the largest.
-            if let Some(&vertex) = target
-                .vertices
-                .last()
-                .filter(|&&v| v as usize >= vertex_count)
-            {
+            let last = target.vertices.last();
+            if let Some(&vertex) = last.filter(|&&v| v as usize >= vertex_count) {
                 return Err(MorphError::VertexOutOfRange {
                     target: target.name.clone(),
                     vertex,
@@ -80,17 +77,11 @@ impl MorphTargets {
         }
         let active = || self.targets.iter().zip(weights).filter(|(_, w)| **w != 0.0);
         for (target, &weight) in active() {
-            add(
-                positions,
-                &target.vertices,
-                &target.positions,
-                |p, delta| *p += delta * weight,
-            );
-            add(normals, &target.vertices, &target.normals, |n, delta| {
-                *n += delta * weight
-            });
-            add(tangents, &target.vertices, &target.tangents, |t, delta| {
-                *t += (delta * weight).extend(0.0);
+            let at = &target.vertices;
+            add(positions, at, &target.positions, |p, by| *p += by * weight);
+            add(normals, at, &target.normals, |n, by| *n += by * weight);
+            add(tangents, at, &target.tangents, |t, by| {
+                *t += (by * weight).extend(0.0)
             });
         }
         for (target, _) in active() {
@@ -113,17 +104,12 @@ impl MorphTargets {
                 names: names.join(", "),
             });
         }
-        let broken = self
-            .targets
-            .iter()
-            .zip(weights)
-            .find(|(_, w)| !w.is_finite());
-        broken.map_or(Ok(()), |(target, &weight)| {
-            Err(MorphError::NonFiniteWeight {
-                target: target.name.clone(),
-                weight,
-            })
-        })
+        let mut named = self.targets.iter().zip(weights);
+        if let Some((target, &weight)) = named.find(|(_, weight)| !weight.is_finite()) {
+            let target = target.name.clone();
+            return Err(MorphError::NonFiniteWeight { target, weight });
+        }
+        Ok(())
     }
 }
 

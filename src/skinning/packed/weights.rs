@@ -88,14 +88,11 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    pub(super) fn vertices(self) -> &'a [FourInfluences] {
-        self.vertices
-    }
-
-    /// How many transforms there must be.
-    #[cfg(target_arch = "x86_64")]
-    pub(super) fn bone_count(self) -> usize {
-        self.bone_count
+    getters! {
+        pub(super) fn vertices(self) -> &'a [FourInfluences] = self.vertices;
+        /// How many transforms there must be.
+        #[cfg(target_arch = "x86_64")]
+        pub(super) fn bone_count(self) -> usize = self.bone_count;
     }
 }
 

@@ -68,16 +68,13 @@ impl SkinWeights {
         table
     }
 
-    /// How many vertices have weights.
-    #[must_use]
-    pub fn vertex_count(&self) -> usize {
-        self.starts.len().saturating_sub(1)
-    }
-
-    /// How many bones the skeleton has; all of [`Influence::bone`] are below it.
-    #[must_use]
-    pub fn bone_count(&self) -> usize {
-        self.bone_count
+    getters! {
+        /// How many vertices have weights.
+        pub fn vertex_count(&self) -> usize = self.starts.len().saturating_sub(1);
+        /// How many bones the skeleton has; all of [`Influence::bone`] are below it.
+        pub fn bone_count(&self) -> usize = self.bone_count;
+        /// The largest number of influences on one vertex; 0 without vertices.
+        pub fn max_influences(&self) -> usize = self.iter().map(<[_]>::len).max().unwrap_or(0);
     }
 
     /// The influences of one vertex, sorted by bone; empty when there is no such vertex.
@@ -95,11 +92,5 @@ impl SkinWeights {
             [start, end] => self.influences.get(*start..*end).unwrap_or(&[]),
             _ => &[],
         })
-    }
-
-    /// The largest number of influences on one vertex; 0 without vertices.
-    #[must_use]
-    pub fn max_influences(&self) -> usize {
-        self.iter().map(<[_]>::len).max().unwrap_or(0)
     }
 }
