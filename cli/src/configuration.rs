@@ -110,13 +110,13 @@ impl LoadedModel {
 
     /// The rig's keyframes at a time in seconds.
     pub(crate) fn keyframes_at(&self, time: f64, playback: Playback) -> Outcome<Vec<f64>> {
-        let mut q = vec![0.0; self.model.degrees_of_freedom()];
+        let mut q = vec![0.0; self.model.configuration_len()];
         self.keyframes("--time")?.sample(time, playback, &mut q)?;
         Ok(q)
     }
 
     fn check_length(&self, numbers: &[f64], source: &str) -> Outcome<()> {
-        let expected = self.model.degrees_of_freedom();
+        let expected = self.model.configuration_len();
         if numbers.len() == expected {
             return Ok(());
         }

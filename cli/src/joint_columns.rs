@@ -87,7 +87,7 @@ impl JointColumns {
         Numbers(given): &Numbers,
         degrees: bool,
     ) -> Outcome<Vec<f64>> {
-        let (width, all) = (self.width(), loaded.model.degrees_of_freedom());
+        let (width, all) = (self.width(), loaded.model.configuration_len());
         let columns = self.coordinates.iter();
         let picked: Vec<f64> = match given.as_slice() {
             [one] if option != "--posture" => vec![*one; width],

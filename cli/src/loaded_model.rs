@@ -343,7 +343,7 @@ impl LoadedModel {
     }
 
     fn leaders(&self, map: &ParameterMap) -> Vec<bool> {
-        let mut leads = vec![false; self.model.degrees_of_freedom()];
+        let mut leads = vec![false; self.model.configuration_len()];
         for &leader in map.leaders() {
             if let Some(flag) = leads.get_mut(leader) {
                 *flag = true;

@@ -44,7 +44,7 @@ impl TargetsFile {
             return Ok(None);
         };
         let width = rows.first().map_or(0, Vec::len);
-        let all = loaded.model.degrees_of_freedom();
+        let all = loaded.model.configuration_len();
         let columns = match (&self.joint_names, base_to_tip) {
             (Some(names), _) => {
                 let columns = loaded.joint_columns(names);

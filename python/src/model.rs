@@ -59,7 +59,7 @@ impl Model {
     /// How many numbers a configuration has.
     #[getter]
     pub(crate) fn degrees_of_freedom(&self) -> usize {
-        self.inner.degrees_of_freedom()
+        self.inner.configuration_len()
     }
 
     /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
@@ -126,7 +126,7 @@ impl Model {
         let Some(n) = n else {
             return Ok(arrays::list(py, &draw(0)).into_any());
         };
-        let array = PyArray2::<f64>::zeros(py, [n, self.inner.degrees_of_freedom()], false);
+        let array = PyArray2::<f64>::zeros(py, [n, self.inner.configuration_len()], false);
         {
             let mut array = array
                 .try_readwrite()
@@ -135,7 +135,7 @@ impl Model {
                 .as_slice_mut()
                 .map_err(|error| invalid(error.to_string()))?;
             for (i, row) in rows
-                .chunks_mut(self.inner.degrees_of_freedom().max(1))
+                .chunks_mut(self.inner.configuration_len().max(1))
                 .enumerate()
             {
                 row.copy_from_slice(&draw(i));
@@ -166,7 +166,7 @@ impl Model {
         format!(
             "Model({:?}, {} degrees of freedom, {} frames)",
             self.inner.name(),
-            self.inner.degrees_of_freedom(),
+            self.inner.configuration_len(),
             self.inner.frames().len()
         )
     }

@@ -163,7 +163,7 @@ impl Robot {
     /// How many numbers a configuration has.
     #[getter]
     fn degrees_of_freedom(&self) -> usize {
-        self.model.degrees_of_freedom()
+        self.model.configuration_len()
     }
 
     /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
@@ -311,7 +311,7 @@ impl Robot {
         format!(
             "Robot({:?}, {} degrees of freedom, {} links)",
             self.model.name(),
-            self.model.degrees_of_freedom(),
+            self.model.configuration_len(),
             self.model.frames().len()
         )
     }

@@ -9,7 +9,7 @@ use super::solution::{Place, solution_of};
 use crate::ik::{Solution, SolveError};
 use crate::problem::{Evaluation, Question};
 use crate::search::variables_at;
-use crate::solver::LeastSquares;
+use crate::solver::{ConfigurationSpace, LeastSquares};
 
 /// How far the corners of a first simplex stand from the start, as a share of the range.
 const SIMPLEX_SIZE: f64 = 0.1;
@@ -128,6 +128,10 @@ impl LeastSquares for BoundedProblem<'_> {
 
     fn rows(&self) -> usize {
         self.question.rows()
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        self.question.space()
     }
 
     fn lower(&self) -> &[f64] {

@@ -69,7 +69,9 @@ impl<'p> UnboundedProblem<'p> {
     /// The variables x(y) of the problem, within its bounds to the bit. NaN where y is not finite.
     #[must_use]
     pub fn variables_at(&self, y: &DVector<f64>) -> Vec<f64> {
-        self.images(y).map(|image| image.value).collect()
+        let mut x: Vec<f64> = self.images(y).map(|image| image.value).collect();
+        self.question.space().project(&mut x);
+        x
     }
 
     /// The best point of a run, measured: errors, limits and costs are those of the returned `q`.
@@ -133,6 +135,8 @@ impl<'p> UnboundedProblem<'p> {
             for (x, image) in buffers.x.iter_mut().zip(self.images(y)) {
                 *x = image.value;
             }
+            // Swings are within an ellipse, which no change of single variables is.
+            self.question.space().project(&mut buffers.x);
             Evaluation::new(self.question, &mut buffers.scratch)
                 .residual(&buffers.x, &mut buffers.residual);
             work(self.question, buffers)

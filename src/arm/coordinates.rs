@@ -34,7 +34,8 @@ impl Coordinates {
                 Source::Constant(value) if held(joint_of(c)) => {
                     entries.push((c, Source::Constant(value), limits));
                 }
-                Source::Constant(_) => {}
+                // No ball is on the way, and none elsewhere is moved.
+                Source::Constant(_) | Source::Rotation { .. } => {}
                 Source::Variable {
                     variable,
                     ratio,
@@ -58,7 +59,7 @@ impl Coordinates {
             .filter_map(|&id| source.coordinate(id))
             .collect();
         Self {
-            degrees_of_freedom: source.degrees_of_freedom(),
+            degrees_of_freedom: source.configuration_len(),
             entries,
             own,
         }

@@ -25,6 +25,12 @@ pub enum ArmError {
         /// The tip frame.
         tip: String,
     },
+    /// A ball joint between base and tip.
+    #[error("`{joint}` is a ball joint: an arm has joints of one number each, a `Problem` any")]
+    BallJoint {
+        /// The joint.
+        joint: String,
+    },
     /// An option out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),

@@ -3,7 +3,9 @@
 use super::ArmError;
 use super::kinematic_path::Part;
 use crate::lanes::{Chain, ChainJoint};
-use crate::model::{FrameId, Joint, JointId, Limits, Model, ModelBuilder, ParameterMap, Source};
+use crate::model::{
+    FrameId, Joint, JointId, JointKind, Limits, Model, ModelBuilder, ParameterMap, Source,
+};
 use crate::spatial::Placement;
 
 /// Name of the frame that solving looks at.
@@ -79,6 +81,15 @@ impl Serial {
         tip_from_tool: Placement<f64>,
         name: (&str, &str),
     ) -> Result<Self, ArmError> {
+        let mut balls = parts.iter().filter_map(|part| match *part {
+            Part::Joint { id, .. } => Some(&source.joints()[id.index()]),
+            Part::Way(_) => None,
+        });
+        if let Some(ball) = balls.find(|joint| joint.kind == JointKind::Ball) {
+            return Err(ArmError::BallJoint {
+                joint: ball.name.clone(),
+            });
+        }
         let mut assembly = Assembly {
             source,
             full,
@@ -133,6 +144,8 @@ impl Assembly<'_> {
             return;
         };
         match source_of(self.full, coordinate) {
+            // Refused before.
+            Source::Rotation { .. } => {}
             Source::Constant(value) => {
                 let motion = joint.kind.joint_from_moved(axis, value);
                 self.extent += motion.translation.norm();
@@ -162,6 +175,7 @@ impl Assembly<'_> {
                     kind: joint.kind.within(&limits),
                     axis,
                     limits,
+                    ball: None,
                 });
                 self.chain.push(ChainJoint {
                     parent_from_joint: self.way,

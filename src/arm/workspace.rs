@@ -126,7 +126,7 @@ impl ArmWorkspace {
             outcomes: Vec::new(),
             order: Vec::new(),
             rows: Vec::new(),
-            q: vec![0.0; serial.model.degrees_of_freedom()],
+            q: vec![0.0; serial.model.configuration_len()],
             kinematics: ForwardKinematics::new(&serial.model),
             extent: serial.extent,
             turns: (serial.model.moving_joints().iter())
@@ -193,6 +193,7 @@ impl ArmWorkspace {
             // A follower keeps the rounding of both its parts, which may cancel.
             let size = match *source {
                 Source::Constant(value) => value.abs(),
+                Source::Rotation { .. } => 0.0,
                 Source::Variable {
                     variable,
                     ratio,

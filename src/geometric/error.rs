@@ -22,6 +22,14 @@ pub enum GeometricError {
         /// What the method takes.
         valid: &'static str,
     },
+    /// A ball joint: these methods turn joints of one axis.
+    #[error("joint `{joint}` is a ball; {solver} turns joints about one axis each (a `Solver` any)")]
+    BallJoint {
+        /// The method.
+        solver: &'static str,
+        /// The joint.
+        joint: String,
+    },
     /// A sliding joint, for a method that keeps the distances between joints.
     #[error("joint `{joint}` slides; {solver} needs fixed distances between joints (CCD does not)")]
     SlidingJoint {

@@ -35,6 +35,12 @@ pub(super) fn goals(
     solver: &'static str,
 ) -> Result<Vec<Goal>, GeometricError> {
     let problem = question.problem;
+    if let Some(ball) = problem.parameters().balls().first() {
+        return Err(GeometricError::BallJoint {
+            solver,
+            joint: problem.names().variables[ball.variable].clone(),
+        });
+    }
     let mut goals = Vec::with_capacity(problem.tasks());
     for (index, task) in problem.compiled_tasks().iter().enumerate() {
         let weight = |quantity: Quantity| {

@@ -6,7 +6,7 @@ use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::check_start;
-use crate::solver::{ConfigurationSpace, Stopping, Termination};
+use crate::solver::{Stopping, Termination};
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless set otherwise, in radians: 9 rad/s at 60 frames a
@@ -76,7 +76,8 @@ pub struct Drag {
     pub(super) max_move: f64,
     /// The bounds of a frame.
     around: [Vec<f64>; 2],
-    /// What a joint may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
+    /// What a variable may move by where `max_move` is 1: 1 rad, less for the three of a ball, which move
+    /// together, or the length that weighs as much.
     unit: Vec<f64>,
     pub(super) x: Vec<f64>,
     pub(super) q: Vec<f64>,
@@ -122,7 +123,8 @@ impl Drag {
             targets: problem.targets(),
             around: [vec![0.0; n], vec![0.0; n]],
             unit: angles
-                .map(|&angle| if angle { 1.0 } else { slide })
+                .enumerate()
+                .map(|(j, &angle)| if angle { problem.share_of_turn(j) } else { slide })
                 .collect(),
             x: vec![0.0; n],
             q: start.to_vec(),
@@ -263,8 +265,9 @@ impl Drag {
             let [from, _] = &mut self.around;
             from.copy_from_slice(&self.x);
             map.gather(&self.q, &mut self.x);
-            let moves = self.x.iter().zip(from).zip(&self.unit);
-            let moves = moves.map(|((to, from), unit)| (to - *from).abs() / unit);
+            let [from, step] = &mut self.around;
+            Question::from(&self.problem).space().difference(&self.x, from, step);
+            let moves = step.iter().zip(&self.unit).map(|(step, unit)| step.abs() / unit);
             self.moved = moves.fold(0.0, f64::max);
         }
         solution
@@ -318,10 +321,9 @@ impl Drag {
                 *value += self.unit[j] * NUDGE * aside;
             }
         }
-        let [from, to] = &self.around;
-        ConfigurationSpace::new(from, to).project(start);
-        map.scatter_within_limits(start, &mut self.q);
         let question = near(&self.problem, &self.targets, &self.around);
+        question.space().project(start);
+        map.scatter_within_limits(start, &mut self.q);
         solve(&self.nudged, question, &self.q, &mut self.trial);
         self.take_trial();
     }
@@ -342,9 +344,10 @@ impl Drag {
             return;
         }
         let map = self.problem.parameters();
-        map.gather(&self.workspace.solution.q, &mut self.around[0]);
-        let moves = self.around[0].iter().zip(&self.x).zip(&self.unit);
-        let moves = moves.map(|((to, from), unit)| (to - from).abs() / unit);
+        let [to, step] = &mut self.around;
+        map.gather(&self.workspace.solution.q, to);
+        Question::from(&self.problem).space().difference(to, &self.x, step);
+        let moves = step.iter().zip(&self.unit).map(|(step, unit)| step.abs() / unit);
         let furthest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
         self.leap = furthest
             .filter(|&(_, moved)| moved > self.max_move)

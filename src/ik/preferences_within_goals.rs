@@ -130,6 +130,8 @@ pub(super) struct Refinement {
     /// Where it stands.
     pub(super) x: Vec<f64>,
     trial: Vec<f64>,
+    /// Where a correction of the trial starts.
+    uncorrected: Vec<f64>,
     /// The best step by the linear model, this time and last time.
     best: Vec<f64>,
     last_best: Vec<f64>,
@@ -157,6 +159,7 @@ impl Refinement {
         for (vector, room) in [
             (&mut self.x, n),
             (&mut self.trial, n),
+            (&mut self.uncorrected, n),
             (&mut self.best, n),
             (&mut self.last_best, n),
             (&mut self.direction, n),
@@ -319,7 +322,7 @@ impl Refinement {
         let cost = half_squared(from.residual);
         let negligible = negligible_slope(column_norm, cost, &limits.stopping);
         for (j, fixed) in self.fixed.iter_mut().enumerate() {
-            *fixed = question.space().holds(j, from.x[j], slope[j], negligible);
+            *fixed = question.space().holds(from.x, j, slope[j], negligible);
         }
     }
 
@@ -378,12 +381,11 @@ impl Refinement {
         if let Some(last_falls) = last_falls {
             multiply(&self.pull_jacobian, &self.last_best, other);
             let kept = ((falls - inner(effect, other)) / last_falls).max(0.0);
-            let bounds = question.lower().iter().zip(question.upper());
-            let places = self.x.iter().zip(bounds).zip(&self.fixed);
-            let steps = self.direction.iter_mut().zip(&self.best).zip(places);
-            for ((direction, best), ((x, (lower, upper)), fixed)) in steps {
+            let space = question.space();
+            let steps = self.direction.iter_mut().zip(&self.best).zip(&self.fixed);
+            for (j, ((direction, best), fixed)) in steps.enumerate() {
                 let way = best + kept * *direction;
-                let outward = (x <= lower && way < 0.0) || (x >= upper && way > 0.0);
+                let outward = space.holds(&self.x, j, -way, 0.0);
                 *direction = if outward || *fixed { 0.0 } else { way };
             }
             multiply(&self.pull_jacobian, &self.direction, effect);
@@ -403,6 +405,7 @@ impl Refinement {
     /// The second derivative of the goals' cost at x, by differences of its gradient.
     fn take_curvature(&mut self, asked: &mut Asked<'_, '_>) {
         let n = self.x.len();
+        let space = asked.question.space();
         asked.counts.residuals += n + 1;
         asked.counts.gradients += n + 1;
         let mut goals = asked.evaluate(Share::Goals);
@@ -412,11 +415,10 @@ impl Refinement {
         self.trial.copy_from_slice(&self.x);
         for j in 0..n {
             let shift = f64::EPSILON.sqrt() * self.x[j].abs().max(1.0);
-            self.trial[j] = self.x[j] + shift;
-            let taken = self.trial[j] - self.x[j];
+            let taken = space.integrate_one(&self.x, j, shift, &mut self.trial);
             goals.residual(&self.trial, &mut self.goals);
             goals.gradient(&self.trial, &self.goals, there, &mut self.goal_jacobian);
-            self.trial[j] = self.x[j];
+            space.return_one(&self.x, j, &mut self.trial);
             let column = &mut self.curvature.as_mut_slice()[j * n..(j + 1) * n];
             for ((entry, there), here) in column.iter_mut().zip(&*there).zip(&*here) {
                 *entry = (there - here) / taken;
@@ -458,9 +460,10 @@ impl Refinement {
             let (held, miss) = (&self.goal_jacobian, &self.goals);
             let back = &mut self.goal_slopes[0];
             self.step.restore(held, miss, &within, back);
-            for (trial, step) in self.trial.iter_mut().zip(back) {
-                *trial += *step;
-            }
+            self.uncorrected.copy_from_slice(&self.trial);
+            question
+                .space()
+                .integrate(&self.uncorrected, back, &mut self.trial);
             question.space().project(&mut self.trial);
         }
         false

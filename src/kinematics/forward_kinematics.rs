@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::{Tree, TreeState};
-use crate::model::{FrameId, Model, ParameterMap};
+use crate::model::{BallVariables, FrameId, Model, ParameterMap, SegmentKind};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -38,8 +38,16 @@ pub enum KinematicsError {
         model: String,
         /// Numbers given.
         given: usize,
-        /// Numbers needed: degrees of freedom, or the parameter map's variables.
+        /// Numbers needed: those of a configuration, or the parameter map's variables.
         expected: usize,
+    },
+    /// A quaternion of length zero, or too large or small for its length to be a number.
+    #[error("the quaternion from number {index} of a configuration of `{model}` is no rotation")]
+    NoRotation {
+        /// The model.
+        model: String,
+        /// Where it begins, from 0.
+        index: usize,
     },
     /// A number that is NaN or infinite.
     #[error("number {index} of those that place the frames of `{model}` is not finite")]
@@ -75,6 +83,18 @@ pub struct ForwardKinematics<S = f64> {
     model: String,
     tree: Tree,
     state: TreeState<S>,
+    /// For models with ball joints.
+    read: Option<ReadConfiguration<S>>,
+}
+
+/// How the variables of a tree are read out of configurations with quaternions.
+#[derive(Clone, Debug)]
+pub(super) struct ReadConfiguration<S> {
+    pub(super) map: ParameterMap,
+    /// What was read last.
+    pub(super) x: Vec<S>,
+    /// By ball: whether it is a free joint's, whose slides are the three variables before it.
+    pub(super) is_free: Vec<bool>,
 }
 
 impl<S: Scalar> ForwardKinematics<S> {
@@ -82,7 +102,7 @@ impl<S: Scalar> ForwardKinematics<S> {
     #[must_use]
     pub fn new(model: &Model) -> Self {
         let frames: Vec<FrameId> = model.frame_ids().collect();
-        Self::compile(model, &ParameterMap::identity(model), &frames)
+        Self::of_configurations(model, &frames)
     }
 
     /// For some frames, in any order.
@@ -90,7 +110,8 @@ impl<S: Scalar> ForwardKinematics<S> {
     /// # Errors
     /// An id beyond the model's frames.
     pub fn of_frames(model: &Model, frames: &[FrameId]) -> Result<Self, KinematicsError> {
-        Self::under(model, &ParameterMap::identity(model), frames)
+        check_frames(model, frames)?;
+        Ok(Self::of_configurations(model, frames))
     }
 
     /// For some frames, placed for the variables of `map` rather than for a configuration.
@@ -102,22 +123,30 @@ impl<S: Scalar> ForwardKinematics<S> {
         map: &ParameterMap,
         frames: &[FrameId],
     ) -> Result<Self, KinematicsError> {
-        if map.sources().len() != model.degrees_of_freedom() {
+        if map.sources().len() != model.configuration_len() {
             return Err(KinematicsError::ForeignMap {
                 map: map.sources().len(),
                 model: model.name().to_owned(),
-                model_coordinates: model.degrees_of_freedom(),
+                model_coordinates: model.configuration_len(),
             });
         }
-        let beyond = |frame: &&FrameId| frame.index() >= model.frames().len();
-        match frames.iter().find(beyond) {
-            Some(frame) => Err(KinematicsError::ForeignFrame {
-                model: model.name().to_owned(),
-                index: frame.index(),
-                frames: model.frames().len(),
-            }),
-            None => Ok(Self::compile(model, map, frames)),
+        check_frames(model, frames)?;
+        Ok(Self::compile(model, map, frames))
+    }
+
+    fn of_configurations(model: &Model, frames: &[FrameId]) -> Self {
+        let map = ParameterMap::identity(model);
+        let mut own = Self::compile(model, &map, frames);
+        if !map.balls().is_empty() {
+            own.read = Some(ReadConfiguration {
+                x: vec![S::zero(); map.variables()],
+                is_free: (model.balls())
+                    .map(|(segment, _)| segment.kind == SegmentKind::Free)
+                    .collect(),
+                map,
+            });
         }
+        own
     }
 
     /// For ids and a map of this model.
@@ -127,28 +156,32 @@ impl<S: Scalar> ForwardKinematics<S> {
             model: model.name().to_owned(),
             state: TreeState::new(&tree),
             tree,
+            read: None,
         }
     }
 
     getters! {
-        /// How many numbers [`place`](Self::place) reads: the model's degrees of freedom, or the
+        /// How many numbers [`place`](Self::place) reads: those of a configuration, or the
         /// variables of the parameter map.
-        pub fn variables(&self) -> usize = self.tree.variables();
+        pub fn variables(&self) -> usize = match &self.read {
+            Some(read) => read.map.sources().len(),
+            None => self.tree.variables(),
+        };
         /// What the last [`place`](Self::place) found; identities before the first.
         pub fn placements(&self) -> &[Placement<S>] = self.state.frames();
     }
 
     /// world_from_frame of each frame, in the order asked for, at the configuration `q` (radians
-    /// and metres, within limits or not).
+    /// and metres, within limits or not; quaternions of any length but zero).
     ///
     /// # Errors
-    /// A wrong number of numbers, or one that is not finite.
+    /// A wrong number of numbers, or one that is not finite, a quaternion of length zero.
     pub fn place(&mut self, q: &[S]) -> Result<&[Placement<S>], KinematicsError> {
-        if q.len() != self.tree.variables() {
+        if q.len() != self.variables() {
             return Err(KinematicsError::Length {
                 model: self.model.clone(),
                 given: q.len(),
-                expected: self.tree.variables(),
+                expected: self.variables(),
             });
         }
         // Counted: a search that may end early does not vectorise.
@@ -160,11 +193,40 @@ impl<S: Scalar> ForwardKinematics<S> {
                 index,
             });
         }
-        self.tree.forward(q, &mut self.state);
+        match &mut self.read {
+            None => self.tree.forward(q, &mut self.state),
+            Some(ReadConfiguration { map, x, .. }) => {
+                map.gather_all(q, x);
+                let lost = |ball: &&BallVariables| !x[ball.variable].is_finite();
+                if let Some(ball) = map.balls().iter().find(lost) {
+                    return Err(KinematicsError::NoRotation {
+                        model: self.model.clone(),
+                        index: ball.coordinate,
+                    });
+                }
+                self.tree.forward(x, &mut self.state);
+            }
+        }
         Ok(self.state.frames())
     }
 
     pub(super) fn parts(&self) -> (&Tree, &TreeState<S>) {
         (&self.tree, &self.state)
+    }
+
+    pub(super) fn read(&self) -> Option<&ReadConfiguration<S>> {
+        self.read.as_ref()
+    }
+}
+
+fn check_frames(model: &Model, frames: &[FrameId]) -> Result<(), KinematicsError> {
+    let beyond = |frame: &&FrameId| frame.index() >= model.frames().len();
+    match frames.iter().find(beyond) {
+        None => Ok(()),
+        Some(frame) => Err(KinematicsError::ForeignFrame {
+            model: model.name().to_owned(),
+            index: frame.index(),
+            frames: model.frames().len(),
+        }),
     }
 }

@@ -1,6 +1,7 @@
 //! Forward kinematics: one pass from the root to the frames.
 
 use super::Tree;
+use super::motion::{BallPart, Motion};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
@@ -17,6 +18,8 @@ pub(crate) struct TreeState<S> {
     values: Vec<S>,
     sines: Vec<S>,
     cosines: Vec<S>,
+    /// By ball: what each of its variables turns about, in world axes.
+    pub(super) ball_axes: Vec<[Vector3<S>; 3]>,
 }
 
 impl<S: Scalar> TreeState<S> {
@@ -29,6 +32,7 @@ impl<S: Scalar> TreeState<S> {
             values: vec![S::zero(); tree.nodes.len()],
             sines: vec![S::zero(); tree.nodes.len()],
             cosines: vec![S::one(); tree.nodes.len()],
+            ball_axes: vec![[Vector3::zero(); 3]; tree.charts.len()],
         }
     }
 
@@ -53,7 +57,20 @@ impl Tree {
                 Some(parent) => &state.origin_from_node[parent] * &node.parent_from_node,
                 None => &Placement::identity() * &node.parent_from_node,
             };
-            state.origin_from_node[index] = node.motion.apply(before_motion, q, (sin, cos));
+            state.origin_from_node[index] = match node.motion {
+                Motion::Ball(BallPart { ball, part: 2 }) => {
+                    let x = [state.values[index - 2], state.values[index - 1], q];
+                    let Placement {
+                        rotation,
+                        translation,
+                    } = before_motion;
+                    let chart = &self.charts[ball];
+                    state.ball_axes[ball] = chart.axes(x).map(|axis| rotation * axis);
+                    let turned = rotation * chart.rotation(x).to_matrix();
+                    Placement::new(turned, translation)
+                }
+                motion => motion.apply(before_motion, q, (sin, cos)),
+            };
         }
         let frames = state.world_from_frame.iter_mut();
         for (leaf, (frame, seen)) in self

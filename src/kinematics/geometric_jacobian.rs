@@ -41,7 +41,7 @@ impl Tree {
         while let Some(index) = next {
             let node = &self.nodes[index];
             let origin_from_node = &state.origin_from_node[index];
-            let axis = node.motion.world_axis(origin_from_node) * node.ratio;
+            let axis = node.motion.world_axis(origin_from_node, &state.ball_axes) * node.ratio;
             let (linear, angular) = if node.motion.turns() {
                 (axis.cross(at - origin_from_node.translation), axis)
             } else {

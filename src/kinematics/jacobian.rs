@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, Matrix6xX};
 
+use super::forward_kinematics::ReadConfiguration;
 use super::{ForwardKinematics, KinematicsError, Partials};
 use crate::model::{FrameId, Model};
-use crate::spatial::{Placement, Vector3};
+use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp, rotation_log_jacobian};
 
 const STILL: Vector3<f64> = Vector3 {
     x: 0.0,
@@ -18,8 +19,9 @@ const STILL: Vector3<f64> = Vector3 {
 /// Rows 6k to 6k + 5 are of frame k: its velocity (m/s, of its own origin) and then its angular velocity
 /// (rad/s), both in world axes, for a rate of 1 of each coordinate. So column j is (z × (x − p), z) for a
 /// revolute joint with world axis z through p and a frame at x, (z, 0) for a prismatic one, and 0 for a
-/// joint that does not carry the frame (Siciliano et al. 2009, "Robotics", eq. 3.30). It is Pinocchio's
-/// `LOCAL_WORLD_ALIGNED`.
+/// joint that does not carry the frame (Siciliano et al. 2009, "Robotics", eq. 3.30). A ball has three, for
+/// turning about its turned axes, and a free joint six, for moving along and turning about its moved axes: the
+/// velocities of [`Model::integrate`]. It is Pinocchio's `LOCAL_WORLD_ALIGNED`.
 #[derive(Clone, Debug)]
 pub struct Jacobian {
     kinematics: ForwardKinematics,
@@ -32,18 +34,18 @@ impl Jacobian {
     pub fn new(kinematics: ForwardKinematics) -> Self {
         let rows = 6 * kinematics.placements().len();
         Self {
-            matrix: DMatrix::zeros(rows, kinematics.variables()),
+            matrix: DMatrix::zeros(rows, kinematics.parts().0.variables()),
             kinematics,
         }
     }
 
-    /// How many numbers [`at`](Self::at) reads, which is the columns of J.
+    /// How many numbers [`at`](Self::at) reads.
     #[must_use]
     pub fn variables(&self) -> usize {
-        self.matrix.ncols()
+        self.kinematics.variables()
     }
 
-    /// J at a configuration (radians and metres): 6 × frames rows, a column a coordinate, or a variable
+    /// J at a configuration (radians and metres): 6 × frames rows, a column a degree of freedom, or a variable
     /// where the kinematics are [under](ForwardKinematics::under) a parameter map.
     ///
     /// # Errors
@@ -66,6 +68,9 @@ impl Jacobian {
             };
             tree.add_geometric_jacobian(state, &partials, &mut self.matrix);
         }
+        if let Some(read) = self.kinematics.read() {
+            by_velocity(read, &mut self.matrix);
+        }
         Ok(&self.matrix)
     }
 
@@ -73,6 +78,31 @@ impl Jacobian {
     #[must_use]
     pub fn placements(&self) -> &[Placement<f64>] {
         self.kinematics.placements()
+    }
+}
+
+/// Turns columns by the rates of rotation vectors, and of places, into columns by velocities in moved axes.
+fn by_velocity(read: &ReadConfiguration<f64>, matrix: &mut DMatrix<f64>) {
+    for (ball, &is_free) in read.map.balls().iter().zip(&read.is_free) {
+        let Some([x, y, z]) = ball.of(&read.x) else {
+            continue;
+        };
+        let turned = Vector3::new(x, y, z);
+        // ω = J_r(x) ẋ in turned axes, and J_r(x) = J_l(−x).
+        multiply(matrix, ball.variable, rotation_log_jacobian(-turned));
+        if is_free {
+            multiply(matrix, ball.variable - 3, rotation_exp(turned));
+        }
+    }
+}
+
+/// Multiplies the three columns from `first` on by a matrix from the right.
+fn multiply(matrix: &mut DMatrix<f64>, first: usize, by: Matrix3<f64>) {
+    for mut row in matrix.row_iter_mut() {
+        let own = Vector3::new(row[first], row[first + 1], row[first + 2]);
+        for (k, column) in [by.x, by.y, by.z].into_iter().enumerate() {
+            row[first + k] = own.dot(column);
+        }
     }
 }
 

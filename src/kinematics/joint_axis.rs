@@ -46,7 +46,7 @@ impl Tree {
         let motion = &self.nodes[joint].motion;
         JointAxis {
             turns: motion.turns(),
-            direction: motion.world_axis(origin_from_node),
+            direction: motion.world_axis(origin_from_node, &state.ball_axes),
             origin: self.origin + origin_from_node.translation,
         }
     }

@@ -12,13 +12,22 @@ pub(super) enum Motion {
     TurnZ,
     Turn(Vector3<f64>),
     Slide(Vector3<f64>),
+    /// One of the three variables of a ball joint, which stand one after the other: the last one turns.
+    Ball(BallPart),
+}
+
+/// Which ball joint of a tree, and which of its three variables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BallPart {
+    pub(super) ball: usize,
+    pub(super) part: usize,
 }
 
 impl Motion {
     pub(super) fn new(kind: JointKind, axis: Vector3<f64>) -> Option<Self> {
         let (zero, one) = (0.0, 1.0);
         match kind {
-            JointKind::Fixed => None,
+            JointKind::Fixed | JointKind::Ball => None,
             JointKind::Prismatic => Some(Self::Slide(axis)),
             JointKind::Revolute | JointKind::Continuous => Some(match axis.to_array() {
                 [x, y, z] if [x, y, z] == [one, zero, zero] => Self::TurnX,
@@ -57,18 +66,25 @@ impl Motion {
                 let along = rotation * Vector3::constant(*axis);
                 Placement::new(rotation, along.mul_add(value, translation))
             }
+            // The tree turns it, which knows its other variables.
+            Self::Ball(_) => placement,
         }
     }
 
-    /// The motion's axis in world axes.
+    /// The motion's axis in world axes, with those of the tree's balls at hand.
     #[inline(always)]
-    pub(super) fn world_axis(&self, origin_from_node: &Placement<f64>) -> Vector3<f64> {
+    pub(super) fn world_axis(
+        &self,
+        origin_from_node: &Placement<f64>,
+        balls: &[[Vector3<f64>; 3]],
+    ) -> Vector3<f64> {
         let rotation = &origin_from_node.rotation;
         match self {
             Self::TurnX => rotation.x,
             Self::TurnY => rotation.y,
             Self::TurnZ => rotation.z,
             Self::Turn(axis) | Self::Slide(axis) => *rotation * *axis,
+            Self::Ball(BallPart { ball, part }) => balls[*ball][*part],
         }
     }
 }

@@ -94,7 +94,7 @@ impl Tree {
         for (index, node) in self.nodes.iter().enumerate().rev() {
             let origin_from_node = &state.origin_from_node[index];
             let carried = wrenches.on_node[index];
-            let axis = node.motion.world_axis(origin_from_node);
+            let axis = node.motion.world_axis(origin_from_node, &state.ball_axes);
             let share = if node.motion.turns() {
                 axis.dot(carried.moment)
             } else {

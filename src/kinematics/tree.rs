@@ -2,11 +2,11 @@
 
 use std::ops::Mul;
 
-use super::motion::Motion;
-use crate::model::{FrameId, Model, ParameterMap, Source};
+use super::motion::{BallPart, Motion};
+use crate::model::{FrameId, JointKind, Model, ParameterMap, RotationChart, Source, quaternion_at};
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
-use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
 /// Which of a tree's frames: the position in the list it was compiled for.
 pub(crate) type FrameSlot = usize;
@@ -92,6 +92,8 @@ pub(super) struct Leaf {
 pub(crate) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Leaf>,
+    /// What the variables of each ball mean.
+    pub(super) charts: Vec<RotationChart>,
     frames: Vec<FrameId>,
     /// Where the first root joint stands in the world. Nodes are placed as seen from there, so
     /// that levers lose no digits in a model far from the world's origin.
@@ -115,6 +117,7 @@ impl Tree {
         let mut own = Self {
             nodes: Vec::new(),
             leaves: Vec::new(),
+            charts: Vec::new(),
             frames: frames.to_vec(),
             origin: Vector3::zero(),
             variables: map.variables(),
@@ -130,6 +133,7 @@ impl Tree {
         let Self {
             nodes,
             leaves,
+            charts,
             frames,
             ..
         } = self;
@@ -145,6 +149,7 @@ impl Tree {
         }
 
         nodes.clear();
+        charts.clear();
         carried.clear();
         carried.resize(joints.len(), (None, Placement::identity()));
         for (index, joint) in joints.iter().enumerate().filter(|(i, _)| needed[*i]) {
@@ -155,9 +160,45 @@ impl Tree {
             // Before the joint's own motion.
             let node_from_joint = node_from_parent * joint.parent_from_joint;
             let motion = Motion::new(joint.kind, joint.axis);
-            let source = model
-                .coordinate(crate::model::JointId::new(index))
-                .map(|coordinate| map.sources()[coordinate]);
+            let coordinate = model.coordinate(crate::model::JointId::new(index));
+            let source = coordinate.map(|coordinate| map.sources()[coordinate]);
+            if let (JointKind::Ball, Some(coordinate)) = (joint.kind, coordinate) {
+                carried[index] = match map.balls().iter().find(|b| b.coordinate == coordinate) {
+                    Some(ball) => {
+                        for part in 0..3 {
+                            nodes.push(Node {
+                                parent: if part == 0 {
+                                    node
+                                } else {
+                                    Some(nodes.len() - 1)
+                                },
+                                parent_from_node: match part {
+                                    0 => FixedPlacement::new(node_from_joint),
+                                    _ => FixedPlacement::Identity,
+                                },
+                                motion: Motion::Ball(BallPart {
+                                    ball: charts.len(),
+                                    part,
+                                }),
+                                variable: ball.variable + part,
+                                ratio: 1.0,
+                                offset: 0.0,
+                            });
+                        }
+                        charts.push(ball.chart);
+                        (Some(nodes.len() - 1), Placement::identity())
+                    }
+                    None => {
+                        let held = map.sources()[coordinate..].first_chunk::<4>();
+                        let held = held.map(|held| held.map(|source| source.at(&[])));
+                        let rotation = held.and_then(|held| quaternion_at(&held));
+                        let turned = rotation.map_or(Matrix3::identity(), Quaternion::to_matrix);
+                        let moved = Placement::new(turned, Vector3::zero());
+                        (node, node_from_joint * moved)
+                    }
+                };
+                continue;
+            }
             carried[index] = match (motion, source) {
                 (Some(motion), Some(Source::Constant(value))) => (
                     node,

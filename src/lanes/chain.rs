@@ -77,7 +77,7 @@ impl Chain {
         }
         for (index, joint) in joints.iter_mut().enumerate() {
             joint.kind = match joint.kind {
-                JointKind::Fixed => return Err(ChainError::Fixed(index)),
+                JointKind::Fixed | JointKind::Ball => return Err(ChainError::Fixed(index)),
                 JointKind::Prismatic => JointKind::Prismatic,
                 JointKind::Revolute | JointKind::Continuous => JointKind::Revolute,
             };

@@ -2,7 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::{Frame, FrameId, Joint, JointId, JointKind, LengthUnit, Limits, Model, ModelError};
+use super::segment::segments;
+use super::{
+    BallLimits, Frame, FrameId, Joint, JointId, JointKind, LengthUnit, Limits, Model, ModelError,
+};
 use crate::spatial::{Placement, Vector3};
 
 /// How far RᵀR of a placement may stand from the identity, entry by entry.
@@ -34,6 +37,8 @@ pub struct ModelBuilder {
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     configuration_order: Option<Vec<JointId>>,
+    /// The first slide of each free joint.
+    free: Vec<JointId>,
 }
 
 impl ModelBuilder {
@@ -46,6 +51,7 @@ impl ModelBuilder {
             joints: Vec::new(),
             frames: Vec::new(),
             configuration_order: None,
+            free: Vec::new(),
         }
     }
 
@@ -58,7 +64,8 @@ impl ModelBuilder {
             length_unit: model.length_unit,
             joints: model.joints.clone(),
             frames: model.frames.clone(),
-            configuration_order: Some(model.moving.clone()),
+            configuration_order: Some(model.configuration_order()),
+            free: model.free.clone(),
         }
     }
 
@@ -71,6 +78,12 @@ impl ModelBuilder {
     /// themselves will not do. `joints` must name every moving joint once.
     pub fn configuration_order(&mut self, joints: Vec<JointId>) {
         self.configuration_order = Some(joints);
+    }
+
+    /// Says which free joints there are, by their first slides.
+    #[cfg(feature = "serde")]
+    pub(super) fn free_joints(&mut self, first: Vec<JointId>) {
+        self.free = first;
     }
 
     /// Adds any joint. Its axis need not be of unit length.
@@ -124,6 +137,85 @@ impl ModelBuilder {
     ) -> JointId {
         let (at, kind) = (parent_from_joint, JointKind::Prismatic);
         self.joint(Joint::new(name, parent, at, kind, axis, limits))
+    }
+
+    /// Adds a joint that turns any way about one point, within a cone about `axis` (own frame) and a range of
+    /// twist if there are limits.
+    pub fn ball(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        axis: impl Into<Vector3<f64>>,
+        limits: Option<BallLimits>,
+    ) -> JointId {
+        let (at, kind, endless) = (parent_from_joint, JointKind::Ball, Limits::UNBOUNDED);
+        let mut joint = Joint::new(name, parent, at, kind, axis, endless);
+        joint.ball = limits;
+        self.joint(joint)
+    }
+
+    /// Adds a joint that moves and turns any way: slides along its own x, y and z within `room` (metres), named
+    /// `NAME/x`, `NAME/y` and `NAME/z`, and then a ball `NAME/rotation`, which is what it returns and what
+    /// carries the rest. In a configuration it is x, y, z, w, x, y, z; a velocity of it, in
+    /// [`Model::integrate`] and Jacobians, is linear and angular in the moved frame's own axes, as
+    /// Pinocchio's free flyer has it.
+    pub fn free(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        room: [Limits; 3],
+    ) -> JointId {
+        let name = name.into();
+        let [x, y, z] = Vector3::UNITS;
+        let mut slide = |part, parent, at: Placement<f64>, axis, limits| {
+            self.prismatic(format!("{name}/{part}"), parent, at, axis, limits)
+        };
+        let at_parent = Placement::identity();
+        let along_x = slide("x", parent, parent_from_joint.into(), x, room[0]);
+        let along_y = slide("y", Some(along_x), at_parent, y, room[1]);
+        let along_z = slide("z", Some(along_y), at_parent, z, room[2]);
+        self.free.push(along_x);
+        let named = format!("{name}/rotation");
+        self.ball(named, Some(along_z), at_parent, x, None)
+    }
+
+    /// Adds a joint that moves in its own x-y plane: slides `NAME/x` and `NAME/y` within `room` (metres), and then
+    /// a turn about z, `NAME/yaw`, within `yaw` (radians), which is what it returns.
+    pub fn planar(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        room: [Limits; 2],
+        yaw: Limits,
+    ) -> JointId {
+        let name = name.into();
+        let [x, y, z] = Vector3::UNITS;
+        let at_parent = Placement::identity();
+        let along_x = self.prismatic(format!("{name}/x"), parent, parent_from_joint, x, room[0]);
+        let along_y = self.prismatic(format!("{name}/y"), Some(along_x), at_parent, y, room[1]);
+        let (named, kind) = (format!("{name}/yaw"), JointKind::Continuous.within(&yaw));
+        self.joint(Joint::new(named, Some(along_y), at_parent, kind, z, yaw))
+    }
+
+    /// Adds a universal joint: a turn about `first`, `NAME/first`, and then one about `second` as the first has
+    /// turned it, `NAME/second`, which is what it returns; limits in radians.
+    pub fn universal(
+        &mut self,
+        name: impl Into<String>,
+        parent: Option<JointId>,
+        parent_from_joint: impl Into<Placement<f64>>,
+        [first, second]: [Vector3<f64>; 2],
+        limits: [Limits; 2],
+    ) -> JointId {
+        let name = name.into();
+        let at_parent = Placement::identity();
+        let named = format!("{name}/first");
+        let turned = self.revolute(named, parent, parent_from_joint, first, limits[0]);
+        let named = format!("{name}/second");
+        self.revolute(named, Some(turned), at_parent, second, limits[1])
     }
 
     /// Adds a joint that does not move.
@@ -188,9 +280,13 @@ impl ModelBuilder {
             }
             moving = order;
         }
+        let segments = segments(&self.joints, &moving, &self.free)?;
         let mut coordinates = vec![None; self.joints.len()];
-        for (coordinate, id) in moving.iter().enumerate() {
-            coordinates[id.index()] = Some(coordinate);
+        let mut joint_of = Vec::with_capacity(moving.len());
+        for id in moving {
+            coordinates[id.index()] = Some(joint_of.len());
+            let own = self.joints[id.index()].kind.coordinates();
+            joint_of.extend(std::iter::repeat_n(id, own));
         }
 
         let mut frame_by_name = HashMap::with_capacity(self.frames.len());
@@ -213,8 +309,10 @@ impl ModelBuilder {
             length_unit: self.length_unit,
             joints: self.joints,
             frames: self.frames,
-            moving,
+            moving: joint_of,
             coordinates,
+            segments,
+            free: self.free,
             joint_by_name,
             frame_by_name,
         })
@@ -222,6 +320,13 @@ impl ModelBuilder {
 }
 
 impl Model {
+    /// The moving joints in the order of a configuration, each once.
+    pub(super) fn configuration_order(&self) -> Vec<JointId> {
+        let mut order = self.moving.clone();
+        order.dedup();
+        order
+    }
+
     /// The same model with one frame elsewhere on its joint.
     ///
     /// # Errors
@@ -269,7 +374,7 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
             upper: joint.limits.upper,
         });
     }
-    if joint.kind == JointKind::Continuous {
+    if matches!(joint.kind, JointKind::Continuous | JointKind::Ball) {
         joint.limits = Limits::UNBOUNDED;
     }
     if !joint.kind.moves() {
@@ -290,7 +395,18 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
     }
     let scaled = Vector3::new(x / largest, y / largest, z / largest);
     joint.axis = scaled * (1.0 / scaled.norm());
-    Ok(())
+    let fault = match (joint.kind, &joint.ball) {
+        (_, None) => None,
+        (JointKind::Ball, Some(limits)) => limits.fault(joint.axis),
+        (_, Some(_)) => Some("a cone, which only a ball joint can have"),
+    };
+    match fault {
+        None => Ok(()),
+        Some(problem) => Err(ModelError::BadBallLimits {
+            joint: joint.name.clone(),
+            problem,
+        }),
+    }
 }
 
 /// Checks that a placement is a finite rigid motion, and makes it one to the last digits.

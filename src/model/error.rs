@@ -32,6 +32,42 @@ pub enum ModelError {
         /// Upper end as given.
         upper: f64,
     },
+    /// Limits of a ball joint that leave nothing, or limits of one on another kind of joint.
+    #[error("joint `{joint}` has {problem}")]
+    BadBallLimits {
+        /// The joint.
+        joint: String,
+        /// What is wrong with them.
+        problem: &'static str,
+    },
+    /// A quaternion that is zero, or not finite.
+    #[error("joint `{joint}`: a quaternion without length is no rotation")]
+    NoRotation {
+        /// The ball joint.
+        joint: String,
+    },
+    /// A ball joint was given a role that only one number can have.
+    #[error("joint `{joint}` is a ball and cannot be {role} by one number")]
+    BallJoint {
+        /// The joint.
+        joint: String,
+        /// "coupled", "narrowed", …
+        role: &'static str,
+    },
+    /// A joint that is no ball was given what only a ball can have.
+    #[error("joint `{joint}` is no ball and cannot be locked at a rotation")]
+    NoBallJoint {
+        /// The joint.
+        joint: String,
+    },
+    /// A free joint's slides and ball that are not side by side.
+    #[error(
+        "free joint `{joint}` is not three slides and a ball side by side in the configuration"
+    )]
+    BrokenFreeJoint {
+        /// Its first slide.
+        joint: String,
+    },
     /// An axis that is zero, or of which a component or their sum is not finite; builders make any other
     /// of unit length.
     #[error("joint `{joint}`: axis ({x}, {y}, {z}) has no direction")]

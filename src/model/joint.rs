@@ -1,6 +1,6 @@
 //! One joint: where it stands in its parent, how it moves, how far it may.
 
-use super::JointId;
+use super::{BallLimits, JointId};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
@@ -17,6 +17,9 @@ pub enum JointKind {
     Continuous,
     /// Slides along its axis within limits, in metres.
     Prismatic,
+    /// Turns any way about one point, within [`BallLimits`] if it has any; in a configuration it is a unit
+    /// quaternion w, x, y, z.
+    Ball,
 }
 
 impl JointKind {
@@ -26,10 +29,29 @@ impl JointKind {
         !matches!(self, Self::Fixed)
     }
 
-    /// Whether its value is an angle.
+    /// Whether it turns what it carries.
     #[must_use]
     pub const fn turns(self) -> bool {
-        matches!(self, Self::Revolute | Self::Continuous)
+        matches!(self, Self::Revolute | Self::Continuous | Self::Ball)
+    }
+
+    /// How many numbers of a configuration are its own.
+    #[must_use]
+    pub const fn coordinates(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Revolute | Self::Continuous | Self::Prismatic => 1,
+            Self::Ball => 4,
+        }
+    }
+
+    /// How many ways it can move: how many numbers of a velocity are its own.
+    #[must_use]
+    pub const fn degrees_of_freedom(self) -> usize {
+        match self {
+            Self::Ball => 3,
+            kind => kind.coordinates(),
+        }
     }
 
     /// Whether its value is a length.
@@ -46,10 +68,10 @@ impl JointKind {
         }
     }
 
-    /// Where a value about or along a unit axis takes it, in its own frame at zero.
+    /// Where a value about or along a unit axis takes it, in its own frame at zero; a ball stays.
     pub(crate) fn joint_from_moved(self, axis: Vector3<f64>, value: f64) -> Placement<f64> {
         match self {
-            Self::Fixed => Placement::identity(),
+            Self::Fixed | Self::Ball => Placement::identity(),
             Self::Prismatic => Placement::translation(axis * value),
             Self::Revolute | Self::Continuous => Placement::new(
                 Matrix3::rotation(axis, elementary::sin_cos(value)),
@@ -58,7 +80,7 @@ impl JointKind {
         }
     }
 
-    /// What URDF calls it.
+    /// What URDF calls it, or would.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -66,6 +88,7 @@ impl JointKind {
             Self::Revolute => "revolute",
             Self::Continuous => "continuous",
             Self::Prismatic => "prismatic",
+            Self::Ball => "ball",
         }
     }
 }
@@ -168,10 +191,13 @@ pub struct Joint {
     /// How it moves.
     pub kind: JointKind,
     /// Unit axis in the joint's own frame; meaningless for a fixed joint, whose axis a builder
-    /// sets to x.
+    /// sets to x; that of a ball joint's twist.
     pub axis: Vector3<f64>,
-    /// Its range; unbounded for a continuous joint.
+    /// Its range; unbounded for a continuous joint and for a ball.
     pub limits: Limits,
+    /// How far a ball joint may go; `None` anywhere, as for any other kind.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub ball: Option<BallLimits>,
 }
 
 impl Joint {
@@ -191,6 +217,7 @@ impl Joint {
             kind,
             axis: axis.into(),
             limits,
+            ball: None,
         }
     }
 

@@ -1,6 +1,8 @@
 //! The articulated model: joints, frames and limits, immutable once built.
 
+mod ball;
 mod builder;
+mod configuration;
 mod error;
 mod id;
 mod joint;
@@ -8,22 +10,27 @@ mod length_unit;
 mod parameter_map;
 mod parameter_map_builder;
 mod path;
-mod random_configuration;
 mod reference;
+mod rotation_chart;
+mod segment;
 #[cfg(feature = "serde")]
 mod serialised;
 mod unknown_name;
 
 use std::collections::HashMap;
 
+pub use ball::BallLimits;
 pub use builder::ModelBuilder;
 pub use error::ModelError;
 pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
 pub use length_unit::LengthUnit;
+pub(crate) use parameter_map::BallVariables;
 pub use parameter_map::{ParameterMap, Source};
 pub use parameter_map_builder::ParameterMapBuilder;
 pub use reference::{FrameRef, JointRef, Reference};
+pub(crate) use rotation_chart::RotationChart;
+pub(crate) use segment::{Segment, SegmentKind, quaternion_at};
 pub use unknown_name::UnknownName;
 
 use crate::spatial::{Placement, Vector3};
@@ -43,9 +50,10 @@ pub struct Frame {
 
 /// A tree of joints, parents before children, that no algorithm changes.
 ///
-/// A configuration `q` has one number per moving joint, in the order of
+/// A configuration `q` has one number for each moving joint but balls, in the order of
 /// [`moving_joints`](Self::moving_joints): radians for revolute and continuous joints, metres for
-/// prismatic ones.
+/// prismatic ones. A ball joint has four, its unit quaternion w, x, y, z. A
+/// [free joint](ModelBuilder::free) is three slides and a ball, its q x, y, z, w, x, y, z.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -57,10 +65,14 @@ pub struct Model {
     length_unit: LengthUnit,
     joints: Vec<Joint>,
     frames: Vec<Frame>,
-    /// Coordinate k of a configuration moves joint `moving[k]`.
+    /// Coordinate k of a configuration is joint `moving[k]`'s.
     moving: Vec<JointId>,
-    /// Inverse of `moving`, by joint index.
+    /// The first coordinate of each joint.
     coordinates: Vec<Option<usize>>,
+    /// What moves as one, in the order of a configuration.
+    segments: Vec<Segment>,
+    /// The first slide of each free joint; its other slides and its ball follow.
+    free: Vec<JointId>,
     joint_by_name: HashMap<String, JointId>,
     frame_by_name: HashMap<String, FrameId>,
 }
@@ -81,10 +93,17 @@ impl Model {
         pub fn joints(&self) -> &[Joint] = &self.joints;
         /// All frames.
         pub fn frames(&self) -> &[Frame] = &self.frames;
-        /// How many numbers a configuration has.
-        pub fn degrees_of_freedom(&self) -> usize = self.moving.len();
-        /// The joint that each coordinate of a configuration moves.
+        /// How many numbers a configuration has: four for a ball joint, one for any other that moves.
+        pub fn configuration_len(&self) -> usize = self.moving.len();
+        /// The joint that each coordinate of a configuration is of: four times the same for a ball.
         pub fn moving_joints(&self) -> &[JointId] = &self.moving;
+    }
+
+    /// How many numbers a velocity has: three for a ball joint, one for any other that moves.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> usize {
+        let last = self.segments.last();
+        last.map_or(0, |last| last.velocity + last.kind.degrees_of_freedom())
     }
 
     /// All joint ids, parents before children.
@@ -97,16 +116,23 @@ impl Model {
         (0..self.frames.len()).map(FrameId::new)
     }
 
-    /// Where a joint's value stands in a configuration; `None` for a fixed joint or an id beyond
-    /// this model's joints.
+    /// Where a joint's value stands in a configuration, or the first of a ball's four numbers; `None` for a
+    /// fixed joint or an id beyond this model's joints.
     #[must_use]
     pub fn coordinate(&self, joint: JointId) -> Option<usize> {
         self.coordinates.get(joint.index()).copied().flatten()
     }
 
-    /// The limits of every coordinate, in configuration order.
+    /// The limits of every coordinate, in configuration order: from -1 to 1 for those of a ball, whose cone is
+    /// in its [`Joint::ball`].
     pub fn limits(&self) -> impl Iterator<Item = Limits> + '_ {
-        self.moving.iter().map(|id| self.joints[id.index()].limits)
+        self.moving.iter().map(|id| {
+            let joint = &self.joints[id.index()];
+            match joint.kind {
+                JointKind::Ball => Limits::new(-1.0, 1.0),
+                _ => joint.limits,
+            }
+        })
     }
 
     /// Looks a joint up.
@@ -129,6 +155,11 @@ impl Model {
         })
     }
 
+    /// The joint whose coordinate it is.
+    pub(crate) fn joint_of(&self, coordinate: usize) -> &Joint {
+        &self.joints[self.moving[coordinate].index()]
+    }
+
     /// Puts a joint elsewhere on its parent, turned as it was; for layers that own the model.
     pub(crate) fn move_joint(&mut self, joint: JointId, translation: Vector3<f64>) {
         if let Some(own) = self.joints.get_mut(joint.index()) {
@@ -141,12 +172,6 @@ impl Model {
         if let Some(own) = self.frames.get_mut(frame.index()) {
             own.joint_from_frame.translation = translation;
         }
-    }
-
-    /// The configuration closest to all zeros within the limits.
-    #[must_use]
-    pub fn neutral(&self) -> Vec<f64> {
-        self.limits().map(|limits| limits.clamp(0.0)).collect()
     }
 
     /// How far what turns reaches, in metres: the longest way from the first moving joint above a

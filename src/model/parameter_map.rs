@@ -2,10 +2,14 @@
 //!
 //! Locked joints, URDF `mimic` joints, coupled joints and "only this arm" are all this one map.
 //! Every coordinate of q depends on at most one variable, so limits on q are limits on x and hard
-//! bounds stay boxes.
+//! bounds stay boxes; but for ball joints, whose four depend on three (see [`RotationChart`]).
 
-use super::{Limits, Model, ModelError, ParameterMapBuilder};
+use super::{
+    BallLimits, Joint, JointKind, Limits, Model, ModelError, ParameterMapBuilder, RotationChart,
+    quaternion_at,
+};
 use crate::scalar::Scalar;
+use crate::spatial::{Quaternion, Vector3};
 
 /// Where one coordinate of a configuration comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +26,11 @@ pub enum Source {
         /// In the coordinate's unit.
         offset: f64,
     },
+    /// A component of the unit quaternion of a ball joint, which three variables turn together.
+    Rotation {
+        /// The first of the three.
+        variable: usize,
+    },
 }
 
 impl Source {
@@ -34,9 +43,10 @@ impl Source {
         }
     }
 
-    /// The coordinate at x.
+    /// The coordinate at x; 0 for one of a ball.
     pub(crate) fn at(&self, x: &[f64]) -> f64 {
         match *self {
+            Self::Rotation { .. } => 0.0,
             Self::Constant(value) => value,
             Self::Variable {
                 variable,
@@ -46,13 +56,60 @@ impl Source {
         }
     }
 
-    /// Which variable moves the coordinate, and its derivative by that variable.
+    /// Which variable alone moves the coordinate, and its derivative by that variable.
     pub(crate) const fn slope(&self) -> Option<(usize, f64)> {
         match *self {
-            Self::Constant(_) => None,
+            Self::Constant(_) | Self::Rotation { .. } => None,
             Self::Variable {
                 variable, ratio, ..
             } => Some((variable, ratio)),
+        }
+    }
+}
+
+/// The three variables of a ball joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct BallVariables {
+    /// Where its quaternion begins in a configuration.
+    pub(crate) coordinate: usize,
+    /// The first of the three.
+    pub(crate) variable: usize,
+    /// What they mean.
+    pub(crate) chart: RotationChart,
+    /// The half axes of the ellipse that the first two stay in, in radians.
+    pub(crate) swing: Option<[f64; 2]>,
+}
+
+impl BallVariables {
+    /// Its part of x.
+    pub(crate) fn of<S: Copy>(&self, x: &[S]) -> Option<[S; 3]> {
+        x.get(self.variable..)?.first_chunk().copied()
+    }
+
+    /// The derivatives of w, x, y and z by each variable: ½ ω q for the angular velocity ω that goes with
+    /// its rate.
+    fn slopes(&self, x: [f64; 3]) -> [[f64; 3]; 4] {
+        let rotation = self.chart.rotation(x);
+        let mut slopes = [[0.0; 3]; 4];
+        for (k, omega) in self.chart.axes(x).into_iter().enumerate() {
+            let half = Quaternion {
+                w: 0.0,
+                v: omega * 0.5,
+            };
+            let Quaternion { w, v } = half * rotation;
+            for (slopes, part) in slopes.iter_mut().zip([w, v.x, v.y, v.z]) {
+                slopes[k] = part;
+            }
+        }
+        slopes
+    }
+
+    /// Bounds of the three.
+    fn bounds(&self, limits: Option<&BallLimits>) -> [Limits; 3] {
+        match (self.swing, limits) {
+            (Some([a, b]), Some(limits)) => [Limits::new(-a, a), Limits::new(-b, b), limits.twist],
+            _ => [Limits::UNBOUNDED; 3],
         }
     }
 }
@@ -67,41 +124,86 @@ impl Source {
 pub struct ParameterMap {
     pub(super) sources: Vec<Source>,
     pub(super) limits: Vec<Limits>,
-    /// The coordinate that each variable is a plain copy of.
+    /// The coordinate that each variable is a plain copy of, or one of the quaternion that it turns.
     pub(super) leaders: Vec<usize>,
+    pub(super) balls: Vec<BallVariables>,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
 }
 
 impl ParameterMap {
-    /// Every coordinate its own variable, also one that its limits lock: x is q. It is the map for
-    /// evaluating a configuration as given; solving wants [`builder`](Self::builder), which turns
-    /// locked coordinates into constants.
+    /// Every coordinate its own variable, also one that its limits lock, and three for a ball: x is q, but
+    /// for rotation vectors in place of quaternions. It is the map for evaluating a configuration as given;
+    /// solving wants [`builder`](Self::builder), which turns locked coordinates into constants.
     #[must_use]
     pub fn identity(model: &Model) -> Self {
-        Self::of_own_variables(model, |_| true)
+        Self::of_own_variables(model, false)
     }
 
-    /// Every coordinate its own variable, except those whose limits leave one value.
+    /// Every coordinate its own variable, except those whose limits leave one value, and three for a ball.
     #[must_use]
     pub fn free(model: &Model) -> Self {
-        Self::of_own_variables(model, |limits| !limits.is_locked())
+        Self::of_own_variables(model, true)
     }
 
-    fn of_own_variables(model: &Model, varies: impl Fn(&Limits) -> bool) -> Self {
+    fn of_own_variables(model: &Model, within_limits: bool) -> Self {
+        let mut own = Self::empty(model);
+        let mut coordinate = 0;
+        while coordinate < own.limits.len() {
+            coordinate += match model.joint_of(coordinate) {
+                ball if ball.kind == JointKind::Ball => {
+                    own.add_ball(coordinate, ball, within_limits);
+                    4
+                }
+                _ if within_limits && own.limits[coordinate].is_locked() => 1,
+                _ => {
+                    let limits = own.limits[coordinate];
+                    own.add_variable(coordinate, &limits);
+                    1
+                }
+            };
+        }
+        own
+    }
+
+    /// No variable: what has a value of its own stands there.
+    pub(super) fn empty(model: &Model) -> Self {
         let limits: Vec<Limits> = model.limits().collect();
-        let leaders: Vec<usize> = (0..limits.len()).filter(|&c| varies(&limits[c])).collect();
-        let mut sources: Vec<Source> = limits.iter().map(|l| Source::Constant(l.lower)).collect();
-        for (variable, &leader) in leaders.iter().enumerate() {
-            sources[leader] = Source::copy_of(variable);
-        }
         Self {
-            lower: leaders.iter().map(|&c| limits[c].lower).collect(),
-            upper: leaders.iter().map(|&c| limits[c].upper).collect(),
-            sources,
+            sources: limits.iter().map(|l| Source::Constant(l.lower)).collect(),
             limits,
-            leaders,
+            leaders: Vec::new(),
+            balls: Vec::new(),
+            lower: Vec::new(),
+            upper: Vec::new(),
         }
+    }
+
+    /// A variable that is a coordinate.
+    pub(super) fn add_variable(&mut self, coordinate: usize, bounds: &Limits) {
+        self.sources[coordinate] = Source::copy_of(self.leaders.len());
+        self.leaders.push(coordinate);
+        self.lower.push(bounds.lower);
+        self.upper.push(bounds.upper);
+    }
+
+    /// Three variables that turn a ball, within its limits or any way.
+    pub(super) fn add_ball(&mut self, coordinate: usize, joint: &Joint, within_limits: bool) {
+        let limits = joint.ball.as_ref().filter(|_| within_limits);
+        let variable = self.leaders.len();
+        let ball = BallVariables {
+            coordinate,
+            variable,
+            chart: RotationChart::new(joint.axis, limits),
+            swing: limits.map(|limits| limits.swing),
+        };
+        self.sources[coordinate..coordinate + 4].fill(Source::Rotation { variable });
+        for (k, bounds) in ball.bounds(limits).into_iter().enumerate() {
+            self.leaders.push(coordinate + k);
+            self.lower.push(bounds.lower);
+            self.upper.push(bounds.upper);
+        }
+        self.balls.push(ball);
     }
 
     /// Starts from every joint free.
@@ -123,6 +225,38 @@ impl ParameterMap {
         pub fn upper(&self) -> &[f64] = &self.upper;
     }
 
+    /// The ball joints that variables turn.
+    pub(crate) fn balls(&self) -> &[BallVariables] {
+        &self.balls
+    }
+
+    /// The variables that move a coordinate.
+    pub(crate) fn variables_of(&self, coordinate: usize) -> std::ops::Range<usize> {
+        match self.sources[coordinate] {
+            Source::Constant(_) => 0..0,
+            Source::Variable { variable, .. } => variable..variable + 1,
+            Source::Rotation { variable } => variable..variable + 3,
+        }
+    }
+
+    /// The derivatives of a coordinate at x by the variables that move it.
+    pub(crate) fn slopes(
+        &self,
+        coordinate: usize,
+        x: &[f64],
+    ) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let slopes = match self.sources[coordinate] {
+            Source::Constant(_) => [0.0; 3],
+            Source::Variable { ratio, .. } => [ratio, 0.0, 0.0],
+            Source::Rotation { variable } => {
+                let ball = self.balls.iter().find(|ball| ball.variable == variable);
+                let slopes = ball.and_then(|ball| Some((ball.coordinate, ball.slopes(ball.of(x)?))));
+                slopes.map_or([0.0; 3], |(first, slopes)| slopes[coordinate - first])
+            }
+        };
+        self.variables_of(coordinate).zip(slopes)
+    }
+
     /// Narrows one coordinate's limits, and with them the bounds of the variable it comes from.
     ///
     /// # Errors
@@ -135,7 +269,7 @@ impl ParameterMap {
         self.limits[coordinate] = own;
         match self.sources[coordinate] {
             Source::Constant(value) if own.contains(value) => Ok(()),
-            Source::Constant(_) => Err(*limits),
+            Source::Constant(_) | Source::Rotation { .. } => Err(*limits),
             Source::Variable {
                 variable,
                 ratio,
@@ -182,7 +316,9 @@ impl ParameterMap {
     pub fn reduce(&self, q: &[f64], x: &mut [f64]) -> Result<(), ModelError> {
         check_length(CONFIGURATION, q.len(), self.sources.len())?;
         check_length(VARIABLES, x.len(), self.variables())?;
-        if let Some(&index) = self.leaders.iter().find(|&&leader| q[leader].is_nan()) {
+        let read = self.leaders.iter().copied();
+        let balls = self.balls.iter().map(|ball| ball.coordinate + 3);
+        if let Some(index) = read.chain(balls).find(|&leader| q[leader].is_nan()) {
             let (what, value) = (CONFIGURATION, q[index]);
             return Err(ModelError::BadNumber { what, index, value });
         }
@@ -211,7 +347,15 @@ impl ParameterMap {
                     Some(&value) => value * S::constant(ratio) + S::constant(offset),
                     None => S::constant(f64::NAN),
                 },
+                Source::Rotation { .. } => S::constant(f64::NAN),
             };
+        }
+        for ball in &self.balls {
+            let quaternion = q.get_mut(ball.coordinate..ball.coordinate + 4);
+            if let (Some(x), Some(quaternion)) = (ball.of(x), quaternion) {
+                let Quaternion { w, v } = ball.chart.rotation(x);
+                quaternion.copy_from_slice(&[w, v.x, v.y, v.z]);
+            }
         }
     }
 
@@ -229,19 +373,50 @@ impl ParameterMap {
             let given = q.get(leader).copied().unwrap_or(f64::NAN);
             *value = Limits::new(lower, upper).clamp(given);
         }
+        for ball in &self.balls {
+            let x = x.get_mut(ball.variable..ball.variable + 3);
+            if let (Some(x), Some(q)) = (x, q.get(ball.coordinate..)) {
+                let rotation = quaternion_at(q).map(|rotation| ball.chart.variables(rotation));
+                x.copy_from_slice(&rotation.unwrap_or([f64::NAN; 3]));
+                for (value, k) in x.iter_mut().zip(ball.variable..) {
+                    *value = Limits::new(self.lower[k], self.upper[k]).clamp(*value);
+                }
+            }
+        }
+    }
+
+    /// The x of an identity map's configuration, of any scalar; quaternions need not be of unit length.
+    pub(crate) fn gather_all<S: Scalar>(&self, q: &[S], x: &mut [S]) {
+        for (value, &leader) in x.iter_mut().zip(&self.leaders) {
+            *value = q[leader];
+        }
+        for ball in &self.balls {
+            let at = ball.coordinate;
+            let (w, v) = (q[at], Vector3::new(q[at + 1], q[at + 2], q[at + 3]));
+            let length = (w * w + v.norm_squared()).sqrt();
+            let unit = Quaternion {
+                w: w / length,
+                v: Vector3::new(v.x / length, v.y / length, v.z / length),
+            };
+            x[ball.variable..ball.variable + 3].copy_from_slice(&ball.chart.variables(unit));
+        }
     }
 }
 
 /// One number for each degree of freedom, all finite.
 pub(crate) fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ModelError> {
-    check_length(CONFIGURATION, q.len(), model.degrees_of_freedom())?;
+    check_length(CONFIGURATION, q.len(), model.configuration_len())?;
     check_numbers(CONFIGURATION, q)
 }
 
 const CONFIGURATION: &str = "a configuration of this model";
 const VARIABLES: &str = "the variables of this map";
 
-fn check_length(what: &'static str, given: usize, expected: usize) -> Result<(), ModelError> {
+pub(super) fn check_length(
+    what: &'static str,
+    given: usize,
+    expected: usize,
+) -> Result<(), ModelError> {
     match given == expected {
         true => Ok(()),
         false => Err(ModelError::Length {

@@ -1,7 +1,8 @@
 //! How a parameter map is said: which joints are locked, which follow, which are free.
 
 use super::parameter_map::{ParameterMap, Source, check_configuration, preimage};
-use super::{JointId, Limits, Model, ModelError};
+use super::{JointId, JointKind, Limits, Model, ModelError, quaternion_at};
+use crate::spatial::Quaternion;
 
 /// Gives joints their roles. A joint may be locked once and coupled once, of which the last counts.
 #[derive(Clone, Debug)]
@@ -21,8 +22,8 @@ impl<'m> ParameterMapBuilder<'m> {
         Self {
             model,
             limits: model.limits().collect(),
-            roles: vec![None; model.degrees_of_freedom()],
-            named: vec![[false; 2]; model.degrees_of_freedom()],
+            roles: vec![None; model.configuration_len()],
+            named: vec![[false; 2]; model.configuration_len()],
             problem: None,
         }
     }
@@ -30,8 +31,32 @@ impl<'m> ParameterMapBuilder<'m> {
     /// Holds a joint at `value` (radians or metres).
     #[must_use]
     pub fn lock(mut self, joint: JointId, value: f64) -> Self {
-        if let Some(coordinate) = self.moving(joint, "locked") {
+        if let Some(coordinate) = self.single(joint, "locked") {
             self.set(coordinate, Source::Constant(value));
+        }
+        self
+    }
+
+    /// Holds a ball joint at a rotation, a quaternion w, x, y, z of any length but zero; limits do not matter.
+    #[must_use]
+    pub fn lock_ball(mut self, joint: JointId, rotation: [f64; 4]) -> Self {
+        let Some(first) = self.moving(joint, "locked") else {
+            return self;
+        };
+        let own = self.model.joint_of(first);
+        match quaternion_at(&rotation) {
+            Some(unit) if own.kind == JointKind::Ball => {
+                for (k, part) in unit_parts(unit).into_iter().enumerate() {
+                    self.set(first + k, Source::Constant(part));
+                }
+            }
+            rotation => {
+                let joint = own.name.clone();
+                self.problem.get_or_insert(match rotation {
+                    None => ModelError::NoRotation { joint },
+                    Some(_) => ModelError::NoBallJoint { joint },
+                });
+            }
         }
         self
     }
@@ -40,8 +65,8 @@ impl<'m> ParameterMapBuilder<'m> {
     #[must_use]
     pub fn couple(mut self, joint: JointId, master: JointId, ratio: f64, offset: f64) -> Self {
         if let (Some(coordinate), Some(master)) = (
-            self.moving(joint, "coupled"),
-            self.moving(master, "followed"),
+            self.single(joint, "coupled"),
+            self.single(master, "followed"),
         ) {
             let role = Source::Variable {
                 variable: master,
@@ -56,7 +81,7 @@ impl<'m> ParameterMapBuilder<'m> {
     /// Leaves a joint only the values that `limits` (radians or metres) allow too.
     #[must_use]
     pub fn narrow(mut self, joint: JointId, limits: Limits) -> Self {
-        if let Some(coordinate) = self.moving(joint, "narrowed") {
+        if let Some(coordinate) = self.single(joint, "narrowed") {
             let own = &mut self.limits[coordinate];
             *own = own.intersection(&limits);
         }
@@ -70,8 +95,9 @@ impl<'m> ParameterMapBuilder<'m> {
     pub fn only(mut self, joints: &[JointId], q: &[f64]) -> Self {
         let mut keep = vec![false; self.roles.len()];
         for &joint in joints {
-            if let Some(coordinate) = self.moving(joint, "freed") {
-                keep[coordinate] = true;
+            if let Some(first) = self.moving(joint, "freed") {
+                let own = self.model.joint_of(first).kind.coordinates();
+                keep[first..first + own].fill(true);
             }
         }
         self = self.checked(q);
@@ -80,6 +106,19 @@ impl<'m> ParameterMapBuilder<'m> {
             if role.is_none() && !keep[coordinate] {
                 let value = q.get(coordinate).copied().unwrap_or(f64::NAN);
                 *role = Some(Source::Constant(limits[coordinate].clamp(value)));
+            }
+        }
+        for (_, at) in self.model.balls().filter(|&(_, at)| !keep[at]) {
+            match q.get(at..).and_then(quaternion_at) {
+                Some(unit) => {
+                    for (role, part) in self.roles[at..at + 4].iter_mut().zip(unit_parts(unit)) {
+                        *role = Some(Source::Constant(part));
+                    }
+                }
+                None => {
+                    let joint = self.model.joint_of(at).name.clone();
+                    self.problem.get_or_insert(ModelError::NoRotation { joint });
+                }
             }
         }
         self
@@ -102,18 +141,25 @@ impl<'m> ParameterMapBuilder<'m> {
         };
 
         let mut roles = self.roles;
-        let mut leaders = Vec::new();
+        let mut map = ParameterMap::empty(model);
         let mut variable_of = vec![None; roles.len()];
+        let mut ball_until = 0;
         for (c, role) in roles.iter_mut().enumerate() {
-            if role.is_none() && limits[c].is_locked() {
+            let joint = model.joint_of(c);
+            if role.is_none() && joint.kind != JointKind::Ball && limits[c].is_locked() {
                 *role = Some(Source::Constant(limits[c].lower));
             }
             match role {
                 Some(source) => check(source, &limits[c], ["the ratio", "the offset"], || name(c))?,
-                None => {
-                    variable_of[c] = Some(leaders.len());
-                    leaders.push(c);
+                None if joint.kind != JointKind::Ball => {
+                    variable_of[c] = Some(map.variables());
+                    map.add_variable(c, &limits[c]);
                 }
+                None if c >= ball_until => {
+                    map.add_ball(c, joint, true);
+                    ball_until = c + 4;
+                }
+                None => {}
             }
         }
 
@@ -122,9 +168,12 @@ impl<'m> ParameterMapBuilder<'m> {
             "the ratio through its masters",
             "the offset through its masters",
         ];
-        let mut sources = Vec::with_capacity(roles.len());
-        let mut bounds: Vec<Limits> = leaders.iter().map(|&c| limits[c]).collect();
+        let ends = map.lower.iter().zip(&map.upper);
+        let mut bounds: Vec<Limits> = ends.map(|(&l, &u)| Limits::new(l, u)).collect();
         for c in 0..roles.len() {
+            if matches!(map.sources[c], Source::Rotation { .. }) {
+                continue;
+            }
             let source = resolve(c, &roles, &variable_of)
                 .ok_or_else(|| ModelError::CouplingCycle { joint: name(c) })?;
             check(&source, &limits[c], through, || name(c))?;
@@ -138,22 +187,19 @@ impl<'m> ParameterMapBuilder<'m> {
                 let allowed = preimage(&limits[c], ratio, offset);
                 bounds[variable] = bounds[variable].intersection(&allowed);
             }
-            sources.push(source);
+            map.sources[c] = source;
         }
-        for (bound, &leader) in bounds.iter().zip(&leaders) {
+        for (bound, &leader) in bounds.iter().zip(&map.leaders) {
             if !bound.is_valid() {
                 return Err(ModelError::EmptyRange {
                     joint: name(leader),
                 });
             }
         }
-        Ok(ParameterMap {
-            sources,
-            limits,
-            leaders,
-            lower: bounds.iter().map(|b| b.lower).collect(),
-            upper: bounds.iter().map(|b| b.upper).collect(),
-        })
+        map.limits = limits;
+        map.lower = bounds.iter().map(|b| b.lower).collect();
+        map.upper = bounds.iter().map(|b| b.upper).collect();
+        Ok(map)
     }
 
     /// Notes a configuration that is not one of the model's, for [`build`](Self::build) to refuse.
@@ -169,7 +215,7 @@ impl<'m> ParameterMapBuilder<'m> {
         let model = self.model;
         let (kind, role) = match new {
             Source::Variable { .. } => (1, "coupled"),
-            Source::Constant(_) => (0, "locked"),
+            Source::Constant(_) | Source::Rotation { .. } => (0, "locked"),
         };
         let named = &mut self.named[coordinate][kind];
         if *named && self.problem.is_none() {
@@ -179,6 +225,19 @@ impl<'m> ParameterMapBuilder<'m> {
         }
         *named = true;
         self.roles[coordinate] = Some(new);
+    }
+
+    /// The coordinate of a joint that has only one.
+    fn single(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
+        let coordinate = self.moving(joint, role)?;
+        let own = self.model.joint_of(coordinate);
+        if own.kind.coordinates() == 1 {
+            return Some(coordinate);
+        }
+        let joint = own.name.clone();
+        self.problem
+            .get_or_insert(ModelError::BallJoint { joint, role });
+        None
     }
 
     fn moving(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
@@ -199,6 +258,10 @@ impl<'m> ParameterMapBuilder<'m> {
     }
 }
 
+fn unit_parts(Quaternion { w, v }: Quaternion<f64>) -> [f64; 4] {
+    [w, v.x, v.y, v.z]
+}
+
 /// Whether a source's numbers, of these names, are finite and a constant is within the limits.
 fn check(
     source: &Source,
@@ -207,6 +270,7 @@ fn check(
     name: impl FnOnce() -> String,
 ) -> Result<(), ModelError> {
     let numbers = match *source {
+        Source::Rotation { .. } => return Ok(()),
         Source::Constant(value) => [("the locked value", value); 2],
         Source::Variable { ratio, offset, .. } => [(ratio_is, ratio), (offset_is, offset)],
     };
@@ -243,6 +307,7 @@ fn resolve(
                     offset: shift,
                 });
             }
+            Some(Source::Rotation { .. }) => return None,
             Some(Source::Constant(value)) => return Some(Source::Constant(total * value + shift)),
             Some(Source::Variable {
                 variable: master,

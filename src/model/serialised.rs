@@ -1,7 +1,9 @@
 //! A model and a parameter map as serde writes them. What is read is built and checked anew.
 
 use super::parameter_map::Source;
-use super::{Frame, Joint, JointId, LengthUnit, Limits, Model, ModelError, ParameterMap};
+use super::{
+    BallVariables, Frame, Joint, JointId, LengthUnit, Limits, Model, ModelError, ParameterMap,
+};
 
 /// How far what is built may be from what was written for that to count as the same number.
 const ROUNDING: f64 = 1e-14;
@@ -13,16 +15,20 @@ pub(super) struct Parts {
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     configuration_order: Vec<JointId>,
+    /// The first slide of each free joint.
+    #[serde(default)]
+    free_joints: Vec<JointId>,
 }
 
 impl From<Model> for Parts {
     fn from(model: Model) -> Self {
         Self {
+            configuration_order: model.configuration_order(),
             name: model.name,
             length_unit: model.length_unit,
             joints: model.joints,
             frames: model.frames,
-            configuration_order: model.moving,
+            free_joints: model.free,
         }
     }
 }
@@ -41,6 +47,7 @@ impl TryFrom<Parts> for Model {
             builder.frame(frame.name, frame.joint, frame.joint_from_frame);
         }
         builder.configuration_order(parts.configuration_order);
+        builder.free_joints(parts.free_joints);
         let mut model = builder.build()?;
         // An axis of unit length keeps its bits, which normalising it once more need not.
         for (joint, written) in model.joints.iter_mut().zip(axes) {
@@ -59,6 +66,8 @@ pub(super) struct Map {
     limits: Vec<Limits>,
     leaders: Vec<usize>,
     bounds: Vec<Limits>,
+    #[serde(default)]
+    balls: Vec<BallVariables>,
 }
 
 /// What of a map that was read contradicts itself.
@@ -74,6 +83,7 @@ impl From<ParameterMap> for Map {
             sources: map.sources,
             limits: map.limits,
             leaders: map.leaders,
+            balls: map.balls,
         }
     }
 }
@@ -87,6 +97,7 @@ impl TryFrom<Map> for ParameterMap {
             limits,
             leaders,
             bounds,
+            balls,
         } = map;
         let known = |source: &Source| match *source {
             Source::Constant(value) => value.is_finite(),
@@ -95,8 +106,24 @@ impl TryFrom<Map> for ParameterMap {
                 ratio,
                 offset,
             } => variable < leaders.len() && ratio.is_finite() && offset.is_finite(),
+            Source::Rotation { variable } => balls.iter().any(|ball| ball.variable == variable),
         };
-        let leads = |(k, &c): (usize, &usize)| sources.get(c) == Some(&Source::copy_of(k));
+        let turns = |k: usize, c: usize| {
+            let mut balls = balls.iter();
+            balls.any(|ball| k.checked_sub(ball.variable) == c.checked_sub(ball.coordinate))
+        };
+        let leads = |(k, &c): (usize, &usize)| match sources.get(c) {
+            Some(Source::Rotation { .. }) => turns(k, c),
+            source => source == Some(&Source::copy_of(k)),
+        };
+        let whole = |ball: &BallVariables| {
+            let quaternion = sources.get(ball.coordinate..ball.coordinate.saturating_add(4));
+            let turned = Source::Rotation {
+                variable: ball.variable,
+            };
+            ball.of(&leaders).is_some()
+                && quaternion.is_some_and(|four| four.iter().all(|source| *source == turned))
+        };
         for (fine, what) in [
             (
                 limits.len() == sources.len(),
@@ -115,6 +142,10 @@ impl TryFrom<Map> for ParameterMap {
                 "sources are not finite or of no variable",
             ),
             (
+                balls.iter().all(whole),
+                "balls are not of four coordinates and three variables each",
+            ),
+            (
                 leaders.iter().enumerate().all(leads),
                 "variables lead no coordinate",
             ),
@@ -129,6 +160,7 @@ impl TryFrom<Map> for ParameterMap {
             sources,
             limits,
             leaders,
+            balls,
         })
     }
 }

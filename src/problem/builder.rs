@@ -7,6 +7,7 @@ use super::compiled_task::{Block, CompiledTask};
 use super::{Derivatives, Preferences, Problem, ProblemError, ReportNames, Targets, TaskId};
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};
+use crate::solver::{RotationSets, Swing};
 use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
 
 /// Default tolerance of lengths in metres and angles in radians.
@@ -121,11 +122,11 @@ impl<'m> ProblemBuilder<'m> {
             Some(map) => map,
             None => ParameterMap::free(model),
         };
-        if map.sources().len() != model.degrees_of_freedom() {
+        if map.sources().len() != model.configuration_len() {
             return Err(ProblemError::ForeignMap {
                 map: map.sources().len(),
                 model: model.name().to_owned(),
-                model_coordinates: model.degrees_of_freedom(),
+                model_coordinates: model.configuration_len(),
             });
         }
         if map.variables() == 0 {
@@ -171,12 +172,31 @@ impl<'m> ProblemBuilder<'m> {
             .clone()
             .map(|variable| model.sampling_spread(leading_joint(variable), reach))
             .collect();
+        let mut rotations = RotationSets::NONE;
+        for ball in map.balls() {
+            match ball.swing {
+                None => rotations.vectors.push(ball.variable),
+                Some(half_angles) => rotations.swings.push(Swing {
+                    first: ball.variable,
+                    half_angles,
+                }),
+            }
+        }
+        let name_of = |variable: usize| {
+            let joint = &leading_joint(variable).name;
+            let ball = map.balls().iter().find(|ball| {
+                (ball.variable..ball.variable + 3).contains(&variable) && ball.swing.is_some()
+            });
+            match ball.map(|ball| variable - ball.variable) {
+                None => joint.clone(),
+                Some(2) => format!("{joint} twist"),
+                Some(_) => format!("{joint} swing"),
+            }
+        };
         let names = ReportNames {
             model: model.name().to_owned(),
             length_unit: model.length_unit(),
-            variables: (variables.clone())
-                .map(|v| leading_joint(v).name.clone())
-                .collect(),
+            variables: variables.clone().map(name_of).collect(),
             variable_is_angle: variables.map(|v| !leading_joint(v).kind.slides()).collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
             task_frames: (first_frames.iter())
@@ -197,6 +217,7 @@ impl<'m> ProblemBuilder<'m> {
             rows,
             rows_of_goals,
             preferences: self.preferences,
+            rotations,
             spread,
             reach,
             derivatives: self.derivatives,
@@ -246,14 +267,26 @@ fn compile_task(
             frames.len() - 1
         }));
     }
-    let coordinates: Option<Vec<usize>> = pending
-        .joints
-        .iter()
-        .map(|&joint| model.coordinate(joint))
-        .collect();
-    let Some(coordinates) = coordinates else {
-        return Err(foreign(&name, "moving joint"));
-    };
+    let mut coordinates = Vec::with_capacity(pending.joints.len());
+    for &joint in &pending.joints {
+        let Some(first) = model.coordinate(joint) else {
+            return Err(foreign(&name, "moving joint"));
+        };
+        let own = model.joint_of(first).kind.coordinates();
+        coordinates.extend(first..first + own);
+    }
+    if let Some(expected) = pending.residual.joint_values()
+        && expected != coordinates.len()
+    {
+        let problem = format!(
+            "it has {expected} numbers for its joints, whose coordinates are {}",
+            coordinates.len()
+        );
+        return Err(ProblemError::BadTask {
+            task: name,
+            problem,
+        });
+    }
 
     check_numbers(&name, &pending.rows, &pending.weights, &pending.tolerances)?;
     let mut blocks = Vec::with_capacity(pending.rows.len());

@@ -8,7 +8,7 @@ use super::compiled_task::CompiledTask;
 use super::{Derivatives, Problem, Question, ReportNames, Share};
 use crate::kinematics::{Partials, Tree, TreeState, Wrench, Wrenches};
 use crate::scalar::{Dual, Scalar};
-use crate::solver::LeastSquares;
+use crate::solver::{ConfigurationSpace, LeastSquares};
 use crate::spatial::{Placement, Vector3};
 use crate::task::{CHUNK, DualScratch, ErasedResidual, LocalJacobian};
 
@@ -45,7 +45,7 @@ impl Scratch {
         let (n, m, dof) = (
             problem.variables(),
             problem.rows(),
-            problem.degrees_of_freedom(),
+            problem.configuration_len(),
         );
         let zero = Dual::zero();
         let mut local = LocalJacobian::default();
@@ -177,9 +177,9 @@ impl<'a> Evaluation<'a> {
         local.scale_rows(&task.weights);
     }
 
-    /// The rows of a task are W (Σ_k L_k Jv_k + A_k Jω_k + Σ_j ∂r/∂q_j · ratio_j e_jᵀ): over its frames
+    /// The rows of a task are W (Σ_k L_k Jv_k + A_k Jω_k + Σ_j ∂r/∂q_j ∂q_j/∂x): over its frames
     /// the local derivatives by velocity and angular velocity times the geometric Jacobian, and over its
-    /// joints those by value, e_j the unit vector of the variable that joint j comes from.
+    /// joints' coordinates those by value.
     fn analytic_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
         // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
@@ -205,9 +205,9 @@ impl<'a> Evaluation<'a> {
             // Column-major.
             let entries = jacobian.as_mut_slice();
             for (k, &coordinate) in task.coordinates.iter().enumerate() {
-                if let Some((variable, ratio)) = problem.map.sources()[coordinate].slope() {
+                for (variable, slope) in problem.map.slopes(coordinate, x) {
                     for (row, entry) in local.joint(k) {
-                        entries[variable * rows + task_rows.start + row] += ratio * entry;
+                        entries[variable * rows + task_rows.start + row] += slope * entry;
                     }
                 }
             }
@@ -274,9 +274,9 @@ impl<'a> Evaluation<'a> {
                 tree.push(state, frame, wrench, wrenches);
             }
             for (k, &coordinate) in task.coordinates.iter().enumerate() {
-                if let Some((variable, ratio)) = problem.map.sources()[coordinate].slope() {
+                for (variable, slope) in problem.map.slopes(coordinate, x) {
                     let sum: f64 = local.joint(k).map(|(row, entry)| entry * r[row]).sum();
-                    gradient[variable] += ratio * sum;
+                    gradient[variable] += slope * sum;
                 }
             }
         }
@@ -302,6 +302,10 @@ impl LeastSquares for Evaluation<'_> {
 
     fn upper(&self) -> &[f64] {
         self.question.upper()
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        self.question.space()
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -330,6 +334,9 @@ impl LeastSquares for Evaluation<'_> {
             Derivatives::ForwardDifference => self.difference_jacobian(x, false, jacobian),
             Derivatives::CentralDifference => self.difference_jacobian(x, true, jacobian),
         }
+        let rows = jacobian.nrows();
+        let space = self.question.space();
+        space.by_steps(x, rows, jacobian.as_mut_slice());
     }
 
     fn gradient(
@@ -344,6 +351,7 @@ impl LeastSquares for Evaluation<'_> {
         }
         if self.question.problem.derivatives == Derivatives::Analytic {
             self.reverse_gradient(x, residual, gradient);
+            self.question.space().by_steps(x, 1, gradient);
         } else {
             if jacobian.shape() != (residual.len(), x.len()) {
                 return gradient.fill(f64::NAN);

@@ -30,6 +30,7 @@ use std::sync::Arc;
 
 use crate::kinematics::Tree;
 use crate::model::{Model, ParameterMap};
+use crate::solver::{RotationSets, Swing};
 use crate::task::{Quantity, Role};
 pub(crate) use anchor::Anchor;
 pub(crate) use compiled_task::CompiledTask;
@@ -82,6 +83,8 @@ pub struct Problem {
     preferences: Preferences,
     lower: Vec<f64>,
     upper: Vec<f64>,
+    /// Which variables turn ball joints.
+    rotations: RotationSets,
     /// How far around the start an unbounded variable is drawn at random: π or the reach.
     spread: Vec<f64>,
     /// Whether any task depends on each variable.
@@ -122,7 +125,7 @@ impl Problem {
         /// How many residual rows there are.
         pub fn rows(&self) -> usize = self.rows;
         /// How many numbers a configuration of the model has.
-        pub fn degrees_of_freedom(&self) -> usize = self.map.sources().len();
+        pub fn configuration_len(&self) -> usize = self.map.sources().len();
         /// The map from variables to configurations.
         pub fn parameters(&self) -> &ParameterMap = &self.map;
         /// Lower bounds of the variables.
@@ -264,6 +267,24 @@ impl Problem {
         }
     }
 
+    /// How far a variable may go for its joint to turn by no more than one radian: less than that for the
+    /// three of a ball, whose angle is at most the length of a rotation vector's change, or that of the swing's and the
+    /// twist's together.
+    pub(crate) fn share_of_turn(&self, variable: usize) -> f64 {
+        let balls = self.map.balls().iter();
+        let mut own = balls.filter(|b| (b.variable..b.variable + 3).contains(&variable));
+        match own.next().map(|ball| ball.swing) {
+            None => 1.0,
+            Some(None) => 1.0 / 3.0_f64.sqrt(),
+            Some(Some(_)) => 1.0 / (1.0 + 2.0_f64.sqrt()),
+        }
+    }
+
+    /// The bounded swing that a variable is one of the two numbers of.
+    pub(crate) fn swing_at(&self, variable: usize) -> Option<&Swing> {
+        self.rotations.swing_of(variable)
+    }
+
     /// Whether any task of the search depends on a variable.
     pub(crate) fn moves_a_task(&self, variable: usize) -> bool {
         self.moving[variable]
@@ -299,7 +320,7 @@ impl Problem {
         let by_joints = task
             .coordinates
             .iter()
-            .filter_map(|&coordinate| Some(self.map.sources()[coordinate].slope()?.0));
+            .flat_map(|&coordinate| self.map.variables_of(coordinate));
         by_frames.chain(by_joints)
     }
 

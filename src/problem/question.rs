@@ -52,7 +52,7 @@ impl<'a> Question<'a> {
     /// The space of the variables, within these bounds.
     #[must_use]
     pub fn space(&self) -> ConfigurationSpace<'a> {
-        ConfigurationSpace::new(self.lower, self.upper)
+        ConfigurationSpace::new(self.lower, self.upper).with_rotations(&self.problem.rotations)
     }
 
     /// The same with other targets, which are of this problem.

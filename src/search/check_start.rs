@@ -1,24 +1,32 @@
 //! Where a search begins.
 
 use super::SolveError;
+use crate::model::{BallVariables, quaternion_at};
 use crate::problem::{Problem, Question};
 
 /// A start must have one finite number for every coordinate that leads a variable.
 pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
-    if start.len() != problem.degrees_of_freedom() {
+    if start.len() != problem.configuration_len() {
         return Err(SolveError::StartLength {
             model: problem.names().model.clone(),
             given: start.len(),
-            expected: problem.degrees_of_freedom(),
+            expected: problem.configuration_len(),
         });
     }
-    let leaders = problem.parameters().leaders();
+    let map = problem.parameters();
+    let leaders = map.leaders();
     let bad = leaders.iter().position(|&c| !start[c].is_finite());
-    match bad {
-        None => Ok(()),
-        Some(variable) => Err(SolveError::StartNotFinite {
+    if let Some(variable) = bad {
+        return Err(SolveError::StartNotFinite {
             joint: problem.names().variables[variable].clone(),
             value: start[leaders[variable]],
+        });
+    }
+    let no_rotation = |ball: &&BallVariables| quaternion_at(&start[ball.coordinate..]).is_none();
+    match map.balls().iter().find(no_rotation) {
+        None => Ok(()),
+        Some(ball) => Err(SolveError::StartNoRotation {
+            joint: problem.names().variables[ball.variable].clone(),
         }),
     }
 }

@@ -21,6 +21,12 @@ pub enum SolveError {
         /// The model's degrees of freedom.
         expected: usize,
     },
+    /// A start whose quaternion for a ball joint is zero.
+    #[error("the start holds a quaternion without length for joint `{joint}`")]
+    StartNoRotation {
+        /// The joint.
+        joint: String,
+    },
     /// A start that is NaN or infinite. Outside the limits is fine.
     #[error("the start holds {value} for joint `{joint}`, which is not a finite number")]
     StartNotFinite {

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::solution::Blocked;
-use super::{BoundKind, RowsReport, Side, Solution};
+use super::{BoundKind, RowsReport, Solution};
 use crate::problem::{Evaluation, Question, ReportNames, Scratch, Share};
-use crate::solver::{SolverState, Stopping, half_squared, negligible_slope};
+use crate::solver::{Side, SolverState, Stopping, half_squared, negligible_slope};
 use crate::task::{Quantity, Role};
 
 /// Where a search ended, and what is known of that place.
@@ -41,7 +41,7 @@ impl Solution {
     ) -> Option<Slope> {
         let End { question, x, .. } = *end;
         let problem = question.problem;
-        self.q.resize(problem.degrees_of_freedom(), 0.0);
+        self.q.resize(problem.configuration_len(), 0.0);
         problem.parameters().scatter_within_limits(x, &mut self.q);
         self.cost = half_squared(end.residual);
         let errors = problem.errors(Share::All, end.residual);
@@ -115,19 +115,21 @@ impl Solution {
         gradient: &[f64],
         negligible: f64,
     ) {
-        let (lower, upper) = (question.lower(), question.upper());
         let limits = question.problem;
+        let space = question.space();
         self.blocked.clear();
-        for (variable, (&value, &g)) in x.iter().zip(gradient).enumerate() {
-            let (side, limit) = if value <= lower[variable] && g > negligible {
-                (Side::Lower, limits.lower()[variable])
-            } else if value >= upper[variable] && g < -negligible {
-                (Side::Upper, limits.upper()[variable])
-            } else {
+        for (variable, &g) in gradient.iter().enumerate() {
+            let Some(side) = space.held_at(x, variable, g, negligible) else {
                 continue;
             };
+            let limit = match side {
+                Side::Lower => limits.lower()[variable],
+                Side::Upper => limits.upper()[variable],
+            };
+            let swing = limits.swing_at(variable);
+            let value = swing.map_or(x[variable], |swing| swing.angle(x));
             // The bounds of a move lie within the limits.
-            let kind = match value == limit {
+            let kind = match value == limit || swing.is_some() {
                 true => BoundKind::Limit,
                 false => BoundKind::Move,
             };

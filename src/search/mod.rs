@@ -21,6 +21,7 @@ mod restarts;
 mod schedule;
 mod solution;
 
+pub use crate::solver::Side;
 pub(crate) use attempt::{Attempt, Found};
 pub(crate) use attempts::{Attempts, Engine, run};
 pub(crate) use check_start::{check_start, variables_at};
@@ -29,4 +30,4 @@ pub(crate) use measure::End;
 pub(crate) use pulling::Pulls;
 pub use restarts::Restarts;
 pub(crate) use schedule::Schedule;
-pub use solution::{ActiveLimit, BoundKind, RowsReport, Side, Solution, TaskReport};
+pub use solution::{ActiveLimit, BoundKind, RowsReport, Solution, TaskReport};

@@ -47,7 +47,7 @@ impl Pulls<'_> {
             }
         }
         for (j, slope) in slope.iter_mut().enumerate() {
-            if question.space().holds(j, x[j], *slope, 0.0) {
+            if question.space().holds(x, j, *slope, 0.0) {
                 *slope = 0.0;
             }
         }

@@ -6,18 +6,8 @@ use super::attempt::Found;
 use super::beyond::Beyond;
 use crate::problem::ReportNames;
 use crate::scalar::elementary;
-use crate::solver::{Counts, Termination};
+use crate::solver::{Counts, Side, Termination};
 use crate::task::{Quantity, Role};
-
-/// Which end of a joint's range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Side {
-    /// The lower limit.
-    Lower,
-    /// The upper limit.
-    Upper,
-}
 
 /// Whose bound it is that a joint stands on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -1,20 +1,44 @@
 //! The space that x is from: the one place that knows how it is moved and bounded.
 
+use super::rotation_sets::{self, RotationSets, Swing};
+
+/// Which end of a joint's range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Side {
+    /// The lower limit.
+    Lower,
+    /// The upper limit, or the edge of a cone.
+    Upper,
+}
+
 /// How variables are moved by a step, compared, and kept within their bounds.
 ///
-/// Every variable is a plain number today, so that a step has as many numbers as x. Joints whose
-/// configuration and velocity differ in length (a free base, a ball) change what is here, not its callers.
+/// Every variable is a number within its bounds. Beside those, three may be a rotation vector, of which
+/// one by more than half a turn is replaced by a shorter one, and two a ball joint's swing, within an ellipse:
+/// on its edge a step has for the first of them what leads across it, outward, and for the second what leads
+/// along, so that on an edge as on a bound one variable is held and the others are free.
 #[derive(Clone, Copy, Debug)]
 pub struct ConfigurationSpace<'a> {
     lower: &'a [f64],
     upper: &'a [f64],
+    rotations: &'a RotationSets,
 }
 
 impl<'a> ConfigurationSpace<'a> {
     /// The box between bounds, one each a variable.
     #[must_use]
     pub fn new(lower: &'a [f64], upper: &'a [f64]) -> Self {
-        Self { lower, upper }
+        Self {
+            lower,
+            upper,
+            rotations: const { &RotationSets::NONE },
+        }
+    }
+
+    /// The same with variables that turn ball joints.
+    pub(crate) fn with_rotations(self, rotations: &'a RotationSets) -> Self {
+        Self { rotations, ..self }
     }
 
     /// Whether there is a bound on either side for each of so many variables.
@@ -35,14 +59,65 @@ impl<'a> ConfigurationSpace<'a> {
         for ((to, &x), &step) in to.iter_mut().zip(x).zip(step) {
             *to = x + share * step;
         }
+        for (swing, [across, along]) in self.edges(x) {
+            let [out, on] = [0, 1].map(|k| share * step[swing.first + k]);
+            to[swing.first] = x[swing.first] + across * out - along * on;
+            to[swing.first + 1] = x[swing.first + 1] + along * out + across * on;
+        }
+    }
+
+    /// The swings at their edges, with the outward normals there.
+    fn edges(&self, x: &[f64]) -> impl Iterator<Item = (&'a Swing, [f64; 2])> {
+        let swings = self.rotations.swings.iter();
+        swings.filter_map(move |swing| Some((swing, swing.normal(x)?)))
+    }
+
+    /// Turns derivatives by the variables into derivatives by a step's components: the columns of a Jacobian
+    /// of so many rows, or with one row a gradient.
+    pub(crate) fn by_steps(&self, x: &[f64], rows: usize, derivatives: &mut [f64]) {
+        for (swing, [across, along]) in self.edges(x) {
+            let from = swing.first * rows;
+            let Some(pair) = derivatives.get_mut(from..from + 2 * rows) else {
+                return;
+            };
+            let (first, second) = pair.split_at_mut(rows);
+            for (first, second) in first.iter_mut().zip(second) {
+                let (out, on) = (
+                    across * *first + along * *second,
+                    across * *second - along * *first,
+                );
+                (*first, *second) = (out, on);
+            }
+        }
     }
 
     /// Moves one component of `to` to where x is after a step along it alone, bounds aside. Returns the step
     /// that was really taken, after rounding.
     #[inline]
     pub fn integrate_one(&self, x: &[f64], component: usize, step: f64, to: &mut [f64]) -> f64 {
+        if let Some(swing) = self.rotations.swing_of(component)
+            && let Some([across, along]) = swing.normal(x)
+        {
+            let (first, second) = match component == swing.first {
+                true => (across, along),
+                false => (-along, across),
+            };
+            to[swing.first] = x[swing.first] + first * step;
+            to[swing.first + 1] = x[swing.first + 1] + second * step;
+            return step;
+        }
         to[component] = x[component] + step;
         to[component] - x[component]
+    }
+
+    /// Puts what moved with one component back to where x is.
+    #[inline]
+    pub fn return_one(&self, x: &[f64], component: usize, to: &mut [f64]) {
+        to[component] = x[component];
+        if let Some(swing) = self.rotations.swing_of(component) {
+            let pair = swing.first..swing.first + 2;
+            to[pair.clone()].copy_from_slice(&x[pair]);
+        }
     }
 
     /// Writes the step that leads from one configuration to another: to ⊖ from.
@@ -51,6 +126,10 @@ impl<'a> ConfigurationSpace<'a> {
         for ((step, &to), &from) in step.iter_mut().zip(to).zip(from) {
             *step = to - from;
         }
+        for &first in &self.rotations.vectors {
+            rotation_sets::shorten(&mut step[first..first + 3], &to[first..first + 3]);
+        }
+        self.by_steps(from, 1, step);
     }
 
     /// ‖to ⊖ from‖∞.
@@ -70,12 +149,27 @@ impl<'a> ConfigurationSpace<'a> {
                 *value = high;
             }
         }
+        for &first in &self.rotations.vectors {
+            // Within bounds of its own, as those of a move, it may not change its sign.
+            if self.lower[first..first + 3]
+                .iter()
+                .all(|low| *low == f64::NEG_INFINITY)
+            {
+                rotation_sets::shortest(&mut x[first..first + 3]);
+            }
+        }
+        for swing in &self.rotations.swings {
+            swing.project(x, self.lower, self.upper);
+        }
     }
 
     /// How far x may go down and up along one component.
     #[inline]
     #[must_use]
     pub fn room(&self, x: &[f64], component: usize) -> (f64, f64) {
+        if let Some(out) = self.room_on_edge(x, component) {
+            return (f64::INFINITY, out);
+        }
         let value = x[component];
         (value - self.lower[component], self.upper[component] - value)
     }
@@ -83,19 +177,55 @@ impl<'a> ConfigurationSpace<'a> {
     /// The step to the bound that a step along one component would cross, if it crosses one.
     #[must_use]
     pub fn stopped_step(&self, x: &[f64], component: usize, step: f64) -> Option<f64> {
+        if let Some(out) = self.room_on_edge(x, component) {
+            return (step > out).then_some(out);
+        }
         let to = x[component] + step;
         let (lower, upper) = (self.lower[component], self.upper[component]);
         let within = lower <= to && to <= upper;
         (!within).then(|| to.clamp(lower, upper) - x[component])
     }
 
-    /// Whether a variable that stands at `value` is held by a bound: a slope of more than `negligible` pushes
-    /// it outward.
+    /// How far a component of a swing at its edge may go up: nowhere across it.
+    #[inline]
+    fn room_on_edge(&self, x: &[f64], component: usize) -> Option<f64> {
+        let swing = self.rotations.swing_of(component)?;
+        let near = swing.normal(x).is_some();
+        near.then_some(match component == swing.first && swing.is_on(x) {
+            true => 0.0,
+            false => f64::INFINITY,
+        })
+    }
+
+    /// Which bound holds one component of x, if one does: it stands there, and a slope of more than
+    /// `negligible` pushes it outward.
     #[inline]
     #[must_use]
-    pub fn holds(&self, variable: usize, value: f64, slope: f64, negligible: f64) -> bool {
-        (value <= self.lower[variable] && slope > negligible)
-            || (value >= self.upper[variable] && slope < -negligible)
+    pub fn held_at(
+        &self,
+        x: &[f64],
+        component: usize,
+        slope: f64,
+        negligible: f64,
+    ) -> Option<Side> {
+        if let Some(out) = self.room_on_edge(x, component) {
+            return (out == 0.0 && slope < -negligible).then_some(Side::Upper);
+        }
+        let value = x[component];
+        if value <= self.lower[component] && slope > negligible {
+            Some(Side::Lower)
+        } else if value >= self.upper[component] && slope < -negligible {
+            Some(Side::Upper)
+        } else {
+            None
+        }
+    }
+
+    /// Whether a bound holds one component of x: as [`held_at`](Self::held_at).
+    #[inline]
+    #[must_use]
+    pub fn holds(&self, x: &[f64], component: usize, slope: f64, negligible: f64) -> bool {
+        self.held_at(x, component, slope, negligible).is_some()
     }
 
     /// Lists the variables that are free to move: all but those on a bound whose gradient pushes
@@ -104,9 +234,8 @@ impl<'a> ConfigurationSpace<'a> {
     pub(super) fn list_free(&self, x: &[f64], gradient: &[f64], free: &mut Vec<usize>) {
         free.clear();
         free.extend(
-            (0..x.len()).filter(|&j| {
-                self.lower[j] < self.upper[j] && !self.holds(j, x[j], gradient[j], 0.0)
-            }),
+            (0..x.len())
+                .filter(|&j| self.lower[j] < self.upper[j] && !self.holds(x, j, gradient[j], 0.0)),
         );
     }
 
@@ -124,6 +253,21 @@ impl<'a> ConfigurationSpace<'a> {
             let room = if slope > 0.0 { x - lower } else { upper - x };
             largest = largest.max((slope.abs() / curvature).min(room));
         }
+        for swing in &self.rotations.swings {
+            // What the box has said of a swing at its edge was of other components.
+            if swing.normal(x).is_some() {
+                return self.projected_gradient_norm_at_edges(x, gradient, curvature);
+            }
+        }
         largest
+    }
+
+    fn projected_gradient_norm_at_edges(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {
+        let lengths = gradient.iter().enumerate().map(|(j, slope)| {
+            let (down, up) = self.room(x, j);
+            let room = if *slope > 0.0 { down } else { up };
+            (slope.abs() / curvature).min(room)
+        });
+        lengths.fold(0.0, f64::max)
     }
 }

@@ -201,7 +201,7 @@ impl Curvature {
             };
             let taken = space.integrate_one(x, j, step, &mut room.x);
             room.gradient(problem);
-            room.x[j] = x[j];
+            problem.space().return_one(x, j, &mut room.x);
             for &k in free {
                 let change = (room.gradient[k] - room.gradient_here[k]) / taken;
                 let half = 0.5 * (change - columns(j).dot(&columns(k)));

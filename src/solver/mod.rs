@@ -16,12 +16,13 @@ mod minimise;
 mod observer;
 mod progress;
 mod projected_gradient;
+mod rotation_sets;
 #[cfg(feature = "argmin")]
 mod snapshot;
 mod state;
 mod stopping;
 
-pub use configuration_space::ConfigurationSpace;
+pub use configuration_space::{ConfigurationSpace, Side};
 pub use gauss_newton::{GaussNewton, GaussNewtonState};
 pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
@@ -34,6 +35,7 @@ pub use observer::{Iteration, Observer, Silent};
 pub(crate) use progress::Progress;
 pub(crate) use progress::negligible_slope;
 pub use projected_gradient::{FirstStep, ProjectedGradient, ProjectedGradientState};
+pub(crate) use rotation_sets::{RotationSets, Swing};
 #[cfg(feature = "argmin")]
 pub(crate) use snapshot::Snapshot;
 pub(crate) use state::half_squared;

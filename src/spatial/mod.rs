@@ -15,6 +15,8 @@ pub use conversions::NotRigid;
 pub use matrix::Matrix3;
 pub use placement::Placement;
 pub(crate) use polar::Polar;
-pub use rotation::{Quaternion, rotation_exp, rotation_log, rotation_log_jacobian};
+pub use rotation::{
+    Quaternion, rotation_exp, rotation_exp_jacobian, rotation_log, rotation_log_jacobian,
+};
 pub(crate) use rounding::{resolved, rounding};
 pub use vector::Vector3;

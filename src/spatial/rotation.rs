@@ -167,6 +167,49 @@ pub fn rotation_log_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(x, y, z)
 }
 
+/// How a rotation turns, in the axes it is seen from, when its rotation vector φ changes: ω = J_l φ̇ with
+/// `J_l = I + (1 − cos θ)/θ² [φ] + (θ − sin θ)/θ³ [φ]²` (Chirikjian 2012, eq. 10.86). Its columns.
+#[inline(always)]
+pub fn rotation_exp_jacobian<S: Scalar>(phi: Vector3<S>) -> Matrix3<S> {
+    let squared = phi.norm_squared();
+    let small = squared.less_than(S::constant(1e-2));
+    let safe = S::select(small, S::one(), squared);
+    let angle = safe.sqrt();
+    let (sin, cos) = angle.sin_cos();
+    // In powers of s = θ²; the next terms are below 1e-17 here.
+    let near_once = polynomial(
+        squared,
+        &[
+            1.0 / 2.0,
+            -1.0 / 24.0,
+            1.0 / 720.0,
+            -1.0 / 40_320.0,
+            1.0 / 3_628_800.0,
+            -1.0 / 479_001_600.0,
+        ],
+    );
+    let near_twice = polynomial(
+        squared,
+        &[
+            1.0 / 6.0,
+            -1.0 / 120.0,
+            1.0 / 5040.0,
+            -1.0 / 362_880.0,
+            1.0 / 39_916_800.0,
+            -1.0 / 6_227_020_800.0,
+        ],
+    );
+    let once = S::select(small, near_once, (S::one() - cos) / safe);
+    let twice = S::select(small, near_twice, (angle - sin) / (safe * angle));
+    let column = |unit: Vector3<f64>| {
+        let unit = Vector3::constant(unit);
+        let crossed = phi.cross(unit);
+        unit + crossed * once + phi.cross(crossed) * twice
+    };
+    let [x, y, z] = Vector3::UNITS;
+    Matrix3::from_columns(column(x), column(y), column(z))
+}
+
 /// Σ cₖ xᵏ by Horner's rule.
 #[inline(always)]
 fn polynomial<S: Scalar>(x: S, coefficients: &[f64]) -> S {

@@ -29,6 +29,8 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         scratch: &mut DualScratch,
     );
 
+    fn joint_values(&self) -> Option<usize>;
+
     fn validate(&self) -> Result<(), String>;
 
     fn as_any(&self) -> &dyn Any;
@@ -79,6 +81,10 @@ impl<R: Residual> ErasedResidual for R {
         if !Residual::differentiate(self, frames, joints, jacobian) {
             by_dual_numbers(self, frames, joints, jacobian, scratch);
         }
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        Residual::joint_values(self)
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -1,7 +1,7 @@
 //! Joints should stay away from their limits.
 
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
-use crate::model::{FrameId, JointId, Model};
+use crate::model::{FrameId, JointId, JointKind, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -15,16 +15,17 @@ pub struct LimitCentring {
 }
 
 impl LimitCentring {
-    /// Every moving joint of `model` whose limits are finite and apart.
+    /// Every moving joint of `model` whose limits are finite and apart, but balls.
     #[must_use]
     pub fn new(model: &Model) -> Self {
         let (joints, middle_and_half_range) = model
             .moving_joints()
             .iter()
             .zip(model.limits())
-            .filter(|(_, limits)| {
+            .filter(|(joint, limits)| {
                 let range = limits.upper - limits.lower;
-                range.is_finite() && range > 0.0
+                let is_ball = model.joints()[joint.index()].kind == JointKind::Ball;
+                range.is_finite() && range > 0.0 && !is_ball
             })
             .map(|(&joint, limits)| {
                 let half_range = (limits.upper - limits.lower) / 2.0;

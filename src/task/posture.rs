@@ -2,33 +2,46 @@
 
 use super::residual::not_finite;
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
-use crate::model::{FrameId, JointId, Model};
+use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
 use crate::scalar::Scalar;
-use crate::spatial::Placement;
+use crate::spatial::{Placement, Quaternion, Vector3};
 
-/// r_j = q_j − reference_j, one row per joint, in the joint's own unit. A preference by default.
+/// r = q ⊖ reference, a row a joint, in the joint's own unit; a ball has three, the rotation vector from its
+/// reference to where it is, in its own axes. A preference by default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posture {
     joints: Vec<JointId>,
     reference: Vec<f64>,
+    /// Which of the joints are balls, with four numbers each.
+    is_ball: Vec<bool>,
 }
 
 impl Posture {
-    /// Every moving joint of `model` near its value in `reference` (shape: degrees of freedom).
+    /// Every moving joint of `model` near its value in the configuration `reference`.
     /// A missing value counts as 0.
     #[must_use]
     pub fn new(model: &Model, reference: &[f64]) -> Self {
-        let joints = model.moving_joints().to_vec();
+        let mut joints = model.moving_joints().to_vec();
         let mut reference = reference.to_vec();
         reference.resize(joints.len(), 0.0);
-        Self { joints, reference }
+        joints.dedup();
+        let kind = |joint: &JointId| model.joints()[joint.index()].kind;
+        Self {
+            is_ball: joints.iter().map(|joint| kind(joint) == JointKind::Ball).collect(),
+            joints,
+            reference,
+        }
     }
 
-    /// Only some joints, each with its value in radians or metres.
+    /// Only some joints, each with its value in radians or metres; none may be a ball.
     #[must_use]
     pub fn of_joints(values: impl IntoIterator<Item = (JointId, f64)>) -> Self {
-        let (joints, reference) = values.into_iter().unzip();
-        Self { joints, reference }
+        let (joints, reference): (Vec<_>, _) = values.into_iter().unzip();
+        Self {
+            is_ball: vec![false; joints.len()],
+            joints,
+            reference,
+        }
     }
 
     /// Changes the values; missing ones keep what they were.
@@ -36,6 +49,20 @@ impl Posture {
         for (own, &new) in self.reference.iter_mut().zip(reference) {
             *own = new;
         }
+    }
+
+    /// Writes the derivatives where every row is of one number, all `slope`.
+    pub(super) fn differentiate_values(
+        &self,
+        values: usize,
+        slope: f64,
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        if self.is_ball.contains(&true) {
+            return false;
+        }
+        jacobian.set_diagonal(std::iter::repeat_n(slope, values));
+        true
     }
 }
 
@@ -54,13 +81,41 @@ impl Residual for Posture {
         self.joints.clone()
     }
 
+    fn joint_values(&self) -> Option<usize> {
+        Some(self.reference.len())
+    }
+
     fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::JointUnits, self.joints.len())]
+        let rows = self.is_ball.iter().map(|ball| if *ball { 3 } else { 1 });
+        vec![Rows::new(Quantity::JointUnits, rows.sum())]
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        for ((row, &value), &reference) in residual.iter_mut().zip(joints).zip(&self.reference) {
-            *row = value - S::constant(reference);
+        if self.reference.len() == self.joints.len() {
+            for ((row, &value), &reference) in residual.iter_mut().zip(joints).zip(&self.reference)
+            {
+                *row = value - S::constant(reference);
+            }
+            return;
+        }
+        let (mut values, mut references, mut rows) = (joints, &self.reference[..], residual);
+        for &is_ball in &self.is_ball {
+            let (coordinates, own_rows) = if is_ball { (4, 3) } else { (1, 1) };
+            let (own, rest) = values.split_at(coordinates);
+            let (reference, other_references) = references.split_at(coordinates);
+            let (row, other_rows) = rows.split_at_mut(own_rows);
+            match (own, quaternion_at(reference).filter(|_| is_ball)) {
+                (&[w, x, y, z], Some(Quaternion { w: real, v })) => {
+                    let back = Quaternion {
+                        w: S::constant(real),
+                        v: Vector3::constant(-v),
+                    };
+                    let v = Vector3::new(x, y, z);
+                    row.copy_from_slice(&(back * Quaternion { w, v }).log().to_array());
+                }
+                _ => row[0] = own[0] - S::constant(reference[0]),
+            }
+            (values, references, rows) = (rest, other_references, other_rows);
         }
     }
 
@@ -70,11 +125,18 @@ impl Residual for Posture {
         joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        jacobian.set_diagonal(std::iter::repeat_n(1.0, joints.len()));
-        true
+        self.differentiate_values(joints.len(), 1.0, jacobian)
     }
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its reference", self.reference.iter().copied())
+        not_finite("its reference", self.reference.iter().copied())?;
+        let mut first = 0;
+        for &is_ball in &self.is_ball {
+            if is_ball && quaternion_at(&self.reference[first..]).is_none() {
+                return Err("its reference holds a quaternion of length zero".to_owned());
+            }
+            first += if is_ball { 4 } else { 1 };
+        }
+        Ok(())
     }
 }

@@ -67,11 +67,16 @@ pub trait Residual: Clone + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// How many numbers it expects `evaluate` to see of those joints, if it knows: one each, four for a ball.
+    fn joint_values(&self) -> Option<usize> {
+        None
+    }
+
     /// Its rows in order, with what they measure.
     fn rows(&self) -> Vec<Rows>;
 
     /// Writes every row of `residual`. `frames[k]` is world_from_frame of the k-th frame, `joints[k]`
-    /// the k-th joint's value in radians or metres.
+    /// the k-th joint's value in radians or metres; a ball joint has four, its unit quaternion w, x, y, z.
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]);
 
     /// Writes the derivatives by hand and returns true, or returns false to leave them to dual

@@ -6,7 +6,7 @@ use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// r_j = (q_j − previous_j) / Δt, one row per joint, in radians or metres per second: a posture that
+/// r = (q ⊖ previous) / Δt, in radians or metres per second, a row a joint and three a ball: a posture that
 /// moves along, seen as a speed. A preference by default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Smoothness {
@@ -15,7 +15,7 @@ pub struct Smoothness {
 }
 
 impl Smoothness {
-    /// Every moving joint of `model`, which stood at `previous` (shape: degrees of freedom; a
+    /// Every moving joint of `model`, which stood at `previous` (a configuration; a
     /// missing value counts as 0) `time_step_s` seconds ago.
     #[must_use]
     pub fn new(model: &Model, previous: &[f64], time_step_s: f64) -> Self {
@@ -46,6 +46,10 @@ impl Residual for Smoothness {
         self.previous.joints()
     }
 
+    fn joint_values(&self) -> Option<usize> {
+        self.previous.joint_values()
+    }
+
     fn rows(&self) -> Vec<Rows> {
         let count = self.previous.rows().iter().map(|rows| rows.count).sum();
         vec![Rows::new(Quantity::JointUnitsPerSecond, count)]
@@ -65,8 +69,8 @@ impl Residual for Smoothness {
         joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        jacobian.set_diagonal(std::iter::repeat_n(1.0 / self.time_step_s, joints.len()));
-        true
+        self.previous
+            .differentiate_values(joints.len(), 1.0 / self.time_step_s, jacobian)
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -83,7 +83,7 @@ fn measure(problem: &Problem, x: &[f64]) -> Measured {
 }
 
 fn solve(statement: &Statement, problem: &Problem) -> Solution {
-    let mut start = vec![0.0; problem.degrees_of_freedom()];
+    let mut start = vec![0.0; problem.configuration_len()];
     problem
         .parameters()
         .expand(&statement.start, &mut start)

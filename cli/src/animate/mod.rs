@@ -128,7 +128,7 @@ fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
     let mut notes = loaded.notes();
     notes.extend(skin.note());
     let span = clip.time_span().unwrap_or([0.0; 2]);
-    let mut q = vec![0.0; loaded.model.degrees_of_freedom()];
+    let mut q = vec![0.0; loaded.model.configuration_len()];
     write_frames(arguments, json, &notes, span, |time, playback| {
         clip.sample(time, playback, &mut q)?;
         skin.posed(&q, arguments.skinning)

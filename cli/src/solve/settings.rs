@@ -117,7 +117,7 @@ impl Arguments {
         if !self.chain.holds() {
             return Ok(());
         }
-        let all = loaded.model.degrees_of_freedom();
+        let all = loaded.model.configuration_len();
         let start = match &self.start {
             // Numbers for an arm's own joints say nothing of the others.
             Start::Numbers(numbers) if loaded.robot.is_some() && numbers.len() != all => {
@@ -155,7 +155,7 @@ impl Arguments {
             Start::Numbers(numbers) => {
                 let columns = arm.filter(|columns| {
                     numbers.len() == columns.width()
-                        && numbers.len() != loaded.model.degrees_of_freedom()
+                        && numbers.len() != loaded.model.configuration_len()
                 });
                 let typed = match columns {
                     Some(columns) => columns.typed(numbers, self.degrees),

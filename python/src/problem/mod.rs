@@ -158,7 +158,7 @@ impl Problem {
     /// How many numbers a configuration has.
     #[getter]
     fn degrees_of_freedom(&self) -> usize {
-        self.inner.degrees_of_freedom()
+        self.inner.configuration_len()
     }
 
     /// Lower bounds of the variables, shape (variables,), radians or metres.

@@ -189,7 +189,7 @@ fn residual<V: Visit>(
         "posture" => visitor.visit(given.posture()?),
         "smoothness" => {
             let previous = given.get("previous")?;
-            let dof = model.degrees_of_freedom();
+            let dof = model.configuration_len();
             let previous = arrays::vector_of(&previous, "previous", dof)?;
             let time_step_s = given.get("time_step_s")?.extract()?;
             visitor.visit(Smoothness::new(model, &previous, time_step_s))
@@ -249,7 +249,7 @@ impl<'py> Given<'_, 'py> {
             }
             return Ok(Posture::of_joints(named));
         }
-        let dof = self.model.degrees_of_freedom();
+        let dof = self.model.configuration_len();
         let reference = arrays::vector_of(&reference, "reference", dof)?;
         Ok(Posture::new(self.model, &reference))
     }

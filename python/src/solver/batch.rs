@@ -147,7 +147,7 @@ impl Questions {
         starts: &Bound<'_, PyAny>,
         targets: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let dof = problem.inner.degrees_of_freedom();
+        let dof = problem.inner.configuration_len();
         let many_starts = arrays::axes(starts)? == 2;
         let (starts, mut count) = match many_starts {
             true => {

@@ -120,7 +120,7 @@ fn limits(
     let held = Limits::new(0.0, 0.0);
     let name = match kind {
         JointKind::Fixed => return Ok(held),
-        JointKind::Continuous => return Ok(Limits::UNBOUNDED),
+        JointKind::Continuous | JointKind::Ball => return Ok(Limits::UNBOUNDED),
         JointKind::Revolute => "revolute",
         JointKind::Prismatic => "prismatic",
     };

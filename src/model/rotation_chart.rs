@@ -1,0 +1,133 @@
+//! The three variables that a solver moves a ball joint by.
+//!
+//! Without limits they are the rotation vector: exact derivatives everywhere within a turn, and a longer
+//! one is the same rotation as one within half a turn. With limits they are the swing's two angles and the
+//! twist, so that the twist has bounds like any joint's and the swing an ellipse; this chart has no
+//! singular place but a swing by π.
+
+use super::BallLimits;
+use crate::scalar::Scalar;
+use crate::spatial::{Quaternion, Vector3, rotation_exp_jacobian};
+
+/// How three numbers stand for a rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum RotationChart {
+    /// The rotation vector, in radians.
+    Exponential,
+    /// Swing about two axes across and twist about the third, in radians.
+    SwingTwist(SwingFrame),
+}
+
+/// The frame that swing and twist are told in: about `first`, about `second`, and about the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct SwingFrame {
+    first: Vector3<f64>,
+    second: Vector3<f64>,
+    axis: Vector3<f64>,
+}
+
+impl RotationChart {
+    /// For a ball joint of this unit axis.
+    pub(super) fn new(axis: Vector3<f64>, limits: Option<&BallLimits>) -> Self {
+        limits.map_or(Self::Exponential, |limits| {
+            Self::SwingTwist(SwingFrame::new(axis, limits.about))
+        })
+    }
+
+    /// The rotation at `x`.
+    pub(crate) fn rotation<S: Scalar>(&self, x: [S; 3]) -> Quaternion<S> {
+        match self {
+            Self::Exponential => Quaternion::exp(Vector3::new(x[0], x[1], x[2])),
+            Self::SwingTwist(frame) => {
+                let twist = Quaternion::exp(Vector3::constant(frame.axis) * x[2]);
+                Quaternion::exp(frame.swing([x[0], x[1]])) * twist
+            }
+        }
+    }
+
+    /// The x of a unit quaternion; −q is the same as q.
+    pub(crate) fn variables<S: Scalar>(&self, rotation: Quaternion<S>) -> [S; 3] {
+        match self {
+            Self::Exponential => rotation.log().to_array(),
+            Self::SwingTwist(frame) => frame.part(rotation),
+        }
+    }
+
+    /// What turning is done by each variable: angular velocity for a rate of 1, in the joint's own frame
+    /// before it turned.
+    #[inline(always)]
+    pub(crate) fn axes<S: Scalar>(&self, x: [S; 3]) -> [Vector3<S>; 3] {
+        match self {
+            Self::Exponential => {
+                let columns = rotation_exp_jacobian(Vector3::new(x[0], x[1], x[2]));
+                [columns.x, columns.y, columns.z]
+            }
+            Self::SwingTwist(frame) => {
+                let swing = frame.swing([x[0], x[1]]);
+                let by_swing = rotation_exp_jacobian(swing);
+                let tipped = Quaternion::exp(swing).to_matrix();
+                [
+                    by_swing * Vector3::constant(frame.first),
+                    by_swing * Vector3::constant(frame.second),
+                    tipped * Vector3::constant(frame.axis),
+                ]
+            }
+        }
+    }
+}
+
+impl SwingFrame {
+    /// Of a joint's unit axis and the direction that its ellipse is told by.
+    fn new(axis: Vector3<f64>, about: Option<Vector3<f64>>) -> Self {
+        let [x, y, _] = Vector3::UNITS;
+        // Any direction across will do: that of the two which is farther from the axis.
+        let any = match axis.x.abs() < axis.y.abs() {
+            true => x,
+            false => y,
+        };
+        let about = about.unwrap_or(any);
+        let across = about - axis * axis.dot(about);
+        let first = across * (1.0 / across.norm());
+        Self {
+            first,
+            second: axis.cross(first),
+            axis,
+        }
+    }
+
+    /// The swing's rotation vector.
+    #[inline(always)]
+    fn swing<S: Scalar>(&self, x: [S; 2]) -> Vector3<S> {
+        Vector3::constant(self.first) * x[0] + Vector3::constant(self.second) * x[1]
+    }
+
+    /// Parts a rotation into its swing, by the two axes across, and its twist, in radians.
+    fn part<S: Scalar>(&self, rotation: Quaternion<S>) -> [S; 3] {
+        let (one, zero) = (S::one(), S::zero());
+        let along = Vector3::constant(self.axis).dot(rotation.v);
+        let negative = rotation.w.less_than(zero);
+        let w = S::select(negative, -rotation.w, rotation.w);
+        let along = S::select(negative, -along, along);
+        let v = Vector3::select(negative, -rotation.v, rotation.v);
+        let squared = w * w + along * along;
+        // Turned upside down it has no twist of its own: none is taken.
+        let none = squared.less_than(S::constant(f64::MIN_POSITIVE));
+        let length = S::select(none, one, squared).sqrt();
+        let (cos, sin) = (
+            S::select(none, one, w / length),
+            S::select(none, zero, along / length),
+        );
+        let untwisted = Quaternion {
+            w: cos,
+            v: Vector3::constant(self.axis) * -sin,
+        };
+        let swing = (Quaternion { w, v } * untwisted).log();
+        [
+            Vector3::constant(self.first).dot(swing),
+            Vector3::constant(self.second).dot(swing),
+            S::constant(2.0) * sin.atan2(cos),
+        ]
+    }
+}

@@ -1,0 +1,133 @@
+//! What of a configuration moves as one: a joint, or a free joint's slides and ball together.
+
+use super::{Joint, JointId, JointKind, ModelError};
+use crate::spatial::{Quaternion, Vector3};
+
+/// How a part of a configuration and of a velocity belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SegmentKind {
+    /// One number, whose rate is one number.
+    Scalar,
+    /// A unit quaternion w, x, y, z, whose rate is an angular velocity in the turned frame's own axes.
+    Ball,
+    /// x, y, z and a unit quaternion, whose rate is a velocity and an angular velocity, both in the moved frame's
+    /// own axes.
+    Free,
+}
+
+impl SegmentKind {
+    pub(crate) const fn coordinates(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Ball => 4,
+            Self::Free => 7,
+        }
+    }
+
+    pub(crate) const fn degrees_of_freedom(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Ball => 3,
+            Self::Free => 6,
+        }
+    }
+}
+
+/// A part of a configuration that moves as one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Segment {
+    pub(crate) kind: SegmentKind,
+    /// Its joint, or the first of a free joint's.
+    pub(crate) joint: JointId,
+    /// Where it begins in a configuration.
+    pub(crate) coordinate: usize,
+    /// Where it begins in a velocity.
+    pub(crate) velocity: usize,
+}
+
+impl Segment {
+    /// The joint that turns, of a ball or of a free joint.
+    pub(crate) fn ball(&self) -> JointId {
+        match self.kind {
+            SegmentKind::Free => JointId::new(self.joint.index() + 3),
+            _ => self.joint,
+        }
+    }
+
+    /// Where its quaternion begins in a configuration.
+    pub(crate) fn quaternion(&self) -> Option<usize> {
+        match self.kind {
+            SegmentKind::Scalar => None,
+            SegmentKind::Ball => Some(self.coordinate),
+            SegmentKind::Free => Some(self.coordinate + 3),
+        }
+    }
+}
+
+/// The segments of joints in configuration order; `free` joints begin at these.
+///
+/// # Errors
+/// A free joint whose four joints are not side by side.
+pub(super) fn segments(
+    joints: &[Joint],
+    order: &[JointId],
+    free: &[JointId],
+) -> Result<Vec<Segment>, ModelError> {
+    let mut found = Vec::with_capacity(order.len());
+    let (mut coordinate, mut velocity, mut at) = (0, 0, 0);
+    while let Some(&joint) = order.get(at) {
+        let own = &joints[joint.index()];
+        let kind = match own.kind {
+            JointKind::Ball => SegmentKind::Ball,
+            _ if free.contains(&joint) => SegmentKind::Free,
+            _ => SegmentKind::Scalar,
+        };
+        let parts = if kind == SegmentKind::Free { 4 } else { 1 };
+        let together = order[at..].iter().zip(joint.index()..).take(parts);
+        let kinds = [JointKind::Prismatic; 3]
+            .into_iter()
+            .chain([JointKind::Ball]);
+        if parts > 1
+            && !(together.clone().count() == parts
+                && together
+                    .zip(kinds)
+                    .all(|((id, index), kind)| id.index() == index && joints[index].kind == kind))
+        {
+            return Err(ModelError::BrokenFreeJoint {
+                joint: own.name.clone(),
+            });
+        }
+        found.push(Segment {
+            kind,
+            joint,
+            coordinate,
+            velocity,
+        });
+        coordinate += kind.coordinates();
+        velocity += kind.degrees_of_freedom();
+        at += parts;
+    }
+    Ok(found)
+}
+
+/// The quaternion w, x, y, z that begins a slice, made of unit length; `None` where it has none.
+pub(crate) fn quaternion_at(numbers: &[f64]) -> Option<Quaternion<f64>> {
+    let &[w, x, y, z] = numbers.first_chunk()?;
+    // Scaled, so that a length of 1e-200 still has a direction.
+    let largest = [w, x, y, z]
+        .iter()
+        .fold(0.0_f64, |most, c| most.max(c.abs()));
+    if !(largest > 0.0 && largest.is_finite()) || [w, x, y, z].iter().any(|c| c.is_nan()) {
+        return None;
+    }
+    let [w, x, y, z] = [w, x, y, z].map(|c| c / largest);
+    let length = (w * w + x * x + y * y + z * z).sqrt();
+    let v = Vector3::new(x / length, y / length, z / length);
+    Some(Quaternion { w: w / length, v })
+}
+
+/// Writes w, x, y, z.
+pub(crate) fn write_quaternion(rotation: Quaternion<f64>, to: &mut [f64]) {
+    let Quaternion { w, v } = rotation;
+    to.copy_from_slice(&[w, v.x, v.y, v.z]);
+}

@@ -1,0 +1,163 @@
+//! Variables that belong together as rotations: rotation vectors, and swings within an ellipse.
+
+use std::f64::consts::{PI, TAU};
+
+/// Which variables of a problem turn ball joints.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct RotationSets {
+    /// Where the three numbers of each rotation vector begin.
+    pub(crate) vectors: Vec<usize>,
+    /// The swings that are bounded.
+    pub(crate) swings: Vec<Swing>,
+}
+
+impl RotationSets {
+    /// No variable turns a ball.
+    pub(crate) const NONE: Self = Self {
+        vectors: Vec::new(),
+        swings: Vec::new(),
+    };
+
+    /// The swing that a variable is one of the two numbers of.
+    #[inline]
+    pub(crate) fn swing_of(&self, variable: usize) -> Option<&Swing> {
+        let mut swings = self.swings.iter();
+        swings.find(|swing| swing.first == variable || swing.first + 1 == variable)
+    }
+}
+
+/// Two variables within an ellipse around 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Swing {
+    /// The first variable; the other follows.
+    pub(crate) first: usize,
+    /// The half axes, in radians.
+    pub(crate) half_angles: [f64; 2],
+}
+
+/// Within this share of its edge a swing is moved along the edge and across, so that what holds it is one
+/// variable.
+const NEAR: f64 = 1e-6;
+/// Within this share it stands on the edge …
+const ON: f64 = 1e-12;
+/// … and is put so far within it, for rounding.
+const WITHIN: f64 = 1e-14;
+/// Newton's steps to the nearest point of an ellipse, which it approaches from one side.
+const MOST_STEPS: usize = 60;
+
+impl Swing {
+    fn of(&self, x: &[f64]) -> [f64; 2] {
+        [x[self.first], x[self.first + 1]]
+    }
+
+    /// How far out it is: 1 on the edge.
+    fn share(&self, [first, second]: [f64; 2]) -> f64 {
+        let [a, b] = self.half_angles;
+        let (u, v) = (first / a, second / b);
+        (u * u + v * v).sqrt()
+    }
+
+    /// Whether it stands on the edge.
+    pub(super) fn is_on(&self, x: &[f64]) -> bool {
+        self.share(self.of(x)) >= 1.0 - ON
+    }
+
+    /// How far it is swung, in radians.
+    pub(crate) fn angle(&self, x: &[f64]) -> f64 {
+        let [first, second] = self.of(x);
+        (first * first + second * second).sqrt()
+    }
+
+    /// The outward normal of the edge where it is near; the way along the edge is a quarter turn on.
+    pub(super) fn normal(&self, x: &[f64]) -> Option<[f64; 2]> {
+        let [first, second] = self.of(x);
+        let near = self.share([first, second]) >= 1.0 - NEAR;
+        let [a, b] = self.half_angles;
+        let (u, v) = (first / (a * a), second / (b * b));
+        let length = (u * u + v * v).sqrt();
+        near.then_some([u / length, v / length])
+    }
+
+    /// Puts it into the ellipse and the box, both of which hold the box's centre: to the nearest point of the
+    /// ellipse, or towards that centre where the box is the narrower.
+    pub(super) fn project(&self, x: &mut [f64], lower: &[f64], upper: &[f64]) {
+        let place = self.of(x);
+        let share = self.share(place);
+        if share <= 1.0 - WITHIN || !share.is_finite() {
+            return;
+        }
+        let pair = self.first..self.first + 2;
+        let [lower, upper] = [lower, upper].map(|ends| &ends[pair.clone()]);
+        let sizes = self.half_angles.iter().zip(lower.iter().zip(upper));
+        let is_whole = sizes.clone().all(|(a, (l, u))| *l <= -a && *u >= *a);
+        let put = match is_whole {
+            true => self.nearest(place),
+            false => {
+                let centre = [0, 1].map(|k| 0.5 * (lower[k] + upper[k]));
+                self.towards(centre, place)
+            }
+        };
+        let outside = self.share(put) / (1.0 - WITHIN);
+        let put = match outside > 1.0 && is_whole {
+            true => put.map(|value| value / outside),
+            false => put,
+        };
+        x[pair].copy_from_slice(&put);
+    }
+
+    /// The nearest point of the ellipse: a_i² p_i / (t + a_i²) for the t ≥ 0 at which it is on the edge.
+    fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
+        let squares = self.half_angles.map(|a| a * a);
+        let mut t = 0.0;
+        for _ in 0..MOST_STEPS {
+            let (mut value, mut slope) = (-1.0, 0.0);
+            for (p, square) in place.into_iter().zip(squares) {
+                let part = p * p * square / ((t + square) * (t + square));
+                value += part;
+                slope -= 2.0 * part / (t + square);
+            }
+            if value <= 1e-15 {
+                break;
+            }
+            t -= value / slope;
+        }
+        [0, 1].map(|k| squares[k] * place[k] / (t + squares[k]))
+    }
+
+    /// The last point within the ellipse on the way from one within it.
+    fn towards(&self, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+        // |from + t (to − from)|² = 1 as the ellipse measures.
+        let [c, d] = [0, 1].map(|k| from[k] / self.half_angles[k]);
+        let [u, v] = [0, 1].map(|k| (to[k] - from[k]) / self.half_angles[k]);
+        let edge = (1.0 - WITHIN) * (1.0 - WITHIN);
+        let (square, half, rest) = (u * u + v * v, c * u + d * v, c * c + d * d - edge);
+        let root = (half * half - square * rest).max(0.0).sqrt();
+        let t = match square > 0.0 {
+            true => ((root - half) / square).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        [0, 1].map(|k| from[k] + t * (to[k] - from[k]))
+    }
+}
+
+/// The shortest rotation vector of the same rotation.
+pub(super) fn shortest(vector: &mut [f64]) {
+    let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if length > PI && length.is_finite() {
+        let turns = (length / TAU).round();
+        let factor = (length - turns * TAU) / length;
+        vector.iter_mut().for_each(|v| *v *= factor);
+    }
+}
+
+/// Moves a step between rotation vectors, to − from, by a whole turn of `to` where that is shorter.
+pub(super) fn shorten(step: &mut [f64], to: &[f64]) {
+    let squared = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
+    let length = squared(to).sqrt();
+    if length > 0.0 {
+        let other: [f64; 3] = [0, 1, 2].map(|k| step[k] - TAU * to[k] / length);
+        if squared(&other) < squared(step) {
+            step.copy_from_slice(&other);
+        }
+    }
+}
