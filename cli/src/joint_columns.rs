@@ -48,7 +48,7 @@ impl LoadedModel {
             Source::Variable { variable, .. } => {
                 map.leaders().get(*variable).copied() != Some(coordinate)
             }
-            Source::Constant(_) => false,
+            Source::Constant(_) | Source::Rotation { .. } => false,
         };
         let sources = map.sources().iter().enumerate();
         let followers = sources

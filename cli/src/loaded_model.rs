@@ -6,7 +6,7 @@ use kinopt::Model;
 use kinopt::animation::{Armature, EulerClip, Playback};
 use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
-use kinopt::model::{FrameId, JointId, Limits, ParameterMap, Source};
+use kinopt::model::{FrameId, JointId, JointKind, Limits, ParameterMap, Source};
 use kinopt::robot::Robot;
 use kinopt::skeleton::{BoneId, Skeleton};
 
@@ -349,13 +349,18 @@ impl LoadedModel {
                 *flag = true;
             }
         }
+        for (flag, source) in leads.iter_mut().zip(map.sources()) {
+            *flag |= matches!(source, Source::Rotation { .. });
+        }
         leads
     }
 
     /// The variable of `map` that moves a joint.
     pub(crate) fn variable_of(&self, map: &ParameterMap, joint: JointId) -> Option<usize> {
         match map.sources().get(self.model.coordinate(joint)?) {
-            Some(Source::Variable { variable, .. }) => Some(*variable),
+            Some(Source::Variable { variable, .. } | Source::Rotation { variable }) => {
+                Some(*variable)
+            }
             _ => None,
         }
     }
@@ -376,13 +381,13 @@ impl LoadedModel {
         idle.map(|(coordinate, _)| coordinate).collect()
     }
 
-    /// Which coordinates of a configuration are angles; the others are lengths.
+    /// Which coordinates of a configuration are angles; the others are lengths and parts of quaternions.
     pub(crate) fn is_angle(&self) -> impl Iterator<Item = bool> + '_ {
         let joints = self.model.joints();
         let moving = self.model.moving_joints().iter();
         moving.map(|id| {
             let joint = joints.get(id.index());
-            joint.is_none_or(|joint| !joint.kind.slides())
+            joint.is_none_or(|joint| joint.kind.turns() && joint.kind != JointKind::Ball)
         })
     }
 }

@@ -23,7 +23,9 @@ pub enum GeometricError {
         valid: &'static str,
     },
     /// A ball joint: these methods turn joints of one axis.
-    #[error("joint `{joint}` is a ball; {solver} turns joints about one axis each (a `Solver` any)")]
+    #[error(
+        "joint `{joint}` is a ball; {solver} turns joints about one axis each (a `Solver` any)"
+    )]
     BallJoint {
         /// The method.
         solver: &'static str,

@@ -124,7 +124,13 @@ impl Drag {
             around: [vec![0.0; n], vec![0.0; n]],
             unit: angles
                 .enumerate()
-                .map(|(j, &angle)| if angle { problem.share_of_turn(j) } else { slide })
+                .map(|(j, &angle)| {
+                    if angle {
+                        problem.share_of_turn(j)
+                    } else {
+                        slide
+                    }
+                })
                 .collect(),
             x: vec![0.0; n],
             q: start.to_vec(),
@@ -266,8 +272,13 @@ impl Drag {
             from.copy_from_slice(&self.x);
             map.gather(&self.q, &mut self.x);
             let [from, step] = &mut self.around;
-            Question::from(&self.problem).space().difference(&self.x, from, step);
-            let moves = step.iter().zip(&self.unit).map(|(step, unit)| step.abs() / unit);
+            Question::from(&self.problem)
+                .space()
+                .difference(&self.x, from, step);
+            let moves = step
+                .iter()
+                .zip(&self.unit)
+                .map(|(step, unit)| step.abs() / unit);
             self.moved = moves.fold(0.0, f64::max);
         }
         solution
@@ -346,8 +357,13 @@ impl Drag {
         let map = self.problem.parameters();
         let [to, step] = &mut self.around;
         map.gather(&self.workspace.solution.q, to);
-        Question::from(&self.problem).space().difference(to, &self.x, step);
-        let moves = step.iter().zip(&self.unit).map(|(step, unit)| step.abs() / unit);
+        Question::from(&self.problem)
+            .space()
+            .difference(to, &self.x, step);
+        let moves = step
+            .iter()
+            .zip(&self.unit)
+            .map(|(step, unit)| step.abs() / unit);
         let furthest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
         self.leap = furthest
             .filter(|&(_, moved)| moved > self.max_move)

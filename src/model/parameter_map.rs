@@ -250,7 +250,8 @@ impl ParameterMap {
             Source::Variable { ratio, .. } => [ratio, 0.0, 0.0],
             Source::Rotation { variable } => {
                 let ball = self.balls.iter().find(|ball| ball.variable == variable);
-                let slopes = ball.and_then(|ball| Some((ball.coordinate, ball.slopes(ball.of(x)?))));
+                let slopes =
+                    ball.and_then(|ball| Some((ball.coordinate, ball.slopes(ball.of(x)?))));
                 slopes.map_or([0.0; 3], |(first, slopes)| slopes[coordinate - first])
             }
         };

@@ -27,7 +27,10 @@ impl Posture {
         joints.dedup();
         let kind = |joint: &JointId| model.joints()[joint.index()].kind;
         Self {
-            is_ball: joints.iter().map(|joint| kind(joint) == JointKind::Ball).collect(),
+            is_ball: joints
+                .iter()
+                .map(|joint| kind(joint) == JointKind::Ball)
+                .collect(),
             joints,
             reference,
         }

@@ -1,6 +1,7 @@
 //! Rotations, placements and Jacobians.
 
 mod canonical_bones;
+mod configurations;
 mod forward_kinematics;
 mod frame_jacobians;
 mod holds;

@@ -1,6 +1,7 @@
 //! Solving problems of tasks.
 
 mod asked_within_bounds;
+mod ball_joints;
 mod contradicting_targets;
 mod drags;
 mod first_steps;

@@ -12,6 +12,7 @@ pub mod armatures;
 pub mod arms;
 pub mod bones;
 pub mod classics;
+pub mod figures;
 pub mod follower_chains;
 pub mod gltf_text;
 pub mod lane_chains;

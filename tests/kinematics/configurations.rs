@@ -1,0 +1,192 @@
+//! Promise: configurations of free and ball joints are moved, compared and mixed as points of a manifold, frames
+//! stand where nalgebra's isometries put them, and the Jacobian is what moving along a velocity does.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::kinematics::{ForwardKinematics, frame_jacobian};
+use kinopt::model::{Limits, Model, ModelError};
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra as na;
+use support::figures::{Figure, unit};
+use support::random::Random;
+
+fn velocity(model: &Model, random: &mut Random, size: f64) -> Vec<f64> {
+    let draw = |_| random.within(-size, size);
+    (0..model.degrees_of_freedom()).map(draw).collect()
+}
+
+/// The largest difference of two configurations, q and −q of a quaternion being the same.
+fn apart(model: &Model, a: &[f64], b: &[f64]) -> f64 {
+    let mut v = vec![0.0; model.degrees_of_freedom()];
+    model.difference(a, b, &mut v).unwrap();
+    v.iter().fold(0.0, |most, v| most.max(v.abs()))
+}
+
+#[test]
+fn what_is_added_is_what_is_the_difference() {
+    for seed in 0..20 {
+        let Figure { model, .. } = Figure::new(seed, 9);
+        let random = &mut Random::new(seed);
+        let (a, b) = (
+            model.random_configuration(seed),
+            model.random_configuration(seed + 100),
+        );
+        let (n, dof) = (model.configuration_len(), model.degrees_of_freedom());
+        assert!(n > dof, "a quaternion has more numbers than ways to turn");
+        let (mut q, mut v) = (vec![0.0; n], vec![0.0; dof]);
+
+        model.difference(&a, &b, &mut v).unwrap();
+        model.integrate(&a, &v, &mut q).unwrap();
+        assert!(apart(&model, &q, &b) < 1e-12, "a + (b - a) is b");
+
+        let step = velocity(&model, random, 1.5);
+        model.integrate(&a, &step, &mut q).unwrap();
+        model.difference(&a, &q, &mut v).unwrap();
+        let off = step.iter().zip(&v).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "(a + v) - a is v");
+
+        for (share, end) in [(0.0, &a), (1.0, &b)] {
+            model.interpolate(&a, &b, share, &mut q).unwrap();
+            assert!(apart(&model, &q, end) < 1e-12);
+        }
+        let mut half = vec![0.0; n];
+        model.interpolate(&a, &b, 0.5, &mut half).unwrap();
+        model.interpolate(&b, &a, 0.5, &mut q).unwrap();
+        assert!(
+            apart(&model, &q, &half) < 1e-12,
+            "the middle is the same from both ends"
+        );
+
+        let mut long = b.clone();
+        for part in &mut long[3..7] {
+            *part *= -3.0;
+        }
+        model.normalise(&mut long).unwrap();
+        assert!((na::Vector4::from_row_slice(&long[3..7]).norm() - 1.0).abs() < 1e-15);
+        assert!(apart(&model, &long, &b) < 1e-12);
+    }
+}
+
+#[test]
+fn a_free_joint_moves_along_the_exponential_of_its_twist() {
+    let mut builder = Model::builder("body");
+    let body = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
+    builder.frame("body", Some(body), Placement::identity());
+    let model = builder.build().unwrap();
+    let random = &mut Random::new(3);
+    for seed in 0..20 {
+        let q = model.random_configuration(seed);
+        let v = velocity(&model, random, 2.0);
+        let matrix = |q: &[f64]| -> na::Matrix4<f64> {
+            let at = na::Translation3::new(q[0], q[1], q[2]);
+            na::Isometry3::from_parts(at, unit(&q[3..])).to_homogeneous()
+        };
+        let [x, y, z, a, b, c] = v[..] else {
+            unreachable!()
+        };
+        #[rustfmt::skip]
+        let twist = na::Matrix4::new(
+            0.0, -c, b, x,
+            c, 0.0, -a, y,
+            -b, a, 0.0, z,
+            0.0, 0.0, 0.0, 0.0,
+        );
+        let mut moved = vec![0.0; 7];
+        model.integrate(&q, &v, &mut moved).unwrap();
+        let off = (matrix(&moved) - matrix(&q) * twist.exp()).amax();
+        assert!(off < 1e-12, "{off:e}");
+    }
+}
+
+#[test]
+fn frames_stand_where_isometries_put_them() {
+    for seed in 0..20 {
+        let figure = Figure::new(seed, 9);
+        let q = figure.model.random_configuration(seed);
+        assert!(figure.model.is_within_limits(&q));
+        assert_eq!(figure.broken(&q), None);
+        let mut kinematics = ForwardKinematics::of_frames(&figure.model, &figure.frames).unwrap();
+        let placed = kinematics.place(&q).unwrap();
+        for (ours, theirs) in placed.iter().zip(figure.frames_at(&q)) {
+            let off = support::apart(ours, &theirs);
+            assert!(off < 1e-13, "{off:e}");
+        }
+    }
+}
+
+#[test]
+fn the_jacobian_is_what_moving_along_a_velocity_does() {
+    const H: f64 = 1e-6;
+    for seed in 0..10 {
+        let figure = Figure::new(seed, 9);
+        let model = &figure.model;
+        let q = model.random_configuration(seed);
+        let mut q_moved = q.clone();
+        for (k, &frame) in figure.frames.iter().enumerate() {
+            let jacobian = frame_jacobian(model, frame, &q).unwrap();
+            assert_eq!(jacobian.ncols(), model.degrees_of_freedom());
+            for column in 0..model.degrees_of_freedom() {
+                let mut there = |h: f64| {
+                    let mut v = vec![0.0; model.degrees_of_freedom()];
+                    v[column] = h;
+                    model.integrate(&q, &v, &mut q_moved).unwrap();
+                    figure.frames_at(&q_moved)[k]
+                };
+                let (ahead, behind) = (there(H), there(-H));
+                let linear = (ahead.translation.vector - behind.translation.vector) / (2.0 * H);
+                let turned = (ahead.rotation * behind.rotation.inverse()).into_inner();
+                let skew = (turned - turned.transpose()) / 2.0;
+                let angular = na::Vector3::new(skew.m32, skew.m13, skew.m21) / (2.0 * H);
+                let twist = jacobian.column(column);
+                let off = (twist.fixed_rows::<3>(0) - linear).amax();
+                let off = off.max((twist.fixed_rows::<3>(3) - angular).amax());
+                assert!(
+                    off < 1e-8,
+                    "seed {seed}, frame {k}, column {column}: {off:e}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wrong_number_or_quaternion_is_named() {
+    let Figure { model, frames, .. } = Figure::new(0, 5);
+    let q = model.neutral();
+    let mut to = q.clone();
+    let mut none = q.clone();
+    none[3..7].fill(0.0);
+    let v = vec![0.0; model.degrees_of_freedom()];
+    let named = ModelError::NoRotation {
+        joint: "joint 0/rotation".to_owned(),
+    };
+    assert_eq!(model.integrate(&none, &v, &mut to), Err(named.clone()));
+    assert_eq!(model.normalise(&mut none.clone()), Err(named));
+    assert!(model.integrate(&q, &v[1..], &mut to).is_err());
+    assert!(model.interpolate(&q, &q, f64::NAN, &mut to).is_err());
+    assert!(!model.is_within_limits(&q[1..]));
+    let mut kinematics = ForwardKinematics::<f64>::of_frames(&model, &frames).unwrap();
+    assert!(kinematics.place(&none).is_err());
+    // A direction is enough.
+    none[3] = 1e-200;
+    assert!(model.integrate(&none, &v, &mut to).is_ok());
+}
+
+#[test]
+fn limits_that_no_ball_can_have_are_refused() {
+    use kinopt::model::BallLimits;
+    let z = Vector3::new(0.0, 0.0, 1.0);
+    let free = Limits::UNBOUNDED;
+    for limits in [
+        BallLimits::cone(3.2, free),
+        BallLimits::cone(0.0, free),
+        BallLimits::cone(f64::NAN, free),
+        BallLimits::cone(1.0, Limits::new(1.0, -1.0)),
+        BallLimits::cone(1.0, Limits::new(-4.0, 1.0)),
+        BallLimits::elliptic(z, [1.0, 0.5], free),
+    ] {
+        let mut builder = Model::builder("ball");
+        builder.ball("shoulder", None, Placement::identity(), z, Some(limits));
+        let error = builder.build().unwrap_err();
+        assert!(matches!(&error, ModelError::BadBallLimits { joint, .. } if joint == "shoulder"));
+    }
+}

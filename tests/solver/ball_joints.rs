@@ -1,0 +1,287 @@
+//! Promise: bodies with free and ball joints are solved like any other: what is reachable is reached, derivatives
+//! agree by all routes, no cone, twist, room or hinge is ever left, and the limit in the way is named.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::PI;
+
+use kinopt::ik::{Drag, Restarts, Side};
+use kinopt::model::{BallLimits, Limits, Model, ParameterMap};
+use kinopt::problem::{Derivatives, Evaluation};
+use kinopt::solver::{LeastSquares, Stopping};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Orientation, Point, Pose, Posture, Smoothness};
+use kinopt::{Problem, Solver, Workspace};
+use nalgebra::DMatrix;
+use support::figures::{Figure, Kind};
+use support::methods::solvers;
+use support::placement;
+use support::random::Random;
+use support::sample::part;
+
+/// The last frame's pose and another one's place, where a random configuration puts them or up to two metres off.
+fn problem(figure: &Figure, seed: u64, off: f64) -> Problem {
+    let random = &mut Random::new(seed);
+    let q = figure.model.random_configuration(seed + 1000);
+    let at = figure.frames_at(&q);
+    let (last, other) = (figure.frames.len() - 1, figure.frames.len() / 2);
+    let mut builder = Problem::builder(&figure.model);
+    let mut target = at[last];
+    target.translation.vector += random.vector(off);
+    builder.add(Pose::new(figure.frames[last], placement(&target)));
+    let place = at[other].translation.vector + random.vector(off);
+    builder.add(Point::new(figure.frames[other], support::vector(place)));
+    builder.build().unwrap()
+}
+
+#[test]
+fn what_a_configuration_has_is_reached() {
+    let mut workspace = Workspace::new();
+    for seed in part(0..400_u64, 11) {
+        let figure = Figure::new(seed % 20, 5 + (seed % 4) as usize);
+        let problem = problem(&figure, seed, 0.0);
+        let start = figure.model.neutral();
+        let solution = Solver::default()
+            .solve(&problem, &start, &mut workspace)
+            .unwrap();
+        assert!(solution.reached, "seed {seed}: {}", solution.explain());
+        assert_eq!(figure.broken(&solution.q), None, "seed {seed}");
+        let at = figure.frames_at(&solution.q);
+        let q = figure.model.random_configuration(seed + 1000);
+        let last = figure.frames.len() - 1;
+        let missed =
+            (at[last].translation.vector - figure.frames_at(&q)[last].translation.vector).norm();
+        assert!(
+            missed < 1e-5,
+            "seed {seed}: said to be reached {missed} off"
+        );
+    }
+}
+
+#[test]
+fn no_limit_is_ever_left() {
+    let mut workspace = Workspace::new();
+    for seed in part(0..300_u64, 13) {
+        let figure = Figure::new(seed % 30, 4 + (seed % 5) as usize);
+        let model = &figure.model;
+        let problem = problem(&figure, seed, [0.0, 0.3, 2.0][(seed % 3) as usize]);
+        // From outside all limits: quaternions of any sort, hinges turned too far.
+        let random = &mut Random::new(seed);
+        let start: Vec<f64> = (0..model.configuration_len())
+            .map(|_| random.within(-3.0, 3.0))
+            .collect();
+        for solver in solvers() {
+            let few = Stopping::default().with_max_iterations(30);
+            let solver = solver
+                .with_restarts(Restarts::default().with_attempts(3))
+                .with_stopping(few);
+            let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
+            assert_eq!(
+                figure.broken(&solution.q),
+                None,
+                "seed {seed}, {}",
+                solver.method()
+            );
+            assert!(model.is_within_limits(&solution.q));
+        }
+    }
+}
+
+fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
+    let problem = &problem.clone().with_derivatives(route);
+    let mut scratch = problem.scratch();
+    let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
+    Evaluation::new(problem, &mut scratch).jacobian(x, &mut jacobian);
+    jacobian
+}
+
+#[test]
+fn derivatives_agree_at_the_identity_near_half_a_turn_and_on_the_edge_of_a_cone() {
+    for seed in 0..12 {
+        let figure = Figure::new(seed, 8);
+        let model = &figure.model;
+        let random = &mut Random::new(seed);
+        let reference = model.random_configuration(seed + 7);
+        let mut builder = Problem::builder(model);
+        let map = ParameterMap::free(model);
+        builder.parameters(map.clone());
+        for &frame in &figure.frames {
+            builder.add(Pose::new(frame, placement(&random.rigid(0.5))));
+        }
+        builder.add(Posture::new(model, &reference));
+        builder.add(Smoothness::new(model, &reference, 0.1));
+        let problem = builder.build().unwrap();
+        let mut x = vec![0.0; problem.variables()];
+        for case in 0..4 {
+            let mut q = match case {
+                0 => model.neutral(),
+                _ => model.random_configuration(seed + case),
+            };
+            if case == 2 {
+                // Half a turn but for a hair, about any axis.
+                let axis = random.direction();
+                let half = 0.5 * (PI - 1e-9);
+                q[3] = half.cos();
+                for k in 0..3 {
+                    q[4 + k] = half.sin() * axis[k];
+                }
+            }
+            map.reduce(&q, &mut x).unwrap();
+            if case == 3 {
+                // Far out: what is beyond an edge is put on it.
+                x.iter_mut().for_each(|value| *value *= 9.0);
+                kinopt::problem::Question::from(&problem)
+                    .space()
+                    .project(&mut x);
+            }
+            let analytic = jacobian(&problem, Derivatives::Analytic, &x);
+            let dual = jacobian(&problem, Derivatives::Dual, &x);
+            let central = jacobian(&problem, Derivatives::CentralDifference, &x);
+            let size = dual.amax().max(1.0);
+            assert!(
+                (&analytic - &dual).amax() < 1e-11 * size,
+                "seed {seed}, case {case}"
+            );
+            let off = (&analytic - &central).amax();
+            assert!(off < 1e-7 * size, "seed {seed}, case {case}: {off:e}");
+
+            let mut scratch = problem.scratch();
+            let mut evaluation = Evaluation::new(&problem, &mut scratch);
+            let mut residual = vec![0.0; evaluation.rows()];
+            evaluation.residual(&x, &mut residual);
+            let mut gradient = vec![0.0; x.len()];
+            let mut room = DMatrix::zeros(residual.len(), x.len());
+            evaluation.gradient(&x, &residual, &mut gradient, &mut room);
+            let product = dual.transpose() * nalgebra::DVector::from_vec(residual);
+            let scale = product.amax().max(1.0);
+            for (ours, theirs) in gradient.iter().zip(&product) {
+                assert!((ours - theirs).abs() < 1e-11 * scale);
+            }
+        }
+    }
+}
+
+/// An upper arm of 1 m on a shoulder that swings by 1 rad at most about its own x axis's cone and twists by 0.5.
+fn shoulder() -> (Model, kinopt::model::FrameId) {
+    let mut builder = Model::builder("arm");
+    let along = Vector3::new(1.0, 0.0, 0.0);
+    let limits = BallLimits::cone(1.0, Limits::new(-0.5, 0.5));
+    let shoulder = builder.ball(
+        "left_shoulder",
+        None,
+        Placement::identity(),
+        along,
+        Some(limits),
+    );
+    let hand = builder.frame("hand", Some(shoulder), Placement::translation(along));
+    (builder.build().unwrap(), hand)
+}
+
+#[test]
+fn the_nearest_place_on_the_cone_is_found_and_its_edge_named() {
+    let (model, hand) = shoulder();
+    for angle in [0.0_f64, 0.7, 2.0, 4.0] {
+        let mut builder = Problem::builder(&model);
+        // Across the cone's axis: what it can do is to swing there by 1 rad.
+        builder.add(Point::new(hand, [0.0, angle.cos(), angle.sin()]));
+        let problem = builder.build().unwrap();
+        let solution = Solver::default()
+            .solve_once(&problem, &model.neutral())
+            .unwrap();
+        assert!(!solution.reached);
+        // The chord over what is left of a right angle.
+        let missed = 2.0 * (0.5 * (0.5 * PI - 1.0)).sin();
+        let error = solution.position_error().unwrap();
+        assert!((error - missed).abs() < 1e-9, "{error} instead of {missed}");
+        let limits: Vec<_> = solution.active_limits().collect();
+        assert_eq!(limits.len(), 1, "{}", solution.explain());
+        assert_eq!(
+            (limits[0].joint, limits[0].side),
+            ("left_shoulder swing", Side::Upper)
+        );
+        assert!((limits[0].value - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_twist_too_far_is_held_and_named() {
+    let (model, hand) = shoulder();
+    let mut builder = Problem::builder(&model);
+    let turned = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), -1.2);
+    builder.add(Orientation::new(
+        hand,
+        kinopt::spatial::Matrix3::from(turned),
+    ));
+    let problem = builder.build().unwrap();
+    let solution = Solver::default()
+        .solve_once(&problem, &model.neutral())
+        .unwrap();
+    assert!((solution.orientation_error().unwrap() - 0.7).abs() < 1e-9);
+    let limits: Vec<_> = solution.active_limits().collect();
+    assert_eq!(
+        (limits[0].joint, limits[0].side),
+        ("left_shoulder twist", Side::Lower)
+    );
+}
+
+#[test]
+fn a_ball_turns_no_further_in_a_frame_of_a_drag_than_it_may() {
+    for seed in 0..10 {
+        let figure = Figure::new(seed, 6);
+        let model = &figure.model;
+        let problem = problem(&figure, seed, 1.0);
+        let mut drag = Drag::new(problem, &model.random_configuration(seed)).unwrap();
+        drag = drag.with_max_move(0.1).unwrap();
+        let mut before = drag.q().to_vec();
+        let mut v = vec![0.0; model.degrees_of_freedom()];
+        for _ in 0..40 {
+            drag.advance();
+            assert_eq!(figure.broken(drag.q()), None);
+            model.difference(&before, drag.q(), &mut v).unwrap();
+            let mut at = 0;
+            for part in &figure.parts {
+                let turned = match &part.kind {
+                    Kind::Free(_) => Some(&v[at + 3..at + 6]),
+                    Kind::Ball(_) => Some(&v[at..at + 3]),
+                    _ => None,
+                };
+                let angle = turned.map_or(0.0, |v| v.iter().map(|v| v * v).sum::<f64>().sqrt());
+                assert!(angle <= 0.1 + 1e-9, "{} turned by {angle}", part.name);
+                at += match &part.kind {
+                    Kind::Free(_) => 6,
+                    Kind::Ball(_) => 3,
+                    _ => 1,
+                };
+            }
+            before.copy_from_slice(drag.q());
+        }
+    }
+}
+
+#[test]
+fn a_ball_locked_where_it_stands_stays() {
+    let figure = Figure::new(1, 6);
+    let model = &figure.model;
+    let q = model.random_configuration(5);
+    let ball = figure
+        .parts
+        .iter()
+        .find(|part| matches!(part.kind, Kind::Ball(_)))
+        .unwrap();
+    let at = model.coordinate(ball.id).unwrap();
+    let held = [q[at], q[at + 1], q[at + 2], q[at + 3]];
+    let map = ParameterMap::builder(model)
+        .lock_ball(ball.id, held)
+        .build()
+        .unwrap();
+    assert_eq!(map.variables(), ParameterMap::free(model).variables() - 3);
+    let mut builder = Problem::builder(model);
+    builder.parameters(map);
+    let last = *figure.frames.last().unwrap();
+    builder.add(Point::new(last, [0.3, 0.2, 0.1]));
+    let solution = Solver::default()
+        .solve_once(&builder.build().unwrap(), &q)
+        .unwrap();
+    for (own, held) in solution.q[at..].iter().zip(held) {
+        assert!((own - held).abs() < 1e-15);
+    }
+}
