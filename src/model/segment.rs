@@ -84,15 +84,17 @@ pub(super) fn segments(
         };
         let parts = if kind == SegmentKind::Free { 4 } else { 1 };
         let together = order[at..].iter().zip(joint.index()..).take(parts);
-        let kinds = [JointKind::Prismatic; 3]
-            .into_iter()
-            .chain([JointKind::Ball]);
-        if parts > 1
-            && !(together.clone().count() == parts
-                && together
-                    .zip(kinds)
-                    .all(|((id, index), kind)| id.index() == index && joints[index].kind == kind))
-        {
+        let mut broken = together.enumerate().map(|(part, (id, index))| {
+            let kind = joints[id.index()].kind;
+            let fits = if part < 3 {
+                kind.slides()
+            } else {
+                kind == JointKind::Ball
+            };
+            id.index() != index || !fits
+        });
+        let whole = parts == 1 || at + parts <= order.len();
+        if !whole || (parts > 1 && broken.any(|broken| broken)) {
             return Err(ModelError::BrokenFreeJoint {
                 joint: own.name.clone(),
             });
