@@ -125,12 +125,12 @@ impl Bend {
             .sum();
         self.drift = if carried { along.abs() } else { 0.0 };
         self.at.copy_from_slice(&x);
-        self.known = self.turn_into_null(arm, workspace, &x, &residual, BLUNT);
+        self.known = self.turn_into_null(workspace, &x, BLUNT);
         if self.known && missed {
             let rounds = if carried { 1 } else { ROUNDS };
             let mut bend = 0.0;
             for _ in 0..rounds {
-                bend = self.turn_where_it_bends(arm, workspace, &x, &residual);
+                bend = self.turn_where_it_bends(workspace, &x, &residual);
             }
             self.known = carried || bend > LEAST_BEND;
             if arm.has_freedom() {
@@ -151,23 +151,9 @@ impl Bend {
         }
     }
 
-    /// Keeps what of the way leaves the tool at x; whether that is most of it. The Jacobian at x is here.
-    fn turn_into_null(
-        &mut self,
-        arm: &Arm,
-        workspace: &mut ArmWorkspace,
-        x: &[f64],
-        residual: &Vector6<f64>,
-        blunt: f64,
-    ) -> bool {
-        let map = &arm.serial.map;
-        for (i, way) in self.way.iter_mut().enumerate() {
-            let slope = workspace.column(i).dot(residual);
-            // A joint that its limit holds back bends to no side.
-            if x[i] <= map.lower()[i] && slope > 0.0 || x[i] >= map.upper()[i] && slope < 0.0 {
-                *way = 0.0;
-            }
-        }
+    /// Keeps what of the way leaves the tool at x; whether that is most of it. The Jacobian at x is here. Of joints
+    /// that limits hold back next to nothing is left: no free joint makes up for their slope.
+    fn turn_into_null(&mut self, workspace: &mut ArmWorkspace, x: &[f64], blunt: f64) -> bool {
         let blunt = blunt * workspace.longest_column();
         workspace.project_to_null(x, &self.way, blunt);
         self.way.copy_from_slice(&workspace.projected);
@@ -179,7 +165,6 @@ impl Bend {
     /// times the longest column.
     fn turn_where_it_bends(
         &mut self,
-        arm: &Arm,
         workspace: &mut ArmWorkspace,
         x: &[f64],
         residual: &Vector6<f64>,
@@ -206,7 +191,7 @@ impl Bend {
         if bends > 0.0 {
             normalise(&mut bend);
             std::mem::swap(&mut self.way, &mut bend);
-            self.turn_into_null(arm, workspace, x, residual, SHARP);
+            self.turn_into_null(workspace, x, SHARP);
             normalise(&mut self.way);
         }
         workspace.wanted = bend;
