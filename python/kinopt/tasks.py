@@ -30,11 +30,12 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._kinopt import Goal
+from ._kinopt import Goal, Model
 from ._kinopt import tasks as _compiled
 from ._kinopt.tasks import Camera
 from .errors import InvalidValueError
-from .types import PlacementLike
+from .jacobian_check import check
+from .types import HasModel, PlacementLike
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -393,6 +394,16 @@ class Residual(Task):
         if not rows:
             raise InvalidValueError("rows is empty: say how many numbers the function returns")
         self._keep("rows", {quantity: int(count) for quantity, count in rows.items()})
+
+    def check_jacobian(self, model: Model | HasModel, q: ArrayLike, *, tolerance: float = 1e-5) -> None:
+        """Compares ``jacobian`` with central differences of ``function`` at a configuration, shape (dof,).
+
+        Where an entry is off by more than ``tolerance`` of the largest of its row (of 1 where all are smaller)
+        it raises ``InvalidValueError``, which names the row and the motion, and tells both numbers. A wrong
+        Jacobian goes unnoticed otherwise: searches only become slow or stop too early. ``model`` is a model, a
+        robot, a skeleton or a rig.
+        """
+        check(self, model, q, tolerance)
 
 
 def _names(what: str, names: Sequence[str]) -> tuple[str, ...]:

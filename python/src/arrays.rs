@@ -8,10 +8,10 @@ use numpy::{
     Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray,
     PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyOverflowError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBool, PyDict};
 
 use crate::error::invalid;
 
@@ -21,6 +21,13 @@ pub(crate) struct Numbers<'py, D: Dimension, T: Element = f64>(PyReadonlyArray<'
 impl<D: Dimension, T: Element> Numbers<'_, D, T> {
     pub(crate) fn shape(&self) -> &[usize] {
         self.0.shape()
+    }
+}
+
+impl<D: Dimension, T: Element> Numbers<'_, D, T> {
+    /// The array itself, for keeping.
+    pub(crate) fn keep(&self) -> Py<PyAny> {
+        self.0.as_any().clone().unbind()
     }
 }
 
@@ -367,6 +374,33 @@ pub(crate) fn list<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<
     PyArray1::from_slice(py, values)
 }
 
+/// What an index takes of a row of things, as numpy has it.
+pub(crate) enum Picked<'py> {
+    /// One of them, which a whole number names; it may count from the end.
+    One(usize),
+    /// Some of them, by a slice, a mask or a list of numbers: their places.
+    Some(Bound<'py, PyArray1<i64>>),
+}
+
+/// Reads an index of one of `count` things, or of some of them.
+pub(crate) fn pick<'py>(index: &Bound<'py, PyAny>, count: usize) -> PyResult<Picked<'py>> {
+    let py = index.py();
+    match index.extract::<isize>() {
+        Ok(i) if !index.is_instance_of::<PyBool>() => return place(i, count).map(Picked::One),
+        Err(error) if error.is_instance_of::<PyOverflowError>(py) => {
+            return Err(out_of_range(index, count));
+        }
+        _ => {}
+    }
+    let all = PyArray1::from_iter(py, 0..count as i64);
+    let some = all.as_any().get_item(index)?;
+    some.cast_into().map(Picked::Some).map_err(|_| {
+        PyIndexError::new_err(
+            "an index is a whole number, a slice, a mask of shape (N,) or a list of whole numbers",
+        )
+    })
+}
+
 /// The place of an index that may count from the end.
 pub(crate) fn place(i: isize, count: usize) -> PyResult<usize> {
     let place = if i < 0 {
@@ -375,9 +409,13 @@ pub(crate) fn place(i: isize, count: usize) -> PyResult<usize> {
         Some(i)
     };
     let place = place.and_then(|place| usize::try_from(place).ok());
-    place.filter(|&place| place < count).ok_or_else(|| {
-        PyIndexError::new_err(format!("index {i} is out of range: there are {count}"))
-    })
+    place
+        .filter(|&place| place < count)
+        .ok_or_else(|| out_of_range(i, count))
+}
+
+fn out_of_range(i: impl std::fmt::Display, count: usize) -> PyErr {
+    PyIndexError::new_err(format!("index {i} is out of range: there are {count}"))
 }
 
 /// A new list of numbers that nobody can write to, as what is written there would be lost.
@@ -400,19 +438,65 @@ pub(crate) fn freeze<T: Element, D: Dimension>(array: &Bound<'_, PyArray<T, D>>)
 }
 
 /// A number of things, for arguments: what is no whole number of at least 0 is told by its value.
-pub(crate) fn whole(value: &Bound<'_, PyAny>) -> PyResult<usize> {
-    value.extract().map_err(|_| {
-        let shown = value
-            .repr()
-            .map_or_else(|_| "that".to_owned(), |text| text.to_string());
-        invalid(format!("{shown} is no whole number of at least 0"))
+pub(crate) fn whole<T: TryFrom<u64>>(value: &Bound<'_, PyAny>) -> PyResult<T> {
+    let number = value.extract::<u64>().ok();
+    let number = number.and_then(|number| T::try_from(number).ok());
+    number.ok_or_else(|| {
+        invalid(format!(
+            "{} is no whole number of at least 0, or too large a one",
+            shown(value)
+        ))
     })
 }
 
 /// As [`whole`], or None.
-pub(crate) fn whole_or_none(value: &Bound<'_, PyAny>) -> PyResult<Option<usize>> {
+pub(crate) fn whole_or_none<T: TryFrom<u64>>(value: &Bound<'_, PyAny>) -> PyResult<Option<T>> {
     match value.is_none() {
         true => Ok(None),
         false => whole(value).map(Some),
+    }
+}
+
+/// A number alone; `what` is its name in messages.
+pub(crate) fn number(value: &Bound<'_, PyAny>, what: &str) -> PyResult<f64> {
+    let number = value.extract();
+    number.map_err(|_| invalid(format!("{what} must be a number, not {}", shown(value))))
+}
+
+/// A name, such as a joint's; `what` says of what in messages.
+pub(crate) fn name(value: &Bound<'_, PyAny>, what: &str) -> PyResult<String> {
+    let name = value.extract();
+    name.map_err(|_| invalid(format!("{what} must be a name, not {}", shown(value))))
+}
+
+/// A number that is neither NaN nor infinite.
+pub(crate) fn finite(value: f64, what: &str) -> PyResult<f64> {
+    match value.is_finite() {
+        true => Ok(value),
+        false => Err(invalid(format!("{what} is {value}, which is not finite"))),
+    }
+}
+
+/// What a person sees of a value in messages.
+fn shown(value: &Bound<'_, PyAny>) -> String {
+    value
+        .repr()
+        .map_or_else(|_| "that".to_owned(), |text| text.to_string())
+}
+
+/// Numbers as a `repr` shows them: to four places, the middle left out where there are many.
+pub(crate) fn few(values: &[f64]) -> String {
+    const ENDS: usize = 4;
+    let texts = |values: &[f64]| {
+        let texts: Vec<String> = values.iter().map(|value| format!("{value:.4}")).collect();
+        texts.join(", ")
+    };
+    match values {
+        _ if values.len() <= 3 * ENDS => format!("[{}]", texts(values)),
+        _ => format!(
+            "[{}, ..., {}]",
+            texts(&values[..ENDS]),
+            texts(&values[values.len() - ENDS..])
+        ),
     }
 }

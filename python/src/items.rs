@@ -3,6 +3,8 @@
 use pyo3::PyClass;
 use pyo3::prelude::*;
 
+use crate::arrays;
+
 /// Goes over the items of something in order.
 #[pyclass(module = "kinopt")]
 pub(crate) struct Items {
@@ -34,4 +36,25 @@ impl Items {
         self.next += 1;
         self.owner.bind(py).get_item(self.next - 1).map(Some)
     }
+}
+
+/// The text of one of `count` things, or a list of all their texts.
+pub(crate) fn explained<'py>(
+    py: Python<'py>,
+    i: Option<isize>,
+    count: usize,
+    text: impl Fn(usize) -> PyResult<String>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if let Some(i) = i {
+        let text = text(arrays::place(i, count)?)?;
+        return Ok(text.into_pyobject(py)?.into_any());
+    }
+    let mut texts = Vec::with_capacity(count);
+    for i in 0..count {
+        if i.is_multiple_of(1024) {
+            py.check_signals()?;
+        }
+        texts.push(text(i)?);
+    }
+    Ok(texts.into_pyobject(py)?.into_any())
 }

@@ -19,40 +19,69 @@ const PIECE: usize = 4096;
 
 /// Places frames of one model: built once, asked as often as wanted, from any number of threads.
 ///
-/// `model` is a model, a robot, a skeleton or a rig; `frames` names of frames, None for all of them.
+/// `model` is a model, a robot, a skeleton or a rig; `frames` names of frames, None for all of them. Raises
+/// `UnknownNameError` for a frame that there is not.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ForwardKinematics {
-    names: Vec<String>,
-    model: Py<PyAny>,
-    frames: Option<Vec<String>>,
+    frames: Frames,
     pool: Pool<Kinematics>,
 }
 
 /// The Jacobians of frames of one model: built once, asked as often as wanted, from any number of threads.
 ///
 /// Six rows a frame: the velocity of its origin (m/s), then its angular velocity (rad/s), in world axes
-/// (Pinocchio's `LOCAL_WORLD_ALIGNED`), for a rate of 1 of each coordinate.
+/// (Pinocchio's `LOCAL_WORLD_ALIGNED`), for a rate of 1 of each coordinate. `model` is a model, a robot, a
+/// skeleton or a rig; `frames` names of frames, None for all of them. Raises `UnknownNameError` for a frame
+/// that there is not.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Jacobian {
-    names: Vec<String>,
-    model: Py<PyAny>,
-    frames: Option<Vec<String>>,
+    frames: Frames,
     pool: Pool<Derivative>,
 }
 
-/// Compiled kinematics of the frames asked for, and their names.
-fn compile(
-    model: &Bound<'_, PyAny>,
-    frames: Option<&[String]>,
-) -> PyResult<(Vec<String>, Kinematics)> {
-    let model = model_of(model)?;
-    let Some(frames) = frames else {
-        let names = model.frames().iter().map(|frame| frame.name.clone());
-        return Ok((names.collect(), Kinematics::new(&model)));
-    };
-    let ids: Result<Vec<FrameId>, _> = frames.iter().map(|name| model.frame(name)).collect();
-    let kinematics = Kinematics::of_frames(&model, &ids.or_raise()?).or_raise()?;
-    Ok((frames.to_vec(), kinematics))
+/// The frames that are asked for, by name.
+struct Frames {
+    names: Vec<String>,
+    /// Which model's, and which were given; None for all.
+    model: Py<PyAny>,
+    given: Option<Vec<String>>,
+}
+
+impl Frames {
+    /// The frames and their compiled kinematics.
+    fn compile(
+        model: &Bound<'_, PyAny>,
+        given: Option<Vec<String>>,
+    ) -> PyResult<(Self, Kinematics)> {
+        let own = model_of(model)?;
+        let (names, kinematics) = match &given {
+            None => {
+                let names = own.frames().iter().map(|frame| frame.name.clone());
+                (names.collect(), Kinematics::new(&own))
+            }
+            Some(names) => {
+                let ids: Result<Vec<FrameId>, _> =
+                    names.iter().map(|name| own.frame(name)).collect();
+                let kinematics = Kinematics::of_frames(&own, &ids.or_raise()?).or_raise()?;
+                (names.clone(), kinematics)
+            }
+        };
+        let model = model.clone().unbind();
+        let frames = Self {
+            names,
+            model,
+            given,
+        };
+        Ok((frames, kinematics))
+    }
+
+    /// What a class made of them is pickled as.
+    fn rebuilding<'py, T: pyo3::PyTypeInfo>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = (self.model.bind(py), self.given.clone());
+        Ok((py.get_type::<T>(), arguments)
+            .into_pyobject(py)?
+            .into_any())
+    }
 }
 
 /// Computes `length` numbers for each configuration: an array of shape `shape` for one of shape (dof,), of
@@ -111,23 +140,21 @@ impl ForwardKinematics {
     #[new]
     #[pyo3(signature = (model, frames = None))]
     fn new(model: &Bound<'_, PyAny>, frames: Option<Vec<String>>) -> PyResult<Self> {
-        let (names, kinematics) = compile(model, frames.as_deref())?;
-        Ok(Self {
-            names,
-            model: model.clone().unbind(),
-            frames,
-            pool: Pool::new(kinematics),
-        })
+        let (frames, kinematics) = Frames::compile(model, frames)?;
+        let pool = Pool::new(kinematics);
+        Ok(Self { frames, pool })
     }
 
     /// Names of the frames, in the order of the placements.
     #[getter]
     fn frame_names(&self) -> Vec<String> {
-        self.names.clone()
+        self.frames.names.clone()
     }
 
     /// world_from_frame of each frame: shape (frames, 4, 4) for `q` of shape (dof,), (N, frames, 4, 4) for
     /// (N, dof); radians and metres, within limits or not.
+    ///
+    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn place<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let dof = self.pool.template().variables();
         let place = |kinematics: &mut Kinematics, q: &[f64], numbers: &mut [f64]| {
@@ -137,18 +164,16 @@ impl ForwardKinematics {
             }
             Ok(())
         };
-        for_each_configuration(q, &[self.names.len(), 4, 4], &self.pool, place, dof)
+        let shape = [self.frames.names.len(), 4, 4];
+        for_each_configuration(q, &shape, &self.pool, place, dof)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = (self.model.bind(py), self.frames.clone());
-        Ok((py.get_type::<Self>(), arguments)
-            .into_pyobject(py)?
-            .into_any())
+        self.frames.rebuilding::<Self>(py)
     }
 
     fn __repr__(&self) -> String {
-        format!("ForwardKinematics({} frames)", self.names.len())
+        format!("ForwardKinematics({} frames)", self.frames.names.len())
     }
 }
 
@@ -157,52 +182,57 @@ impl Jacobian {
     #[new]
     #[pyo3(signature = (model, frames = None))]
     fn new(model: &Bound<'_, PyAny>, frames: Option<Vec<String>>) -> PyResult<Self> {
-        let (names, kinematics) = compile(model, frames.as_deref())?;
-        Ok(Self {
-            names,
-            model: model.clone().unbind(),
-            frames,
-            pool: Pool::new(Derivative::new(kinematics)),
-        })
+        let (frames, kinematics) = Frames::compile(model, frames)?;
+        let pool = Pool::new(Derivative::new(kinematics));
+        Ok(Self { frames, pool })
     }
 
     /// Names of the frames, in the order of the rows.
     #[getter]
     fn frame_names(&self) -> Vec<String> {
-        self.names.clone()
+        self.frames.names.clone()
     }
 
     /// J at a configuration: shape (6 * frames, dof) for `q` of shape (dof,), (N, 6 * frames, dof) for
     /// (N, dof).
+    ///
+    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn at<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let dof = self.pool.template().variables();
-        let at = |jacobian: &mut Derivative, q: &[f64], numbers: &mut [f64]| {
-            let matrix = jacobian.at(q)?;
-            for (row, numbers) in numbers.chunks_exact_mut(dof).enumerate() {
-                for (number, &entry) in numbers.iter_mut().zip(&matrix.row(row)) {
-                    *number = entry;
-                }
-            }
-            Ok(())
-        };
-        for_each_configuration(q, &[6 * self.names.len(), dof], &self.pool, at, dof)
+        jacobians(q, &self.pool, self.frames.names.len())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = (self.model.bind(py), self.frames.clone());
-        Ok((py.get_type::<Self>(), arguments)
-            .into_pyobject(py)?
-            .into_any())
+        self.frames.rebuilding::<Self>(py)
     }
 
     fn __repr__(&self) -> String {
-        format!("Jacobian({} frames)", self.names.len())
+        format!("Jacobian({} frames)", self.frames.names.len())
     }
+}
+
+/// J of so many frames at one configuration or many.
+pub(crate) fn jacobians<'py>(
+    q: &Bound<'py, PyAny>,
+    pool: &Pool<Derivative>,
+    frames: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let columns = pool.template().variables();
+    let at = |jacobian: &mut Derivative, q: &[f64], numbers: &mut [f64]| {
+        let matrix = jacobian.at(q)?;
+        for (row, numbers) in numbers.chunks_exact_mut(columns).enumerate() {
+            for (number, &entry) in numbers.iter_mut().zip(&matrix.row(row)) {
+                *number = entry;
+            }
+        }
+        Ok(())
+    };
+    for_each_configuration(q, &[6 * frames, columns], pool, at, columns)
 }
 
 /// Where one frame stands: world_from_frame, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
 ///
-/// `ForwardKinematics` does the same without compiling each time, and for several frames.
+/// `ForwardKinematics` does the same without compiling each time, and for several frames. Raises
+/// `UnknownNameError` for the frame, `InvalidValueError` for a `q` of another shape or one that is not finite.
 #[pyfunction]
 pub(crate) fn frame_placement<'py>(
     model: &Bound<'py, PyAny>,
@@ -216,7 +246,8 @@ pub(crate) fn frame_placement<'py>(
 /// The Jacobian of one frame: linear rows first, then angular, in world axes at the frame's origin; shape
 /// (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
 ///
-/// `Jacobian` does the same without compiling each time, and for several frames.
+/// `Jacobian` does the same without compiling each time, and for several frames. Raises `UnknownNameError` for
+/// the frame, `InvalidValueError` for a `q` of another shape or one that is not finite.
 #[pyfunction]
 pub(crate) fn frame_jacobian<'py>(
     model: &Bound<'py, PyAny>,

@@ -24,6 +24,11 @@ impl Placements<'_> {
         &self.0
     }
 
+    /// The array that they lie in, for keeping.
+    pub(crate) fn keep(&self) -> Py<PyAny> {
+        self.0.keep()
+    }
+
     /// All of them, checked.
     pub(crate) fn to_vec(&self, what: &str) -> PyResult<Vec<Placement<f64>>> {
         let mut placements = Vec::with_capacity(self.len());

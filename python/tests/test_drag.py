@@ -45,7 +45,7 @@ def test_a_target_that_leaps_is_caught_up_with(robot):
     drag.set_targets({"hand": place})
     solution = drag.advance()
     assert drag.catching_up and not solution.reached
-    assert any(limit.kind == "move" for limit in solution.active_limits())
+    assert any(limit.kind == "move" for limit in solution.active_limits)
     assert drag.follow().reached
     drag.stand_at(start)
     assert np.array_equal(drag.q, start)
@@ -58,7 +58,7 @@ def test_out_of_reach_it_stays_near_and_says_so(robot):
     for _ in range(60):
         solution = drag.advance({"hand": place})
         assert (solution.q >= robot.lower).all() and (solution.q <= robot.upper).all()
-    assert not solution.reached and solution.is_out_of_reach()
+    assert not solution.reached and solution.is_out_of_reach
 
 
 def test_it_leaps_only_where_a_search_is_asked_for(robot):

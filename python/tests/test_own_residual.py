@@ -101,7 +101,7 @@ def test_it_takes_room_weights_and_roles_as_any_task(robot):
     wish = tasks.Residual(at_target, frames=["tool"], rows=3, role="preference")
     look = tasks.Point("flange", TARGET + 0.1)
     solution = kinopt.Solver().solve(kinopt.Problem(robot, [look, wish]), robot.neutral())
-    assert solution.reached and solution.tasks()[1].role == "preference"
+    assert solution.reached and solution.tasks[1].role == "preference"
     room = kinopt.Problem(robot, [tasks.Within(own(), 0.05)])
     solution = kinopt.Solver().solve(room, robot.neutral())
     place = kinopt.frame_placement(robot, "tool", solution.q)
@@ -226,3 +226,43 @@ def test_it_travels_as_far_as_its_function(robot):
 def test_what_is_wrong_is_said(robot, given):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Problem(robot, [tasks.Residual(given.pop("function", at_target), **given)])
+
+
+def test_a_wrong_jacobian_is_found_and_its_entry_named(robot):
+    q = robot.random_configuration(4)
+
+    def leans(frames, joints):
+        return [frames[0, :3, 0] @ [0.3, 0.2, 0.1] + np.sin(joints[1]), frames[1, 2, 3] * joints[0]]
+
+    def slope(frames, joints):
+        turning = np.cross(frames[0, :3, 0], [0.3, 0.2, 0.1])
+        rows = np.zeros((2, 14))
+        rows[0, 3:6] = turning
+        rows[0, 13] = np.cos(joints[1])
+        rows[1, 8] = joints[0]
+        rows[1, 12] = frames[1, 2, 3]
+        return rows
+
+    def residual(jacobian):
+        reads = {"frames": ["tool", "hand"], "joints": ["joint2", "joint3"]}
+        return tasks.Residual(leans, **reads, rows=2, jacobian=jacobian, name="lean")
+
+    residual(slope).check_jacobian(robot, q)
+    residual(slope).check_jacobian(robot.model, q, tolerance=1e-8)
+    for row, column, words in [
+        (0, 4, "angular velocity about y of the frame 'tool'"),
+        (1, 8, "velocity along z of the frame 'hand'"),
+        (0, 13, "the joint 'joint3'"),
+    ]:
+
+        def wrong(frames, joints, row=row, column=column):
+            rows = slope(frames, joints)
+            rows[row, column] += 0.01
+            return rows
+
+        with pytest.raises(kinopt.InvalidValueError, match=f"of lean is wrong in 1 .* row {row} by .*{words}"):
+            residual(wrong).check_jacobian(robot, q)
+    with pytest.raises(kinopt.InvalidValueError, match="no Jacobian of its own"):
+        residual(None).check_jacobian(robot, q)
+    with pytest.raises(kinopt.InvalidValueError, match="expected \\(2, 14\\)"):
+        residual(lambda frames, joints: np.zeros((2, 13))).check_jacobian(robot, q)

@@ -107,7 +107,7 @@ def test_limits_of_a_search_count(robot, problem):
     assert (three.iterations, three.attempts, three.termination) == (3, 1, "iteration_limit")
     missed = kinopt.Solver(attempts=5).solve(problem, start, {"hand": far(robot)})
     assert missed.attempts == 5 and not missed.reached
-    assert missed.is_out_of_reach() and "Out of reach" in missed.explain()
+    assert missed.is_out_of_reach and "Out of reach" in missed.explain()
     late = kinopt.Solver(time_limit=0.0).solve(problem, start, {"hand": far(robot)})
     assert late.termination == "time_limit"
     agreed = kinopt.Solver(agreeing=2).solve(problem, start, {"hand": far(robot)})
@@ -175,15 +175,15 @@ def test_solvers_and_solutions_travel(robot, problem):
             assert np.array_equal(twin.solve(problem, start, targets).q, answer.q)
         read = pickle.loads(pickle.dumps(answer))
         assert np.array_equal(read.q, answer.q) and read.explain() == answer.explain()
-        assert repr(read) == repr(answer) and repr(read.tasks()) == repr(answer.tasks())
-        assert repr(read.active_limits()) == repr(answer.active_limits())
+        assert repr(read) == repr(answer) and repr(read.tasks) == repr(answer.tasks)
+        assert repr(read.active_limits) == repr(answer.active_limits)
 
 
 def test_a_solution_tells_all(robot, problem):
     start = robot.random_configuration(11)
     solution = kinopt.Solver().solve(problem, start, {"hand": far(robot)})
     assert solution.q is solution.q and not solution.q.flags.writeable
-    [hand] = solution.tasks()
+    [hand] = solution.tasks
     assert (hand.name, hand.frame, hand.role, hand.reached) == ("hand", "tool", "goal", False)
     place = kinopt.frame_placement(robot, "tool", solution.q)
     missed = np.linalg.norm(place[:3, 3] - [5, 0, 0])
@@ -192,16 +192,16 @@ def test_a_solution_tells_all(robot, problem):
     assert {rows.quantity for rows in hand.rows} == {"metres", "radians"}
     assert solution.cost > 0 and solution.projected_gradient is not None
     assert solution.counts.residuals > solution.iterations > 0
-    for limit in solution.active_limits():
+    for limit in solution.active_limits:
         at = solution.q[robot.joint_names.index(limit.joint)]
         assert at == limit.value and limit.side in ("lower", "upper") and limit.push > 0
         assert limit.joint in solution.explain() and (limit.kind, limit.is_angle) == ("limit", True)
     wish = tasks.Posture(robot.neutral(), name="rest", times=10.0)
     both = [problem.tasks[0], wish]
     traded = kinopt.Solver().solve(kinopt.Problem(robot, both, preferences="traded"), start)
-    assert not traded.reached and traded.pulling_preferences() == ["rest"]
+    assert not traded.reached and traded.pulling_preferences == ["rest"]
     within = kinopt.Solver().solve(kinopt.Problem(robot, both), start)
-    assert within.reached and within.pulling_preferences() == []
+    assert within.reached and within.pulling_preferences == []
 
 
 def test_an_observer_sees_every_step_and_may_stop(robot, problem):

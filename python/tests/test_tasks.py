@@ -181,10 +181,10 @@ def test_weights_tolerances_roles_and_names_count():
     assert not look.solve(kinopt.Problem(robot.model, [strict]), q).reached
     assert look.solve(kinopt.Problem(robot.model, [tasks.Pose("tool", far)], tolerance=0.011), q).reached
     wish = tasks.Pose("tool", far, role="preference")
-    [report] = look.solve(kinopt.Problem(robot.model, [wish]), q).tasks()
+    [report] = look.solve(kinopt.Problem(robot.model, [wish]), q).tasks
     assert report.role == "preference" and not report.reached
     assert report.position_error == pytest.approx(0.01)
-    [report] = look.solve(kinopt.Problem(robot.model, [tasks.Posture(q)]), q).tasks()
+    [report] = look.solve(kinopt.Problem(robot.model, [tasks.Posture(q)]), q).tasks
     assert report.role == "preference"
     assert report.error("joint units") == 0.0 and report.error("metres") is None
     with pytest.raises(kinopt.UnknownNameError, match="no quantity named `miles`"):

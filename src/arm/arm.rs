@@ -109,9 +109,15 @@ impl Arm {
     /// Where the tool stands at a configuration.
     ///
     /// # Errors
-    /// A configuration of the wrong length.
+    /// A configuration of the wrong length, or one that is not finite.
     pub fn base_from_tool(&self, q: &[f64]) -> Result<Placement<f64>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
+        if let Some(bad) = q.iter().position(|value| !value.is_finite()) {
+            return Err(QueryError::NotFinite {
+                joint: self.joint_name(bad),
+                value: q[bad],
+            });
+        }
         if let Some(chain) = &self.serial.chain {
             return Ok(chain.base_from_tip(q));
         }
@@ -198,6 +204,10 @@ impl Arm {
         })
     }
 
+    fn joint_name(&self, joint: usize) -> String {
+        self.names.variables.get(joint).cloned().unwrap_or_default()
+    }
+
     pub(super) fn check_query(
         &self,
         query: usize,
@@ -207,7 +217,7 @@ impl Arm {
         if let Some(bad) = start.iter().position(|value| !value.is_finite()) {
             return Err(QueryError::StartNotFinite {
                 query,
-                joint: self.names.variables.get(bad).cloned().unwrap_or_default(),
+                joint: self.joint_name(bad),
                 value: start[bad],
             });
         }

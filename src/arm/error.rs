@@ -3,9 +3,11 @@
 use thiserror::Error;
 
 use crate::bad_option::BadOption;
+use crate::kinematics::KinematicsError;
 use crate::lanes::LaneError;
 use crate::model::{ModelError, UnknownName};
 use crate::problem::ProblemError;
+use crate::spatial::RigidDefect;
 
 /// Why an arm cannot be built.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -52,7 +54,7 @@ pub enum ArmError {
     Conflict(&'static str),
     /// The tool's placement is not a rigid motion.
     #[error("the tool's placement is not a rigid motion: {0}")]
-    Tool(&'static str),
+    Tool(RigidDefect),
     /// The problem behind the arm.
     #[error(transparent)]
     Problem(#[from] ProblemError),
@@ -94,7 +96,15 @@ pub enum QueryError {
         /// Which query of the batch, 0 for a single one.
         query: usize,
         /// What is wrong.
-        problem: &'static str,
+        problem: RigidDefect,
+    },
+    /// A configuration that holds NaN or infinity.
+    #[error("q holds {value} for joint `{joint}`, which is not finite")]
+    NotFinite {
+        /// The joint.
+        joint: String,
+        /// The value.
+        value: f64,
     },
     /// A servo's time step that is no positive number of seconds.
     #[error("the time step is {0} s: a positive finite number")]
@@ -102,4 +112,7 @@ pub enum QueryError {
     /// The problem behind the arm could not be set up once more; it could when the arm was built.
     #[error(transparent)]
     Problem(#[from] ProblemError),
+    /// The chain could not be compiled once more; it could when the arm was built.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
 }

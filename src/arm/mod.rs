@@ -38,6 +38,7 @@ mod core_seeds;
 mod ease;
 mod error;
 mod follower;
+mod jacobian;
 mod kinematic_path;
 mod lanes_or_core;
 mod mechanism;

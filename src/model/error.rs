@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::spatial::RigidDefect;
+
 /// Why a model or a parameter map cannot be built.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -89,7 +91,7 @@ pub enum ModelError {
         /// Its name.
         name: String,
         /// What is wrong with it.
-        problem: &'static str,
+        problem: RigidDefect,
     },
     /// A configuration order that does not name every moving joint once.
     #[error(

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::model::ModelError;
+use crate::spatial::RigidDefect;
 
 /// Why bones do not make a skeleton.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -40,7 +41,15 @@ pub enum SkeletonError {
         /// The bone.
         bone: String,
         /// What is wrong with it.
-        problem: &'static str,
+        problem: RigidDefect,
+    },
+    /// A bone of an armature whose scale at rest makes of turns below it what no joint does.
+    #[error(
+        "bone `{bone}`: it scales its children by different numbers along its axes, or mirrors"
+    )]
+    UnevenScale {
+        /// The bone.
+        bone: String,
     },
     /// A bone of another skeleton.
     #[error("bone number {bone} was asked for, but there are {bones}")]

@@ -8,7 +8,7 @@
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3A, Quat, Vec3, Vec3A};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3};
 
-use super::{Matrix3, Placement, Quaternion, Vector3};
+use super::{Matrix3, Placement, Quaternion, RigidDefect, Vector3};
 
 /// How far a map in double precision may be from a rigid motion, entry by entry.
 const DOUBLE: f64 = 1e-6;
@@ -16,11 +16,11 @@ const DOUBLE: f64 = 1e-6;
 const SINGLE: f64 = 1e-4;
 
 /// An affine map that is no rigid motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the affine map is not a rigid motion: {0}")]
 pub struct NotRigid(
-    /// What is wrong, in words.
-    pub &'static str,
+    /// What is wrong.
+    pub RigidDefect,
 );
 
 /// Each pair by an expression of the value.

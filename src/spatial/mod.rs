@@ -7,6 +7,7 @@ mod conversions;
 mod matrix;
 mod placement;
 mod polar;
+mod rigid_defect;
 mod rotation;
 mod rounding;
 mod vector;
@@ -15,6 +16,7 @@ pub use conversions::NotRigid;
 pub use matrix::Matrix3;
 pub use placement::Placement;
 pub(crate) use polar::Polar;
+pub use rigid_defect::RigidDefect;
 pub use rotation::{
     Quaternion, rotation_exp, rotation_exp_jacobian, rotation_log, rotation_log_jacobian,
 };

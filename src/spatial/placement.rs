@@ -67,34 +67,6 @@ impl<S: Scalar> Placement<S> {
 }
 
 impl Placement<f64> {
-    /// Whether this is a rigid motion: all finite, RᵀR the identity within `tolerance` entry by
-    /// entry, determinant +1.
-    ///
-    /// # Errors
-    /// What is wrong, in words.
-    pub fn check_rigid(&self, tolerance: f64) -> Result<(), &'static str> {
-        let Matrix3 { x, y, z } = self.rotation;
-        let entries = [x, y, z, self.translation].map(Vector3::to_array);
-        if entries.iter().flatten().any(|entry| !entry.is_finite()) {
-            return Err("it has an entry that is not finite");
-        }
-        let unit = [x, y, z].map(|c| (c.norm_squared() - 1.0).abs());
-        let orthogonal = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
-        if unit
-            .iter()
-            .chain(&orthogonal)
-            .any(|&error| error > tolerance)
-        {
-            return Err("its rotation is not orthonormal");
-        }
-        if x.cross(y).dot(z) < 0.0 {
-            return Err("its rotation mirrors");
-        }
-        Ok(())
-    }
-}
-
-impl Placement<f64> {
     /// The same placement with the rotation next to its own, if that is off by more than rounding
     /// leaves in numbers written with 17 digits; those keep their bits.
     pub(crate) fn made_rigid(self) -> Self {

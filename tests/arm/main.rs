@@ -4,6 +4,7 @@ mod any_chain;
 mod chains_with_followers;
 mod freedom;
 mod huge_numbers;
+mod jacobian;
 
 mod lines_out_of_reach;
 mod misses;

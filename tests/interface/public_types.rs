@@ -105,6 +105,7 @@ each! { error:
     skeleton::SkeletonError, skinning::AutomaticWeightsError, skinning::BlendShapesError,
     skinning::CageError, skinning::MorphError, skinning::SkinningError,
     skinning::UnknownSkinning, skinning::WeightsError, spatial::NotRigid,
+    spatial::RigidDefect,
 }
 
 #[test]

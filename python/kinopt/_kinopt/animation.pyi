@@ -5,7 +5,7 @@ from typing import Any, final, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import Skeleton, Solution
+from . import Skeleton, Solution, Solver
 
 _Single = NDArray[np.float32]
 
@@ -523,7 +523,12 @@ class AimGoal:
 @final
 class ReachLayer:
     def __new__(
-        cls, skeleton: Skeleton, tips: Sequence[str], held: Sequence[str] = ...
+        cls,
+        skeleton: Skeleton,
+        tips: Sequence[str],
+        held: Sequence[str] = ...,
+        *,
+        solver: Solver | None = None,
     ) -> ReachLayer: ...
     def set_goal(self, bone: str, target: ArrayLike, weight: float = 1.0) -> None: ...
     def set_rotation(

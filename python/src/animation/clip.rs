@@ -12,7 +12,7 @@ use super::euler_clip::EulerClip;
 use super::playback;
 use super::playhead::Passage;
 use super::pose::{Pose, Poses};
-use crate::arrays::Questions;
+use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 use crate::pool::Pool;
 
@@ -101,6 +101,9 @@ impl Clip {
     ///
     /// `playback` says what happens outside the span: "hold", "loop" or "ping_pong". `out`, a `Pose`, takes
     /// the result of a number.
+    ///
+    /// Raises `InvalidValueError` for a time that is not finite and for an `out` of another armature,
+    /// `UnknownNameError` for another `playback`.
     #[pyo3(signature = (elapsed, playback = "hold", *, out = None))]
     fn sample<'py>(
         &self,
@@ -111,6 +114,7 @@ impl Clip {
     ) -> PyResult<Bound<'py, PyAny>> {
         let playback = playback::of(playback)?;
         if let Ok(elapsed) = elapsed.extract::<f64>() {
+            let elapsed = arrays::finite(elapsed, "elapsed")?;
             let sample = |pose: &mut Locals| {
                 let sample =
                     |cursor: &mut Cursor| self.inner.sample(elapsed, playback, cursor, pose);
@@ -131,7 +135,8 @@ impl Clip {
         let mut poses = vec![self.armature.rest().clone(); times.count()];
         self.cursors.with(|cursor| {
             times.each(py, &mut poses, SAMPLES_AT_A_TIME, |time, poses| {
-                let sampled = self.inner.sample(time[0], playback, cursor, &mut poses[0]);
+                let time = arrays::finite(time[0], "elapsed")?;
+                let sampled = self.inner.sample(time, playback, cursor, &mut poses[0]);
                 sampled.or_raise()
             })
         })?;

@@ -53,9 +53,11 @@ impl EulerClip {
         let skeleton = Arc::clone(&skeleton.get().inner);
         let mut read = Vec::new();
         for (bone, keys) in tracks {
-            let name: String = bone.extract()?;
+            let name = arrays::name(&bone, "a bone of tracks")?;
             let bone = skeleton.bone(&name).or_raise()?;
-            let (times, angles): (Bound<'_, PyAny>, Bound<'_, PyAny>) = keys.extract()?;
+            let (times, angles): (Bound<'_, PyAny>, Bound<'_, PyAny>) = keys
+                .extract()
+                .map_err(|_| invalid(format!("the keys of {name:?} must be (times, angles)")))?;
             let times = arrays::vector(&times, &format!("times of {name:?}"))?;
             let angles = arrays::rows(&angles, &format!("angles of {name:?}"), 3)?;
             if angles.shape()[0] != times.len() {

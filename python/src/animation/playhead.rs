@@ -4,6 +4,8 @@ use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 
+use crate::arrays;
+
 /// Time that passes while a clip plays, at a speed that may be negative.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Playhead {
@@ -19,13 +21,16 @@ impl Playhead {
 #[pymethods]
 impl Playhead {
     /// `elapsed` seconds after the start, at `speed` seconds of the clip a second.
+    ///
+    /// Raises `InvalidValueError` for numbers that are not finite.
     #[new]
     #[pyo3(signature = (elapsed = 0.0, speed = 1.0))]
-    fn new(elapsed: f64, speed: f64) -> Self {
+    fn new(elapsed: f64, speed: f64) -> PyResult<Self> {
+        let elapsed = arrays::finite(elapsed, "elapsed")?;
         let mut playhead = kinopt::animation::Playhead::starting_at(elapsed);
-        playhead.speed = speed;
+        playhead.speed = arrays::finite(speed, "speed")?;
         let inner = Mutex::new(playhead);
-        Self { inner }
+        Ok(Self { inner })
     }
 
     /// Seconds since playback started.
@@ -41,15 +46,19 @@ impl Playhead {
     }
 
     #[setter]
-    fn set_speed(&self, speed: f64) {
+    fn set_speed(&self, speed: f64) -> PyResult<()> {
+        let speed = arrays::finite(speed, "speed")?;
         self.with(|own| own.speed = speed);
+        Ok(())
     }
 
-    /// Plays on for so many seconds; not at all for a number that is not finite. What was passed is for
-    /// `Clip.fired`.
-    fn advance(&self, seconds: f64) -> Passage {
+    /// Plays on for so many seconds. What was passed is for `Clip.fired`.
+    ///
+    /// Raises `InvalidValueError` for a number that is not finite.
+    fn advance(&self, seconds: f64) -> PyResult<Passage> {
+        let seconds = arrays::finite(seconds, "seconds")?;
         let inner = self.with(|own| own.advance(seconds));
-        Passage { inner }
+        Ok(Passage { inner })
     }
 
     fn __repr__(&self) -> String {

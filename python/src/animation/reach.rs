@@ -12,6 +12,7 @@ use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 use crate::skeleton::Skeleton;
 use crate::solution::Solution;
+use crate::solver::Solver;
 use crate::transforms::{given, quaternion};
 
 /// Poses that are converted between two looks at signals.
@@ -37,19 +38,30 @@ impl ReachLayer {
 #[pymethods]
 impl ReachLayer {
     /// A layer for the tips of these bones of a skeleton, all with weight 0 at first; bones that are `held`
-    /// stay turned in the model as the clip has them, or are turned as asked.
+    /// stay turned in the model as the clip has them, or are turned as asked. `solver` searches: a
+    /// `kinopt.Solver` of a method that minimises, `kinopt.Solver()` unless given.
     ///
-    /// Raises `UnknownNameError` for a bone, `InvalidValueError` where there are none.
+    /// Raises `UnknownNameError` for a bone, `InvalidValueError` where there are none, and for a geometric
+    /// method.
     #[new]
-    #[pyo3(signature = (skeleton, tips, held = Vec::new()))]
-    fn new(skeleton: &Bound<'_, Skeleton>, tips: Vec<String>, held: Vec<String>) -> PyResult<Self> {
+    #[pyo3(signature = (skeleton, tips, held = Vec::new(), *, solver = None))]
+    fn new(
+        skeleton: &Bound<'_, Skeleton>,
+        tips: Vec<String>,
+        held: Vec<String>,
+        solver: Option<&Bound<'_, Solver>>,
+    ) -> PyResult<Self> {
+        let solver = match solver {
+            Some(solver) => solver.get().optimiser("a reach layer")?.clone(),
+            None => kinopt::Solver::default(),
+        };
         let skeleton = Arc::clone(&skeleton.get().inner);
         let ids = |names: &[String]| {
             let ids = names.iter().map(|name| skeleton.bone(name).or_raise());
             ids.collect::<PyResult<Vec<_>>>()
         };
         let (tips, held) = (ids(&tips)?, ids(&held)?);
-        let layer = Reach::holding(&skeleton, &tips, &held, kinopt::Solver::default());
+        let layer = Reach::holding(&skeleton, &tips, &held, solver);
         Ok(Self {
             inner: Mutex::new(layer.or_raise()?),
             skeleton,

@@ -1,8 +1,9 @@
 //! The arm, and single questions to it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use kinopt::arm::{Base, Search};
+use kinopt::kinematics::Jacobian;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,8 +14,10 @@ use super::{Follower, Servo, options};
 use crate::arrays::{self, axes};
 use crate::error::{OrRaise, invalid};
 use crate::goal::Goal;
+use crate::kinematics::jacobians;
 use crate::model::Model;
 use crate::placement::{placement, placements, to_array, to_arrays};
+use crate::pool::Pool;
 use crate::robot::Robot;
 use crate::solution::Solution;
 
@@ -52,6 +55,8 @@ pub(crate) struct Arm {
     options: Py<PyDict>,
     /// The last search for distinct solutions, as it is often asked for again.
     distinct: Mutex<Option<(Search, Arc<kinopt::Arm>)>>,
+    /// Compiled when it is first asked for.
+    jacobian: OnceLock<Pool<Jacobian>>,
 }
 
 impl Arm {
@@ -72,6 +77,7 @@ impl Arm {
             tip: self.tip.clone(),
             options: options.unbind(),
             distinct: Mutex::new(None),
+            jacobian: OnceLock::new(),
         })
     }
 
@@ -151,6 +157,7 @@ impl Arm {
             tip,
             options: options.unbind(),
             distinct: Mutex::new(None),
+            jacobian: OnceLock::new(),
         })
     }
 
@@ -182,6 +189,40 @@ impl Arm {
     #[getter]
     fn velocity_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.velocity_limits().iter().copied())
+    }
+
+    /// What the arm was made of: a `Robot`, or a `Model`.
+    #[getter]
+    fn robot(&self, py: Python<'_>) -> Py<PyAny> {
+        self.mechanism.clone_ref(py)
+    }
+
+    /// The frame that targets are in; None for the world.
+    #[getter]
+    fn base(&self) -> Option<&str> {
+        self.base.as_deref()
+    }
+
+    /// The frame that carries the tool.
+    #[getter]
+    fn tip(&self) -> &str {
+        &self.tip
+    }
+
+    /// The tool's Jacobian: shape (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
+    ///
+    /// Rows are the velocity of the tool's origin (m/s), then its angular velocity (rad/s), both in the
+    /// base's axes; columns the free joints, with those that follow them. Raises `InvalidValueError` for
+    /// another shape and for numbers that are not finite.
+    fn jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let pool = match self.jacobian.get() {
+            Some(pool) => pool,
+            None => {
+                let jacobian = self.inner.jacobian().or_raise()?;
+                self.jacobian.get_or_init(|| Pool::new(jacobian))
+            }
+        };
+        jacobians(q, pool, 1)
     }
 
     /// Where the tool stands: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
@@ -272,14 +313,14 @@ impl Arm {
         &self,
         targets: &Bound<'py, PyAny>,
         start: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Track> {
+    ) -> PyResult<Bound<'py, Track>> {
         let py = targets.py();
         let targets = placements(targets, "target")?.to_vec("target")?;
         let start = self.start(start)?;
         let track = py
             .detach(|| self.inner.track(&targets, &start))
             .or_raise()?;
-        Ok(Track::new(&self.inner, track))
+        Track::new(py, &self.inner, track)
     }
 
     /// A `Follower` that stands at `start`, for a path whose targets come one at a time.

@@ -1,18 +1,16 @@
 //! Many targets at once.
 
-use std::sync::Arc;
-
 use kinopt::Arm;
 use kinopt::arm::{PoseOutcome, QueryError};
 use kinopt::spatial::Placement;
-use numpy::ndarray::Ix2;
-use numpy::{PyArray1, PyArrayMethods, PyReadwriteArray};
+use numpy::ndarray::{Dimension, Ix2};
+use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyAny, PyType};
 
-use crate::arrays::{self, Rows, Vector, axes};
+use crate::arrays::{self, Picked, Rows, Vector, axes};
 use crate::error::{OrRaise, invalid};
-use crate::items::Items;
+use crate::items::{self, Items};
 use crate::placement::{self, Placements, placement, placements};
 use crate::progress::Progress;
 use crate::solution::Solution;
@@ -24,18 +22,21 @@ const PIECE: usize = 2048;
 /// The solutions of many targets, as arrays: item i of each belongs to target i.
 ///
 /// `batch[i]` is the whole `Solution` of target i, found once more, which gives the same q bit for bit
-/// (without a time limit) and says what `solve` says.
+/// (without a time limit) and says what `solve` says. A slice, a mask or a list of numbers takes a part of
+/// the batch: `batch[~batch.reached]` are the misses. The targets and starts are kept where they lie: change
+/// those arrays, and `batch[i]` answers what they hold then.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Batch {
-    arm: Arc<Arm>,
-    /// The same arm in Python, which knows how it is built again.
-    owner: Py<PyAny>,
+    /// Which also knows how it is built again.
+    arm: Py<super::Arm>,
+    /// Shape (N, 4, 4).
     targets: Py<PyAny>,
+    /// Shape (N, dof), or (dof,) for one start of all.
     starts: Py<PyAny>,
     count: usize,
     /// Shape (N, dof), radians or metres, each within its limits.
     #[pyo3(get)]
-    q: Py<PyAny>,
+    q: Py<PyArray2<f64>>,
     /// Shape (N,), bool: whether each target is reached within the tolerances.
     #[pyo3(get)]
     reached: Py<PyArray1<bool>>,
@@ -52,6 +53,16 @@ pub(crate) struct Batch {
     #[pyo3(get)]
     attempts: Py<PyArray1<u32>>,
 }
+
+/// What a batch is rebuilt of, besides its arm: targets, starts, and its arrays in the order of its fields.
+type Parts = (
+    Py<PyAny>,
+    Py<PyAny>,
+    Py<PyArray2<f64>>,
+    Py<PyArray1<bool>>,
+    [Py<PyArray1<f64>>; 2],
+    [Py<PyArray1<u32>>; 2],
+);
 
 /// One start a target, or one for all.
 enum Starts<'py> {
@@ -71,6 +82,14 @@ impl<'py> Starts<'py> {
                 "starts has {} rows, targets has {count}",
                 rows.shape()[0]
             ))),
+        }
+    }
+
+    /// The array that they lie in, for keeping.
+    fn keep(&self) -> Py<PyAny> {
+        match self {
+            Self::Each(rows) => rows.keep(),
+            Self::Same(start) => start.keep(),
         }
     }
 
@@ -103,65 +122,29 @@ pub(super) fn solve<'py>(
 ) -> PyResult<Batch> {
     let arm = &owner.get().inner;
     let (py, dof) = (targets.py(), arm.joint_count());
-    let given = targets;
-    let targets = placements(given, "target")?;
+    let targets = placements(targets, "target")?;
     let count = targets.len();
-    let given_starts = starts;
-    let starts = Starts::new(given_starts, count, dof)?;
+    let starts = Starts::new(starts, count, dof)?;
     let q = arrays::room(py, out, count, dof)?;
-    let columns = Columns::new(py, count);
-    {
-        let busy = |_| invalid("out is in use by another call");
-        let mut q = q.try_readwrite().map_err(busy)?;
-        let progress = Progress::new(py, progress, count)?;
-        solve_all(
-            py, arm, &targets, &starts, threads, &mut q, &columns, &progress,
-        )?;
-    }
-    Ok(Batch {
-        arm: Arc::clone(arm),
-        owner: owner.clone().into_any().unbind(),
-        targets: given.clone().unbind(),
-        starts: given_starts.clone().unbind(),
+    let batch = Batch {
+        arm: owner.clone().unbind(),
+        targets: targets.keep(),
+        starts: starts.keep(),
         count,
-        q: q.into_any().unbind(),
-        reached: columns.reached.unbind(),
-        position_error: columns.position_error.unbind(),
-        orientation_error: columns.orientation_error.unbind(),
-        iterations: columns.iterations.unbind(),
-        attempts: columns.attempts.unbind(),
-    })
-}
-
-/// What is told of each target.
-struct Columns<'py> {
-    reached: Bound<'py, PyArray1<bool>>,
-    position_error: Bound<'py, PyArray1<f64>>,
-    orientation_error: Bound<'py, PyArray1<f64>>,
-    iterations: Bound<'py, PyArray1<u32>>,
-    attempts: Bound<'py, PyArray1<u32>>,
-}
-
-impl<'py> Columns<'py> {
-    fn new(py: Python<'py>, count: usize) -> Self {
-        Self {
-            reached: PyArray1::zeros(py, count, false),
-            position_error: PyArray1::zeros(py, count, false),
-            orientation_error: PyArray1::zeros(py, count, false),
-            iterations: PyArray1::zeros(py, count, false),
-            attempts: PyArray1::zeros(py, count, false),
-        }
-    }
-
-    fn write(&self, first: usize, outcomes: &[PoseOutcome]) {
-        fill(&self.reached, first, outcomes, |o| o.reached);
-        fill(&self.position_error, first, outcomes, |o| o.position_error);
-        fill(&self.orientation_error, first, outcomes, |o| {
-            o.orientation_error
-        });
-        fill(&self.iterations, first, outcomes, |o| o.iterations);
-        fill(&self.attempts, first, outcomes, |o| o.attempts);
-    }
+        q: q.clone().unbind(),
+        reached: PyArray1::zeros(py, count, false).unbind(),
+        position_error: PyArray1::zeros(py, count, false).unbind(),
+        orientation_error: PyArray1::zeros(py, count, false).unbind(),
+        iterations: PyArray1::zeros(py, count, false).unbind(),
+        attempts: PyArray1::zeros(py, count, false).unbind(),
+    };
+    let busy = |_| invalid("out is in use by another call");
+    let mut q = q.try_readwrite().map_err(busy)?;
+    let progress = Progress::new(py, progress, count)?;
+    solve_all(
+        py, arm, &targets, &starts, threads, &mut q, &batch, &progress,
+    )?;
+    Ok(batch)
 }
 
 fn fill<T: numpy::Element + Copy>(
@@ -170,7 +153,9 @@ fn fill<T: numpy::Element + Copy>(
     outcomes: &[PoseOutcome],
     value: impl Fn(&PoseOutcome) -> T,
 ) {
-    let mut column = column.readwrite();
+    let Ok(mut column) = column.try_readwrite() else {
+        return;
+    };
     if let Ok(column) = column.as_slice_mut() {
         for (entry, outcome) in column[first..].iter_mut().zip(outcomes) {
             *entry = value(outcome);
@@ -186,7 +171,7 @@ fn solve_all(
     starts: &Starts<'_>,
     threads: Option<usize>,
     q: &mut PyReadwriteArray<'_, f64, Ix2>,
-    columns: &Columns<'_>,
+    batch: &Batch,
     progress: &Progress,
 ) -> PyResult<()> {
     let dof = arm.joint_count();
@@ -221,7 +206,7 @@ fn solve_all(
         answered
             .map_err(|error| counted_from(first, error))
             .or_raise()?;
-        columns.write(first, &outcomes);
+        batch.write(py, first, &outcomes);
         progress.done(first + placements.len())?;
     }
     Ok(())
@@ -248,6 +233,19 @@ fn counted_from(first: usize, error: QueryError) -> QueryError {
 }
 
 impl Batch {
+    fn write(&self, py: Python<'_>, first: usize, outcomes: &[PoseOutcome]) {
+        let errors = [
+            self.position_error.bind(py),
+            self.orientation_error.bind(py),
+        ];
+        let counts = [self.iterations.bind(py), self.attempts.bind(py)];
+        fill(self.reached.bind(py), first, outcomes, |o| o.reached);
+        fill(errors[0], first, outcomes, |o| o.position_error);
+        fill(errors[1], first, outcomes, |o| o.orientation_error);
+        fill(counts[0], first, outcomes, |o| o.iterations);
+        fill(counts[1], first, outcomes, |o| o.attempts);
+    }
+
     fn solution(&self, py: Python<'_>, i: usize) -> PyResult<kinopt::Solution> {
         let target = self.targets.bind(py).get_item(i)?;
         let target = placement(&target, &format!("target {i}"))?;
@@ -259,27 +257,52 @@ impl Batch {
         };
         let start = arrays::vector(&start, "start")?;
         let start: &[f64] = &start;
-        py.detach(|| self.arm.solve(target, start)).or_raise()
+        let arm = &self.arm.get().inner;
+        py.detach(|| arm.solve(target, start)).or_raise()
     }
+
+    /// The batch of some of the targets.
+    fn some(&self, places: &Bound<'_, PyArray1<i64>>) -> PyResult<Self> {
+        let py = places.py();
+        let starts = self.starts.bind(py);
+        let starts = if axes(starts)? < 2 {
+            starts.clone()
+        } else {
+            starts.get_item(places)?
+        };
+        Ok(Self {
+            arm: self.arm.clone_ref(py),
+            targets: self.targets.bind(py).get_item(places)?.unbind(),
+            starts: starts.unbind(),
+            count: places.len()?,
+            q: taken(&self.q, places)?,
+            reached: taken(&self.reached, places)?,
+            position_error: taken(&self.position_error, places)?,
+            orientation_error: taken(&self.orientation_error, places)?,
+            iterations: taken(&self.iterations, places)?,
+            attempts: taken(&self.attempts, places)?,
+        })
+    }
+}
+
+/// Some rows of a column.
+fn taken<T: numpy::Element, D: Dimension>(
+    column: &Py<PyArray<T, D>>,
+    places: &Bound<'_, PyArray1<i64>>,
+) -> PyResult<Py<PyArray<T, D>>> {
+    let rows = column.bind(places.py()).as_any().get_item(places)?;
+    Ok(rows.cast_into::<PyArray<T, D>>()?.unbind())
 }
 
 #[pymethods]
 impl Batch {
     /// What `Solution.explain` says of target `i`; without `i` a list for all.
+    ///
+    /// Raises `IndexError` for a target that there is not.
     #[pyo3(signature = (i = None))]
     fn explain<'py>(&self, py: Python<'py>, i: Option<isize>) -> PyResult<Bound<'py, PyAny>> {
-        if let Some(i) = i {
-            let text = self.solution(py, self.place(i)?)?.explain();
-            return Ok(text.into_pyobject(py)?.into_any());
-        }
-        let mut texts = Vec::with_capacity(self.count);
-        for i in 0..self.count {
-            if i.is_multiple_of(1024) {
-                py.check_signals()?;
-            }
-            texts.push(self.solution(py, i)?.explain());
-        }
-        Ok(texts.into_pyobject(py)?.into_any())
+        let text = |i| Ok(self.solution(py, i)?.explain());
+        items::explained(py, i, self.count, text)
     }
 
     fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
@@ -290,64 +313,55 @@ impl Batch {
         self.count
     }
 
-    fn __getitem__(&self, py: Python<'_>, i: isize) -> PyResult<Solution> {
-        self.solution(py, self.place(i)?).map(Solution::from)
+    fn __getitem__<'py>(&self, index: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = index.py();
+        match arrays::pick(index, self.count)? {
+            Picked::One(i) => {
+                let solution = Solution::from(self.solution(py, i)?);
+                Ok(Bound::new(py, solution)?.into_any())
+            }
+            Picked::Some(places) => Ok(Bound::new(py, self.some(&places)?)?.into_any()),
+        }
     }
 
     #[classmethod]
-    #[allow(clippy::too_many_arguments, reason = "it is what `__reduce__` gives")]
-    fn _rebuild(
-        _class: &Bound<'_, PyType>,
-        arm: &Bound<'_, super::Arm>,
-        targets: Py<PyAny>,
-        starts: Py<PyAny>,
-        q: Py<PyAny>,
-        reached: Py<PyArray1<bool>>,
-        errors: (Py<PyArray1<f64>>, Py<PyArray1<f64>>),
-        iterations: Py<PyArray1<u32>>,
-        attempts: Py<PyArray1<u32>>,
-    ) -> PyResult<Self> {
+    fn _rebuild(class: &Bound<'_, PyType>, arm: Py<super::Arm>, parts: Parts) -> PyResult<Self> {
+        let (targets, starts, q, reached, errors, counts) = parts;
+        let [position_error, orientation_error] = errors;
+        let [iterations, attempts] = counts;
         Ok(Self {
-            arm: Arc::clone(&arm.get().inner),
-            owner: arm.clone().into_any().unbind(),
+            arm,
             targets,
             starts,
-            count: reached.bind(arm.py()).len()?,
+            count: reached.bind(class.py()).len()?,
             q,
             reached,
-            position_error: errors.0,
-            orientation_error: errors.1,
+            position_error,
+            orientation_error,
             iterations,
             attempts,
         })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = (
-            self.owner.bind(py),
+        let parts = (
             self.targets.bind(py),
             self.starts.bind(py),
             self.q.bind(py),
             self.reached.bind(py),
-            (
+            [
                 self.position_error.bind(py),
                 self.orientation_error.bind(py),
-            ),
-            self.iterations.bind(py),
-            self.attempts.bind(py),
+            ],
+            [self.iterations.bind(py), self.attempts.bind(py)],
         );
         let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let arguments = (self.arm.bind(py), parts);
         Ok((rebuild, arguments).into_pyobject(py)?.into_any())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let reached: usize = self.reached.bind(py).call_method0("sum")?.extract()?;
         Ok(format!("Batch({reached} of {} reached)", self.count))
-    }
-}
-
-impl Batch {
-    fn place(&self, i: isize) -> PyResult<usize> {
-        arrays::place(i, self.count)
     }
 }

@@ -67,6 +67,6 @@ impl Follower {
 
     fn __repr__(&self) -> String {
         let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
-        format!("Follower(at {:.4?})", cell.borrow_dependent().q())
+        format!("Follower(at {})", arrays::few(cell.borrow_dependent().q()))
     }
 }

@@ -7,7 +7,7 @@ use kinopt::model::UnknownName;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::arrays;
+use crate::arrays::{self, number};
 use crate::error::{OrRaise, invalid};
 use crate::goal::Goal;
 use crate::placement::placement;
@@ -83,16 +83,8 @@ fn set<'m>(
     })
 }
 
-fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
-    let number = value.extract::<f64>();
-    number.map_err(|_| invalid(format!("{name} must be a number, not {value}")))
-}
-
-fn whole<T>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<T>
-where
-    T: for<'a, 'py> FromPyObject<'a, 'py>,
-{
-    let number = value.extract::<T>();
+fn whole<T: TryFrom<u64>>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<T> {
+    let number = arrays::whole(value);
     number.map_err(|_| {
         invalid(format!(
             "{name} must be a whole number of at least 0, not {value}"
@@ -137,7 +129,7 @@ fn locked<'m>(mut builder: ArmBuilder<'m>, value: &Bound<'_, PyAny>) -> PyResult
         .cast::<PyDict>()
         .map_err(|_| invalid("locked must be a dict {joint: value}"))?;
     for (joint, value) in locked {
-        let joint: String = joint.extract()?;
+        let joint = arrays::name(&joint, "a joint of locked")?;
         let value = number(&value, &format!("locked[{joint:?}]"))?;
         builder = builder.with_locked(&joint, value);
     }

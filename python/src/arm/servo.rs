@@ -94,7 +94,7 @@ impl Servo {
 
     fn __repr__(&self) -> String {
         let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
-        format!("Servo(at {:.4?})", cell.borrow_dependent().q())
+        format!("Servo(at {})", arrays::few(cell.borrow_dependent().q()))
     }
 }
 

@@ -1,13 +1,9 @@
 //! Whole paths.
 
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::arrays;
-use crate::error::OrRaise;
-use crate::items::Items;
-use crate::solution::Solution;
+use crate::solver::Solutions;
 
 /// A step in which a joint moves further than 0.2 rad.
 #[pyclass(frozen, get_all, module = "kinopt")]
@@ -52,123 +48,62 @@ impl Jump {
     }
 }
 
-/// A path of solutions, and where it is broken.
-#[pyclass(frozen, module = "kinopt")]
+/// A path of solutions, and where it is broken: the `Solutions` of its steps, and its `jumps`.
+#[pyclass(frozen, extends = Solutions, module = "kinopt")]
 pub(crate) struct Track {
-    solutions: Vec<kinopt::Solution>,
-    dof: usize,
     /// The steps in which a joint moves further than 0.2 rad, in order.
     #[pyo3(get)]
     jumps: Vec<Jump>,
 }
 
 impl Track {
-    pub(super) fn new(arm: &kinopt::Arm, track: kinopt::arm::Track) -> Self {
-        let jumps = track.jumps.iter().map(|jump| Jump::new(arm, jump));
-        Self {
-            jumps: jumps.collect(),
-            dof: arm.joint_count(),
-            solutions: track.solutions,
-        }
-    }
-
-    fn errors<'py>(
-        &self,
+    pub(super) fn new<'py>(
         py: Python<'py>,
-        error: impl Fn(&kinopt::Solution) -> Option<f64>,
-    ) -> Bound<'py, PyArray1<f64>> {
-        let errors = self.solutions.iter().map(|s| error(s).unwrap_or(f64::NAN));
-        PyArray1::from_iter(py, errors)
+        arm: &kinopt::Arm,
+        track: kinopt::arm::Track,
+    ) -> PyResult<Bound<'py, Self>> {
+        let jumps = track.jumps.iter().map(|jump| Jump::new(arm, jump));
+        let jumps = jumps.collect();
+        let solutions = Solutions::new(track.solutions, arm.joint_count());
+        Bound::new(py, (Self { jumps }, solutions))
     }
 }
 
 #[pymethods]
 impl Track {
-    /// Shape (N, dof), radians or metres, each within its limits.
-    #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let numbers: Vec<f64> = self
-            .solutions
-            .iter()
-            .flat_map(|s| s.q.iter().copied())
-            .collect();
-        arrays::list(py, &numbers).reshape([self.solutions.len(), self.dof])
-    }
-
-    /// Shape (N,), bool: whether each target is reached within the tolerances.
-    #[getter]
-    fn reached<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        PyArray1::from_iter(py, self.solutions.iter().map(|s| s.reached))
-    }
-
-    /// Shape (N,), metres.
-    #[getter]
-    fn position_error<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.errors(py, |s| s.tasks().next()?.position_error())
-    }
-
-    /// Shape (N,), radians.
-    #[getter]
-    fn orientation_error<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.errors(py, |s| s.tasks().next()?.orientation_error())
-    }
-
-    /// What `Solution.explain` says of each step, a list.
-    fn explain(&self) -> Vec<String> {
-        self.solutions
-            .iter()
-            .map(kinopt::Solution::explain)
-            .collect()
-    }
-
-    fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
-        Items::of(slf)
-    }
-
-    fn __len__(&self) -> usize {
-        self.solutions.len()
-    }
-
-    fn __getitem__(&self, i: isize) -> PyResult<Solution> {
-        let i = arrays::place(i, self.solutions.len())?;
-        Ok(Solution::from(self.solutions[i].clone()))
-    }
-
     #[classmethod]
-    fn _rebuild(
-        _class: &Bound<'_, PyType>,
+    fn _rebuild_path<'py>(
+        class: &Bound<'py, PyType>,
         solutions: &str,
         dof: usize,
         jumps: Vec<(usize, String, f64, bool)>,
-    ) -> PyResult<Self> {
+    ) -> PyResult<Bound<'py, Self>> {
         let jump = |(step, joint, distance, continuous)| Jump {
             step,
             joint,
             distance,
             continuous,
         };
-        Ok(Self {
-            solutions: serde_json::from_str(solutions).or_raise()?,
-            dof,
-            jumps: jumps.into_iter().map(jump).collect(),
-        })
+        let jumps = jumps.into_iter().map(jump).collect();
+        Bound::new(
+            class.py(),
+            (Self { jumps }, Solutions::read(solutions, dof)?),
+        )
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let jumps = self.jumps.iter();
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let jumps = slf.get().jumps.iter();
         let jumps = jumps.map(|j| (j.step, j.joint.as_str(), j.distance, j.continuous));
-        let solutions = serde_json::to_string(&self.solutions).or_raise()?;
-        let arguments = (solutions, self.dof, jumps.collect::<Vec<_>>());
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
+        let (solutions, dof) = slf.as_super().get().written()?;
+        let arguments = (solutions, dof, jumps.collect::<Vec<_>>());
+        let rebuild = py.get_type::<Self>().getattr("_rebuild_path")?;
         Ok((rebuild, arguments).into_pyobject(py)?.into_any())
     }
 
-    fn __repr__(&self) -> String {
-        let reached = self.solutions.iter().filter(|s| s.reached).count();
-        format!(
-            "Track({reached} of {} reached, {} jumps)",
-            self.solutions.len(),
-            self.jumps.len()
-        )
+    fn __repr__(slf: &Bound<'_, Self>) -> String {
+        let jumps = slf.get().jumps.len();
+        let reached = slf.as_super().get().reached_text();
+        format!("Track({reached}, {jumps} jumps)")
     }
 }

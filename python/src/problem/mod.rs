@@ -89,7 +89,7 @@ impl Problem {
         let ids = tasks.iter().map(|task| task::add(task, &own, &mut builder));
         let ids = ids.collect::<PyResult<Vec<_>>>()?;
         for (joint, limits) in items(bounds, "bounds")? {
-            let joint: String = joint.extract()?;
+            let joint = arrays::name(&joint, "a joint of bounds")?;
             let joint = own.joint(&joint).or_raise()?;
             builder.bound(joint, parameters::limits(&limits, "bounds")?);
         }

@@ -49,12 +49,15 @@ impl ParameterMap {
         let py = model.py();
         let own = model_of(model)?;
         let joint = |name: &Bound<'_, PyAny>| -> PyResult<JointId> {
-            let name: String = name.extract()?;
+            let name = arrays::name(name, "a joint of a parameter map")?;
             own.joint(&name).or_raise()
         };
         let mut builder = start(model, &own);
         for (name, value) in items(lock, "lock")? {
-            builder = builder.lock(joint(&name)?, number(&value, "a locked value")?);
+            builder = builder.lock(
+                joint(&name)?,
+                arrays::number(&value, &format!("the locked value of {name}"))?,
+            );
         }
         for (name, follows) in items(couple, "couple")? {
             let (master, ratio, offset): (String, f64, f64) = follows.extract().map_err(|_| {
@@ -184,12 +187,6 @@ fn start<'a>(given: &'a Bound<'_, PyAny>, model: &'a kinopt::Model) -> Parameter
         Ok(robot) => robot.get().inner.parameters(),
         Err(_) => kinopt::model::ParameterMap::builder(model),
     }
-}
-
-fn number(value: &Bound<'_, PyAny>, what: &str) -> PyResult<f64> {
-    value
-        .extract()
-        .map_err(|_| invalid(format!("{what} must be a number, not {value}")))
 }
 
 /// A pair (lower, upper).

@@ -80,8 +80,7 @@ impl Target for Distance {
     type Value = f64;
 
     fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<f64> {
-        let number = value.extract();
-        number.map_err(|_| invalid(format!("{what} must be a number of metres")))
+        arrays::number(value, what)
     }
 
     fn aim(&mut self, distance: &f64) -> Result<(), String> {

@@ -81,8 +81,8 @@ pub(super) fn add(
     let add = Add { builder, about };
     match kind.as_str() {
         "within" => {
-            let lower = task.getattr("lower")?.extract()?;
-            let upper = task.getattr("upper")?.extract()?;
+            let lower = arrays::number(&task.getattr("lower")?, "lower")?;
+            let upper = arrays::number(&task.getattr("upper")?, "upper")?;
             let room = Room { lower, upper, add };
             residual(&task.getattr("task")?, model, room)
         }
@@ -164,7 +164,7 @@ fn residual<V: Visit>(
             visitor.visit(LookAt::new(given.frame("frame")?, axis, target))
         }
         "distance" => {
-            let distance = given.get("distance")?.extract()?;
+            let distance = arrays::number(&given.get("distance")?, "distance")?;
             visitor.visit(Distance::new(
                 given.frame("a")?,
                 given.frame("b")?,
@@ -191,7 +191,7 @@ fn residual<V: Visit>(
             let previous = given.get("previous")?;
             let dof = model.configuration_len();
             let previous = arrays::vector_of(&previous, "previous", dof)?;
-            let time_step_s = given.get("time_step_s")?.extract()?;
+            let time_step_s = arrays::number(&given.get("time_step_s")?, "time_step_s")?;
             visitor.visit(Smoothness::new(model, &previous, time_step_s))
         }
         "limit centring" => visitor.visit(LimitCentring::new(model)),
@@ -227,7 +227,7 @@ impl<'py> Given<'_, 'py> {
     }
 
     fn frame(&self, name: &str) -> PyResult<kinopt::model::FrameId> {
-        let frame: String = self.get(name)?.extract()?;
+        let frame = arrays::name(&self.get(name)?, name)?;
         self.model.frame(&frame).or_raise()
     }
 
@@ -244,7 +244,9 @@ impl<'py> Given<'_, 'py> {
         if let Ok(values) = reference.cast::<PyMapping>() {
             let mut named = Vec::new();
             for item in values.items()?.iter() {
-                let (joint, value): (String, f64) = item.extract()?;
+                let (joint, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
+                let joint = arrays::name(&joint, "a joint of the reference")?;
+                let value = arrays::number(&value, &format!("the reference of {joint}"))?;
                 named.push((self.model.joint(&joint).or_raise()?, value));
             }
             return Ok(Posture::of_joints(named));
@@ -285,7 +287,9 @@ impl Numbers {
         };
         let mut each = Vec::new();
         for item in given.items()?.iter() {
-            let (name, number): (String, f64) = item.extract()?;
+            let (name, number): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
+            let name = arrays::name(&name, &format!("a quantity of {what}"))?;
+            let number = arrays::number(&number, &format!("{what} per {name}"))?;
             each.push((quantity(&name)?, number));
         }
         Ok(Self::Each(each))
@@ -323,7 +327,7 @@ impl About {
         Ok(Self {
             name: get("name")?.extract()?,
             weight: Numbers::of(&get("weight")?, "weight")?,
-            times: get("times")?.extract()?,
+            times: arrays::number(&get("times")?, "times")?,
             tolerance: Numbers::of(&get("tolerance")?, "tolerance")?,
             role,
         })

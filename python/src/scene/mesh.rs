@@ -49,7 +49,7 @@ impl SceneMesh {
         mesh: &Bound<'_, TriangleMesh>,
         tangents: Option<&Bound<'_, PyAny>>,
         morph_targets: Option<&Bound<'_, MorphTargets>>,
-        first_morph_weight: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] first_morph_weight: usize,
         skin: Option<&Bound<'_, Skin>>,
     ) -> PyResult<Self> {
         let armature = &armature.get().inner;

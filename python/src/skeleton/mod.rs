@@ -54,6 +54,13 @@ impl Skeleton {
         self.model.frames()[frame.index()].name.clone()
     }
 
+    /// The bones on which no other bone stands.
+    fn last(&self) -> impl Iterator<Item = kinopt::skeleton::BoneId> + '_ {
+        let bones = self.inner.bones();
+        let stands = |id: &kinopt::skeleton::BoneId| bones.iter().any(|b| b.parent == Some(*id));
+        self.inner.bone_ids().filter(move |id| !stands(id))
+    }
+
     /// Calls `write` with each pose and the room for it; the GIL is free meanwhile.
     fn each_pose<'py>(
         &self,
@@ -130,12 +137,21 @@ impl Skeleton {
     }
 
     /// Names of the model's frames at the tips of bones on which no other bone stands: hands, feet, a head.
+    ///
+    /// These are frames, for tasks and kinematics ("hand/tip" at the end of the bone "hand", whose own frame,
+    /// "hand", is where it begins); `ends` are the same bones by their own names.
     #[getter]
     fn tips(&self) -> Vec<String> {
+        let tips = self.last().map(|id| self.frame_name(self.inner.tip(id)));
+        tips.collect()
+    }
+
+    /// Names of the bones on which no other bone stands, in the order of `tips`.
+    #[getter]
+    fn ends(&self) -> Vec<&str> {
         let bones = self.inner.bones();
-        let stands = |id: &kinopt::skeleton::BoneId| bones.iter().any(|b| b.parent == Some(*id));
-        let ends = self.inner.bone_ids().filter(|id| !stands(id));
-        ends.map(|id| self.frame_name(self.inner.tip(id))).collect()
+        let ends = self.last().map(|id| bones[id.index()].name.as_str());
+        ends.collect()
     }
 
     /// How many angles a configuration has: three for each bone.

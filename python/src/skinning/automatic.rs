@@ -46,7 +46,11 @@ impl AutomaticWeights {
     /// evened out over the mesh's edges; `most` the most influences a vertex keeps, at least 1.
     #[new]
     #[pyo3(signature = (*, falloff = 4.0, smoothing_steps = 10, most = 8))]
-    fn new(falloff: f64, smoothing_steps: u32, most: usize) -> Self {
+    fn new(
+        falloff: f64,
+        #[pyo3(from_py_with = crate::arrays::whole)] smoothing_steps: u32,
+        #[pyo3(from_py_with = crate::arrays::whole)] most: usize,
+    ) -> Self {
         let mut inner = ByDistance::default();
         inner.falloff = falloff;
         inner.smoothing_steps = smoothing_steps;
@@ -113,7 +117,7 @@ impl HeatWeights {
     /// keeps, at least 1.
     #[new]
     #[pyo3(signature = (*, heat = 1.0, most = 8))]
-    fn new(heat: f64, most: usize) -> Self {
+    fn new(heat: f64, #[pyo3(from_py_with = crate::arrays::whole)] most: usize) -> Self {
         let mut inner = ByHeat::default();
         inner.heat = heat;
         inner.most = most;

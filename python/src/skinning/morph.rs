@@ -149,7 +149,10 @@ impl MorphTargets {
     ///
     /// Raises `InvalidValueError` where one names a vertex that does not exist.
     #[new]
-    fn new(vertex_count: usize, targets: Vec<Bound<'_, MorphTarget>>) -> PyResult<Self> {
+    fn new(
+        #[pyo3(from_py_with = crate::arrays::whole)] vertex_count: usize,
+        targets: Vec<Bound<'_, MorphTarget>>,
+    ) -> PyResult<Self> {
         let targets = targets.iter().map(|target| target.get().inner.clone());
         let targets = Targets::new(vertex_count, targets.collect());
         targets.or_raise().map(Self::from)
@@ -248,7 +251,7 @@ impl BlendShapes {
     fn new(shapes: &Bound<'_, pyo3::types::PyDict>) -> PyResult<Self> {
         let mut read = Vec::new();
         for (name, positions) in shapes {
-            let name: String = name.extract()?;
+            let name = arrays::name(&name, "a shape")?;
             let positions = vectors(&positions, &name)?.to_vec();
             read.push((name, positions));
         }

@@ -90,8 +90,8 @@ impl SkinWeights {
         vertices: &Bound<'_, PyAny>,
         bones: &Bound<'_, PyAny>,
         weights: &Bound<'_, PyAny>,
-        vertex_count: usize,
-        bone_count: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] vertex_count: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] bone_count: usize,
     ) -> PyResult<Self> {
         let builder = collected([vertices, bones], weights, vertex_count, bone_count)?;
         builder.build().or_raise().map(Self::from)
@@ -108,8 +108,8 @@ impl SkinWeights {
         vertices: &Bound<'py, PyAny>,
         bones: &Bound<'py, PyAny>,
         weights: &Bound<'py, PyAny>,
-        vertex_count: usize,
-        bone_count: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] vertex_count: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] bone_count: usize,
     ) -> PyResult<(Self, Bound<'py, PyDict>)> {
         let builder = collected([vertices, bones], weights, vertex_count, bone_count)?;
         let (weights, repair) = builder.build_repaired().or_raise()?;
@@ -198,7 +198,10 @@ impl SkinWeights {
     }
 
     /// One vertex's influences, sorted by bone: [(bone, weight), ...]; empty where there is no such vertex.
-    fn influences(&self, vertex: usize) -> Vec<(u32, f64)> {
+    fn influences(
+        &self,
+        #[pyo3(from_py_with = crate::arrays::whole)] vertex: usize,
+    ) -> Vec<(u32, f64)> {
         let influences = self.inner.influences(vertex).iter();
         influences.map(|i| (i.bone, i.weight)).collect()
     }
@@ -208,7 +211,11 @@ impl SkinWeights {
     /// "mean_lost": over all vertices}.
     ///
     /// Raises `InvalidValueError` for a `most` of 0.
-    fn pruned<'py>(&self, py: Python<'py>, most: usize) -> PyResult<(Self, Bound<'py, PyDict>)> {
+    fn pruned<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = crate::arrays::whole)] most: usize,
+    ) -> PyResult<(Self, Bound<'py, PyDict>)> {
         let (weights, pruning) = py.detach(|| self.inner.pruned(most)).or_raise()?;
         let lost = PyDict::new(py);
         lost.set_item("vertices", pruning.vertices)?;

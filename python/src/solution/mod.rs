@@ -111,23 +111,27 @@ impl Solution {
     }
 
     /// How every task came out, in the order in which the tasks were given.
+    #[getter]
     fn tasks(&self) -> Vec<TaskReport> {
         self.inner.tasks().map(TaskReport::from).collect()
     }
 
     /// The limits that hold the solution back; empty when it is reached.
+    #[getter]
     fn active_limits(&self) -> Vec<ActiveLimit> {
         self.inner.active_limits().map(ActiveLimit::from).collect()
     }
 
     /// Whether a missed goal is certainly out of reach: its place is farther from where the chain begins
     /// than the chain is long. False where that is not known.
+    #[getter]
     fn is_out_of_reach(&self) -> bool {
         self.inner.is_out_of_reach()
     }
 
     /// Names of the preferences that keep a missed goal from coming nearer, the strongest first. Only
     /// where preferences are "traded" off against goals can there be any.
+    #[getter]
     fn pulling_preferences(&self) -> Vec<&str> {
         self.inner.pulling_preferences().collect()
     }
@@ -163,8 +167,7 @@ impl Solution {
                 text += &format!(", {name}={error:.3e}");
             }
         }
-        let q: Vec<String> = inner.q.iter().map(|value| format!("{value:.4}")).collect();
-        text + &format!(", q=[{}])", q.join(", "))
+        text + &format!(", q={})", arrays::few(&inner.q))
     }
 }
 

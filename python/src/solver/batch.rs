@@ -12,9 +12,9 @@ use pyo3::types::PyType;
 
 use super::methods::Engine;
 use super::watch::Watch;
-use crate::arrays;
+use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
-use crate::items::Items;
+use crate::items::{self, Items};
 use crate::problem::{Move, Problem, raised};
 use crate::progress::Progress;
 use crate::solution::Solution;
@@ -24,13 +24,35 @@ use crate::threads;
 const LOOK: Duration = Duration::from_millis(20);
 
 /// What came of many questions, in their order: arrays over all of them, and `solutions[i]`.
-#[pyclass(frozen, sequence, module = "kinopt")]
+///
+/// A slice, a mask or a list of numbers takes some of them: `solutions[~solutions.reached]` are the misses.
+#[pyclass(frozen, subclass, sequence, module = "kinopt")]
 pub(crate) struct Solutions {
     inner: Vec<kinopt::Solution>,
     dof: usize,
 }
 
 impl Solutions {
+    pub(crate) fn new(inner: Vec<kinopt::Solution>, dof: usize) -> Self {
+        Self { inner, dof }
+    }
+
+    /// What `written` wrote.
+    pub(crate) fn read(solutions: &str, dof: usize) -> PyResult<Self> {
+        let inner = serde_json::from_str(solutions).or_raise()?;
+        Ok(Self { inner, dof })
+    }
+
+    /// What `read` reads.
+    pub(crate) fn written(&self) -> PyResult<(String, usize)> {
+        Ok((serde_json::to_string(&self.inner).or_raise()?, self.dof))
+    }
+
+    pub(crate) fn reached_text(&self) -> String {
+        let reached = self.inner.iter().filter(|solution| solution.reached);
+        format!("{} of {} reached", reached.count(), self.inner.len())
+    }
+
     fn errors<'py>(
         &self,
         py: Python<'py>,
@@ -89,9 +111,13 @@ impl Solutions {
         PyArray1::from_iter(py, attempts)
     }
 
-    /// Each one in words: see `Solution.explain()`.
-    fn explain(&self) -> Vec<String> {
-        self.inner.iter().map(kinopt::Solution::explain).collect()
+    /// What `Solution.explain` says of question `i`; without `i` a list for all.
+    ///
+    /// Raises `IndexError` for a question that there is not.
+    #[pyo3(signature = (i = None))]
+    fn explain<'py>(&self, py: Python<'py>, i: Option<isize>) -> PyResult<Bound<'py, PyAny>> {
+        let text = |i: usize| Ok(self.inner[i].explain());
+        items::explained(py, i, self.inner.len(), text)
     }
 
     fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
@@ -102,32 +128,34 @@ impl Solutions {
         self.inner.len()
     }
 
-    fn __getitem__(&self, index: isize) -> PyResult<Solution> {
-        let place = arrays::place(index, self.inner.len())?;
-        Ok(self.inner[place].clone().into())
+    fn __getitem__<'py>(&self, index: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = index.py();
+        let places = match arrays::pick(index, self.inner.len())? {
+            Picked::One(i) => {
+                let solution = Solution::from(self.inner[i].clone());
+                return Ok(Bound::new(py, solution)?.into_any());
+            }
+            Picked::Some(places) => places,
+        };
+        let places = places.readonly();
+        let places = places.as_array();
+        let some = places.iter().map(|&i| self.inner[i as usize].clone());
+        let some = Self::new(some.collect(), self.dof);
+        Ok(Bound::new(py, some)?.into_any())
     }
 
     #[classmethod]
     fn _rebuild(_class: &Bound<'_, PyType>, solutions: &str, dof: usize) -> PyResult<Self> {
-        let inner = serde_json::from_str(solutions).or_raise()?;
-        Ok(Self { inner, dof })
+        Self::read(solutions, dof)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let solutions = serde_json::to_string(&self.inner).or_raise()?;
         let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
-        Ok((rebuild, (solutions, self.dof))
-            .into_pyobject(py)?
-            .into_any())
+        Ok((rebuild, self.written()?).into_pyobject(py)?.into_any())
     }
 
     fn __repr__(&self) -> String {
-        let reached = self.inner.iter().filter(|solution| solution.reached);
-        format!(
-            "Solutions({} of {} reached)",
-            reached.count(),
-            self.inner.len()
-        )
+        format!("Solutions({})", self.reached_text())
     }
 }
 
@@ -228,7 +256,7 @@ pub(super) fn solve(
         threads => on_threads(&questions, asked, threads, &progress),
     })?;
     let dof = questions.dof;
-    Ok(Solutions { inner, dof })
+    Ok(Solutions::new(inner, dof))
 }
 
 fn one_by_one(

@@ -8,9 +8,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::Solver;
-use super::methods::Engine;
 use crate::arrays;
-use crate::error::{OrRaise, invalid};
+use crate::error::OrRaise;
 use crate::problem::{Aimed, Problem, raised};
 use crate::solution::Solution;
 
@@ -76,7 +75,7 @@ impl Drag {
         solver: Option<&Bound<'_, Solver>>,
         max_move: Option<f64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] search: Option<usize>,
-        seed: u64,
+        #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
         let own = &problem.get().inner;
@@ -86,12 +85,7 @@ impl Drag {
         });
         let mut drag = new?;
         if let Some(solver) = solver {
-            let Engine::Optimiser(method) = &solver.get().engine else {
-                return Err(invalid(format!(
-                    "a drag needs a method that minimises, which {} does not",
-                    solver.get().engine.name()
-                )));
-            };
+            let method = solver.get().optimiser("a drag")?;
             let frame = Stopping::default().with_max_iterations(STEPS);
             let frame = solver.get().limits.stopping(frame);
             drag = drag.with_solver(method.clone(), frame).or_raise()?;

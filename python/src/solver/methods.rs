@@ -252,10 +252,7 @@ fn number(method: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<f64>> {
     let value = method.getattr(name)?;
     match value.is_none() {
         true => Ok(None),
-        false => value
-            .extract()
-            .map(Some)
-            .map_err(|_| invalid(format!("{name} must be a number"))),
+        false => arrays::number(&value, name).map(Some),
     }
 }
 

@@ -39,6 +39,19 @@ pub(crate) struct Solver {
     options: Py<PyDict>,
 }
 
+impl Solver {
+    /// The optimiser in it, which `user` needs.
+    pub(crate) fn optimiser(&self, user: &str) -> PyResult<&kinopt::Solver> {
+        match &self.engine {
+            Engine::Optimiser(solver) => Ok(solver),
+            Engine::Geometric(_) => Err(invalid(format!(
+                "{user} needs a method that minimises, which {} does not",
+                self.engine.name()
+            ))),
+        }
+    }
+}
+
 #[pymethods]
 impl Solver {
     #[new]
@@ -57,7 +70,7 @@ impl Solver {
         patience: Option<f64>,
         time_limit: Option<f64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<usize>,
-        seed: Option<u64>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] seed: Option<u64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<usize>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<usize>,
     ) -> PyResult<Self> {

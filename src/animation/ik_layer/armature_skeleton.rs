@@ -36,13 +36,12 @@ impl Armature {
             if let Some(parent) =
                 parent.filter(|parent| !scales_evenly(self.rest().local_of(*parent).scale))
             {
-                return Err(SkeletonError::BadRest {
+                return Err(SkeletonError::UnevenScale {
                     bone: self
                         .names()
                         .get(parent.index())
                         .cloned()
                         .unwrap_or_default(),
-                    problem: "it scales its children by different numbers along its axes, or mirrors",
                 });
             }
             let model_from_bone = above * local.to_affine();

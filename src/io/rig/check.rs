@@ -1,6 +1,8 @@
 //! From the file's numbers to checked types; each error names the JSON path.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
+use std::path::Path;
 
 use super::degrees::{self, UNBOUNDED};
 use super::json::{BoneEntry, Constraints, RigFile};
@@ -32,7 +34,9 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError
         let mut same = named.filter(|(_, bone)| bone.name.as_deref() == Some(wanted));
         same.nth(1).map(|(index, _)| format!("bones[{index}].name"))
     };
-    Skeleton::new(name, bones).map_err(|error| {
+    // Called as its file is, without where that lies.
+    let own = Path::new(name).file_stem().and_then(OsStr::to_str);
+    Skeleton::new(own.unwrap_or(name), bones).map_err(|error| {
         let path = match &error {
             SkeletonError::DuplicateName { name } => second_of(name),
             _ => None,

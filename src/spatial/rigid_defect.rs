@@ -1,0 +1,51 @@
+//! What keeps a placement from being a rigid motion.
+
+use super::{Placement, Vector3};
+
+/// Why a placement is no rigid motion: a rotation of determinant +1 and a finite translation.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RigidDefect {
+    /// An entry that is NaN or infinite.
+    #[error("it has an entry that is not finite")]
+    NotFinite,
+    /// Columns that are not of unit length and at right angles.
+    #[error(
+        "its rotation is not orthonormal: an entry of R^T R is {off:.1e} off the identity, at most \
+         {tolerance:.1e} is allowed"
+    )]
+    NotOrthonormal {
+        /// The largest difference of an entry of RᵀR from the identity's.
+        off: f64,
+        /// How large it may be.
+        tolerance: f64,
+    },
+    /// A determinant of −1.
+    #[error("its rotation mirrors: its determinant is -1, not +1")]
+    Mirrors,
+}
+
+impl Placement<f64> {
+    /// Whether this is a rigid motion: all finite, RᵀR the identity within `tolerance` entry by
+    /// entry, determinant +1.
+    ///
+    /// # Errors
+    /// What is wrong, and by how much.
+    pub fn check_rigid(&self, tolerance: f64) -> Result<(), RigidDefect> {
+        let [x, y, z] = [self.rotation.x, self.rotation.y, self.rotation.z];
+        let entries = [x, y, z, self.translation].map(Vector3::to_array);
+        if entries.iter().flatten().any(|entry| !entry.is_finite()) {
+            return Err(RigidDefect::NotFinite);
+        }
+        let unit = [x, y, z].map(|c| (c.norm_squared() - 1.0).abs());
+        let orthogonal = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
+        let off = unit.into_iter().chain(orthogonal).fold(0.0, f64::max);
+        if off > tolerance {
+            return Err(RigidDefect::NotOrthonormal { off, tolerance });
+        }
+        if x.cross(y).dot(z) < 0.0 {
+            return Err(RigidDefect::Mirrors);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,90 @@
+//! Promise: an arm's Jacobian is the derivative of where its tool stands, between any two frames and
+//! with joints that follow; what is not finite is refused by name.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::{Arm, QueryError};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use support::arms::{Random, robot};
+use support::follower_chains::follower_chain;
+
+const STEP: f64 = 1e-6;
+
+/// The twist of the tool per unit of one joint, by central differences.
+fn twist(arm: &Arm, q: &[f64], joint: usize) -> [f64; 6] {
+    let at = |step: f64| {
+        let mut q = q.to_vec();
+        q[joint] += step;
+        arm.base_from_tool(&q).unwrap()
+    };
+    let (ahead, behind) = (at(STEP), at(-STEP));
+    let linear = (ahead.translation - behind.translation) * (0.5 / STEP);
+    // Half the axes' differences crossed with the axes themselves is the angular velocity.
+    let axes = |m: &Matrix3<f64>| [m.x, m.y, m.z];
+    let here = axes(&arm.base_from_tool(q).unwrap().rotation);
+    let (ahead, behind) = (axes(&ahead.rotation), axes(&behind.rotation));
+    let mut angular = Vector3::zero();
+    for k in 0..3 {
+        let rate = (ahead[k] - behind[k]) * (0.5 / STEP);
+        angular += here[k].cross(rate) * 0.5;
+    }
+    let ([a, b, c], [d, e, f]) = (linear.to_array(), angular.to_array());
+    [a, b, c, d, e, f]
+}
+
+fn holds_for(arm: &Arm, seed: u64) {
+    let mut random = Random(seed);
+    let mut jacobian = arm.jacobian().unwrap();
+    for _ in 0..4 {
+        let q = random.configuration(arm);
+        let matrix = jacobian.at(&q).unwrap();
+        assert_eq!(matrix.shape(), (6, arm.joint_count()));
+        for joint in 0..arm.joint_count() {
+            for (entry, by_differences) in matrix.column(joint).iter().zip(twist(arm, &q, joint)) {
+                assert!(
+                    (entry - by_differences).abs() < 1e-7,
+                    "{entry} {by_differences}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn it_is_the_derivative_of_the_tool_between_any_two_frames() {
+    let panda = robot("franka_panda");
+    let tool = Placement::translation(Vector3::new(0.1, -0.2, 0.3));
+    for (base, tip) in [("base", "flange"), ("link3", "tool"), ("flange", "link1")] {
+        let arm = Arm::builder(&panda, base, tip).with_tool(tool);
+        holds_for(&arm.with_atlas(false).build().unwrap(), 3);
+    }
+}
+
+#[test]
+fn joints_that_follow_count_as_what_they_follow() {
+    let mut arms = 0;
+    for number in 0..12 {
+        let (text, tip) = follower_chain(number);
+        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+            continue;
+        };
+        let arm = Arm::builder(&robot, "l0", &tip).with_atlas(false);
+        holds_for(&arm.build().unwrap(), number);
+        arms += 1;
+    }
+    assert!(arms > 6, "{arms}");
+}
+
+#[test]
+fn what_is_not_finite_is_refused_by_name() {
+    let arm = Arm::builder(&robot("franka_panda"), "base", "flange").with_atlas(false);
+    let arm = arm.build().unwrap();
+    let mut q = vec![0.0; 7];
+    q[2] = f64::NAN;
+    let error = arm.base_from_tool(&q).unwrap_err();
+    assert!(
+        matches!(&error, QueryError::NotFinite { joint, .. } if joint == "joint3"),
+        "{error}"
+    );
+    assert!(arm.jacobian().unwrap().at(&q).is_err());
+}
