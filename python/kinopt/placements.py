@@ -62,7 +62,10 @@ def placement(
 
 def _numbers(value: ArrayLike, name: str) -> Floats:
     try:
-        numbers = np.array(value, dtype=np.float64)
+        numbers = np.asarray(value)
+        if numbers.dtype.kind == "c":
+            raise TypeError("they are complex")
+        numbers = np.array(numbers, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InvalidValueError(f"{name} holds no numbers: {error}") from None
     if not np.isfinite(numbers).all():

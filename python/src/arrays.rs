@@ -375,15 +375,15 @@ pub(crate) fn list<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<
 }
 
 /// What an index takes of a row of things, as numpy has it.
-pub(crate) enum Picked<'py> {
+pub(crate) enum Picked {
     /// One of them, which a whole number names; it may count from the end.
     One(usize),
     /// Some of them, by a slice, a mask or a list of numbers: their places.
-    Some(Bound<'py, PyArray1<i64>>),
+    Some(Vec<usize>),
 }
 
 /// Reads an index of one of `count` things, or of some of them.
-pub(crate) fn pick<'py>(index: &Bound<'py, PyAny>, count: usize) -> PyResult<Picked<'py>> {
+pub(crate) fn pick(index: &Bound<'_, PyAny>, count: usize) -> PyResult<Picked> {
     let py = index.py();
     match index.extract::<isize>() {
         Ok(i) if !index.is_instance_of::<PyBool>() => return place(i, count).map(Picked::One),
@@ -394,11 +394,16 @@ pub(crate) fn pick<'py>(index: &Bound<'py, PyAny>, count: usize) -> PyResult<Pic
     }
     let all = PyArray1::from_iter(py, 0..count as i64);
     let some = all.as_any().get_item(index)?;
-    some.cast_into().map(Picked::Some).map_err(|_| {
-        PyIndexError::new_err(
+    let places = some.cast::<PyArray1<i64>>().ok();
+    let places = places.and_then(|places| places.try_readonly().ok());
+    match places {
+        Some(places) => Ok(Picked::Some(
+            places.as_array().iter().map(|&i| i as usize).collect(),
+        )),
+        None => Err(PyIndexError::new_err(
             "an index is a whole number, a slice, a mask of shape (N,) or a list of whole numbers",
-        )
-    })
+        )),
+    }
 }
 
 /// The place of an index that may count from the end.

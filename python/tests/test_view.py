@@ -277,3 +277,25 @@ def test_frames_points_and_paths_are_drawn(scene):
     scene.label("note", "here", [0.0, 0.0, 1.0])
     assert "iframe" in scene._repr_html_() and scene.url in scene._repr_html_()
     assert len(scene.snapshot()) > 10_000
+
+
+def test_what_is_no_place_or_colour_is_refused_by_name(scene):
+    for wrong in (np.zeros((3, 2)), np.zeros(3), np.full((2, 3), np.nan), "abc", [[1, 2, "x"]], np.zeros((2, 3, 4))):
+        for draw in (scene.points, scene.path):
+            with pytest.raises(kinopt.InvalidValueError, match="positions"):
+                draw("wrong", wrong)
+    with pytest.raises(kinopt.InvalidValueError, match=r"colors has shape \(2, 2\)"):
+        scene.points("wrong", np.zeros((2, 3)), np.zeros((2, 2)))
+    for wrong in (np.zeros(2), "abc", np.full(3, np.nan)):
+        with pytest.raises(kinopt.InvalidValueError, match="position"):
+            scene.label("wrong", "text", wrong)
+
+
+def test_a_scene_tells_what_is_in_it_and_embeds_itself_without_ipython(scene):
+    body = scene.add(panda(), "arm")
+    target = scene.target("goal", [0.1, 0.2, 0.3])
+    assert repr(body) == "RobotBody('arm', 9 joints)"
+    assert repr(target) == "Target('goal' at 0.1, 0.2, 0.3)"
+    assert "arm" in repr(scene) and scene.bodies == [body]
+    shown = scene.show(height=300)._repr_html_()
+    assert scene.url in shown and 'height="300"' in shown and scene.url in scene._repr_html_()

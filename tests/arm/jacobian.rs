@@ -77,7 +77,8 @@ fn joints_that_follow_count_as_what_they_follow() {
 
 #[test]
 fn what_is_not_finite_is_refused_by_name() {
-    let arm = Arm::builder(&robot("franka_panda"), "base", "flange").with_atlas(false);
+    let panda = robot("franka_panda");
+    let arm = Arm::builder(&panda, "base", "flange").with_atlas(false);
     let arm = arm.build().unwrap();
     let mut q = vec![0.0; 7];
     q[2] = f64::NAN;

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import look
 from .body import Clip, Piece
+from .canvas import Canvas
 from .figure import Figure
 from .look import Color
 from .mesh_on_bones import MeshOnBones
 from .skin import bone_skin
 from .solids import Solid
 
-if TYPE_CHECKING:
-    from .scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -35,7 +34,7 @@ class AnimatedBody(Figure):
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Canvas,
         thing: Any,
         name: str,
         at: Array,

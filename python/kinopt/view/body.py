@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import kinopt
 
+from .canvas import Canvas
+from .holding import Holding
 from .look import Color, DrawnKinematics, extent
 from .solids import Solid
-
-if TYPE_CHECKING:
-    from .holding import Holding
-    from .scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -45,7 +43,7 @@ class Piece:
 class Body(ABC):
     """Something with a configuration that is drawn in a scene: a robot, a figure, a character."""
 
-    def __init__(self, scene: Scene, thing: Any, name: str, at: Array) -> None:
+    def __init__(self, scene: Canvas, thing: Any, name: str, at: Array) -> None:
         self.scene = scene
         #: What is drawn, as it was given: a robot, rig, skeleton or model.
         self.thing = thing
@@ -141,6 +139,9 @@ class Body(ABC):
     @abstractmethod
     def remove(self) -> None:
         """Takes it out of the scene."""
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name!r}, {len(self._q)} joints)"
 
     def size(self) -> float:
         """The longest way between its joints and frames as it stands, in the model's unit."""

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import look
 from .body import Body, Clip, Piece
+from .canvas import Canvas
 from .figure import Figure
 from .look import Color
 from .skin import Skin, SkinOnPage, bone_skin, nearest_bones
 from .solids import Solid
 
-if TYPE_CHECKING:
-    from .scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -29,7 +28,7 @@ class CharacterBody(Figure):
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Canvas,
         thing: Any,
         name: str,
         at: Array,

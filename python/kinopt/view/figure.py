@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,9 @@ import kinopt
 from kinopt import tasks
 
 from .body import Body
+from .canvas import Canvas
 from .holding import Holding
 
-if TYPE_CHECKING:
-    from .scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -29,7 +28,7 @@ class Figure(Body):
 
     can_hold = True
 
-    def __init__(self, scene: Scene, thing: Any, name: str, at: Array) -> None:
+    def __init__(self, scene: Canvas, thing: Any, name: str, at: Array) -> None:
         super().__init__(scene, thing, name, at)
         #: The bones.
         self.skeleton: Any = getattr(thing, "skeleton", thing)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import kinopt
 
-if TYPE_CHECKING:
-    from .page import Page
+from .dragging import Dragging
 
 #: More joints than this are grouped, and their groups closed.
 MANY = 16
@@ -22,7 +21,7 @@ PLACES = 1000
 class JointsPanel:
     """Sliders of the joints that move and follow no other."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Dragging) -> None:
         self._page = page
         model, thing = page.body.model, page.body.thing
         followers = thing.mimics if isinstance(thing, kinopt.Robot) else {}

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .body import Body
 from .look import Color
 from .skin import Skin, SkinOnPage
-
-if TYPE_CHECKING:
-    from .body import Body
 
 Array = NDArray[np.float64]
 

@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-import time
-from collections import deque
-from collections.abc import Callable, Iterable
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
-import kinopt
+from collections.abc import Iterable
 
 from .body import Body
+from .dragging import Dragging
 from .joints_panel import JointsPanel
-from .posing import Answer, Goal, Posing
 from .save_panel import SavePanel
 from .scene import Scene
 from .solver_panel import SolverPanel
 from .status_panel import StatusPanel, plain
-from .target import Target
 from .targets_panel import TargetsPanel
 from .time_panel import TimePanel
 
-Array = NDArray[np.float64]
-
 #: So many tips have a gizmo when the page opens; others are picked from the list.
 MOST_TARGETS = 8
-#: Tips nearer to each other than this share of the body's size share a gizmo when the page opens.
-NEAR = 0.06
-#: Seconds between two looks at what need not be told sixty times a second: text, sliders, loose gizmos.
-SLOW = 0.08
 
 
-class Page:
-    """A body that is dragged by its frames.
-
-    Goals are what is pinned and what was dragged last; gizmos that are neither follow their frames.
-    Everything here runs on the scene's loop.
-    """
+class Page(Dragging):
+    """A body that is dragged by its frames, and a panel that tells of it and takes choices."""
 
     def __init__(
         self,
@@ -49,26 +30,9 @@ class Page:
         tolerance: float = 1e-6,
         notes: Iterable[str] = (),
     ) -> None:
-        self.scene = scene
-        self.body = body
-        self.posing = Posing(body)
-        self.posing.choose(tolerance=tolerance)
+        super().__init__(scene, body, turns=turns, tolerance=tolerance)
         #: What was mended or is not drawn, one line each.
         self.notes = [*notes, *body.missing]
-        #: Whether targets ask for an orientation too.
-        self.turns = turns
-        self.targets: dict[str, Target] = {}
-        self.pinned: set[str] = set()
-        #: The frame that was dragged last.
-        self.dragged: str | None = None
-        #: What the last frame came to.
-        self.answer: Answer | None = None
-        #: Why the solver that was chosen has no answer; empty where it has.
-        self.problem = ""
-        #: Seconds from a mouse's place to transforms on their way to the page, of the last moves.
-        self.times: deque[float] = deque(maxlen=10_000)
-        self._last_slow = 0.0
-
         scene.loop.call(self._furnish)
 
     def _furnish(self) -> None:
@@ -82,185 +46,12 @@ class Page:
         if self.notes:
             with self.scene.server.gui.add_folder("Notes", expand_by_default=False):
                 self.scene.server.gui.add_markdown("\n".join(f"- {plain(note)}" for note in self.notes))
+        self.on_targets.append(self.targets_panel.show)
+        self.on_change += [self.status.show, self.joints.show]
+        if self.time is not None:
+            self.on_change.append(self.time.follow)
+            self.on_grab.append(self.time.pause)
         for frame in self.body.pinned_first:
             self.add_target(frame, pinned=True)
-        for frame in self._apart(self.body.tips)[:MOST_TARGETS]:
+        for frame in self.apart(self.body.tips)[:MOST_TARGETS]:
             self.add_target(frame)
-
-    # Targets.
-
-    def add_target(self, frame: str, *, pinned: bool = False) -> Target:
-        """A gizmo on a frame; one that is there stays."""
-        if frame in self.targets:
-            return self.targets[frame]
-        turns = self.turns
-        size = (0.15 if turns else 0.11) * self._size()
-        target = self.scene.target(f"target/{frame}", self._place(frame), size=size, turns=turns)
-        self.targets[frame] = target
-        if pinned:
-            self.pinned.add(frame)
-        target.on_grab(lambda place: self._grab(frame))
-        target.on_move(lambda place: self._drag(frame))
-        target.on_release(lambda place: self.refresh())
-        self.targets_panel.show()
-        return target
-
-    def remove_target(self, frame: str) -> None:
-        """Takes a frame's gizmo away."""
-        self.targets.pop(frame).remove()
-        self.pinned.discard(frame)
-        if self.dragged == frame:
-            self.dragged = None
-        self.posing.state_anew()
-        self.targets_panel.show()
-        self.pose()
-
-    def pin(self, frame: str, pinned: bool) -> None:
-        """Has a frame stay at its target while others are dragged, or lets go of it."""
-        if pinned:
-            self.pinned.add(frame)
-            if frame != self.dragged:
-                self.targets[frame].placement = self._place(frame)
-        else:
-            self.pinned.discard(frame)
-        self.posing.state_anew()
-        self.pose()
-
-    def set_turns(self, turns: bool) -> None:
-        """Whether targets ask for an orientation too."""
-        self.turns = turns
-        for frame, target in self.targets.items():
-            target.turns = turns
-            turned = target.placement
-            turned[:3, :3] = self._place(frame)[:3, :3]
-            target.placement = turned
-        self.posing.state_anew()
-        self.pose()
-
-    def _place(self, frame: str) -> Array:
-        """Where the gizmo of a frame belongs: one that is only moved has the world's axes."""
-        place = self.body.frame(frame)
-        if not self.turns:
-            place[:3, :3] = np.eye(3)
-        return place
-
-    def _apart(self, frames: list[str]) -> list[str]:
-        """The frames that do not stand beside another one of them, or beside a target, so that none is in the way."""
-        near = NEAR * self.body.size()
-        places = [self.body.frame(frame)[:3, 3] for frame in self.targets]
-        chosen = []
-        for frame in frames:
-            place = self.body.frame(frame)[:3, 3]
-            if all(np.linalg.norm(place - other) > near for other in places):
-                places.append(place)
-                chosen.append(frame)
-        return chosen
-
-    def goals(self) -> list[Goal]:
-        """What is asked of the body now."""
-        wanted = [frame for frame in self.targets if frame in self.pinned or frame == self.dragged]
-        return [Goal(frame, self.targets[frame].placement, self.turns) for frame in wanted]
-
-    # Motion.
-
-    def pose(self) -> None:
-        """Asks the solver once more, and goes on while the body does."""
-        answer = self._solved()
-        if answer is not None:
-            self.show(answer)
-            if answer.goes_on:
-                self.scene.loop.tick(self._go_on)
-        self.refresh()
-
-    def _solved(self) -> Answer | None:
-        """One frame of the solver; what it has no answer for is told on the page."""
-        try:
-            answer = self.posing.solve(self.goals())
-        except kinopt.KinoptError as error:
-            self.problem = str(error)
-            self.refresh()
-            return None
-        self.problem = ""
-        return answer
-
-    def show(self, answer: Answer) -> None:
-        """Moves the body to where a solve brought it."""
-        self.answer = answer
-        self.body.q = answer.q
-
-    def stand_at(self, q: Array) -> None:
-        """Places the body; pinned targets go along."""
-        self.body.q = q
-        self.stands_elsewhere()
-
-    def stands_elsewhere(self) -> None:
-        """The body was moved by something else, a clip say: pinned targets go along, nothing is asked any more."""
-        self.dragged = None
-        self.answer = None
-        for frame in self.pinned:
-            self.targets[frame].placement = self._place(frame)
-        self.posing.state_anew()
-        self.refresh()
-
-    def set_joint(self, joint: str, value: float) -> None:
-        """Moves one joint; the others keep pinned frames where they are, as far as they can."""
-        self.dragged = None
-        self.show(self.posing.with_joint(joint, value, self.goals()))
-        self.refresh()
-
-    def let_go(self) -> None:
-        """Nothing is pinned or dragged any more."""
-        self.pinned.clear()
-        self.dragged = None
-        self.answer = None
-        self.posing.state_anew()
-        self.targets_panel.show()
-        self.refresh()
-
-    def _grab(self, frame: str) -> None:
-        if self.time is not None:
-            self.time.pause()
-        self.dragged = frame
-        self.posing.state_anew()
-
-    def _drag(self, frame: str) -> None:
-        if self.dragged != frame:
-            self._grab(frame)
-        self.pose()
-        self.times.append(time.perf_counter() - self.targets[frame].asked)
-
-    def _go_on(self, now: float) -> bool:
-        """One more frame of a body that is catching up, or settling, with a target that rests."""
-        answer = self._solved()
-        if answer is None:
-            return False
-        self.show(answer)
-        self.refresh()
-        return answer.goes_on
-
-    # What is told about it.
-
-    def refresh(self) -> None:
-        """Has text, sliders and loose gizmos follow, soon."""
-        self.scene.loop.tick(self._slow)
-
-    def _slow(self, now: float) -> bool:
-        if now - self._last_slow < SLOW:
-            return True
-        self._last_slow = now
-        for frame, target in self.targets.items():
-            if frame not in self.pinned and frame != self.dragged:
-                target.placement = self._place(frame)
-        self.status.show()
-        self.joints.show()
-        if self.time is not None:
-            self.time.follow()
-        return False
-
-    def _size(self) -> float:
-        low, high = self.body.box()
-        return float(np.linalg.norm(high - low))
-
-    def call(self, work: Callable[[], Any]) -> Any:
-        """Does `work` between two frames and waits for it: for scripts that steer a page."""
-        return self.scene.loop.call(work)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 import kinopt
 from kinopt import tasks
 
+from .body import Body
 from .transforms import inverse
-
-if TYPE_CHECKING:
-    from .body import Body
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,12 @@ import kinopt
 
 from . import look, solids
 from .body import Body, Piece
+from .canvas import Canvas
 from .look import Color
 from .mesh_files import MeshFiles
 from .parts import Parts
 from .solids import Solid
 
-if TYPE_CHECKING:
-    from .scene import Scene
 
 Array = NDArray[np.float64]
 Style = Literal["auto", "file", "capsules"]
@@ -30,7 +29,7 @@ class RobotBody(Body):
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Canvas,
         thing: Any,
         name: str,
         at: Array,

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from .dragging import Dragging
 from .saving import FORMATS, saved
-
-if TYPE_CHECKING:
-    from .page import Page
 
 
 class SavePanel:
     """Saves the pose to a file of the browser's."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Dragging) -> None:
         gui = page.scene.server.gui
         with gui.add_folder("Save the pose"):
             self._kind = gui.add_button_group("", tuple(kind.upper() for kind in FORMATS))

@@ -2,35 +2,29 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import itertools
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
-import viser
-from numpy.typing import ArrayLike, NDArray
 
 import kinopt
 
 from . import stage
 from .animated import AnimatedBody
 from .body import Body
+from .canvas import Canvas
 from .character import CharacterBody
 from .look import Color, extent, extent_of
-from .loop import Loop
 from .robot_body import RobotBody, Style
 from .stage import Up
 from .target import Target
-from .transforms import placement_of, wxyz_of
-
-Array = NDArray[np.float64]
+from .transforms import placement_of
 
 
-class Scene:
+class Scene(Canvas):
     """A page in the browser that a script shows its robots, targets and results on.
 
     ```python
@@ -65,26 +59,8 @@ class Scene:
 
         Only this machine sees it unless `host` is "0.0.0.0".
         """
-        with contextlib.redirect_stdout(io.StringIO()):
-            #: viser's server, for whatever is not here: its `scene`, its `gui`.
-            self.server = viser.ViserServer(host=host, port=port, label=title, verbose=False)
-        self.up: Up = up
-        #: What a length of 1 is drawn as: very large and very small models are drawn about as large as a person.
-        self.drawn = 1.0
-        #: Where all that happens on the page is done, in order.
-        self.loop = Loop(self.server.atomic)
-        self._bodies: dict[str, Body] = {}
-        self._targets: dict[str, Target] = {}
+        super().__init__(host, port, up, title)
         self._empty = True
-        self._closed = False
-        stage.furnish(self.server, up)
-
-    @property
-    def url(self) -> str:
-        """Where the page is."""
-        host = self.server.get_host()
-        shown = "localhost" if host in ("0.0.0.0", "127.0.0.1") else host
-        return f"http://{shown}:{self.server.get_port()}"
 
     def add(
         self,
@@ -105,14 +81,15 @@ class Scene:
         `packages` (folders by package, or folders that hold packages) and in `ROS_PACKAGE_PATH`; clean
         capsules stand in for those that are not at hand. With "capsules" there are no others; "auto" is
         "capsules" for files that have cylinders alone. `color` is red, green, blue up to 255, `opacity` from 0
-        to 1. Of the same given `name` only the last is shown.
+        to 1. Of the same given `name` only the last is shown. Raises `InvalidValueError` for things of other kinds
+        and for an `at` that is no placement.
         """
         at = np.eye(4) if at is None else placement_of(at, "at")
         if not (hasattr(thing, "armature") or hasattr(thing, "model") or isinstance(thing, kinopt.Model)):
             raise kinopt.InvalidValueError(
                 f"a scene shows a robot, rig, skeleton, model, glTF scene or capture, not {type(thing).__name__}"
             )
-        name = self._free_name(name) if name else self._numbered(thing)
+        name = self.clear(name) if name else self._numbered(thing)
         self._measure(thing)
         body: Body
         if hasattr(thing, "armature"):
@@ -131,7 +108,7 @@ class Scene:
                 beside=beside,
                 packages=packages,
             )
-        self._bodies[name] = body
+        self.place(name, body)
         if self._empty:
             self._empty = False
             self.frame_all()
@@ -147,23 +124,21 @@ class Scene:
             return
         self.drawn = stage.drawn_scale(extent_of(getattr(thing, "model", thing)))
 
-    def _free_name(self, name: str) -> str:
-        name = name.strip("/")
-        for known in (self._bodies, self._targets):
-            if name in known:
-                known[name].remove()
-        return name
-
     def _numbered(self, thing: Any) -> str:
         """The thing's own name, with a number where that is taken: nothing is replaced unasked."""
         own = getattr(getattr(thing, "model", thing), "name", None)
         own = (own if isinstance(own, str) else "").strip("/") or "body"
         names = itertools.chain([own], (f"{own} {i}" for i in itertools.count(2)))
-        return next(name for name in names if name not in self._bodies and name not in self._targets)
+        return next(name for name in names if name not in self._things)
+
+    @property
+    def bodies(self) -> list[Body]:
+        """The robots and characters that are shown."""
+        return [thing for thing in self._things.values() if isinstance(thing, Body)]
 
     def frame_all(self) -> None:
         """Lays the ground below all bodies and lets the camera see the whole of them."""
-        boxes = [body.box() for body in self._bodies.values()]
+        boxes = [body.box() for body in self.bodies]
         if not boxes:
             return
         low = np.min([low for low, _ in boxes], axis=0) * self.drawn
@@ -181,103 +156,13 @@ class Scene:
         """A gizmo to drag: a `Target`, whose `on_move` says what follows it.
 
         `size` is its arrows' length in the model's unit; without `turns` it is moved but not turned.
+        Raises `InvalidValueError` for what is no placement.
         """
-        name = self._free_name(name)
+        name = self.clear(name)
         size = 0.16 * stage.DRAWN / self.drawn if size is None else size
         target = Target(self, name, placement_of(placement), size, turns)
-        self._targets[name] = target
+        self.place(name, target)
         return target
-
-    def frame(self, name: str, placement: object, *, size: float | None = None) -> viser.FrameHandle:
-        """Shows a placement as three axes, red, green, blue; again with the same name moves it."""
-        place = placement_of(placement)
-        length = (0.07 * stage.DRAWN / self.drawn if size is None else size) * self.drawn
-        return self.server.scene.add_frame(
-            f"/{name}",
-            axes_length=length,
-            axes_radius=0.035 * length,
-            origin_color=(120, 130, 140),
-            position=place[:3, 3] * self.drawn,
-            wxyz=wxyz_of(place[None, :3, :3])[0],
-        )
-
-    def points(
-        self,
-        name: str,
-        positions: ArrayLike,
-        colors: ArrayLike = (38, 106, 171),
-        *,
-        size: float | None = None,
-    ) -> viser.PointCloudHandle:
-        """Shows points, shape (N, 3); `colors` red, green, blue up to 255, shape (3,) or (N, 3)."""
-        size = 0.006 * stage.DRAWN / self.drawn if size is None else size
-        return self.server.scene.add_point_cloud(
-            f"/{name}",
-            points=(np.asarray(positions, dtype=float) * self.drawn).astype(np.float32),
-            colors=np.asarray(colors, dtype=np.uint8),
-            point_size=size * self.drawn,
-            point_shape="circle",
-        )
-
-    def path(
-        self, name: str, positions: ArrayLike, color: Color = (38, 106, 171), *, width: float = 2.5
-    ) -> viser.LineSegmentsHandle:
-        """Shows a line through positions, shape (N, 3), or through the places of (N, 4, 4); `width` in pixels."""
-        places = np.asarray(positions, dtype=float)
-        if places.ndim == 3:
-            places = places[:, :3, 3]
-        places = (places * self.drawn).astype(np.float32)
-        segments = np.stack([places[:-1], places[1:]], axis=1)
-        return self.server.scene.add_line_segments(
-            f"/{name}", points=segments, colors=color, thickness=width, thickness_units="screen"
-        )
-
-    def label(self, name: str, text: str, position: ArrayLike) -> viser.LabelHandle:
-        """Writes `text` beside a position, three numbers."""
-        place = np.asarray(position, dtype=float) * self.drawn
-        return self.server.scene.add_label(f"/{name}", text, position=place)
-
-    def every_frame(self, ticker: Callable[[float], bool]) -> Callable[[float], bool]:
-        """Has `ticker` called 60 times a second with the time in seconds, until it returns false."""
-        self.loop.tick(ticker)
-        return ticker
-
-    def wait(self) -> None:
-        """Serves the page until Ctrl-C."""
-        with contextlib.suppress(KeyboardInterrupt):
-            self.loop.thread.join()
-        self.close()
-
-    def close(self) -> None:
-        """Ends the page."""
-        if self._closed:
-            return
-        self._closed = True
-        self.loop.stop()
-        with contextlib.redirect_stdout(io.StringIO()):
-            self.server.stop()
-
-    def forget(self, thing: Body | Target) -> None:
-        """What is removed from the scene is no longer known by its name."""
-        for known in (self._bodies, self._targets):
-            if known.get(thing.name) is thing:
-                del known[thing.name]
-
-    def show(self, height: int = 520) -> Any:
-        """The live page as a notebook's output, `height` pixels high (needs IPython, which notebooks have)."""
-        from IPython.display import IFrame
-
-        return IFrame(self.url, width="100%", height=height)
-
-    def snapshot(self) -> str:
-        """The page as it stands, as one HTML document that needs no server, for notebooks that are saved."""
-        html: str = self.server.scene.as_html()
-        return html
-
-    def _repr_html_(self) -> str:
-        return (
-            f'<iframe src="{self.url}" width="100%" height="520" style="border:0;border-radius:6px"></iframe>'
-        )
 
     def __enter__(self) -> Scene:
         return self
@@ -291,5 +176,5 @@ class Scene:
         self.close()
 
     def __repr__(self) -> str:
-        bodies = ", ".join(self._bodies) or "empty"
+        bodies = ", ".join(body.name for body in self.bodies) or "empty"
         return f"Scene({self.url}: {bodies})"

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import kinopt
 
+from .canvas import Canvas
 from .look import Color
 from .parts import Parts
 from .solids import Solid, Triangles, capsule_between, joined, sphere
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -44,7 +42,7 @@ class Skin:
 class SkinOnPage:
     """A skin that the page shows. Assigning transforms of its bones moves it."""
 
-    def __init__(self, scene: Scene, name: str, skin: Skin, color: Color, **looks: Any) -> None:
+    def __init__(self, scene: Canvas, name: str, skin: Skin, color: Color, **looks: Any) -> None:
         weights, self.cut = fewer_influences(skin.weights)
         self._used = np.nonzero(weights.any(axis=0))[0]
         count = len(self._used)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from .dragging import Dragging
 from .posing import POSTURES
-
-if TYPE_CHECKING:
-    from .page import Page
 
 
 class SolverPanel:
     """Choices that hold from the next move on."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Dragging) -> None:
         self._page = page
         gui = page.scene.server.gui
         choices = page.posing.choices

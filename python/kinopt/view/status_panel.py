@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .page import Page
+from .dragging import Dragging
 
 #: Colours of the bar beside the text, by how it went.
 COLORS = {
@@ -23,7 +22,7 @@ COLORS = {
 class StatusPanel:
     """The text at the top of the panel, and a red line from each missed frame to its target."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Dragging) -> None:
         self._page = page
         #: What stands there, as plain text.
         self.text = ""

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import viser
 from numpy.typing import NDArray
 
+from .canvas import Canvas
+from .loop import FRAME
 from .transforms import between, matrix_of, placement_of, wxyz_of
 
-if TYPE_CHECKING:
-    import viser
-
-    from .scene import Scene
 
 Array = NDArray[np.float64]
 Moved = Callable[[Array], Any]
@@ -30,7 +29,7 @@ class Target:
     follows it moves at the screen's rate.
     """
 
-    def __init__(self, scene: Scene, name: str, placement: Array, size: float, turns: bool) -> None:
+    def __init__(self, scene: Canvas, name: str, placement: Array, size: float, turns: bool) -> None:
         self.scene = scene
         #: Its name in the scene.
         self.name = name
@@ -65,7 +64,10 @@ class Target:
 
     @property
     def placement(self) -> Array:
-        """Where it is: world_from_target, shape (4, 4); assigning moves it, without calling `on_move`."""
+        """Where it is: world_from_target, shape (4, 4); assigning moves it, without calling `on_move`.
+
+        What is no placement raises `InvalidValueError`.
+        """
         return self._now.copy()
 
     @placement.setter
@@ -114,6 +116,10 @@ class Target:
         self._gizmo.remove()
         self.scene.forget(self)
 
+    def __repr__(self) -> str:
+        x, y, z = self._now[:3, 3]
+        return f"Target({self.name!r} at {x:.4g}, {y:.4g}, {z:.4g})"
+
     def _shown(self, placement: Array) -> tuple[Any, Any]:
         return placement[:3, 3] * self.scene.drawn, wxyz_of(placement[None, :3, :3])[0]
 
@@ -142,8 +148,6 @@ class Target:
 
     def _go_on(self, now: float) -> bool:
         """Goes on towards the last place heard of; whether there is more to go."""
-        from .loop import FRAME
-
         share = min((now - self._began + FRAME) / BETWEEN_MESSAGES, 1.0)
         self._now = between(self._from, self._to, share)
         for moved in list(self._heard):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from .page import Page
+from .dragging import Dragging
 
 
 class TargetsPanel:
     """A row a target, a list to add others from."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Dragging) -> None:
         self._page = page
         gui = page.scene.server.gui
         self._folder = gui.add_folder("Targets")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from .page import Page
+from .dragging import Dragging
 
 #: How much faster or slower than life.
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
@@ -15,7 +14,7 @@ SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
 class TimePanel:
     """Which clip, when, and whether it runs; below the picture."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Dragging) -> None:
         self._page = page
         self._clips = {clip.name: clip for clip in page.body.clips}
         self._clip = next(iter(self._clips.values()))

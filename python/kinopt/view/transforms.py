@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+import kinopt
+from kinopt._kinopt import tasks
+
 Array = NDArray[np.float64]
 
 
@@ -54,21 +57,24 @@ def matrix_of(wxyz: Array, position: Array) -> Array:
 def placement_of(value: object, name: str = "placement") -> Array:
     """A 4 x 4 array of what stands for a placement: an array, or what has `homogeneous`, `as_matrix()` or `A`.
 
-    Three numbers are a position. A shape that is neither is a `ValueError`.
+    Three numbers are a position. What is neither, or not finite, is an `InvalidValueError`.
     """
-    for attribute in ("homogeneous", "as_matrix", "A"):
-        found = getattr(value, attribute, None)
-        if found is not None:
-            value = found() if callable(found) else found
-            break
-    array = np.asarray(value, dtype=float)
-    if array.shape == (3,):
-        moved = np.eye(4)
-        moved[:3, 3] = array
-        return moved
-    if array.shape != (4, 4):
-        raise ValueError(f"{name} has shape {array.shape}: (4, 4), or (3,) for a position")
-    return array
+    if not any(hasattr(value, attribute) for attribute in ("homogeneous", "as_matrix", "A")):
+        try:
+            three = np.asarray(value, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise kinopt.InvalidValueError(f"{name} holds no numbers: {error}") from None
+        if three.ndim == 1:
+            moved = np.eye(4)
+            moved[:3, 3] = tasks.numbers(three, name, 3)
+            return _finite(moved, name)
+    return _finite(np.array(tasks.placement(value, name)), name)
+
+
+def _finite(placement: Array, name: str) -> Array:
+    if not np.isfinite(placement).all():
+        raise kinopt.InvalidValueError(f"{name} holds numbers that are not finite")
+    return placement
 
 
 def inverse(placement: Array) -> Array:

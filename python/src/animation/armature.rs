@@ -1,7 +1,5 @@
 //! Armatures: bones in a tree, with their rest pose and the names of morph targets.
 
-use std::sync::Arc;
-
 use kinopt::animation::{Armature as Bones, ArmatureBone, LocalTransform};
 use kinopt::glam::{Affine3A, Quat, Vec3A};
 use kinopt::model::Limits;
@@ -10,7 +8,7 @@ use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use super::pose::{Pose, asked};
+use super::bones_and_poses::{Armature, Pose, asked};
 use crate::arrays::{self, Numbers, shape_text};
 use crate::error::{OrRaise, invalid};
 use crate::skeleton::Skeleton;
@@ -21,25 +19,6 @@ use crate::vertices::whole;
 
 /// Poses that are computed between two looks at signals.
 const POSES_AT_A_TIME: usize = 256;
-
-/// Bones in a tree, parents before children, with their rest pose and the names of morph targets: what
-/// characters are animated by, in single precision.
-#[pyclass(frozen, module = "kinopt.animation")]
-pub(crate) struct Armature {
-    pub(crate) inner: Arc<Bones>,
-}
-
-impl From<Arc<Bones>> for Armature {
-    fn from(inner: Arc<Bones>) -> Self {
-        Self { inner }
-    }
-}
-
-impl From<Bones> for Armature {
-    fn from(bones: Bones) -> Self {
-        Arc::new(bones).into()
-    }
-}
 
 impl Armature {
     fn turned(&self, pose: &Bound<'_, Pose>, bone: &str) -> PyResult<Quat> {

@@ -6,12 +6,11 @@ use kinopt::animation::{Armature as Bones, Channel, Clip as Motion, Cursor, Pose
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use super::armature::Armature;
+use super::bones_and_poses::{Armature, Pose, Poses};
 use super::curve::{EulerCurve, KeyedCurve, RotationCurve, Values};
 use super::euler_clip::EulerClip;
 use super::playback;
 use super::playhead::Passage;
-use super::pose::{Pose, Poses};
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 use crate::pool::Pool;

@@ -9,11 +9,10 @@ use kinopt::glam::Affine3A;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use super::armature::Armature;
+use super::bones_and_poses::{Armature, Pose, Poses};
 use super::clip::Clip;
 use super::limb::{Limb, LimbGoal};
 use super::playback;
-use super::pose::{Pose, Poses};
 use crate::arrays::{self, place};
 use crate::error::{OrRaise, invalid};
 use crate::{threads, transforms};

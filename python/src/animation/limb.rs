@@ -9,8 +9,7 @@ use kinopt::animation::{
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use super::armature::Armature;
-use super::pose::Pose;
+use super::bones_and_poses::{Armature, Pose};
 use crate::error::{OrRaise, invalid};
 use crate::transforms::{given, quaternion, shaped, vector};
 

@@ -2,31 +2,35 @@
 
 mod armature;
 mod blend;
+mod bones_and_poses;
 mod clip;
 mod crowd;
 mod curve;
 mod euler_clip;
 mod limb;
+mod mask;
 mod playback;
 mod playhead;
 mod pose;
+mod pose_parts;
+mod poses;
 mod reach;
 mod state_machine;
 
 use pyo3::prelude::*;
 
-pub(crate) use self::armature::Armature;
+pub(crate) use self::bones_and_poses::{Armature, Pose, asked};
 pub(crate) use self::clip::Clip;
 pub(crate) use self::euler_clip::EulerClip;
-pub(crate) use self::pose::{Pose, asked};
 
 /// Motion over time: keyframes, what is between them, and poses.
 #[pymodule(submodule)]
 pub(crate) mod animation {
     #[pymodule_export]
-    use super::armature::Armature;
     #[pymodule_export]
-    use super::blend::{BoneMask, Layer, blend_poses};
+    use super::blend::{Layer, blend_poses};
+    #[pymodule_export]
+    use super::bones_and_poses::{Armature, Pose, Poses};
     #[pymodule_export]
     use super::clip::{Clip, ClipBuilder};
     #[pymodule_export]
@@ -38,9 +42,10 @@ pub(crate) mod animation {
     #[pymodule_export]
     use super::limb::{Aim, AimGoal, Limb, LimbGoal};
     #[pymodule_export]
+    use super::mask::BoneMask;
+    #[pymodule_export]
     use super::playhead::{Passage, Playhead};
     #[pymodule_export]
-    use super::pose::{Pose, Poses};
     #[pymodule_export]
     use super::reach::{PoseAngles, ReachLayer};
     #[pymodule_export]

@@ -6,8 +6,7 @@ use kinopt::animation::{PoseAngles as Angles, ReachLayer as Reach};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use super::armature::Armature;
-use super::pose::{Pose, Poses, asked};
+use super::bones_and_poses::{Armature, Pose, Poses, asked};
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 use crate::skeleton::Skeleton;

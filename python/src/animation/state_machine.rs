@@ -11,9 +11,8 @@ use kinopt::io::state_machine;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
-use super::armature::Armature;
+use super::bones_and_poses::{Armature, Pose};
 use super::clip::Clip;
-use super::pose::Pose;
 use crate::contents::text_or_bytes;
 use crate::error::{Kind, OrRaise, invalid, raise};
 

@@ -262,8 +262,10 @@ impl Batch {
     }
 
     /// The batch of some of the targets.
-    fn some(&self, places: &Bound<'_, PyArray1<i64>>) -> PyResult<Self> {
-        let py = places.py();
+    fn some(&self, py: Python<'_>, places: &[usize]) -> PyResult<Self> {
+        let count = places.len();
+        let places = places.iter().map(|&place| place as i64);
+        let places = &PyArray1::from_iter(py, places);
         let starts = self.starts.bind(py);
         let starts = if axes(starts)? < 2 {
             starts.clone()
@@ -274,7 +276,7 @@ impl Batch {
             arm: self.arm.clone_ref(py),
             targets: self.targets.bind(py).get_item(places)?.unbind(),
             starts: starts.unbind(),
-            count: places.len()?,
+            count,
             q: taken(&self.q, places)?,
             reached: taken(&self.reached, places)?,
             position_error: taken(&self.position_error, places)?,
@@ -320,7 +322,7 @@ impl Batch {
                 let solution = Solution::from(self.solution(py, i)?);
                 Ok(Bound::new(py, solution)?.into_any())
             }
-            Picked::Some(places) => Ok(Bound::new(py, self.some(&places)?)?.into_any()),
+            Picked::Some(places) => Ok(Bound::new(py, self.some(py, &places)?)?.into_any()),
         }
     }
 

@@ -137,9 +137,7 @@ impl Solutions {
             }
             Picked::Some(places) => places,
         };
-        let places = places.readonly();
-        let places = places.as_array();
-        let some = places.iter().map(|&i| self.inner[i as usize].clone());
+        let some = places.into_iter().map(|i| self.inner[i].clone());
         let some = Self::new(some.collect(), self.dof);
         Ok(Bound::new(py, some)?.into_any())
     }

@@ -1,0 +1,101 @@
+//! Armatures and poses as they are passed around: each knows the other, so they stand together.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use kinopt::animation::{Armature as Bones, Pose as Locals};
+use pyo3::prelude::*;
+
+use crate::error::invalid;
+
+/// Bones in a tree, parents before children, with their rest pose and the names of morph targets: what
+/// characters are animated by, in single precision.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Armature {
+    pub(crate) inner: Arc<Bones>,
+}
+
+impl From<Arc<Bones>> for Armature {
+    fn from(inner: Arc<Bones>) -> Self {
+        Self { inner }
+    }
+}
+
+impl From<Bones> for Armature {
+    fn from(bones: Bones) -> Self {
+        Arc::new(bones).into()
+    }
+}
+
+/// A local transform for each bone of an armature and a weight for each of its morph targets.
+///
+/// Bones are scaled, then turned, then moved, in their parents. Numbers are float32, lengths in the
+/// armature's unit. A pose can be changed; calls from many threads come one after another.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Pose {
+    pub(super) armature: Arc<Bones>,
+    locals: Mutex<Locals>,
+}
+
+impl Pose {
+    pub(crate) fn of(armature: &Arc<Bones>, locals: Locals) -> Self {
+        Self {
+            armature: Arc::clone(armature),
+            locals: Mutex::new(locals),
+        }
+    }
+
+    /// A copy as it is now.
+    pub(crate) fn now(&self) -> Locals {
+        self.with(|locals| locals.clone())
+    }
+
+    /// Does something with it that makes no Python objects.
+    pub(crate) fn with<T>(&self, run: impl FnOnce(&mut Locals) -> T) -> T {
+        run(&mut self.locals.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// The armature's bones.
+    pub(crate) fn bones(&self) -> &Arc<Bones> {
+        &self.armature
+    }
+}
+
+/// Poses of one armature, such as a clip's at many times; nothing changes them.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Poses {
+    pub(crate) armature: Arc<Bones>,
+    pub(crate) list: Arc<Vec<Locals>>,
+}
+
+impl Poses {
+    pub(crate) fn of(armature: &Arc<Bones>, list: Vec<Locals>) -> Self {
+        Self {
+            armature: Arc::clone(armature),
+            list: Arc::new(list),
+        }
+    }
+}
+
+/// The poses of a `Pose`, of `Poses` or of a list; and how many, where it is not one alone.
+pub(crate) fn asked(value: &Bound<'_, PyAny>) -> PyResult<(Vec<Locals>, Option<usize>)> {
+    if let Ok(pose) = value.cast::<Pose>() {
+        return Ok((vec![pose.get().now()], None));
+    }
+    if let Ok(poses) = value.cast::<Poses>() {
+        let list = Vec::clone(&poses.get().list);
+        let count = list.len();
+        return Ok((list, Some(count)));
+    }
+    let poses = value.try_iter().ok().map(|items| {
+        let poses = items.map(|item| Ok(item?.cast::<Pose>()?.get().now()));
+        poses.collect::<PyResult<Vec<_>>>().ok()
+    });
+    let list = poses.flatten().ok_or_else(|| {
+        let kind = value.get_type();
+        invalid(format!(
+            "expected a Pose, Poses or a list of them, not {kind}"
+        ))
+    })?;
+    let count = list.len();
+    Ok((list, Some(count)))
+}
