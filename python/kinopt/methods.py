@@ -20,7 +20,8 @@ class LevenbergMarquardt:
 
     ``damping`` follows the ``"gain_ratio"`` (Nielsen 1999) or is ``"error_proportional"`` (Chan & Lawrence
     1988). ``initial_damping`` is its first value, positive: a share of the largest diagonal entry for the gain
-    ratio (1e-3 unless given), a multiple of the cost otherwise (0.1).
+    ratio (1e-3 unless given), a multiple of the cost otherwise (0.1). Settings out of range raise
+    ``InvalidValueError`` where a ``kinopt.Solver`` is made of it.
     """
 
     damping: Literal["gain_ratio", "error_proportional"] = "gain_ratio"
@@ -34,7 +35,7 @@ class GaussNewton:
     """Least squares by a rank-revealing factorisation, with a line search.
 
     Diagonal entries below ``rank_tolerance`` (1e-8 unless given; from the machine's epsilon to 0.5) times the
-    largest count as zero.
+    largest count as zero. One out of range raises ``InvalidValueError`` where a ``kinopt.Solver`` is made of it.
     """
 
     rank_tolerance: float | None = None
@@ -47,7 +48,7 @@ class ProjectedGradient:
     """Steepest descent along the projected path.
 
     ``first_step`` is the step that is tried first and halved, positive, or ``"barzilai_borwein"`` for one by the
-    last change of gradient.
+    last change of gradient. One out of range raises ``InvalidValueError`` where a ``kinopt.Solver`` is made of it.
     """
 
     first_step: float | Literal["barzilai_borwein"] = 10_000.0
@@ -74,7 +75,7 @@ class TwoBone:
     """The closed form for a limb of two bones and one point for its end; everything else is locked.
 
     ``elbow`` is the side on which the bones meet: ``"positive"``, ``"negative"``, or a point of the world (the
-    pole), shape (3,), metres, towards which it goes.
+    pole), shape (3,), metres, towards which it goes. A pole of another shape raises ``InvalidValueError``.
     """
 
     elbow: Literal["positive", "negative"] | ArrayLike = "positive"

@@ -40,7 +40,10 @@ from .types import HasModel, PlacementLike
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Task:
-    """What all tasks have: a name, weights, tolerances, a role. See the module for what they say."""
+    """What all tasks have: a name, weights, tolerances, a role. See the module for what they say.
+
+    Raises ``InvalidValueError`` for a name that is no text and for what are no numbers.
+    """
 
     name: str | None = field(default=None, kw_only=True)
     weight: float | Mapping[str, float] | None = field(default=None, kw_only=True)
@@ -93,6 +96,8 @@ class Point(Task):
 
     ``at`` is the point in the frame's own coordinates, shape (3,), its origin unless given. The target is in
     the world, or in the frame ``base``, which may move with the joints.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     frame: str
@@ -116,6 +121,8 @@ class Pose(Task):
     ``tool``, shape (4, 4), is what should stand there instead of the frame itself, in the frame's coordinates.
     ``goal``, a ``kinopt.Goal``, says which components count and how exactly. The target is in the world, or in
     the frame ``base``, which may move with the joints.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     frame: str
@@ -142,6 +149,8 @@ class Orientation(Task):
 
     The target may also be a placement, or an object of another library that stands for a rotation. It is in the
     world, or in the frame ``base``, which may move with the joints.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     frame: str
@@ -162,6 +171,8 @@ class LookAt(Task):
 
     The axis is in the frame's coordinates, of any length but zero. Three rows in radians; their length is the
     angle that is missing.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     frame: str
@@ -179,7 +190,10 @@ class LookAt(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Distance(Task):
-    """The origins of the frames ``a`` and ``b`` should be ``distance`` metres apart: one row in metres."""
+    """The origins of the frames ``a`` and ``b`` should be ``distance`` metres apart: one row in metres.
+
+    Raises ``InvalidValueError`` for what are no names and for what is no number.
+    """
 
     a: str
     b: str
@@ -198,6 +212,8 @@ class Plane(Task):
     """The origin of ``frame`` should lie in the plane through ``point`` across ``normal``: one row in metres.
 
     Both are in the world, shape (3,); the normal is of any length but zero. The row is the signed distance.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     frame: str
@@ -218,6 +234,8 @@ class Ray(Task):
     """The origin of ``frame`` should lie on the line through ``eye`` and ``through``: three rows in metres.
 
     Both are points of the world, shape (3,), metres, apart from each other: ``Camera.viewing_ray`` gives them.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     frame: str
@@ -235,7 +253,10 @@ class Ray(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pixel(Task):
-    """``camera`` should see the origin of ``frame`` at ``target``, a pixel (u, v), shape (2,): two rows in pixels."""
+    """``camera`` should see the origin of ``frame`` at ``target``, a pixel (u, v), shape (2,): two rows in pixels.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    """
 
     frame: str
     camera: Camera
@@ -256,6 +277,8 @@ class Posture(Task):
     """Joints should be near ``reference``: one row a joint, in joint units. A preference unless told otherwise.
 
     The reference is a configuration, shape (dof,), or a dict of some joints' values, radians or metres.
+
+    Raises ``InvalidValueError`` for what are no numbers.
     """
 
     reference: ArrayLike | Mapping[str, float]
@@ -277,6 +300,8 @@ class Smoothness(Task):
     """Joints should move slowly from ``previous``, shape (dof,), where they stood ``time_step_s`` seconds ago.
 
     One row a joint, in joint units per second. A preference unless told otherwise.
+
+    Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     previous: ArrayLike
@@ -295,6 +320,8 @@ class LimitCentring(Task):
     """Joints should stay away from their limits: 0 in the middle, 1 on a limit, one row a joint with two limits.
 
     A ratio. A preference unless told otherwise.
+
+    Raises as ``Task``.
     """
 
     _kind: ClassVar[str] = "limit centring"
@@ -307,6 +334,8 @@ class Within(Task):
     ``half_width`` stands for the interval from -half_width to half_width; otherwise it goes from ``lower`` to
     ``upper``, either of which may be infinite. All rows share it, in their own unit. Name, weights, tolerance
     and role are those of the task inside unless given here.
+
+    Raises ``InvalidValueError`` for what is no task, or another ``Within``, and for an interval given twice.
     """
 
     task: Task
@@ -335,17 +364,17 @@ class Within(Task):
 
     @classmethod
     def at_most(cls, task: Task, upper: float) -> Within:
-        """Rows of at most ``upper`` cost nothing."""
+        """Rows of at most ``upper`` cost nothing. Raises as the class does."""
         return cls(task, upper=upper)
 
     @classmethod
     def at_least(cls, task: Task, lower: float) -> Within:
-        """Rows of at least ``lower`` cost nothing."""
+        """Rows of at least ``lower`` cost nothing. Raises as the class does."""
         return cls(task, lower=lower)
 
     @classmethod
     def between(cls, task: Task, lower: float, upper: float) -> Within:
-        """Rows from ``lower`` to ``upper`` cost nothing; either may be infinite."""
+        """Rows from ``lower`` to ``upper`` cost nothing; either may be infinite. Raises as the class does."""
         return cls(task, lower=lower, upper=upper)
 
 
@@ -366,6 +395,9 @@ class Residual(Task):
 
     It may be called from any thread, one call at a time in each. What it raises comes out of the solve
     unchanged; numbers that are not finite end the search as "non_finite". It pickles as far as its functions do.
+
+    Raises ``InvalidValueError`` for what is no function, for names that are no texts, for a residual that reads
+    nothing or returns nothing; for wrong derivatives see ``check_jacobian``.
     """
 
     function: Callable[..., Any]

@@ -11,6 +11,7 @@ use pyo3::types::PyType;
 use crate::animation::{Armature, Clip};
 use crate::contents::text_or_bytes;
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 
 /// What a BVH file holds: a skeleton and what it does frame by frame, in the file's unit of length.
 #[pyclass(frozen, module = "kinopt")]
@@ -94,7 +95,6 @@ impl MotionCapture {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let surplus = self.inner.notes.iter().filter_map(|note| match note {
             BvhNote::SurplusFrames {
                 line,
@@ -112,7 +112,7 @@ impl MotionCapture {
             self.channels(),
             surplus,
         );
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]

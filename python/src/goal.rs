@@ -6,6 +6,7 @@ use pyo3::types::PyType;
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 
 /// How far each component of a pose may be from its target, in the target's axes (where the placed frame's
 /// own axes come to lie). Tolerances come on top.
@@ -40,12 +41,16 @@ impl Goal {
 
     /// The full pose but for turns about one axis of the frame, "x", "y" or "z", which are free: a drill, a
     /// pen, a suction cup.
+    ///
+    /// Raises `UnknownNameError` for another axis.
     #[classmethod]
     fn free_about(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
         Ok(kinopt::task::Goal::free_about(self::axis(axis)?).into())
     }
 
     /// The full pose but for slides along one axis of the frame, "x", "y" or "z", which are free.
+    ///
+    /// Raises `UnknownNameError` for another axis.
     #[classmethod]
     fn free_along(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
         Ok(kinopt::task::Goal::free_along(self::axis(axis)?).into())
@@ -72,9 +77,9 @@ impl Goal {
         self.inner.half_widths()
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, ([f64; 6],))> {
-        let rebuild = py.get_type::<Self>().getattr("within")?;
-        Ok((rebuild, (self.half_widths(),)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let class = py.get_type::<Self>();
+        pickling::by_method(class.as_any(), "within", (self.half_widths(),))
     }
 
     fn __hash__(&self) -> u64 {

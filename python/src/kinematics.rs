@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use crate::arrays::{self, axes};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
+use crate::pickling;
 use crate::placement::to_numbers;
 use crate::pool::Pool;
 
@@ -76,11 +77,8 @@ impl Frames {
     }
 
     /// What a class made of them is pickled as.
-    fn rebuilding<'py, T: pyo3::PyTypeInfo>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = (self.model.bind(py), self.given.clone());
-        Ok((py.get_type::<T>(), arguments)
-            .into_pyobject(py)?
-            .into_any())
+    fn pickled<'py, T: pyo3::PyTypeInfo>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_class::<T>(py, (self.model.bind(py), self.given.clone()))
     }
 }
 
@@ -169,7 +167,7 @@ impl ForwardKinematics {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.frames.rebuilding::<Self>(py)
+        self.frames.pickled::<Self>(py)
     }
 
     fn __repr__(&self) -> String {
@@ -202,7 +200,7 @@ impl Jacobian {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.frames.rebuilding::<Self>(py)
+        self.frames.pickled::<Self>(py)
     }
 
     fn __repr__(&self) -> String {

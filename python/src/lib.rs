@@ -19,6 +19,7 @@ mod items;
 mod kinematics;
 mod mesh;
 mod model;
+mod pickling;
 mod placement;
 mod pool;
 mod problem;

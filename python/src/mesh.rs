@@ -7,12 +7,18 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::error::OrRaise;
+use crate::pickling;
 use crate::vertices::{into_array, to_array, vectors};
 
 /// A triangle mesh whose indices are in range and whose numbers are finite; nothing changes it.
 ///
 /// Positions are in the model's own unit (metres for robots). Triangles are counter-clockwise seen from
 /// outside.
+///
+/// A mesh of `positions`, shape (V, 3), `triangles`, shape (F, 3), whole numbers from 0, and `normals`,
+/// shape (V, 3), of any length, or None.
+///
+/// Raises `InvalidValueError` where a number is not finite, an index is out of range or counts disagree.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct TriangleMesh {
     pub(crate) inner: Arc<kinopt::mesh::TriangleMesh>,
@@ -41,10 +47,6 @@ impl From<kinopt::mesh::TriangleMesh> for TriangleMesh {
 
 #[pymethods]
 impl TriangleMesh {
-    /// A mesh of `positions`, shape (V, 3), `triangles`, shape (F, 3), whole numbers from 0, and `normals`,
-    /// shape (V, 3), of any length, or None.
-    ///
-    /// Raises `InvalidValueError` where a number is not finite, an index is out of range or counts disagree.
     #[new]
     #[pyo3(signature = (positions, triangles, normals = None))]
     fn new(
@@ -151,7 +153,7 @@ impl TriangleMesh {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parts = (self.positions(py)?, self.triangles(py)?, self.normals(py)?);
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {

@@ -10,6 +10,7 @@ use pyo3::types::PyType;
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::placement;
 
 /// A tree of joints and the frames they carry, that nothing changes.
@@ -111,6 +112,8 @@ impl Model {
     /// `seed` is a whole number (the same one gives the same configurations on every machine) or a
     /// `numpy.random.Generator`, which is drawn from. Without `n` one configuration of shape (dof,), with
     /// it n of them, shape (n, dof), of the seeds `seed`, `seed + 1`, ...
+    ///
+    /// Raises `InvalidValueError` for a seed or an `n` that is no whole number of at least 0.
     #[pyo3(signature = (seed = None, n = None))]
     pub(crate) fn random_configuration<'py>(
         &self,
@@ -150,6 +153,8 @@ impl Model {
     }
 
     /// A model from what `to_json` wrote; it is checked anew.
+    ///
+    /// Raises `InvalidValueError` for a text that is no model.
     #[classmethod]
     fn from_json(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
         serde_json::from_str::<kinopt::Model>(text)
@@ -157,9 +162,9 @@ impl Model {
             .map(Self::from)
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        let rebuild = py.get_type::<Self>().getattr("from_json")?;
-        Ok((rebuild, (self.to_json()?,)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let class = py.get_type::<Self>();
+        pickling::by_method(class.as_any(), "from_json", (self.to_json()?,))
     }
 
     fn __repr__(&self) -> String {
@@ -286,6 +291,10 @@ impl Frame {
 }
 
 /// Builds a model joint by joint; joints and frames are known by their names.
+///
+/// Starts an empty model; `length_unit` is "m", or "units" for lengths of the model's own.
+///
+/// Raises `InvalidValueError` for another unit.
 #[pyclass(module = "kinopt")]
 pub(crate) struct ModelBuilder {
     name: String,
@@ -311,7 +320,6 @@ impl ModelBuilder {
 
 #[pymethods]
 impl ModelBuilder {
-    /// Starts an empty model; `length_unit` is "m", or "units" for lengths of the model's own.
     #[new]
     #[pyo3(signature = (name, length_unit = "m"))]
     fn new(name: String, length_unit: &str) -> PyResult<Self> {
@@ -340,6 +348,9 @@ impl ModelBuilder {
     /// there (None: the world); `parent_from_joint` a 4 x 4 placement, metres (None: the identity);
     /// `axis` three numbers, in the joint's own frame, of any length; `lower` and `upper` radians or
     /// metres.
+    ///
+    /// Raises `UnknownNameError` for a kind or a parent that does not exist, `InvalidValueError` for a
+    /// placement of another shape; what does not go together is said by `build`.
     #[pyo3(signature = (
         name, kind = "revolute", parent = None, parent_from_joint = None, axis = [0.0, 0.0, 1.0],
         lower = f64::NEG_INFINITY, upper = f64::INFINITY
@@ -385,6 +396,9 @@ impl ModelBuilder {
     }
 
     /// Adds a frame: a named place on `joint` (None: the world), `joint_from_frame` away, 4 x 4, metres.
+    ///
+    /// Raises `UnknownNameError` for a joint that does not exist, `InvalidValueError` for a placement of
+    /// another shape.
     #[pyo3(signature = (name, joint = None, joint_from_frame = None))]
     fn frame(
         &mut self,
@@ -402,6 +416,9 @@ impl ModelBuilder {
     }
 
     /// Checks all and makes the model.
+    ///
+    /// Raises `InvalidValueError`, which names the joint or frame: names given twice, limits that leave
+    /// nothing, axes without a direction, placements that are no rigid motions.
     fn build(&self) -> PyResult<Model> {
         let mut builder = kinopt::Model::builder(self.name.as_str());
         builder.length_unit(self.unit);

@@ -11,6 +11,7 @@ use pyo3::types::{PyDict, PyType};
 use crate::arrays;
 use crate::error::{Kind, OrRaise, raise};
 use crate::model::Model;
+use crate::pickling;
 use crate::placement;
 
 /// A robot: a model with its joints that follow others, its speeds, shapes and masses.
@@ -72,6 +73,9 @@ impl Robot {
     /// With `lenient` what can be mended in one way only is mended, and listed in `repairs`. With
     /// `soft_limits` every joint also keeps within its safety controller's limits. Files of meshes are not
     /// opened.
+    ///
+    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
+    /// wrong in it.
     #[classmethod]
     #[pyo3(signature = (path, *, lenient = false, soft_limits = false))]
     fn from_urdf(
@@ -95,6 +99,8 @@ impl Robot {
     }
 
     /// Reads a URDF document from a string; `name` is what messages call it.
+    ///
+    /// Raises `InvalidFileError`, which names the element, for what is wrong in it.
     #[classmethod]
     #[pyo3(signature = (text, name = "robot.urdf", *, lenient = false, soft_limits = false))]
     fn from_urdf_text(
@@ -115,6 +121,9 @@ impl Robot {
 
     /// The same robot with one more frame, `name`, which stands `link_from_tool` (4 x 4, metres) away from
     /// the frame `link`.
+    ///
+    /// Raises `UnknownNameError` for a link that there is not, `InvalidValueError` for a name that is taken
+    /// and for what is no rigid motion.
     fn with_tool(
         &self,
         name: String,
@@ -223,6 +232,8 @@ impl Robot {
     }
 
     /// Names of the moving joints between two frames, from base to tip.
+    ///
+    /// Raises `UnknownNameError` for a frame that there is not.
     fn chain(&self, base: &str, tip: &str) -> PyResult<Vec<String>> {
         let ids = self.inner.chain(base, tip).or_raise()?;
         Ok(ids
@@ -232,6 +243,8 @@ impl Robot {
     }
 
     /// What a link looks like: a list of `Shape`; empty for frames that are no links.
+    ///
+    /// Raises `UnknownNameError` for a frame that there is not.
     #[pyo3(signature = (link, *, collision = false))]
     fn shapes(&self, link: &str, collision: bool) -> PyResult<Vec<Shape>> {
         let frame = self.model.frame(link).or_raise()?;
@@ -257,6 +270,8 @@ impl Robot {
     }
 
     /// Configurations drawn within the limits: see `Model.random_configuration`.
+    ///
+    /// Raises `InvalidValueError` for a seed or an `n` that is no whole number of at least 0.
     #[pyo3(signature = (seed = None, n = None))]
     fn random_configuration<'py>(
         &self,
@@ -296,7 +311,6 @@ impl Robot {
         });
         let tools: Vec<(String, String, Bound<'py, PyArray2<f64>>)> =
             tools.collect::<PyResult<_>>()?;
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let arguments = (
             &*source.text,
             source.file.as_str(),
@@ -304,7 +318,7 @@ impl Robot {
             source.soft_limits,
             tools,
         );
-        Ok((rebuild, arguments).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, arguments)
     }
 
     fn __repr__(&self) -> String {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,7 +70,7 @@ def placement_of(value: object, name: str = "placement") -> Array:
             moved = np.eye(4)
             moved[:3, 3] = tasks.numbers(three, name, 3)
             return _finite(moved, name)
-    return _finite(np.array(tasks.placement(value, name)), name)
+    return _finite(np.array(tasks.placement(cast(Any, value), name)), name)
 
 
 def _finite(placement: Array, name: str) -> Array:

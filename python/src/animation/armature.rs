@@ -11,6 +11,7 @@ use pyo3::types::PyType;
 use super::bones_and_poses::{Armature, Pose, asked};
 use crate::arrays::{self, Numbers, shape_text};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::skeleton::Skeleton;
 use crate::transforms::{
     self, Order, given, one_to_array, quaternion, quaternions, shaped, to_array, vector, vectors,
@@ -31,11 +32,6 @@ impl Armature {
 
 #[pymethods]
 impl Armature {
-    /// An armature of bones: `names`; `parents`, shape (bones,), each bone's parent as its place in the list,
-    /// before it, or -1; and the rest pose: `translations` (bones, 3), `rotations_xyzw` or `rotations_wxyz`
-    /// (bones, 4) and `scales` (bones, 3), where they are not the identity; `morph_targets` are names.
-    ///
-    /// Raises `InvalidValueError` naming the bone.
     #[new]
     #[pyo3(signature = (
         names, parents, *, translations = None, rotations_xyzw = None, rotations_wxyz = None, scales = None,
@@ -104,12 +100,16 @@ impl Armature {
     }
 
     /// The same bones with these morph targets, whose weights are zero at rest.
+    ///
+    /// Raises `InvalidValueError` for a name that is given twice.
     fn with_morph_targets(&self, names: Vec<String>) -> PyResult<Self> {
         let armature = Bones::clone(&self.inner).with_morph_targets(names);
         armature.or_raise().map(Self::from)
     }
 
     /// The same with these weights of the morph targets at rest, shape (targets,).
+    ///
+    /// Raises `InvalidValueError` for another number of weights and for weights that are not finite.
     fn with_rest_morph_weights(&self, weights: &Bound<'_, PyAny>) -> PyResult<Self> {
         let weights = transforms::numbers(weights, "weights", None)?;
         let armature = Bones::clone(&self.inner).with_rest_morph_weights(&weights);
@@ -117,6 +117,8 @@ impl Armature {
     }
 
     /// The same bones and morph targets, at rest as `pose` has them.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
     fn at_rest_in(&self, pose: &Bound<'_, Pose>) -> PyResult<Self> {
         let armature = Bones::clone(&self.inner).at_rest_in(&pose.get().now());
         armature.or_raise().map(Self::from)
@@ -162,6 +164,8 @@ impl Armature {
 
     /// Where the bones are in the model: model_from_bone, float32, shape (bones, 4, 4) for a `Pose`,
     /// (N, bones, 4, 4) for `Poses`. `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for poses of another armature and for an `out` that does not fit.
     #[pyo3(signature = (pose, *, out = None))]
     fn local_to_model<'py>(
         &self,
@@ -193,6 +197,8 @@ impl Armature {
 
     /// The skinning matrices of `model_from_bone`, shape (bones, 4, 4) or (N, bones, 4, 4): from the model at
     /// rest to the posed model; float32 of the same shape. `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for another shape and for an `out` that does not fit.
     #[pyo3(signature = (model_from_bone, *, out = None))]
     fn skinning_transforms<'py>(
         &self,
@@ -230,6 +236,8 @@ impl Armature {
     }
 
     /// Where one bone is in the model, shape (4, 4), float32.
+    ///
+    /// Raises `UnknownNameError` for the bone, `InvalidValueError` for a pose of another armature.
     fn model_from_bone<'py>(
         &self,
         py: Python<'py>,
@@ -242,6 +250,8 @@ impl Armature {
     }
 
     /// How one bone is turned in the model, shape (4,), float32: x, y, z, w; scales aside.
+    ///
+    /// Raises as `model_from_bone`.
     fn model_rotation_xyzw<'py>(
         &self,
         py: Python<'py>,
@@ -253,6 +263,8 @@ impl Armature {
     }
 
     /// How one bone is turned in the model, shape (4,), float32: w, x, y, z; scales aside.
+    ///
+    /// Raises as `model_from_bone`.
     fn model_rotation_wxyz<'py>(
         &self,
         py: Python<'py>,
@@ -281,6 +293,9 @@ impl Armature {
 
     /// Turns a bone of `pose` in the model by a quaternion of shape (4,), `xyzw` or `wxyz`; its translation
     /// and scale in its parent stay.
+    ///
+    /// Raises `UnknownNameError` for the bone, `InvalidValueError` for a quaternion of length 0, and as
+    /// `set_model_from_bone`.
     #[pyo3(signature = (pose, bone, *, xyzw = None, wxyz = None))]
     fn set_model_rotation(
         &self,
@@ -298,6 +313,9 @@ impl Armature {
     }
 
     /// Moves a bone's origin of `pose` in the model, shape (3,); its rotation and scale stay.
+    ///
+    /// Raises `UnknownNameError` for the bone, `InvalidValueError` for numbers that are not finite, and as
+    /// `set_model_from_bone`.
     fn set_model_translation(
         &self,
         pose: &Bound<'_, Pose>,
@@ -340,9 +358,8 @@ impl Armature {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let text = serde_json::to_string(&*self.inner).or_raise()?;
-        Ok((rebuild, (text,)).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, (text,))
     }
 
     #[staticmethod]

@@ -8,12 +8,18 @@ use pyo3::prelude::*;
 use super::bones_and_poses::{Pose, Poses, asked};
 use super::mask::BoneMask;
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::transforms::numbers;
 
 /// What is put over a base pose: how, how much, and where.
 ///
 /// Without a `reference` it goes in the base's place, by cross-fade; with one, on top of it, as the difference
 /// from that pose.
+///
+/// A layer under a mask: `weight` is within [0, 1] in place of the base, any finite number on top of it,
+/// where 1 adds the whole difference from `reference`.
+///
+/// Raises `InvalidValueError` for a weight that is not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Layer {
     inner: Over,
@@ -23,8 +29,6 @@ pub(crate) struct Layer {
 
 #[pymethods]
 impl Layer {
-    /// A layer under a mask: `weight` is within [0, 1] in place of the base, any finite number on top of it,
-    /// where 1 adds the whole difference from `reference`.
     #[new]
     #[pyo3(signature = (mask, weight = 1.0, reference = None))]
     fn new(
@@ -54,7 +58,7 @@ impl Layer {
         })
     }
 
-    /// How much.
+    /// How much of it is put over the base.
     #[getter]
     fn weight(&self) -> f32 {
         self.inner.weight
@@ -85,7 +89,7 @@ impl Layer {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parts = (self.mask(py), self.inner.weight, self.reference(py)?);
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {

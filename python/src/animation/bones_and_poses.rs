@@ -9,6 +9,12 @@ use crate::error::invalid;
 
 /// Bones in a tree, parents before children, with their rest pose and the names of morph targets: what
 /// characters are animated by, in single precision.
+///
+/// An armature of bones: `names`; `parents`, shape (bones,), each bone's parent as its place in the list,
+/// before it, or -1; and the rest pose: `translations` (bones, 3), `rotations_xyzw` or `rotations_wxyz`
+/// (bones, 4) and `scales` (bones, 3), where they are not the identity; `morph_targets` are names.
+///
+/// Raises `InvalidValueError` naming the bone.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Armature {
     pub(crate) inner: Arc<Bones>,
@@ -30,6 +36,12 @@ impl From<Bones> for Armature {
 ///
 /// Bones are scaled, then turned, then moved, in their parents. Numbers are float32, lengths in the
 /// armature's unit. A pose can be changed; calls from many threads come one after another.
+///
+/// A pose of an armature: what is not given is at rest. `translations` and `scales` have shape
+/// (bones, 3), `rotations_xyzw` or `rotations_wxyz` (bones, 4), of any length above 0,
+/// `morph_weights` (targets,).
+///
+/// Raises `InvalidValueError` for another shape and for numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Pose {
     pub(super) armature: Arc<Bones>,
@@ -61,6 +73,11 @@ impl Pose {
 }
 
 /// Poses of one armature, such as a clip's at many times; nothing changes them.
+///
+/// N poses of an armature, as `Pose` with N before each shape; or of a list of `poses`.
+///
+/// Raises `InvalidValueError` for other shapes, for numbers that are not finite and for poses of another
+/// armature.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Poses {
     pub(crate) armature: Arc<Bones>,

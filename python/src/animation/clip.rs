@@ -13,6 +13,7 @@ use super::playback;
 use super::playhead::Passage;
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::pool::Pool;
 
 /// Samples that are taken between two looks at signals.
@@ -61,7 +62,7 @@ impl Clip {
         Ok(clips[index].clone())
     }
 
-    /// Its name.
+    /// What the clip is called.
     #[getter]
     fn name(&self) -> &str {
         self.inner.name()
@@ -144,6 +145,9 @@ impl Clip {
 
     /// The events that a passage of playback (of `Playhead.advance`) goes by, in the order in which it meets
     /// them, the first `most` of them: [(name, seconds since playback started), ...].
+    ///
+    /// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for a `most` that is no whole
+    /// number of at least 0.
     #[pyo3(signature = (passage, playback = "hold", most = 10_000))]
     fn fired(
         &self,
@@ -164,6 +168,8 @@ impl Clip {
 
     /// What it moves and how: [(bone, property, curve), ...], by bone, with "translation", "rotation" or
     /// "scale" and a `KeyedCurve`, `RotationCurve` or `EulerCurve`. What does not move has a single key.
+    ///
+    /// Raises `InvalidValueError` where a curve cannot be told, which no clip of a file or a builder has.
     fn channels<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, String, Bound<'py, PyAny>)>> {
         let channels = self.inner.channels(&self.armature).or_raise()?;
         let of = |(bone, channel): (kinopt::skeleton::BoneId, Channel)| {
@@ -186,6 +192,8 @@ impl Clip {
     }
 
     /// As `channels`, for the weights of morph targets: [(target, curve), ...].
+    ///
+    /// Raises as `channels`.
     fn morph_channels(&self) -> PyResult<Vec<(String, KeyedCurve)>> {
         let channels = self.inner.morph_channels(&self.armature).or_raise()?;
         let targets = self.armature.morph_targets();
@@ -199,11 +207,8 @@ impl Clip {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let text = serde_json::to_string(&*self.inner).or_raise()?;
-        Ok((rebuild, (self.armature(), text))
-            .into_pyobject(py)?
-            .into_any())
+        pickling::by_rebuild::<Self>(py, (self.armature(), text))
     }
 
     #[staticmethod]
@@ -233,6 +238,8 @@ fn vectors(
 }
 
 /// Collects the channels and events of a clip for one armature.
+///
+/// An empty clip of this name.
 #[pyclass(module = "kinopt.animation")]
 pub(crate) struct ClipBuilder {
     name: String,
@@ -266,7 +273,6 @@ impl Part {
 
 #[pymethods]
 impl ClipBuilder {
-    /// An empty clip of this name.
     #[new]
     fn new(name: String, armature: &Bound<'_, Armature>) -> Self {
         Self {
@@ -318,6 +324,9 @@ impl ClipBuilder {
     }
 
     /// Adds the weight of one morph target: a `KeyedCurve` of numbers.
+    ///
+    /// Raises `UnknownNameError` for a morph target that there is not, `InvalidValueError` for a curve of
+    /// vectors.
     fn morph_weight(&mut self, target: &str, weights: &Bound<'_, KeyedCurve>) -> PyResult<()> {
         let target = self.armature.morph_target(target).or_raise()?;
         match &weights.get().inner {
@@ -328,17 +337,23 @@ impl ClipBuilder {
     }
 
     /// Adds the tracks of a rig's keyframes, for an armature made of its skeleton.
+    ///
+    /// A clip of other bones raises `InvalidValueError` in `build`.
     fn euler_clip(&mut self, clip: &Bound<'_, EulerClip>) {
         let clip = Arc::clone(&clip.get().inner);
         self.parts.push(Part::EulerClip(clip));
     }
 
     /// Adds an event at a time in seconds; one outside the clip's span never fires.
+    ///
+    /// A time that is not finite raises `InvalidValueError` in `build`.
     fn event(&mut self, time: f32, name: String) {
         self.parts.push(Part::Event(time, name));
     }
 
     /// Sets the clip's span in seconds. Without it, it is from the first to the last key.
+    ///
+    /// An end before the start raises `InvalidValueError` in `build`.
     fn span(&mut self, start: f32, end: f32) {
         self.parts.push(Part::Span(start, end));
     }

@@ -15,10 +15,17 @@ use super::limb::{Limb, LimbGoal};
 use super::playback;
 use crate::arrays::{self, place};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::{threads, transforms};
 
 /// A clip that a character plays: where it is, how fast it plays, what happens at its ends, and how far the
 /// pose of the clips before it goes to this one's.
+///
+/// A clip that plays from `elapsed` seconds on at `speed`, "hold", "loop" or "ping_pong", blended over the
+/// clips before it by `share`, within [0, 1].
+///
+/// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for a `share` that is not within [0,
+/// 1] and for numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct PlayingClip {
     clip: Py<Clip>,
@@ -35,10 +42,17 @@ pub(crate) struct PlayingClip {
     share: f32,
 }
 
+fn checked_share(share: f32) -> PyResult<f32> {
+    match (0.0..=1.0).contains(&share) {
+        true => Ok(share),
+        false => Err(invalid(format!(
+            "share is {share}, which is not within [0, 1]"
+        ))),
+    }
+}
+
 #[pymethods]
 impl PlayingClip {
-    /// A clip that plays from `elapsed` seconds on at `speed`, "hold", "loop" or "ping_pong", blended over the
-    /// clips before it by `share`, within [0, 1].
     #[new]
     #[pyo3(signature = (clip, playback = "loop", *, speed = 1.0, elapsed = 0.0, share = 1.0))]
     fn new(
@@ -52,13 +66,13 @@ impl PlayingClip {
             clip: clip.clone().unbind(),
             playback: playback::of(playback)?,
             name: playback.to_owned(),
-            speed,
-            elapsed,
-            share,
+            speed: arrays::finite(speed, "speed")?,
+            elapsed: arrays::finite(elapsed, "elapsed")?,
+            share: checked_share(share)?,
         })
     }
 
-    /// The clip.
+    /// The clip that is played.
     #[getter]
     fn clip(&self, py: Python<'_>) -> Py<Clip> {
         self.clip.clone_ref(py)
@@ -71,7 +85,6 @@ impl PlayingClip {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let parts = (
             self.clip(py),
             self.playback(),
@@ -79,7 +92,7 @@ impl PlayingClip {
             self.elapsed,
             self.share,
         );
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]
@@ -117,6 +130,10 @@ impl PlayingClip {
 /// blends them, brings its limbs to their goals, and places its bones in the model.
 ///
 /// It holds what is running, so it is not pickled; calls from many threads come one after another.
+///
+/// A crowd without characters; each will have a goal for each of the limbs, which are of the armature.
+///
+/// Raises `InvalidValueError` for a limb of another armature.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Crowd {
     inner: Mutex<Many>,
@@ -132,7 +149,6 @@ impl Crowd {
 
 #[pymethods]
 impl Crowd {
-    /// A crowd without characters; each will have a goal for each of the limbs, which are of the armature.
     #[new]
     #[pyo3(signature = (armature, limbs = Vec::new()))]
     fn new(armature: &Bound<'_, Armature>, limbs: Vec<Bound<'_, Limb>>) -> PyResult<Self> {
@@ -172,6 +188,8 @@ impl Crowd {
     }
 
     /// Goes on by so many seconds, over `threads` threads (None: one a core), with the same bits at any number.
+    ///
+    /// Raises `InvalidValueError` for seconds that are not finite and for 0 threads.
     #[pyo3(signature = (seconds, threads = Some(1)))]
     fn advance(
         &self,
@@ -179,6 +197,7 @@ impl Crowd {
         seconds: f64,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
     ) -> PyResult<()> {
+        let seconds = arrays::finite(seconds, "seconds")?;
         let pool = threads::pool(threads)?;
         py.detach(|| {
             self.with(|crowd| match &pool {
@@ -191,6 +210,8 @@ impl Crowd {
 
     /// Where the bones of all characters are in the model, as of the last frame: float32, shape
     /// (N, bones, 4, 4). `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for an `out` that does not fit.
     #[pyo3(signature = (*, out = None))]
     fn model_from_bone<'py>(
         &self,
@@ -227,6 +248,8 @@ impl Crowd {
     }
 
     /// One character's pose as of the last frame.
+    ///
+    /// Raises `IndexError` for a character that there is not.
     fn pose(&self, character: isize) -> PyResult<Pose> {
         let index = place(character, self.__len__())?;
         let pose = self.with(|crowd| crowd.characters()[index].pose().clone());
@@ -234,6 +257,8 @@ impl Crowd {
     }
 
     /// Sets what a limb of a character reaches for; both by number.
+    ///
+    /// Raises `IndexError` for a character or a limb that there is not.
     fn set_goal(&self, character: isize, limb: isize, goal: &Bound<'_, LimbGoal>) -> PyResult<()> {
         let (index, limb) = (place(character, self.__len__())?, place(limb, self.limbs)?);
         let goal = goal.get().inner;
@@ -242,6 +267,9 @@ impl Crowd {
     }
 
     /// Changes how a character plays a clip of its list, both by number: its `share`, its `speed`.
+    ///
+    /// Raises `IndexError` for a character or a clip that there is not, `InvalidValueError` for a `share`
+    /// that is not within [0, 1] and for numbers that are not finite.
     #[pyo3(signature = (character, clip, *, share = None, speed = None))]
     fn set_clip(
         &self,
@@ -253,6 +281,9 @@ impl Crowd {
         let index = place(character, self.__len__())?;
         let clips = self.with(|crowd| crowd.characters_mut()[index].clips_mut().len());
         let clip = place(clip, clips)?;
+        let share = share.map(checked_share).transpose()?;
+        let speed = speed.map(|speed| arrays::finite(speed, "speed"));
+        let speed = speed.transpose()?;
         self.with(|crowd| {
             let playing = &mut crowd.characters_mut()[index].clips_mut()[clip];
             playing.share = share.unwrap_or(playing.share);

@@ -12,12 +12,22 @@ use pyo3::types::PyDict;
 use super::playback;
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::skeleton::Skeleton;
 
 /// Samples that are taken between two looks at signals.
 const SAMPLES_AT_A_TIME: usize = 1024;
 
 /// Keyframes for any of a skeleton's bones, as rig files have them: three angles a key.
+///
+/// A clip of `tracks`, {bone: (times, angles)}: times of shape (K,), seconds, rising; angles of shape
+/// (K, 3), radians: first twist, bend, second twist.
+///
+/// Between keys runs what `interpolation` says, one for all or {bone: one}: "linear", "catmull-rom"
+/// or an array of shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
+///
+/// Raises `UnknownNameError` for a bone that does not exist, `InvalidValueError` for keys that do not
+/// rise or are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct EulerClip {
     pub(crate) inner: Arc<Clip>,
@@ -35,14 +45,6 @@ type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 #[pymethods]
 impl EulerClip {
-    /// A clip of `tracks`, {bone: (times, angles)}: times of shape (K,), seconds, rising; angles of shape
-    /// (K, 3), radians: first twist, bend, second twist.
-    ///
-    /// Between keys runs what `interpolation` says, one for all or {bone: one}: "linear", "catmull-rom"
-    /// or an array of shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
-    ///
-    /// Raises `UnknownNameError` for a bone that does not exist, `InvalidValueError` for keys that do not
-    /// rise or are not finite.
     #[new]
     #[pyo3(signature = (skeleton, tracks, interpolation = None))]
     fn new(
@@ -168,6 +170,9 @@ impl EulerClip {
     ///
     /// `times` is seconds, a number or an array of shape (N,); `playback` "hold", "loop" or "ping_pong";
     /// `out` takes the result. Limits are not looked at.
+    ///
+    /// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for times that are not finite
+    /// and for an `out` that does not fit.
     #[pyo3(signature = (times, playback = "hold", *, out = None))]
     fn sample<'py>(
         &self,
@@ -188,11 +193,8 @@ impl EulerClip {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let text = serde_json::to_string(&*self.inner).or_raise()?;
-        Ok((rebuild, (self.skeleton(), text))
-            .into_pyobject(py)?
-            .into_any())
+        pickling::by_rebuild::<Self>(py, (self.skeleton(), text))
     }
 
     #[staticmethod]

@@ -11,10 +11,21 @@ use pyo3::prelude::*;
 
 use super::bones_and_poses::{Armature, Pose};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::transforms::{given, quaternion, shaped, vector};
 
 /// A thigh and a shin, an upper arm and a forearm: two bones of an armature and the point that should go
 /// somewhere. Bones between the two turn with the upper one.
+///
+/// The limb of two bones that ends where the bone `end` starts, a hand or a foot, or in a point in the
+/// lower bone's coordinates, shape (3,).
+///
+/// `hinge`, shape (3,), is the axis about which the elbow or knee bends, in the lower bone's coordinates:
+/// a positive turn bends it the way it may. `softening` slows the end down beyond that share of the
+/// limb's length, so that the elbow does not snap: 0.95 to 0.98, or 1 for none.
+///
+/// Raises `UnknownNameError` for a bone, `InvalidValueError` for bones that do not hang on each other, an
+/// axis without length, a share that is not within [0, 1].
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Limb {
     pub(crate) inner: TwoBones,
@@ -40,15 +51,6 @@ enum End {
 
 #[pymethods]
 impl Limb {
-    /// The limb of two bones that ends where the bone `end` starts, a hand or a foot, or in a point in the
-    /// lower bone's coordinates, shape (3,).
-    ///
-    /// `hinge`, shape (3,), is the axis about which the elbow or knee bends, in the lower bone's coordinates:
-    /// a positive turn bends it the way it may. `softening` slows the end down beyond that share of the
-    /// limb's length, so that the elbow does not snap: 0.95 to 0.98, or 1 for none.
-    ///
-    /// Raises `UnknownNameError` for a bone, `InvalidValueError` for bones that do not hang on each other, an
-    /// axis without length, a share that is not within [0, 1].
     #[new]
     #[pyo3(signature = (armature, upper, lower, end, *, hinge = None, softening = 1.0))]
     fn new(
@@ -100,7 +102,6 @@ impl Limb {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let Made {
             upper,
             lower,
@@ -114,7 +115,7 @@ impl Limb {
         };
         let armature = Armature::from(Arc::clone(&self.armature));
         let parts = (armature, upper, lower, end, hinge, softening);
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]
@@ -135,6 +136,18 @@ impl Limb {
 }
 
 /// What the end of a limb should do this frame.
+///
+/// The end at `target`, shape (3,), in model coordinates.
+///
+/// `weight` is how far it goes, from 0, the pose as it is, to 1; `pole`, shape (3,), the point towards
+/// which the elbow or knee goes (None keeps the side that the pose has); `twist` how far the limb turns
+/// about the way to the target besides, radians.
+///
+/// The bone at the end goes along, is held as it was by the share `hold`, or turned in the model as
+/// `rotation_xyzw` or `rotation_wxyz` says, shape (4,), by the share `rotation_weight`.
+///
+/// Raises `InvalidValueError` for other shapes, for shares that are not within [0, 1] and for numbers that
+/// are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 #[derive(Clone)]
 pub(crate) struct LimbGoal {
@@ -143,14 +156,6 @@ pub(crate) struct LimbGoal {
 
 #[pymethods]
 impl LimbGoal {
-    /// The end at `target`, shape (3,), in model coordinates.
-    ///
-    /// `weight` is how far it goes, from 0, the pose as it is, to 1; `pole`, shape (3,), the point towards
-    /// which the elbow or knee goes (None keeps the side that the pose has); `twist` how far the limb turns
-    /// about the way to the target besides, radians.
-    ///
-    /// The bone at the end goes along, is held as it was by the share `hold`, or turned in the model as
-    /// `rotation_xyzw` or `rotation_wxyz` says, shape (4,), by the share `rotation_weight`.
     #[new]
     #[pyo3(signature = (
         target, *, weight = 1.0, pole = None, twist = 0.0, hold = None, rotation_xyzw = None,
@@ -200,7 +205,6 @@ impl LimbGoal {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let goal = &self.inner;
         let (hold, rotation, weight) = match goal.end {
             EndRotation::Hold { weight } => (Some(weight), None, 1.0),
@@ -216,7 +220,7 @@ impl LimbGoal {
             rotation,
             weight,
         );
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]
@@ -250,6 +254,11 @@ impl LimbGoal {
 }
 
 /// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims.
+///
+/// A bone that points along `forward`, in its own coordinates; `up` is the axis that goals may hold
+/// upright, `muzzle` a point from which it points instead of from its joint. All have shape (3,).
+///
+/// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes without length or on one line.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Aim {
     inner: Aiming,
@@ -260,10 +269,6 @@ pub(crate) struct Aim {
 
 #[pymethods]
 impl Aim {
-    /// A bone that points along `forward`, in its own coordinates; `up` is the axis that goals may hold
-    /// upright, `muzzle` a point from which it points instead of from its joint. All have shape (3,).
-    ///
-    /// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes without length or on one line.
     #[new]
     #[pyo3(signature = (armature, bone, forward, *, up = None, muzzle = None))]
     fn new(
@@ -304,11 +309,10 @@ impl Aim {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let (bone, forward, up, muzzle) = self.made.clone();
         let armature = Armature::from(Arc::clone(&self.armature));
         let parts = (armature, bone, forward, up, muzzle);
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]
@@ -328,6 +332,13 @@ impl Aim {
 }
 
 /// What a bone should point at this frame.
+///
+/// At the point `target`, shape (3,), in model coordinates. `up`, shape (3,), is the direction to which
+/// the bone's up axis goes as far as it can (None: the shortest arc); `twist` how far the bone turns about
+/// the way to the target besides, radians; `weight` the share of the angle, within [0, 1].
+///
+/// Raises `InvalidValueError` for other shapes, for a `weight` that is not within [0, 1] and for numbers that
+/// are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct AimGoal {
     inner: Look,
@@ -335,9 +346,6 @@ pub(crate) struct AimGoal {
 
 #[pymethods]
 impl AimGoal {
-    /// At the point `target`, shape (3,), in model coordinates. `up`, shape (3,), is the direction to which
-    /// the bone's up axis goes as far as it can (None: the shortest arc); `twist` how far the bone turns about
-    /// the way to the target besides, radians; `weight` the share of the angle, within [0, 1].
     #[new]
     #[pyo3(signature = (target, *, up = None, twist = 0.0, weight = 1.0))]
     fn new(
@@ -368,7 +376,6 @@ impl AimGoal {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let Look {
             target,
             up,
@@ -376,7 +383,7 @@ impl AimGoal {
             weight,
         } = self.inner;
         let parts = (target.to_array(), up.map(|up| up.to_array()), twist, weight);
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]

@@ -9,6 +9,7 @@ use pyo3::types::PyType;
 
 use super::bones_and_poses::Armature;
 use crate::error::OrRaise;
+use crate::pickling;
 use crate::transforms::{numbers, shaped};
 
 /// A share within [0, 1] for each bone and each morph target of an armature; nothing changes it.
@@ -53,6 +54,8 @@ impl BoneMask {
     }
 
     /// The same with another share of a bone and of all that hang on it.
+    ///
+    /// Raises as `with_bone`.
     #[pyo3(signature = (root, share = 1.0))]
     fn with_subtree(&self, root: &str, share: f32) -> PyResult<Self> {
         let root = self.armature.bone(root).or_raise()?;
@@ -61,6 +64,8 @@ impl BoneMask {
     }
 
     /// The same with another share of one morph target.
+    ///
+    /// Raises `UnknownNameError`, and `InvalidValueError` for a share that is not within [0, 1].
     #[pyo3(signature = (target, share = 1.0))]
     fn with_morph_target(&self, target: &str, share: f32) -> PyResult<Self> {
         let target = self.armature.morph_target(target).or_raise()?;
@@ -83,10 +88,9 @@ impl BoneMask {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let armature = Armature::from(Arc::clone(&self.armature));
         let parts = (armature, self.bones(py)?, self.morph_targets(py)?);
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]

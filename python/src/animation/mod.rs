@@ -36,7 +36,9 @@ pub(crate) mod animation {
     #[pymodule_export]
     use super::crowd::{Crowd, PlayingClip};
     #[pymodule_export]
-    use super::curve::{EulerCurve, KeyedCurve, RotationCurve, easing};
+    use super::curve::easing::easing;
+    #[pymodule_export]
+    use super::curve::{EulerCurve, KeyedCurve, RotationCurve};
     #[pymodule_export]
     use super::euler_clip::EulerClip;
     #[pymodule_export]

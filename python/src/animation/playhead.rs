@@ -7,6 +7,10 @@ use pyo3::prelude::*;
 use crate::arrays;
 
 /// Time that passes while a clip plays, at a speed that may be negative.
+///
+/// `elapsed` seconds after the start, at `speed` seconds of the clip a second.
+///
+/// Raises `InvalidValueError` for numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Playhead {
     inner: Mutex<kinopt::animation::Playhead>,
@@ -20,9 +24,6 @@ impl Playhead {
 
 #[pymethods]
 impl Playhead {
-    /// `elapsed` seconds after the start, at `speed` seconds of the clip a second.
-    ///
-    /// Raises `InvalidValueError` for numbers that are not finite.
     #[new]
     #[pyo3(signature = (elapsed = 0.0, speed = 1.0))]
     fn new(elapsed: f64, speed: f64) -> PyResult<Self> {

@@ -11,6 +11,7 @@ use super::bones_and_poses::{Armature, Pose};
 use super::mask::BoneMask;
 use super::pose_parts::{Parts, frozen, rotations, weights_of};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::transforms::{Order, flat, given, one_to_array, quaternion, shaped, vector};
 
 impl Pose {
@@ -28,11 +29,6 @@ impl Pose {
 
 #[pymethods]
 impl Pose {
-    /// A pose of an armature: what is not given is at rest. `translations` and `scales` have shape
-    /// (bones, 3), `rotations_xyzw` or `rotations_wxyz` (bones, 4), of any length above 0,
-    /// `morph_weights` (targets,).
-    ///
-    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     #[new]
     #[pyo3(signature = (
         armature, *, translations = None, rotations_xyzw = None, rotations_wxyz = None, scales = None,
@@ -114,6 +110,8 @@ impl Pose {
     }
 
     /// A bone's place in its parent, shape (4, 4), float32: parent_from_bone.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
     fn local<'py>(&self, py: Python<'py>, bone: &str) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let bone = self.armature.bone(bone).or_raise()?;
         let local = self.with(|locals| locals.local(bone)).or_raise()?;
@@ -171,6 +169,8 @@ impl Pose {
     }
 
     /// Makes this pose the same as another one of its armature.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
     fn copy_from(&self, other: &Bound<'_, Self>) -> PyResult<()> {
         let other = other.get().now();
         self.with(|locals| {
@@ -192,11 +192,8 @@ impl Pose {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let text = serde_json::to_string(&self.now()).or_raise()?;
-        Ok((rebuild, (self.armature(), text))
-            .into_pyobject(py)?
-            .into_any())
+        pickling::by_rebuild::<Self>(py, (self.armature(), text))
     }
 
     #[staticmethod]

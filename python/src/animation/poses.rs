@@ -11,6 +11,7 @@ use super::pose_parts::{Parts, frozen, rotations};
 use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::Items;
+use crate::pickling;
 use crate::transforms::{Order, flat, given, shaped};
 
 impl Poses {
@@ -27,7 +28,6 @@ impl Poses {
 
 #[pymethods]
 impl Poses {
-    /// N poses of an armature, as `Pose` with N before each shape; or of a list of `poses`.
     #[new]
     #[pyo3(signature = (
         armature, poses = None, *, translations = None, rotations_xyzw = None, rotations_wxyz = None,
@@ -153,11 +153,8 @@ impl Poses {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let text = serde_json::to_string(&*self.list).or_raise()?;
-        Ok((rebuild, (self.armature(), text))
-            .into_pyobject(py)?
-            .into_any())
+        pickling::by_rebuild::<Self>(py, (self.armature(), text))
     }
 
     #[staticmethod]

@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use super::bones_and_poses::{Armature, Pose, Poses, asked};
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::skeleton::Skeleton;
 use crate::solution::Solution;
 use crate::solver::Solver;
@@ -22,6 +23,13 @@ const POSES_AT_A_TIME: usize = 256;
 /// share a spine. The search starts at the clip's pose, so what does not help a tip stays.
 ///
 /// It holds what is running, so it is not pickled; calls from many threads come one after another.
+///
+/// A layer for the tips of these bones of a skeleton, all with weight 0 at first; bones that are `held`
+/// stay turned in the model as the clip has them, or are turned as asked. `solver` searches: a
+/// `kinopt.Solver` of a method that minimises, `kinopt.Solver()` unless given.
+///
+/// Raises `UnknownNameError` for a bone, `InvalidValueError` where there are none, and for a geometric
+/// method.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct ReachLayer {
     inner: Mutex<Reach>,
@@ -36,12 +44,6 @@ impl ReachLayer {
 
 #[pymethods]
 impl ReachLayer {
-    /// A layer for the tips of these bones of a skeleton, all with weight 0 at first; bones that are `held`
-    /// stay turned in the model as the clip has them, or are turned as asked. `solver` searches: a
-    /// `kinopt.Solver` of a method that minimises, `kinopt.Solver()` unless given.
-    ///
-    /// Raises `UnknownNameError` for a bone, `InvalidValueError` where there are none, and for a geometric
-    /// method.
     #[new]
     #[pyo3(signature = (skeleton, tips, held = Vec::new(), *, solver = None))]
     fn new(
@@ -122,6 +124,11 @@ impl ReachLayer {
 }
 
 /// A skeleton's stacked angles in poses of its armature, and back.
+///
+/// The angles of a skeleton in poses of `Armature.of_skeleton(skeleton)`, or of another armature with the
+/// same bones: the one whose skeleton it is.
+///
+/// Raises `InvalidValueError` for an armature of another number of bones.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct PoseAngles {
     inner: Angles,
@@ -131,8 +138,6 @@ pub(crate) struct PoseAngles {
 
 #[pymethods]
 impl PoseAngles {
-    /// The angles of a skeleton in poses of `Armature.of_skeleton(skeleton)`, or of another armature with the
-    /// same bones: the one whose skeleton it is.
     #[new]
     #[pyo3(signature = (skeleton, armature = None))]
     fn new(
@@ -161,6 +166,8 @@ impl PoseAngles {
 
     /// The stacked angles of a pose, radians: shape (3 * bones,) for a `Pose`, (N, 3 * bones) for `Poses`.
     /// `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for poses of other bones and for an `out` that does not fit.
     #[pyo3(signature = (pose, *, out = None))]
     fn angles_of<'py>(
         &self,
@@ -217,7 +224,7 @@ impl PoseAngles {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let skeleton = Skeleton::from(Arc::clone(&self.skeleton));
         let parts = (skeleton, Armature::from(Arc::clone(&self.armature)));
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {

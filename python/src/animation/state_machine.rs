@@ -13,8 +13,10 @@ use pyo3::types::{PyDict, PyType};
 
 use super::bones_and_poses::{Armature, Pose};
 use super::clip::Clip;
+use crate::arrays;
 use crate::contents::text_or_bytes;
 use crate::error::{Kind, OrRaise, invalid, raise};
+use crate::pickling;
 
 /// States, transitions and the clips they play, checked. It never changes; each character that runs it has a
 /// `StateMachineRun`.
@@ -126,10 +128,9 @@ impl StateMachine {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("from_bytes")?;
         let json = pyo3::types::PyBytes::new(py, &self.json);
         let parts = (json, self.clips(py), self.file.as_str());
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_method(py.get_type::<Self>().as_any(), "from_bytes", parts)
     }
 
     fn __repr__(&self) -> String {
@@ -139,6 +140,8 @@ impl StateMachine {
 
 /// Where one character is in a machine: its parameters, the state it is in, and the cross-fade that is under
 /// way. It holds what is running, so it is not pickled.
+///
+/// A character in the machine's initial state.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct StateMachineRun {
     inner: Mutex<Run>,
@@ -158,7 +161,6 @@ type Heard = (String, String, String, f32, f32);
 
 #[pymethods]
 impl StateMachineRun {
-    /// A character in the machine's initial state.
     #[new]
     fn new(machine: &Bound<'_, StateMachine>) -> PyResult<Self> {
         let machine = machine.get();
@@ -173,8 +175,11 @@ impl StateMachineRun {
     /// taken, and blends. A long step ends where many short ones do.
     ///
     /// Gives the events of clips that were passed, at most 1024 of them: [(state, clip, event, time in the
-    /// clip, weight), ...]. Seconds that are negative or not finite count as 0.
+    /// clip, weight), ...]. Seconds below 0 count as 0.
+    ///
+    /// Raises `InvalidValueError` for seconds that are not finite.
     fn update(&self, py: Python<'_>, seconds: f64) -> PyResult<Vec<Heard>> {
+        let seconds = arrays::finite(seconds, "seconds")?;
         let mut heard: Vec<Heard> = Vec::new();
         let updated = py.detach(|| {
             self.with(|run| {

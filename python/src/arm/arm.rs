@@ -27,25 +27,35 @@ use crate::solution::Solution;
 /// free joint between base and tip, in that order (`joint_names`), radians or metres; targets are
 /// base_from_tool: 4 x 4 arrays, metres (or objects with `homogeneous`, `as_matrix()` or `A`).
 ///
-/// `base` and `tip` are frames; None for `base` is the world. Options, each None for its default:
+/// `robot` is a `Robot` or a `Model`; `base` and `tip` are frames of it, None for `base` is the world. Options,
+/// each None for its default:
 ///
-/// tool: the tool's placement on the tip, 4 x 4.
-/// goal: which components of the pose count, a `Goal`.
-/// search: "start" (the solution that the start leads to; the default), "first" (the quickest) or
-///     "nearest" (the nearest to the start).
-/// position_tolerance, orientation_tolerance: metres and radians, 1e-6 each.
-/// metres_per_radian: how many metres weigh as much as a radian; a quarter of the arm's reach.
-/// locked: {joint: value}, held there.
-/// only: joints that are free; all others are held at `held`, a configuration of the model (zeros).
-/// joint_weights: what a radian or metre of each joint counts as, shape (dof,).
-/// max_move: how far each joint may be from its start, shape (dof,), radians or metres.
-/// posture: the configuration a redundant arm prefers, shape (dof,).
-/// attempts, iterations: most attempts of a question, and iterations of all together.
-/// global_search_on_miss: whether a miss is answered by the best of all attempts, wherever that is.
-/// limit_avoidance: how strongly joints keep clear of their limits on paths, radians.
-/// time_limit: seconds a question.
-/// seed: of the attempts after the first.
-/// atlas: whether restarts begin from a table of seeds (35 ms to make, once).
+/// tool: the tool's placement on the tip, 4 x 4, metres. Default: the tip itself.
+/// goal: which components of the pose count, and how exactly, a `Goal`. Default: the full pose.
+/// search: "start" (the solution that the start leads to), "first" (the quickest) or "nearest" (the nearest
+///     to the start). Default: "start".
+/// position_tolerance, orientation_tolerance: metres and radians. Default: 1e-6 each.
+/// metres_per_radian: how many metres weigh as much as a radian. Default: a quarter of the arm's reach.
+/// locked: {joint: value}, held there, radians or metres. Default: none.
+/// only: names of the joints that are free; all others are held at `held`, a configuration of the model,
+///     shape (model's dof,), clamped into the limits. Default: all between base and tip; zeros.
+/// joint_weights: what a radian or metre of each joint counts as in joint distances, shape (dof,), above 0.
+///     Default: 1 each.
+/// max_move: how far each joint may be from its start, shape (dof,), radians or metres; a hard bound. Default:
+///     inf.
+/// posture: the configuration that a redundant arm prefers, shape (dof,), radians or metres. Default: none.
+/// attempts: most attempts of a question, at least 1. Default: 200.
+/// iterations: no attempt begins after so many of all attempts together, at least 1. Default: 2600, or none
+///     where `attempts` is given.
+/// global_search_on_miss: whether a miss is answered by the best of all attempts, wherever that is. Default:
+///     False, the nearest place on the start's own way.
+/// limit_avoidance: how strongly joints keep clear of their limits on paths, radians, at least 0. Default: 4.
+/// time_limit: seconds a question. Default: none; with one, answers may differ from run to run.
+/// seed: of the attempts after the first. Default: 0.
+/// atlas: whether restarts begin from a table of seeds (35 ms to make, once). Default: True.
+///
+/// Raises `UnknownNameError` for frames, joints and options that do not exist, `InvalidValueError` for
+/// options out of range, and where nothing between base and tip can move.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Arm {
     pub(super) inner: Arc<kinopt::Arm>,
@@ -226,6 +236,8 @@ impl Arm {
     }
 
     /// Where the tool stands: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
+    ///
+    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn base_from_tool<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (py, dof) = (q.py(), self.inner.joint_count());
         if axes(q)? < 2 {
@@ -248,6 +260,10 @@ impl Arm {
     ///
     /// `target` is base_from_tool (4 x 4, metres), `start` a configuration of shape (dof,), outside the
     /// limits or not; None is the one nearest to all zeros.
+    ///
+    /// Raises `InvalidValueError` for a target that is no rigid motion to 1e-6, and for a start of another
+    /// length or one that is not finite. A target out of reach is no error: see `Solution.reached` and
+    /// `Solution.explain`.
     #[pyo3(signature = (target, start = None))]
     fn solve(
         &self,
@@ -266,6 +282,9 @@ impl Arm {
 
     /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than
     /// `distance` (weighted joint distance, radians); an empty list where the target is out of reach.
+    ///
+    /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a distance that is no number of at
+    /// least 0.
     #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
     fn distinct(
         &self,
@@ -290,6 +309,9 @@ impl Arm {
     /// `threads` (None: all cores), but for the search "first", where the lowest attempt wins and not the
     /// quickest. `out` is a float64 array of shape (N, dof) that takes the configurations. `progress` is
     /// called with (done, total) now and then; True shows a bar, if tqdm is installed. Ctrl-C stops it.
+    ///
+    /// Raises `InvalidValueError`, which names the target, as `solve` does; for starts of another shape, and
+    /// for an `out` that does not fit.
     #[pyo3(signature = (targets, starts = None, threads = 1, *, out = None, progress = None))]
     fn solve_batch<'py>(
         slf: &Bound<'py, Self>,
@@ -308,6 +330,8 @@ impl Arm {
 
     /// Follows a path of targets (shape (N, 4, 4) or a list) from `start` on one branch where there is one:
     /// a `Track`, which tells every step in which a joint moves further than 0.2 rad.
+    ///
+    /// Raises `InvalidValueError`, which names the target, as `solve` does.
     #[pyo3(signature = (targets, start = None))]
     fn track<'py>(
         &self,
@@ -324,6 +348,8 @@ impl Arm {
     }
 
     /// A `Follower` that stands at `start`, for a path whose targets come one at a time.
+    ///
+    /// Raises `InvalidValueError` for a start of another length or one that is not finite.
     #[pyo3(signature = (start = None))]
     fn follower(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Follower> {
         Follower::new(Arc::clone(&self.inner), &self.start(start)?)
@@ -334,6 +360,9 @@ impl Arm {
     /// `velocity_limits` are those of the robot's file, or given: shape (dof,), rad/s or m/s, inf for none.
     /// `damping`: a motion of the tool that takes the joints this many times as many radians is made at
     /// half its speed; default 0.01.
+    ///
+    /// Raises `InvalidValueError` for a start of another length or one that is not finite, a time step that
+    /// is no positive number, and speeds or a damping out of range.
     #[pyo3(signature = (start, time_step, *, velocity_limits = None, damping = None))]
     fn servo(
         &self,
@@ -357,6 +386,8 @@ impl Arm {
     }
 
     /// The same arm with another tool on its tip (4 x 4, metres), at once: the table of seeds is shared.
+    ///
+    /// Raises `InvalidValueError` for what is no rigid motion.
     fn with_tool(&self, tip_from_tool: &Bound<'_, PyAny>) -> PyResult<Self> {
         let arm = self
             .inner
@@ -366,6 +397,8 @@ impl Arm {
     }
 
     /// The same arm with another goal, at once.
+    ///
+    /// Raises `InvalidValueError` for a goal that does not go with the arm's other options.
     fn with_goal(&self, goal: &Bound<'_, Goal>) -> PyResult<Self> {
         let arm = self.inner.with_goal(goal.get().inner).or_raise()?;
         self.changed(goal.py(), arm, "goal", goal)
@@ -373,6 +406,8 @@ impl Arm {
 
     /// Writes the arm's joints `q` (shape (dof,)) into a configuration of the whole model, with joints
     /// that follow: a new array of shape (model's dof,), whose other numbers are those of `q_model`.
+    ///
+    /// Raises `InvalidValueError` for other lengths.
     fn configuration<'py>(
         &self,
         q: &Bound<'py, PyAny>,
@@ -385,6 +420,8 @@ impl Arm {
     }
 
     /// Reads the arm's joints out of a configuration of the whole model: shape (dof,).
+    ///
+    /// Raises `InvalidValueError` for another length.
     fn joint_values<'py>(
         &self,
         q_model: &Bound<'py, PyAny>,

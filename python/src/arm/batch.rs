@@ -11,6 +11,7 @@ use pyo3::types::{PyAny, PyType};
 use crate::arrays::{self, Picked, Rows, Vector, axes};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
+use crate::pickling;
 use crate::placement::{self, Placements, placement, placements};
 use crate::progress::Progress;
 use crate::solution::Solution;
@@ -357,9 +358,8 @@ impl Batch {
             ],
             [self.iterations.bind(py), self.attempts.bind(py)],
         );
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let arguments = (self.arm.bind(py), parts);
-        Ok((rebuild, arguments).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, arguments)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

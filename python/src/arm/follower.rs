@@ -48,6 +48,8 @@ impl Follower {
     }
 
     /// Goes on to the next target (4 x 4, metres): the `Solution`, and the `Jump` in it or None.
+    ///
+    /// Raises `InvalidValueError` for a target that is no rigid motion.
     fn advance(
         &self,
         py: Python<'_>,

@@ -70,6 +70,8 @@ impl Servo {
     }
 
     /// One tick towards a target (4 x 4, metres): a `ServoStep`.
+    ///
+    /// Raises `InvalidValueError` for a target that is no rigid motion.
     fn step(&self, py: Python<'_>, target: &Bound<'_, PyAny>) -> PyResult<ServoStep> {
         let target = placement(target, "target")?;
         py.detach(|| {

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
+use crate::pickling;
 use crate::solver::Solutions;
 
 /// A step in which a joint moves further than 0.2 rad.
@@ -97,8 +98,7 @@ impl Track {
         let jumps = jumps.map(|j| (j.step, j.joint.as_str(), j.distance, j.continuous));
         let (solutions, dof) = slf.as_super().get().written()?;
         let arguments = (solutions, dof, jumps.collect::<Vec<_>>());
-        let rebuild = py.get_type::<Self>().getattr("_rebuild_path")?;
-        Ok((rebuild, arguments).into_pyobject(py)?.into_any())
+        pickling::by_method(py.get_type::<Self>().as_any(), "_rebuild_path", arguments)
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> String {

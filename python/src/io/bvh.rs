@@ -29,7 +29,7 @@ pub(crate) fn bvh_to_text(
 /// Poses (`Poses` or a list of `Pose`) as BVH text, `rate` of them a second: what became of a clip by
 /// blending, layers or inverse kinematics.
 ///
-/// Raises `InvalidValueError` as `to_text` does.
+/// Raises `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]
 pub(crate) fn bvh_poses_to_text(
     armature: &Bound<'_, Armature>,
@@ -43,9 +43,11 @@ pub(crate) fn bvh_poses_to_text(
         .or_raise()
 }
 
-/// Writes a clip to a BVH file, as `to_text` has it.
+/// Writes a clip to the BVH file `path`: the armature as its hierarchy, in its own unit, and `rate` frames a
+/// second of translations and Euler angles (degrees, as the format has them) from the clip's start to its end.
+/// `MotionCapture.read` reads it back; what is left after the last whole frame is not written.
 ///
-/// Raises `FileError`, and `InvalidValueError` as `to_text` does.
+/// Raises `FileError`, and `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]
 pub(crate) fn bvh_write(
     armature: &Bound<'_, Armature>,
@@ -60,9 +62,10 @@ pub(crate) fn bvh_write(
         .or_raise()
 }
 
-/// Writes poses (`Poses` or a list of `Pose`) to a BVH file, `rate` of them a second.
+/// Writes poses (`Poses` or a list of `Pose`) to the BVH file `path`, `rate` of them a second: what became of a
+/// clip by blending, layers or inverse kinematics. The file is as `bvh_write` has it.
 ///
-/// Raises `FileError`, and `InvalidValueError` as `to_text` does.
+/// Raises `FileError`, and `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]
 pub(crate) fn bvh_write_poses(
     armature: &Bound<'_, Armature>,

@@ -56,6 +56,8 @@ pub(crate) fn dmat_from_bytes<'py>(
 }
 
 /// The bytes of a DMAT file of a table, shape (rows, columns); `encoding` is "binary" or "text".
+///
+/// Raises `UnknownNameError` for another encoding, `InvalidValueError` for what is no table of numbers.
 #[pyfunction]
 #[pyo3(signature = (table, encoding = "binary"))]
 pub(crate) fn dmat_to_bytes<'py>(

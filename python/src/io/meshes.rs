@@ -45,6 +45,8 @@ pub(crate) fn ply_from_bytes(data: &[u8], name: &str) -> PyResult<TriangleMesh> 
 }
 
 /// The bytes of a PLY file; `encoding` is "binary", "binary_big_endian" or "text".
+///
+/// Raises `UnknownNameError` for another encoding.
 #[pyfunction]
 #[pyo3(name = "ply_to_bytes", signature = (mesh, encoding = "binary"))]
 pub(crate) fn ply_to_bytes<'py>(

@@ -6,9 +6,14 @@ use pyo3::types::PyType;
 
 use crate::arrays;
 use crate::error::invalid;
+use crate::pickling;
 use crate::placement;
 
 /// A projective camera: homogeneous pixel (u w, v w, w) = P (x, y, z, 1), P of shape (3, 4).
+///
+/// A camera by its matrix `pixel_from_world`, shape (3, 4), finite numbers.
+///
+/// Raises `InvalidValueError` for another shape and for numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.tasks")]
 #[derive(Clone, Copy)]
 pub(crate) struct Camera {
@@ -17,7 +22,6 @@ pub(crate) struct Camera {
 
 #[pymethods]
 impl Camera {
-    /// A camera by its matrix `pixel_from_world`, shape (3, 4), finite numbers.
     #[new]
     fn new(pixel_from_world: &Bound<'_, PyAny>) -> PyResult<Self> {
         let pixel_from_world: [[f64; 4]; 3] = arrays::table(pixel_from_world, "pixel_from_world")?;
@@ -33,6 +37,9 @@ impl Camera {
 
     /// A pinhole camera that stands at `world_from_camera` (4 x 4) and looks along its own +z, x to the
     /// right and y down, with `focal_length` and `principal_point` in pixels, shape (2,) each.
+    ///
+    /// Raises `InvalidValueError` for other shapes, for what is no rigid motion and for numbers that are not
+    /// finite.
     #[classmethod]
     fn pinhole(
         _class: &Bound<'_, PyType>,
@@ -61,6 +68,8 @@ impl Camera {
 
     /// The pixel (u, v), shape (2,), at which a point of the world, shape (3,), metres, is seen; not finite
     /// in the camera's own plane.
+    ///
+    /// Raises `InvalidValueError` for another shape.
     fn project<'py>(
         &self,
         py: Python<'py>,
@@ -72,6 +81,8 @@ impl Camera {
 
     /// The viewing ray through a pixel (u, v): the eye and the pixel unprojected to the point of depth one,
     /// shape (2, 3), metres, as `tasks.Ray` takes them. None where the camera has no eye.
+    ///
+    /// Raises `InvalidValueError` for another shape.
     fn viewing_ray<'py>(
         &self,
         py: Python<'py>,
@@ -88,8 +99,7 @@ impl Camera {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let arguments = (self.pixel_from_world(py)?,);
-        let rebuilt = (py.get_type::<Self>(), arguments);
-        Ok(rebuilt.into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, arguments)
     }
 
     fn __repr__(&self) -> String {

@@ -19,11 +19,12 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
+use crate::pickling;
 use crate::pool::Pool;
 use crate::robot::Robot;
 pub(crate) use camera::Camera;
 pub(crate) use frozen::{numbers, placement, rotation};
-pub(crate) use parameters::{ParameterMap, rebuilding};
+pub(crate) use parameters::ParameterMap;
 pub(crate) use python_residual::{is_raised, raise_later, raised};
 pub(crate) use task::{Aimed, AnyTask, Move};
 use task::{Numbers, items};
@@ -192,6 +193,8 @@ impl Problem {
     }
 
     /// The same problem by another derivative route.
+    ///
+    /// Raises `UnknownNameError` for another route.
     fn with_derivatives(&self, py: Python<'_>, derivatives: &str) -> PyResult<Py<PyAny>> {
         let options = self.options.bind(py).copy()?;
         options.set_item("derivatives", derivatives)?;
@@ -201,6 +204,9 @@ impl Problem {
     }
 
     /// The weighted residual r at variables `x`, shape (variables,) to shape (rows,).
+    ///
+    /// Raises `InvalidValueError` for another length, and as `Solver.solve` for `targets`; what a residual of
+    /// yours raises comes out of here.
     #[pyo3(signature = (x, targets = None))]
     fn residual<'py>(
         &self,
@@ -218,6 +224,8 @@ impl Problem {
 
     /// The derivative of the weighted residual at variables `x`, by the problem's route, shape (variables,)
     /// to shape (rows, variables).
+    ///
+    /// Raises as `residual`.
     #[pyo3(signature = (x, targets = None))]
     fn jacobian<'py>(
         &self,
@@ -235,6 +243,8 @@ impl Problem {
 
     /// The gradient of half the squared residual at variables `x`, by reverse mode where derivatives are
     /// analytic, shape (variables,) to shape (variables,).
+    ///
+    /// Raises as `residual`.
     #[pyo3(signature = (x, targets = None))]
     fn gradient<'py>(
         &self,
@@ -254,7 +264,7 @@ impl Problem {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let arguments = PyTuple::new(py, [self.model.bind(py), self.given.bind(py).as_any()])?;
-        rebuilding::<Self>(py, &arguments, self.options.bind(py))
+        pickling::by_keywords::<Self>(py, &arguments, self.options.bind(py))
     }
 
     fn __repr__(&self) -> String {

@@ -11,6 +11,7 @@ use super::task::items;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
+use crate::pickling;
 use crate::robot::Robot;
 
 /// The map from solver variables x to configurations q: which joints are free, locked, coupled or
@@ -135,6 +136,8 @@ impl ParameterMap {
     }
 
     /// The configuration, shape (dof,), of variables x, shape (variables,): finite numbers.
+    ///
+    /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn expand<'py>(
         &self,
         py: Python<'py>,
@@ -148,6 +151,8 @@ impl ParameterMap {
 
     /// The variables, shape (variables,), of a configuration, shape (dof,), clamped into their bounds; the
     /// values of locked and following joints are not looked at.
+    ///
+    /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn reduce<'py>(
         &self,
         py: Python<'py>,
@@ -161,24 +166,13 @@ impl ParameterMap {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let arguments = PyTuple::new(py, [&self.of])?;
-        rebuilding::<Self>(py, &arguments, self.options.bind(py))
+        pickling::by_keywords::<Self>(py, &arguments, self.options.bind(py))
     }
 
     fn __repr__(&self) -> String {
         let (variables, dof) = (self.inner.variables(), self.inner.sources().len());
         format!("ParameterMap({variables} variables of {dof} degrees of freedom)")
     }
-}
-
-/// `functools.partial(class, **options)` of some arguments, for pickling.
-pub(crate) fn rebuilding<'py, T: pyo3::PyTypeInfo>(
-    py: Python<'py>,
-    arguments: &Bound<'py, PyTuple>,
-    options: &Bound<'py, PyDict>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let partial = py.import("functools")?.getattr("partial")?;
-    let class = partial.call((py.get_type::<T>(),), Some(options))?;
-    Ok((class, arguments).into_pyobject(py)?.into_any())
 }
 
 /// Every joint free, but for those that follow others in a robot's file.

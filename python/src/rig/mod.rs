@@ -14,10 +14,17 @@ use crate::contents::{opened, text_or_bytes};
 use crate::error::{OrRaise, invalid};
 use crate::mesh::TriangleMesh;
 use crate::model::Model;
+use crate::pickling;
 use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
 
 /// A skeleton with the mesh it moves, its keyframes and its pinned tips, in a unit of the rig's own.
+///
+/// A rig of its parts. `weights` have a vertex for each of the mesh's and a bone for each of the
+/// skeleton's; `clip` is of this skeleton; `constrained` are the names of bones whose tips are pinned.
+///
+/// Raises `InvalidValueError` where parts do not go together, `UnknownNameError` for a bone that does
+/// not exist.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Rig {
     pub(crate) inner: Arc<kinopt::io::rig::Rig>,
@@ -48,11 +55,6 @@ impl Rig {
 
 #[pymethods]
 impl Rig {
-    /// A rig of its parts. `weights` have a vertex for each of the mesh's and a bone for each of the
-    /// skeleton's; `clip` is of this skeleton; `constrained` are the names of bones whose tips are pinned.
-    ///
-    /// Raises `InvalidValueError` where parts do not go together, `UnknownNameError` for a bone that does
-    /// not exist.
     #[new]
     #[pyo3(signature = (skeleton, mesh = None, weights = None, clip = None, constrained = Vec::new()))]
     fn new(
@@ -143,12 +145,14 @@ impl Rig {
     }
 
     /// The rig's JSON, which names its mesh's and its weights' files so.
+    ///
+    /// Raises `InvalidValueError` for a name that the format cannot hold.
     #[pyo3(signature = (model_file = "rig.ply", weights_file = "rig.dmat"))]
     fn to_json(&self, model_file: &str, weights_file: &str) -> String {
         self.inner.to_json(model_file, weights_file)
     }
 
-    /// The bones.
+    /// The bones of the rig.
     #[getter]
     fn skeleton(&self, py: Python<'_>) -> Py<Skeleton> {
         self.skeleton.clone_ref(py)
@@ -221,7 +225,6 @@ impl Rig {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let notes = self.inner.notes.iter().map(|note| match note {
             kinopt::io::rig::RigNote::NoWeightsFile { file } => file.as_str(),
             _ => "",
@@ -235,7 +238,7 @@ impl Rig {
             self.constrained(),
             notes,
         );
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]

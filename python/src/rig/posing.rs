@@ -10,6 +10,7 @@ use super::Rig;
 use crate::arrays::{self, Questions};
 use crate::error::OrRaise;
 use crate::mesh::TriangleMesh;
+use crate::pickling;
 use crate::pool::Pool;
 use crate::vertices::Part;
 
@@ -63,7 +64,7 @@ impl RigPosing {
 
 #[pymethods]
 impl RigPosing {
-    /// The rig.
+    /// The rig whose mesh is posed.
     #[getter]
     fn rig(&self, py: Python<'_>) -> Py<Rig> {
         self.rig.clone_ref(py)
@@ -96,6 +97,8 @@ impl RigPosing {
     }
 
     /// The vertices' unit normals, float32, as `positions` has it; of shape (0, 3) where the mesh has none.
+    ///
+    /// Raises as `positions`.
     #[pyo3(signature = (q, *, out = None))]
     fn normals<'py>(
         &self,
@@ -107,6 +110,8 @@ impl RigPosing {
     }
 
     /// The mesh for `q`, shape (3 * bones,), radians: positions, and normals where the mesh has them.
+    ///
+    /// Raises `InvalidValueError` for another number of angles or one that is not finite.
     fn mesh(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<TriangleMesh> {
         let angles = self.rig.get().inner.skeleton.angles();
         let q = arrays::vector_of(q, "q", angles)?;
@@ -116,8 +121,7 @@ impl RigPosing {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = self.rig.bind(py).getattr("posing")?;
-        Ok((rebuild, (self.method(),)).into_pyobject(py)?.into_any())
+        pickling::by_method(self.rig.bind(py).as_any(), "posing", (self.method(),))
     }
 
     fn __repr__(&self) -> String {

@@ -10,11 +10,19 @@ use pyo3::prelude::*;
 use crate::animation::Armature;
 use crate::error::OrRaise;
 use crate::mesh::TriangleMesh;
+use crate::pickling;
 use crate::skinning::{MorphTargets, SkinWeights};
 use crate::transforms;
 use crate::vertices::to_array;
 
 /// A mesh on a bone of a scene.
+///
+/// A mesh on a bone of `armature`: one without a skin moves with the bone, one with a skin with the skin's
+/// joints alone. `tangents` has shape (V, 4); the weights of its morph targets are those of the armature
+/// from number `first_morph_weight` on.
+///
+/// Raises `UnknownNameError` for a bone; what does not go together is said when a scene of it is posed or
+/// written.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct SceneMesh {
     pub(super) inner: gltf::SceneMesh,
@@ -30,12 +38,6 @@ impl SceneMesh {
 
 #[pymethods]
 impl SceneMesh {
-    /// A mesh on a bone of `armature`: one without a skin moves with the bone, one with a skin with the skin's
-    /// joints alone. `tangents` has shape (V, 4); the weights of its morph targets are those of the armature
-    /// from number `first_morph_weight` on.
-    ///
-    /// Raises `UnknownNameError` for a bone; what does not go together is said when a scene of it is posed or
-    /// written.
     #[new]
     #[pyo3(signature = (
         armature, name, bone, mesh, *, tangents = None, morph_targets = None, first_morph_weight = 0,
@@ -120,7 +122,6 @@ impl SceneMesh {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let parts = (
             Armature::from(Arc::clone(&self.armature)),
             self.name(),
@@ -131,7 +132,7 @@ impl SceneMesh {
             self.first_morph_weight(),
             self.skin(),
         );
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]
@@ -170,6 +171,11 @@ impl SceneMesh {
 }
 
 /// How a mesh follows joints.
+///
+/// A skin on bones of `armature`: `joints` are their names in the order of the weights' bones,
+/// `joint_from_mesh`, shape (joints, 4, 4), the inverse bind matrices.
+///
+/// Raises `UnknownNameError` for a bone.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Skin {
     inner: gltf::Skin,
@@ -185,10 +191,6 @@ impl Skin {
 
 #[pymethods]
 impl Skin {
-    /// A skin on bones of `armature`: `joints` are their names in the order of the weights' bones,
-    /// `joint_from_mesh`, shape (joints, 4, 4), the inverse bind matrices.
-    ///
-    /// Raises `UnknownNameError` for a bone.
     #[new]
     fn new(
         armature: &Bound<'_, Armature>,
@@ -243,7 +245,7 @@ impl Skin {
             self.joint_from_mesh(py)?,
             self.weights(),
         );
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {

@@ -16,11 +16,16 @@ pub(crate) use self::posing::ScenePosing;
 use crate::animation::{Armature, Clip};
 use crate::contents::{opened, text_or_bytes};
 use crate::error::OrRaise;
+use crate::pickling;
 
 /// What a glTF file holds that can be posed: an armature, the meshes that hang on it and the clips that move
 /// it.
 ///
 /// Every node of the file is a bone. Lengths are in the file's unit, which glTF says are metres.
+///
+/// A scene of an armature, of meshes on its bones and of clips for it.
+///
+/// What does not go together raises `InvalidValueError` when the scene is posed or written.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Scene {
     pub(crate) inner: Arc<gltf::Scene>,
@@ -46,7 +51,6 @@ fn options(keys_per_second: f32) -> WriteOptions {
 
 #[pymethods]
 impl Scene {
-    /// A scene of an armature, of meshes on its bones and of clips for it.
     #[new]
     #[pyo3(signature = (armature, meshes = Vec::new(), clips = Vec::new()))]
     fn new(
@@ -113,6 +117,8 @@ impl Scene {
     }
 
     /// The bytes of a .glb file of the scene, as `write` has it.
+    ///
+    /// Raises `InvalidValueError` for parts that do not go together.
     #[pyo3(signature = (keys_per_second = 30.0))]
     fn to_bytes<'py>(
         &self,
@@ -171,9 +177,8 @@ impl Scene {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let parts = (self.armature(), self.meshes(), self.clips(), self.notes());
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]

@@ -12,6 +12,7 @@ use crate::animation::{Pose, asked};
 use crate::arrays;
 use crate::error::OrRaise;
 use crate::mesh::TriangleMesh;
+use crate::pickling;
 use crate::pool::Pool;
 use crate::vertices::Part;
 
@@ -65,7 +66,7 @@ impl ScenePosing {
 
 #[pymethods]
 impl ScenePosing {
-    /// The scene.
+    /// The scene whose meshes are posed.
     #[getter]
     fn scene(&self, py: Python<'_>) -> Py<Scene> {
         self.scene.clone_ref(py)
@@ -107,6 +108,8 @@ impl ScenePosing {
     }
 
     /// The unit normals of the meshes that have normals, as `positions` has it.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
     #[pyo3(signature = (pose, *, out = None))]
     fn normals<'py>(
         &self,
@@ -118,6 +121,8 @@ impl ScenePosing {
     }
 
     /// The meshes in a pose, in the scene's coordinates.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
     fn meshes(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<Vec<TriangleMesh>> {
         let pose = pose.get().now();
         let posed = py.detach(|| self.posings.with(|posing| posing.meshes(&pose)));
@@ -129,6 +134,8 @@ impl ScenePosing {
     }
 
     /// As `meshes`, joined to one; it has normals where all of them have.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
     fn mesh(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<TriangleMesh> {
         let pose = pose.get().now();
         let posed = py.detach(|| self.posings.with(|posing| posing.mesh(&pose)));
@@ -136,8 +143,7 @@ impl ScenePosing {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = self.scene.bind(py).getattr("posing")?;
-        Ok((rebuild, (self.method(),)).into_pyobject(py)?.into_any())
+        pickling::by_method(self.scene.bind(py).as_any(), "posing", (self.method(),))
     }
 
     fn __repr__(&self) -> String {

@@ -9,12 +9,19 @@ use pyo3::prelude::*;
 use super::Skeleton;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::placement;
 
 /// A bone at rest and how far it may turn.
 ///
 /// It lies along x of its own frame, from its tail at the origin to its tip at (length, 0, 0). Its three
 /// angles turn it: the first twist about x, the bend about z, the second twist about x.
+///
+/// A bone: its name, its parent's name (None: a root), its length, `model_from_rest`, a 4 x 4 placement
+/// of the bone at rest in the model, in the rig's own unit (None: the identity), and `limits`, shape
+/// (3, 2), the lowest and highest first twist, bend and second twist in radians (None: no limits).
+///
+/// Raises `InvalidValueError` for other shapes; what else is wrong with a bone is said when the skeleton is made.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Bone {
@@ -57,11 +64,6 @@ impl Bone {
 
 #[pymethods]
 impl Bone {
-    /// A bone: its name, its parent's name (None: a root), its length, `model_from_rest`, a 4 x 4 placement
-    /// of the bone at rest in the model, in the rig's own unit (None: the identity), and `limits`, shape
-    /// (3, 2), the lowest and highest first twist, bend and second twist in radians (None: no limits).
-    ///
-    /// What is wrong with a bone is said when the skeleton is made.
     #[new]
     #[pyo3(signature = (name, parent = None, *, length = 0.0, model_from_rest = None, limits = None))]
     fn new(
@@ -127,7 +129,6 @@ impl Bone {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let parts = (
             &self.name,
             &self.parent,
@@ -135,7 +136,7 @@ impl Bone {
             self.model_from_rest(py)?,
             self.limits(py)?,
         );
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]
@@ -160,7 +161,7 @@ impl Bone {
     }
 }
 
-/// Collects the bones of a skeleton, parents before children.
+/// Collects the bones of a skeleton, which is called `name`, parents before children.
 #[pyclass(module = "kinopt")]
 pub(crate) struct SkeletonBuilder {
     name: String,
@@ -169,7 +170,6 @@ pub(crate) struct SkeletonBuilder {
 
 #[pymethods]
 impl SkeletonBuilder {
-    /// An empty skeleton of this name.
     #[new]
     pub(super) fn new(name: String) -> Self {
         let bones = Vec::new();
@@ -177,6 +177,9 @@ impl SkeletonBuilder {
     }
 
     /// Adds a bone; arguments are as for `Bone`. `limits` is in radians.
+    ///
+    /// Raises `UnknownNameError` for a parent that was not added before, `InvalidValueError` for a rest
+    /// placement or limits that cannot be.
     #[pyo3(signature = (name, parent = None, *, length = 0.0, model_from_rest = None, limits = None))]
     fn add(
         &mut self,

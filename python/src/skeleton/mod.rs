@@ -15,6 +15,7 @@ pub(crate) use self::bone::{Bone, SkeletonBuilder};
 use crate::arrays::{self, Questions};
 use crate::error::OrRaise;
 use crate::model::Model;
+use crate::pickling;
 use crate::placement;
 use crate::pool::Pool;
 
@@ -26,6 +27,11 @@ const POSES_AT_A_TIME: usize = 256;
 /// A configuration `q` stacks three angles a bone, shape (3 * bones,), radians: first twist, bend and second
 /// twist of the first bone, of the second, ... The model's frames are a bone's name (its own frame, origin
 /// at its tail) and `NAME/tip`; its joints `NAME/twist2`, `NAME/bend` and `NAME/twist1`.
+///
+/// A skeleton of bones, parents before children.
+///
+/// Raises `InvalidValueError` naming the first bone that is wrong, `UnknownNameError` for a parent that
+/// does not come before its child.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Skeleton {
     pub(crate) inner: Arc<kinopt::Skeleton>,
@@ -86,10 +92,6 @@ impl Skeleton {
 
 #[pymethods]
 impl Skeleton {
-    /// A skeleton of bones, parents before children.
-    ///
-    /// Raises `InvalidValueError` naming the first bone that is wrong, `UnknownNameError` for a parent that
-    /// does not come before its child.
     #[new]
     fn new(name: &str, bones: Vec<Bound<'_, Bone>>) -> PyResult<Self> {
         let bones: Vec<Bone> = bones.iter().map(|bone| bone.get().clone()).collect();
@@ -188,18 +190,24 @@ impl Skeleton {
     }
 
     /// The name of the model's frame at a bone's tail, with the bone's axes.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
     fn tail(&self, bone: &str) -> PyResult<String> {
         let id = self.inner.bone(bone).or_raise()?;
         Ok(self.frame_name(self.inner.tail(id)))
     }
 
     /// The name of the model's frame at a bone's tip, with the bone's axes.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
     fn tip(&self, bone: &str) -> PyResult<String> {
         let id = self.inner.bone(bone).or_raise()?;
         Ok(self.frame_name(self.inner.tip(id)))
     }
 
     /// The names of a bone's joints in the order of its angles: first twist, bend, second twist.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
     fn joints(&self, bone: &str) -> PyResult<Vec<String>> {
         let id = self.inner.bone(bone).or_raise()?;
         let joints = self.inner.joints(id).into_iter();
@@ -209,6 +217,8 @@ impl Skeleton {
     }
 
     /// The bone that a frame of the model belongs to, and whether the frame is its tip.
+    ///
+    /// Raises `UnknownNameError` for a frame that there is not.
     fn bone_of_frame(&self, frame: &str) -> PyResult<(&str, bool)> {
         let id = self.model.frame(frame).or_raise()?;
         let (bone, is_tip) = self
@@ -224,6 +234,9 @@ impl Skeleton {
 
     /// The same bones with the root placed generally in a larger scene by a 4 x 4 placement, in the rig's
     /// own unit. Angles and limits mean what they did.
+    ///
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` that
+    /// does not fit.
     fn placed(&self, scene_from_model: &Bound<'_, PyAny>) -> PyResult<Self> {
         let placement = placement::placement(scene_from_model, "scene_from_model")?;
         self.inner.placed(placement).or_raise().map(Self::from)
@@ -231,6 +244,9 @@ impl Skeleton {
 
     /// Where the bones stand: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and
     /// (N, bones, 4, 4) for (N, 3 * bones); radians in, the rig's own unit out. `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` that
+    /// does not fit.
     #[pyo3(signature = (q, *, out = None))]
     fn pose<'py>(
         &self,
@@ -245,6 +261,9 @@ impl Skeleton {
 
     /// The transforms that carry skin along, rest -> posed, shape (bones, 4, 4) or (N, bones, 4, 4), as
     /// `pose` has it.
+    ///
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` that
+    /// does not fit.
     #[pyo3(signature = (q, *, out = None))]
     fn skinning_transforms<'py>(
         &self,
@@ -259,6 +278,8 @@ impl Skeleton {
 
     /// The names of what should stay where it is while the tips of the `dragged` bones are: {"trunk": the
     /// bones that do not turn, "back": those that hardly bend, "ends": those whose tips stay}.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
     fn holds(&self, dragged: Vec<String>) -> PyResult<std::collections::BTreeMap<&str, Vec<&str>>> {
         let ids = dragged.iter().map(|name| self.inner.bone(name).or_raise());
         let holds = self.inner.holds(&ids.collect::<PyResult<Vec<_>>>()?);
@@ -282,15 +303,17 @@ impl Skeleton {
     }
 
     /// A skeleton from what `to_json` wrote; it is checked anew.
+    ///
+    /// Raises `InvalidValueError` for a text that is no skeleton.
     #[classmethod]
     fn from_json(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
         let skeleton = serde_json::from_str::<kinopt::Skeleton>(text);
         skeleton.or_raise().map(Self::from)
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        let rebuild = py.get_type::<Self>().getattr("from_json")?;
-        Ok((rebuild, (self.to_json()?,)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let class = py.get_type::<Self>();
+        pickling::by_method(class.as_any(), "from_json", (self.to_json()?,))
     }
 
     fn __repr__(&self) -> String {

@@ -9,10 +9,17 @@ use super::SkinWeights;
 use crate::arrays::{self, Numbers, shape_text};
 use crate::error::{OrRaise, invalid};
 use crate::mesh::TriangleMesh;
+use crate::pickling;
 use crate::skeleton::Skeleton;
 
 /// Weights by distance: bones pull at what is near, evened out over the surface. Distances are straight, also
 /// through gaps; weights by heat are not.
+///
+/// `falloff` is how fast a bone's pull falls with distance, above 0; `smoothing_steps` how often weights are
+/// evened out over the mesh's edges; `most` the most influences a vertex keeps, at least 1.
+///
+/// Raises `InvalidValueError` for counts below 0; other options out of range are refused when weights are
+/// made.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct AutomaticWeights {
     inner: ByDistance,
@@ -20,6 +27,12 @@ pub(crate) struct AutomaticWeights {
 
 /// Weights by heat on the surface: they pass smoothly from bone to bone along the skin, and never through the
 /// air.
+///
+/// `heat` is how much heat bones give, above 0; larger is stiffer. `most` is the most influences a vertex
+/// keeps, at least 1.
+///
+/// Raises `InvalidValueError` for a `most` below 0; other options out of range are refused when weights are
+/// made.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct HeatWeights {
     inner: ByHeat,
@@ -42,8 +55,6 @@ fn segments(value: &Bound<'_, PyAny>) -> PyResult<Vec<[DVec3; 2]>> {
 
 #[pymethods]
 impl AutomaticWeights {
-    /// `falloff` is how fast a bone's pull falls with distance, above 0; `smoothing_steps` how often weights are
-    /// evened out over the mesh's edges; `most` the most influences a vertex keeps, at least 1.
     #[new]
     #[pyo3(signature = (*, falloff = 4.0, smoothing_steps = 10, most = 8))]
     fn new(
@@ -87,7 +98,6 @@ impl AutomaticWeights {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let ByDistance {
             falloff,
             smoothing_steps,
@@ -95,7 +105,7 @@ impl AutomaticWeights {
             ..
         } = self.inner;
         let parts = (falloff, smoothing_steps, most);
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]
@@ -113,8 +123,6 @@ impl AutomaticWeights {
 
 #[pymethods]
 impl HeatWeights {
-    /// `heat` is how much heat bones give, above 0; larger is stiffer. `most` is the most influences a vertex
-    /// keeps, at least 1.
     #[new]
     #[pyo3(signature = (*, heat = 1.0, most = 8))]
     fn new(heat: f64, #[pyo3(from_py_with = crate::arrays::whole)] most: usize) -> Self {
@@ -154,9 +162,8 @@ impl HeatWeights {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let parts = (self.inner.heat, self.inner.most);
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]

@@ -12,6 +12,7 @@ use super::SkinWeights;
 use crate::arrays::{self, Numbers, shape_text};
 use crate::error::{OrRaise, invalid};
 use crate::mesh::TriangleMesh;
+use crate::pickling;
 use crate::transforms::{self, one_to_array, shaped, vector};
 use crate::vertices::{self, to_array, vectors};
 
@@ -19,6 +20,11 @@ use crate::vertices::{self, to_array, vectors};
 ///
 /// Handles move vertices exactly as bones do: their weights are `SkinWeights` with a handle for each bone, and
 /// their `transform` goes to `MeshWeights.positions("lbs", ...)`.
+///
+/// A handle at `rest`, dragged to `posed` (None: at rest), both of shape (3,), with a linear map about itself,
+/// shape (3, 3): rotation, scale, shear.
+///
+/// Raises `InvalidValueError` for numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.skinning")]
 #[derive(Clone)]
 pub(crate) struct PointHandle {
@@ -27,10 +33,6 @@ pub(crate) struct PointHandle {
 
 #[pymethods]
 impl PointHandle {
-    /// A handle at `rest`, dragged to `posed` (None: at rest), both of shape (3,), with a linear map about itself,
-    /// shape (3, 3): rotation, scale, shear.
-    ///
-    /// Raises `InvalidValueError` for numbers that are not finite.
     #[new]
     #[pyo3(signature = (rest, posed = None, linear = None))]
     fn new(
@@ -86,6 +88,8 @@ impl PointHandle {
     }
 
     /// The transforms of many handles, shape (N, 4, 4), float32.
+    ///
+    /// Raises `TypeError` for what are no handles.
     #[staticmethod]
     fn transforms<'py>(
         py: Python<'py>,
@@ -97,7 +101,7 @@ impl PointHandle {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parts = (self.rest(py)?, self.posed(py)?, self.linear(py)?);
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {
@@ -107,6 +111,11 @@ impl PointHandle {
 
 /// Points bound to a closed triangle cage by mean-value coordinates: affine motions of the whole cage move them
 /// exactly.
+///
+/// Binds `points`, shape (N, 3), to a cage at rest, both in one unit.
+///
+/// Raises `InvalidValueError` where the cage is not closed or has a triangle without area, or where a point
+/// is not finite or has no coordinates.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct CageBinding {
     inner: Binding,
@@ -116,10 +125,6 @@ pub(crate) struct CageBinding {
 
 #[pymethods]
 impl CageBinding {
-    /// Binds `points`, shape (N, 3), to a cage at rest, both in one unit.
-    ///
-    /// Raises `InvalidValueError` where the cage is not closed or has a triangle without area, or where a point
-    /// is not finite or has no coordinates.
     #[new]
     fn new(
         py: Python<'_>,
@@ -178,7 +183,7 @@ impl CageBinding {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let cage = TriangleMesh::from(Arc::clone(&self.cage));
         let parts = (cage, to_array(py, &self.points, 3)?);
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {
@@ -192,6 +197,10 @@ impl CageBinding {
 
 /// For each bone the box at rest of the vertices that it moves: boxes around skinned meshes that need no
 /// skinning.
+///
+/// The boxes of a mesh's positions at `rest`, shape (V, 3).
+///
+/// Raises `InvalidValueError` for another number of vertices and for positions that are not finite.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct BoneBoxes {
     inner: Boxes,
@@ -201,9 +210,6 @@ pub(crate) struct BoneBoxes {
 
 #[pymethods]
 impl BoneBoxes {
-    /// The boxes of a mesh's positions at `rest`, shape (V, 3).
-    ///
-    /// Raises `InvalidValueError` for another number of vertices and for positions that are not finite.
     #[new]
     fn new(weights: &Bound<'_, SkinWeights>, rest: &Bound<'_, PyAny>) -> PyResult<Self> {
         let weights = Arc::clone(&weights.get().inner);
@@ -219,6 +225,8 @@ impl BoneBoxes {
     /// A box that holds every vertex skinned by linear blend with these transforms, rest -> posed, shape
     /// (bones, 4, 4): the lowest and the highest corner, shape (2, 3), float32; None without vertices. Dual
     /// quaternions may leave it.
+    ///
+    /// Raises `InvalidValueError` for transforms of another shape or another number of bones.
     fn linear_blend<'py>(
         &self,
         py: Python<'py>,
@@ -232,7 +240,7 @@ impl BoneBoxes {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let weights = SkinWeights::from(Arc::clone(&self.weights));
         let parts = (weights, to_array(py, &self.rest, 3)?);
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {

@@ -13,11 +13,19 @@ use super::SkinWeights;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::mesh::TriangleMesh;
+use crate::pickling;
 use crate::transforms;
 use crate::vertices::{tangents, to_array, vectors};
 
 /// Skin weights made ready once for many poses: packed where no vertex follows more than four bones, as they
 /// are otherwise. Both give the same vertices to rounding.
+///
+/// Weights made ready. `packed` True asks for the fast form, False for the other one (None: what suits).
+///
+/// With `pivots`, shape (bones, 3), the bones' tails at rest, dual quaternions take transforms that scale:
+/// each bone stretches about its pivot.
+///
+/// Raises `InvalidValueError` where packing is asked for and a vertex follows more than four bones.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct MeshWeights {
     inner: Ready,
@@ -70,12 +78,6 @@ impl MeshWeights {
 
 #[pymethods]
 impl MeshWeights {
-    /// Weights made ready. `packed` True asks for the fast form, False for the other one (None: what suits).
-    ///
-    /// With `pivots`, shape (bones, 3), the bones' tails at rest, dual quaternions take transforms that scale:
-    /// each bone stretches about its pivot.
-    ///
-    /// Raises `InvalidValueError` where packing is asked for and a vertex follows more than four bones.
     #[new]
     #[pyo3(signature = (weights, *, pivots = None, packed = None))]
     fn new(
@@ -159,6 +161,8 @@ impl MeshWeights {
     }
 
     /// Turns normals at `rest`, shape (V, 3), as `positions` moves positions; they come out with unit length.
+    ///
+    /// Raises as `positions`.
     #[pyo3(signature = (method, transforms, rest, *, out = None))]
     fn normals<'py>(
         &self,
@@ -185,6 +189,8 @@ impl MeshWeights {
     }
 
     /// Turns tangents at `rest`, shape (V, 4), the bitangent's sign last, as `positions` moves positions.
+    ///
+    /// Raises as `positions`.
     #[pyo3(signature = (method, transforms, rest, *, out = None))]
     fn tangents<'py>(
         &self,
@@ -215,6 +221,8 @@ impl MeshWeights {
     }
 
     /// The posed mesh: positions, and normals where the mesh has them; `transforms` have shape (bones, 4, 4).
+    ///
+    /// Raises as `positions`.
     fn mesh(
         &self,
         py: Python<'_>,
@@ -230,9 +238,8 @@ impl MeshWeights {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
         let parts = (self.weights(), self.pivots(py)?, self.packed);
-        Ok((rebuild, parts).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, parts)
     }
 
     #[staticmethod]

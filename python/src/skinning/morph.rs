@@ -12,11 +12,18 @@ use pyo3::types::PyType;
 use crate::arrays::{self, Numbers};
 use crate::error::{OrRaise, invalid};
 use crate::mesh::TriangleMesh;
+use crate::pickling;
 use crate::transforms::numbers;
 use crate::vertices::{self, to_array, vectors, whole};
 
 /// The differences of one shape from the rest, at the vertices where there are any; float32, in the model's
 /// unit.
+///
+/// A target of sparse deltas: `vertices`, shape (N,), rising, and for each of them `position_deltas`,
+/// shape (N, 3); `normal_deltas` and `tangent_deltas`, (N, 3), where there are any.
+///
+/// Raises `InvalidValueError` for lists of different lengths, vertices that do not rise and numbers that
+/// are not finite.
 #[pyclass(frozen, module = "kinopt.skinning")]
 #[derive(Clone)]
 pub(crate) struct MorphTarget {
@@ -25,11 +32,6 @@ pub(crate) struct MorphTarget {
 
 #[pymethods]
 impl MorphTarget {
-    /// A target of sparse deltas: `vertices`, shape (N,), rising, and for each of them `position_deltas`,
-    /// shape (N, 3); `normal_deltas` and `tangent_deltas`, (N, 3), where there are any.
-    ///
-    /// Raises `InvalidValueError` for lists of different lengths, vertices that do not rise and numbers that
-    /// are not finite.
     #[new]
     #[pyo3(signature = (name, vertices, position_deltas, normal_deltas = None, tangent_deltas = None))]
     fn new(
@@ -61,6 +63,8 @@ impl MorphTarget {
 
     /// The target whose full weight turns the mesh `rest` into `shape`. Vertices that move by no more than
     /// `threshold` (in the model's unit) and whose normal keeps to it as well are left out.
+    ///
+    /// Raises `InvalidValueError` for meshes of different numbers of vertices and for a threshold below 0.
     #[classmethod]
     #[pyo3(signature = (name, rest, shape, threshold = 0.0))]
     fn between(
@@ -113,7 +117,7 @@ impl MorphTarget {
             self.normal_deltas(py)?,
             self.tangent_deltas(py)?,
         );
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {
@@ -131,6 +135,10 @@ fn some<'py>(py: Python<'py>, deltas: &[Vec3]) -> PyResult<Option<Bound<'py, PyA
 }
 
 /// The morph targets of one mesh; nothing changes them.
+///
+/// Targets for a mesh of so many vertices.
+///
+/// Raises `InvalidValueError` where one names a vertex that does not exist.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct MorphTargets {
     pub(crate) inner: Arc<Targets>,
@@ -145,9 +153,6 @@ impl From<Targets> for MorphTargets {
 
 #[pymethods]
 impl MorphTargets {
-    /// Targets for a mesh of so many vertices.
-    ///
-    /// Raises `InvalidValueError` where one names a vertex that does not exist.
     #[new]
     fn new(
         #[pyo3(from_py_with = crate::arrays::whole)] vertex_count: usize,
@@ -226,7 +231,7 @@ impl MorphTargets {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parts = (self.inner.vertex_count(), self.targets());
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {
@@ -235,6 +240,10 @@ impl MorphTargets {
 }
 
 /// Key shapes of one mesh, each with a place for every vertex: a mesh is their weighted mean.
+///
+/// Key shapes: {name: positions}, each of shape (V, 3), in the model's own unit.
+///
+/// Raises `InvalidValueError` where there is none, counts differ or a position is not finite.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct BlendShapes {
     inner: Shapes,
@@ -244,9 +253,6 @@ pub(crate) struct BlendShapes {
 
 #[pymethods]
 impl BlendShapes {
-    /// Key shapes: {name: positions}, each of shape (V, 3), in the model's own unit.
-    ///
-    /// Raises `InvalidValueError` where there is none, counts differ or a position is not finite.
     #[new]
     fn new(shapes: &Bound<'_, pyo3::types::PyDict>) -> PyResult<Self> {
         let mut read = Vec::new();
@@ -298,9 +304,7 @@ impl BlendShapes {
         for (name, positions) in &self.shapes {
             shapes.set_item(name, to_array(py, positions, 3)?)?;
         }
-        Ok((py.get_type::<Self>(), (shapes,))
-            .into_pyobject(py)?
-            .into_any())
+        pickling::by_class::<Self>(py, (shapes,))
     }
 
     fn __repr__(&self) -> String {

@@ -10,11 +10,19 @@ use pyo3::types::{PyDict, PyType};
 
 use crate::arrays::{self, Numbers};
 use crate::error::{OrRaise, invalid};
+use crate::pickling;
 use crate::vertices::whole;
 
 /// Sparse skin weights: for each vertex the bones that move it, any number of them, sorted by bone.
 ///
 /// Each vertex's weights sum to 1; they are kept exactly as given.
+///
+/// Weights in coordinates: vertex `vertices[i]` follows bone `bones[i]` by `weights[i]`, in any order;
+/// three lists of one length.
+///
+/// Raises `InvalidValueError` naming the vertex and bone where a weight is not finite or below zero by
+/// more than 1e-2, an index is out of range, a pair occurs twice or a vertex's weights do not sum to 1
+/// within 1e-5.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct SkinWeights {
     pub(crate) inner: Arc<Weights>,
@@ -79,12 +87,6 @@ fn too_many(bones: usize) -> PyErr {
 
 #[pymethods]
 impl SkinWeights {
-    /// Weights in coordinates: vertex `vertices[i]` follows bone `bones[i]` by `weights[i]`, in any order;
-    /// three lists of one length.
-    ///
-    /// Raises `InvalidValueError` naming the vertex and bone where a weight is not finite or below zero by
-    /// more than 1e-2, an index is out of range, a pair occurs twice or a vertex's weights do not sum to 1
-    /// within 1e-5.
     #[new]
     fn new(
         vertices: &Bound<'_, PyAny>,
@@ -102,6 +104,9 @@ impl SkinWeights {
     ///
     /// Gives the weights and what was done: {"negative": how many became zero, "rescaled": at how many
     /// vertices, "worst": (vertex, sum) furthest from 1, or None}.
+    ///
+    /// Raises `InvalidValueError` for what cannot be repaired: an index out of range, a pair that occurs
+    /// twice, a vertex without any weight.
     #[classmethod]
     fn repaired<'py>(
         class: &Bound<'py, PyType>,
@@ -139,6 +144,8 @@ impl SkinWeights {
     }
 
     /// The table that `from_table` reads, shape (V, bones), float64.
+    ///
+    /// Raises `MemoryError` where the table does not fit in memory.
     fn to_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (vertices, bones) = (self.inner.vertex_count(), self.inner.bone_count());
         let table = arrays::numpy(py)?.call_method1("zeros", ((vertices, bones),))?;
@@ -198,6 +205,8 @@ impl SkinWeights {
     }
 
     /// One vertex's influences, sorted by bone: [(bone, weight), ...]; empty where there is no such vertex.
+    ///
+    /// Raises `InvalidValueError` for a number below 0.
     fn influences(
         &self,
         #[pyo3(from_py_with = crate::arrays::whole)] vertex: usize,
@@ -234,7 +243,7 @@ impl SkinWeights {
             self.inner.vertex_count(),
             self.inner.bone_count(),
         );
-        Ok((py.get_type::<Self>(), parts).into_pyobject(py)?.into_any())
+        pickling::by_class::<Self>(py, parts)
     }
 
     fn __repr__(&self) -> String {

@@ -10,6 +10,7 @@ use pyo3::types::PyType;
 
 use crate::arrays;
 use crate::error::OrRaise;
+use crate::pickling;
 pub(crate) use reports::{ActiveLimit, Counts, RowsReport, TaskReport};
 
 /// The result of a solve, reached or not: the best configuration found and the truth about it.
@@ -147,9 +148,8 @@ impl Solution {
         Ok(Self::from(inner))
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
-        Ok((rebuild, (serde_json::to_string(&self.inner).or_raise()?,)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, &self.inner)
     }
 
     fn __repr__(&self) -> String {

@@ -15,6 +15,7 @@ use super::watch::Watch;
 use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
+use crate::pickling;
 use crate::problem::{Move, Problem, raised};
 use crate::progress::Progress;
 use crate::solution::Solution;
@@ -148,8 +149,7 @@ impl Solutions {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let rebuild = py.get_type::<Self>().getattr("_rebuild")?;
-        Ok((rebuild, self.written()?).into_pyobject(py)?.into_any())
+        pickling::by_rebuild::<Self>(py, self.written()?)
     }
 
     fn __repr__(&self) -> String {

@@ -110,6 +110,9 @@ impl Drag {
     }
 
     /// Moves targets, by the tasks' names or numbers: {"hand": [0.4, 0.1, 0.3]}.
+    ///
+    /// Raises `UnknownNameError` for a task that there is not, `InvalidValueError` for targets of the wrong
+    /// shape and for numbers that are not finite.
     fn set_targets(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> PyResult<()> {
         let moves = self.problem.get().moves(Some(targets))?;
         py.detach(|| {
@@ -120,6 +123,8 @@ impl Drag {
     }
 
     /// One frame: follows the targets as they are now, after moving those that are given.
+    ///
+    /// Raises as `set_targets`.
     #[pyo3(signature = (targets = None))]
     fn advance(&self, py: Python<'_>, targets: Option<&Bound<'_, PyAny>>) -> PyResult<Solution> {
         self.go(py, targets, |drag| {
@@ -128,6 +133,8 @@ impl Drag {
     }
 
     /// At most so many frames, until the targets are reached and no joint is catching up, or the body rests.
+    ///
+    /// Raises as `set_targets`.
     #[pyo3(signature = (targets = None, *, frames = 1000))]
     fn follow(
         &self,
@@ -142,6 +149,8 @@ impl Drag {
 
     /// Where the body comes to from where it stands, on its own way: for targets that are far apart. At most
     /// so many frames either way.
+    ///
+    /// Raises as `set_targets`.
     #[pyo3(signature = (targets = None, *, frames = 1000))]
     fn settle(
         &self,
@@ -155,6 +164,8 @@ impl Drag {
     }
 
     /// Goes on from another configuration, shape (dof,), projected into the limits.
+    ///
+    /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn stand_at(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
         let q = arrays::vector(q, "q")?.to_vec();
         py.detach(|| self.lock().stand_at(&q).or_raise())

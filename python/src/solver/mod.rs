@@ -12,7 +12,8 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays;
 use crate::error::invalid;
-use crate::problem::{Problem, raised, rebuilding};
+use crate::pickling;
+use crate::problem::{Problem, raised};
 use crate::solution::Solution;
 pub(crate) use batch::Solutions;
 pub(crate) use drag::{Drag, Leap};
@@ -177,7 +178,7 @@ impl Solver {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        rebuilding::<Self>(py, &PyTuple::empty(py), self.options.bind(py))
+        pickling::by_keywords::<Self>(py, &PyTuple::empty(py), self.options.bind(py))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -1,0 +1,51 @@
+//! The pace of a way from key to key.
+
+use kinopt::animation::{BezierEasing, Easing};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use super::TIMES_AT_A_TIME;
+use crate::arrays::{self, Questions};
+use crate::error::{OrRaise, invalid};
+
+/// The share of the way at shares `t` of the time, within [0, 1]; float64 of the shape of `t`, () or (N,).
+///
+/// `how` is "linear", "quadratic_in", "quadratic_out", "quadratic_in_out", "cubic_in", "cubic_out",
+/// "cubic_in_out", or two handles ((time, value), (time, value)), as CSS's cubic-bezier has them.
+///
+/// Raises `InvalidValueError` for another name, for handles whose times are not within [0, 1], and for shares
+/// of another shape.
+#[pyfunction]
+pub(crate) fn easing<'py>(
+    how: &Bound<'py, PyAny>,
+    t: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let py = how.py();
+    let easing = read_easing(how)?;
+    let shares = Questions::numbers(t, "t")?;
+    let array = arrays::room_of::<f64>(py, None, &shares.shape(&[]))?;
+    arrays::fill(&array, |room| {
+        shares.each(py, room, TIMES_AT_A_TIME, |t, room| {
+            room[0] = easing.at(t[0]);
+            Ok(())
+        })
+    })?;
+    Ok(array)
+}
+
+pub(super) fn read_easings(values: &[Bound<'_, PyAny>]) -> PyResult<Vec<Easing>> {
+    values.iter().map(read_easing).collect()
+}
+
+fn read_easing(value: &Bound<'_, PyAny>) -> PyResult<Easing> {
+    if let Ok(name) = value.extract::<String>() {
+        let quoted = serde_json::to_string(&name).or_raise()?;
+        return serde_json::from_str(&quoted).or_raise();
+    }
+    let [first, second]: [[f32; 2]; 2] = value.extract().map_err(|_| {
+        invalid("an easing is a name or two handles ((time, value), (time, value))")
+    })?;
+    BezierEasing::new(first, second)
+        .or_raise()
+        .map(Easing::Bezier)
+}

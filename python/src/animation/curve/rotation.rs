@@ -1,0 +1,208 @@
+//! Curves of rotations.
+
+use kinopt::animation::rotation::RotationCurve as Rotations;
+use kinopt::glam::Quat;
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+use super::easing::read_easings;
+use super::{sampled, times_of};
+use crate::error::{OrRaise, invalid};
+use crate::pickling;
+use crate::transforms::{Order, given, quaternion_rates, quaternions, shaped};
+
+/// A curve through rotations at key times: `step`, `slerp`, `eased`, `squad`, `smooth` and `cubic` make one of
+/// `times`, shape (K,), seconds, rising, and quaternions, shape (K, 4), given as `xyzw` or as `wxyz`, of any
+/// length above 0. What is wrong with keys raises `InvalidValueError`.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct RotationCurve {
+    pub(crate) inner: Rotations,
+}
+
+impl RotationCurve {
+    fn make(
+        times: &Bound<'_, PyAny>,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+        make: impl FnOnce(Vec<f32>, Vec<Quat>, Order) -> PyResult<Rotations>,
+    ) -> PyResult<Self> {
+        let (rotations, order) = given(xyzw, wxyz, "rotations")?
+            .ok_or_else(|| invalid("rotations are given as xyzw or as wxyz"))?;
+        let inner = make(times_of(times)?, quaternions(rotations, order)?, order)?;
+        Ok(Self { inner })
+    }
+
+    fn keys<'py>(&self, py: Python<'py>, order: Order) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let keys = self.inner.rotations();
+        let numbers = keys.iter().flat_map(|&q| order.to_array(q)).collect();
+        shaped(py, numbers, &[keys.len(), 4])
+    }
+
+    fn sampled<'py>(
+        &self,
+        times: &Bound<'py, PyAny>,
+        order: Order,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        sampled(times, &[4], |time, room| {
+            room.copy_from_slice(&order.to_array(self.inner.at(time)));
+        })
+    }
+}
+
+#[pymethods]
+impl RotationCurve {
+    /// Keeps each key's rotation until the next (glTF's STEP).
+    ///
+    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
+    /// other shapes; a quaternion of length 0.
+    #[classmethod]
+    #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
+    fn step(
+        _class: &Bound<'_, PyType>,
+        times: &Bound<'_, PyAny>,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::make(times, xyzw, wxyz, |t, q, _| {
+            Rotations::step(t, q).or_raise()
+        })
+    }
+
+    /// At constant angular speed along the shorter arc from key to key (glTF's LINEAR).
+    ///
+    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
+    /// other shapes; a quaternion of length 0.
+    #[classmethod]
+    #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
+    fn slerp(
+        _class: &Bound<'_, PyType>,
+        times: &Bound<'_, PyAny>,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::make(times, xyzw, wxyz, |t, q, _| {
+            Rotations::slerp(t, q).or_raise()
+        })
+    }
+
+    /// Along the shorter arc from key to key, each way at its own pace: an easing (see `easing`) for each key
+    /// and the way that leaves it.
+    ///
+    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
+    /// other shapes, an easing that there is not.
+    #[classmethod]
+    #[pyo3(signature = (times, easings, *, xyzw = None, wxyz = None))]
+    fn eased(
+        _class: &Bound<'_, PyType>,
+        times: &Bound<'_, PyAny>,
+        easings: Vec<Bound<'_, PyAny>>,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let easings = read_easings(&easings)?;
+        Self::make(times, xyzw, wxyz, |t, q, _| {
+            Rotations::eased(t, q, easings).or_raise()
+        })
+    }
+
+    /// By squad: smooth at keys an even time apart.
+    ///
+    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
+    /// other shapes; a quaternion of length 0.
+    #[classmethod]
+    #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
+    fn squad(
+        _class: &Bound<'_, PyType>,
+        times: &Bound<'_, PyAny>,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::make(times, xyzw, wxyz, |t, q, _| {
+            Rotations::squad(t, q).or_raise()
+        })
+    }
+
+    /// By Hermite segments with mean angular velocities: smooth at uneven times.
+    ///
+    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
+    /// other shapes; a quaternion of length 0.
+    #[classmethod]
+    #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
+    fn smooth(
+        _class: &Bound<'_, PyType>,
+        times: &Bound<'_, PyAny>,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::make(times, xyzw, wxyz, |t, q, _| {
+            Rotations::smooth(t, q).or_raise()
+        })
+    }
+
+    /// A cubic through the components, made of unit length, with arriving and leaving `tangents` per second,
+    /// shape (K, 2, 4), in the order of the quaternions (glTF's CUBICSPLINE).
+    ///
+    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
+    /// other shapes; a quaternion of length 0.
+    #[classmethod]
+    #[pyo3(signature = (times, tangents, *, xyzw = None, wxyz = None))]
+    fn cubic(
+        _class: &Bound<'_, PyType>,
+        times: &Bound<'_, PyAny>,
+        tangents: &Bound<'_, PyAny>,
+        xyzw: Option<&Bound<'_, PyAny>>,
+        wxyz: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::make(times, xyzw, wxyz, |t, q, order| {
+            Rotations::cubic(t, q, quaternion_rates(tangents, order)?).or_raise()
+        })
+    }
+
+    /// Key times, shape (K,), seconds.
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let times = self.inner.times();
+        shaped(py, times.to_vec(), &[times.len()])
+    }
+
+    /// The rotations at the keys, shape (K, 4): unit quaternions x, y, z, w.
+    #[getter]
+    fn rotations_xyzw<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.keys(py, Order::Xyzw)
+    }
+
+    /// The rotations at the keys, shape (K, 4): unit quaternions w, x, y, z.
+    #[getter]
+    fn rotations_wxyz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.keys(py, Order::Wxyz)
+    }
+
+    /// The rotation at one time, shape (4,), or at N, (N, 4): x, y, z, w.
+    ///
+    /// Raises `InvalidValueError` for times that are not finite.
+    fn at_xyzw<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.sampled(times, Order::Xyzw)
+    }
+
+    /// The rotation at one time, shape (4,), or at N, (N, 4): w, x, y, z.
+    ///
+    /// Raises `InvalidValueError` for times that are not finite.
+    fn at_wxyz<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        self.sampled(times, Order::Wxyz)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, &self.inner)
+    }
+
+    #[staticmethod]
+    fn _rebuild(text: &str) -> PyResult<Self> {
+        let inner = serde_json::from_str(text).or_raise()?;
+        Ok(Self { inner })
+    }
+
+    fn __repr__(&self) -> String {
+        format!("RotationCurve({} keys)", self.inner.times().len())
+    }
+}

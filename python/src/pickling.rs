@@ -1,0 +1,55 @@
+//! What `__reduce__` answers: how a thing is made again.
+
+use pyo3::PyTypeInfo;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use serde::Serialize;
+
+use crate::error::OrRaise;
+
+/// By the class itself, called with these arguments.
+pub(crate) fn by_class<'py, T: PyTypeInfo>(
+    py: Python<'py>,
+    arguments: impl IntoPyObject<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    Ok((py.get_type::<T>(), arguments)
+        .into_pyobject(py)?
+        .into_any())
+}
+
+/// By the class's `_rebuild`, called with these arguments.
+pub(crate) fn by_rebuild<'py, T: PyTypeInfo>(
+    py: Python<'py>,
+    arguments: impl IntoPyObject<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    by_method(py.get_type::<T>().as_any(), "_rebuild", arguments)
+}
+
+/// By a method of something that pickles, called with these arguments.
+pub(crate) fn by_method<'py>(
+    owner: &Bound<'py, PyAny>,
+    method: &str,
+    arguments: impl IntoPyObject<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let rebuild = owner.getattr(method)?;
+    Ok((rebuild, arguments).into_pyobject(owner.py())?.into_any())
+}
+
+/// By the class's `_rebuild` of JSON.
+pub(crate) fn by_json<'py, T: PyTypeInfo>(
+    py: Python<'py>,
+    value: &impl Serialize,
+) -> PyResult<Bound<'py, PyAny>> {
+    by_rebuild::<T>(py, (serde_json::to_string(value).or_raise()?,))
+}
+
+/// By the class itself, called with arguments and keywords.
+pub(crate) fn by_keywords<'py, T: PyTypeInfo>(
+    py: Python<'py>,
+    arguments: &Bound<'py, PyTuple>,
+    options: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let partial = py.import("functools")?.getattr("partial")?;
+    let class = partial.call((py.get_type::<T>(),), Some(options))?;
+    Ok((class, arguments).into_pyobject(py)?.into_any())
+}

@@ -1,0 +1,134 @@
+"""Whatever is public says what it is, and what it raises."""
+
+import importlib
+import inspect
+import re
+
+import pytest
+
+import kinopt
+
+MODULES = ["kinopt", "kinopt.animation", "kinopt.io", "kinopt.methods", "kinopt.ray", "kinopt.skinning", "kinopt.tasks"]
+MODULES += ["kinopt.view"]
+# These have nothing to refuse: they take nothing, or nothing that their signature does not say.
+CANNOT_RAISE = {
+    "kinopt.Goal.pose",
+    "kinopt.Goal.position",
+    "kinopt.Model.neutral",
+    "kinopt.Model.to_json",
+    "kinopt.Robot.neutral",
+    "kinopt.Skeleton.builder",
+    "kinopt.Skeleton.to_json",
+    "kinopt.Solution.explain",
+    "kinopt.TriangleMesh.bounding_box",
+    "kinopt.TriangleMesh.is_closed",
+    "kinopt.TriangleMesh.signed_volume",
+    "kinopt.TriangleMesh.vertex_normals",
+    "kinopt.TriangleMesh.with_computed_normals",
+    "kinopt.animation.Armature.of_skeleton",
+    "kinopt.animation.BoneMask.all",
+    "kinopt.animation.BoneMask.none",
+    "kinopt.animation.Clip.builder",
+    "kinopt.animation.ClipBuilder",
+    "kinopt.animation.Pose.copy",
+    "kinopt.SkeletonBuilder",
+    "kinopt.animation.StateMachineRun",
+    "kinopt.io.obj_to_text",
+    "kinopt.methods.Ccd",
+    "kinopt.methods.Fabrik",
+    "kinopt.view.Body",
+    "kinopt.view.Body.box",
+    "kinopt.view.Body.group",
+    "kinopt.view.Body.holding",
+    "kinopt.view.Body.pieces",
+    "kinopt.view.Body.remove",
+    "kinopt.view.Body.short",
+    "kinopt.view.Body.size",
+    "kinopt.view.Body.standing",
+    "kinopt.view.Clip",
+    "kinopt.view.Clip.show",
+    "kinopt.view.Piece",
+    "kinopt.view.RobotBody",
+    "kinopt.view.RobotBody.pieces",
+    "kinopt.view.RobotBody.remove",
+    "kinopt.view.Scene",
+    "kinopt.view.Scene.clear",
+    "kinopt.view.Scene.close",
+    "kinopt.view.Scene.every_frame",
+    "kinopt.view.Scene.forget",
+    "kinopt.view.Scene.frame_all",
+    "kinopt.view.Scene.place",
+    "kinopt.view.Scene.show",
+    "kinopt.view.Scene.snapshot",
+    "kinopt.view.Scene.wait",
+    "kinopt.view.Solid",
+    "kinopt.view.Solid.moved",
+    "kinopt.view.Solid.scaled",
+    "kinopt.view.Target",
+    "kinopt.view.Target.on_grab",
+    "kinopt.view.Target.on_move",
+    "kinopt.view.Target.on_release",
+    "kinopt.view.Target.remove",
+}
+
+
+def is_made_by_a_caller(found):
+    """Whether a class has a constructor of its own."""
+    return found.__text_signature__ is not None or inspect.isfunction(found.__init__)
+
+
+def public():
+    """Every public thing once: its name, itself, and whether it is called."""
+    seen = set()
+    for module_name in MODULES:
+        try:
+            module = importlib.import_module(module_name)
+        except ImportError:
+            continue
+        for name in module.__all__:
+            found = getattr(module, name)
+            if inspect.ismodule(found) or id(found) in seen or not (inspect.isclass(found) or inspect.isroutine(found)):
+                continue
+            seen.add(id(found))
+            if not inspect.isclass(found):
+                yield f"{module_name}.{name}", found, True
+                continue
+            fault = issubclass(found, BaseException)
+            yield f"{module_name}.{name}", found, not fault and is_made_by_a_caller(found)
+            for member in () if fault else dir(found):
+                if not (member.startswith("_") or hasattr(object, member)):
+                    own = inspect.getattr_static(found, member)
+                    called = callable(own) or isinstance(own, (classmethod, staticmethod))
+                    # Fields of dataclasses that have defaults are values here; their class tells of them.
+                    told = called or isinstance(own, property) or inspect.isgetsetdescriptor(own)
+                    if told and id(own) not in seen:
+                        seen.add(id(own))
+                        yield f"{module_name}.{name}.{member}", getattr(found, member), called
+
+
+@pytest.mark.parametrize(("name", "found", "called"), list(public()), ids=lambda value: str(value)[:60])
+def test_it_says_what_it_is_and_what_it_raises(name, found, called):
+    said = inspect.getdoc(found) or ""
+    assert len(said) > 10, f"{name} says nothing of itself"
+    raises = re.search(r"\b[Rr]aises?\b|\w+Error\b", said)
+    if called:
+        assert raises or name in CANNOT_RAISE, f"{name} does not say what it raises"
+
+
+def test_what_cannot_raise_is_there():
+    names = {name for name, _, called in public() if called}
+    known = {name for name in CANNOT_RAISE if name.startswith("kinopt.view") and "kinopt.view.Scene" not in names}
+    assert CANNOT_RAISE - names - known == set()
+
+
+def test_every_field_of_a_task_and_of_a_method_is_told_of_by_its_class():
+    for module in (kinopt.tasks, kinopt.methods):
+        for name in module.__all__:
+            found = getattr(module, name)
+            if not hasattr(found, "__dataclass_fields__"):
+                continue
+            said = " ".join(inspect.getdoc(base) or "" for base in found.__mro__[:-1]) + (module.__doc__ or "")
+            for field in found.__dataclass_fields__:
+                if field.startswith("_"):
+                    continue
+                assert re.search(rf"``{field}``|\b{field}\b", said), f"{name} says nothing of {field}"
