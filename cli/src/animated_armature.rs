@@ -99,10 +99,8 @@ impl AnimatedArmature {
         let joints = skins.filter_map(|mesh| mesh.skin.as_ref());
         let mut turning: BTreeSet<BoneId> = joints.flat_map(|s| &s.joints).copied().collect();
         let channels = self.frames.iter().flat_map(|frames| &frames.channels);
-        let turned = channels.enumerate().filter(|(_, own)| {
-            let mut own = own.iter();
-            own.any(|channel| channel.is_rotation())
-        });
+        let turns = |own: &Vec<BvhChannel>| own.iter().any(|channel| channel.is_rotation());
+        let turned = channels.enumerate().filter(|(_, own)| turns(own));
         turning.extend(turned.filter_map(|(bone, _)| self.armature.bone_at(bone)));
         if turning.is_empty() {
             turning.extend((0..self.armature.bones()).filter_map(|b| self.armature.bone_at(b)));
@@ -114,10 +112,10 @@ impl AnimatedArmature {
     pub(crate) fn clip(&self, name: Option<&str>) -> Outcome<&Clip> {
         match name {
             Some(name) => Ok(Clip::named(&self.clips, name)?),
-            None => self
-                .clips
-                .first()
-                .ok_or_else(|| failure!("{}: there is no clip", self.file)),
+            None => {
+                let first = self.clips.first();
+                first.ok_or_else(|| failure!("{}: there is no clip", self.file))
+            }
         }
     }
 

@@ -34,12 +34,7 @@ impl LoadedModel {
         option: &str,
     ) -> Outcome<Vec<f64>> {
         self.check_length(numbers, option)?;
-        Ok(self.in_radians(numbers, degrees))
-    }
-
-    /// A configuration whose angles may be in degrees, in radians.
-    fn in_radians(&self, numbers: &[f64], degrees: bool) -> Vec<f64> {
-        self.convert_angles(numbers, degrees, f64::to_radians)
+        Ok(self.convert_angles(numbers, degrees, f64::to_radians))
     }
 
     /// A configuration in radians as it is shown: its angles in degrees where that is asked for.
@@ -99,13 +94,9 @@ impl LoadedModel {
             let names = keyless.join(", ");
             output::message(&format!("note: {names}: tracks without keys are left out"));
         }
-        clip.filter(|clip| !clip.is_empty()).ok_or_else(|| {
-            failure!(
-                "{}: {option} needs keyframes, and the {} has none",
-                self.file,
-                self.kind()
-            )
-        })
+        let (file, kind) = (&self.file, self.kind());
+        let lacks = || failure!("{file}: {option} needs keyframes, and the {kind} has none");
+        clip.filter(|clip| !clip.is_empty()).ok_or_else(lacks)
     }
 
     /// The rig's keyframes at a time in seconds.
@@ -121,10 +112,7 @@ impl LoadedModel {
             return Ok(());
         }
         let shape = match &self.rig {
-            Some(rig) => format!(
-                "{expected}: 3 for each of {} bones",
-                rig.skeleton.bones().len()
-            ),
+            Some(_) => format!("{expected}: 3 for each of {} bones", expected / 3),
             None => format!("{expected}: {}", self.joint_names().join(", ")),
         };
         Err(failure!(
@@ -159,8 +147,7 @@ impl LoadedModel {
         let Some(((Limits { lower, upper }, value), id)) = outside.next() else {
             return;
         };
-        let joint = self.model.joints().get(id.index());
-        let name = joint.map_or("?", |joint| joint.name.as_str());
+        let name = self.joint_name(*id);
         let others = match outside.count() {
             0 => String::new(),
             more => format!(" and {more} more"),

@@ -54,9 +54,8 @@ fn split(rig: &Rig, name: &str) -> Result<(BoneId, Option<BareName>), UnknownNam
 /// The bone of a name, or of a number as in `bone/3`.
 pub(crate) fn bone(rig: &Rig, name: &str) -> Option<BoneId> {
     let index = name.strip_prefix("bone/").and_then(|n| n.parse().ok());
-    index
-        .and_then(|index| rig.skeleton.bone_at(index))
-        .or_else(|| rig.skeleton.bone(name).ok())
+    let numbered = index.and_then(|index| rig.skeleton.bone_at(index));
+    numbered.or_else(|| rig.skeleton.bone(name).ok())
 }
 
 #[cfg(test)]

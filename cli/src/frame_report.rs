@@ -43,7 +43,7 @@ pub(crate) type Placed = (Placement<f64>, Option<[Placement<f64>; 2]>);
 impl FrameReport {
     /// The named frames where `placed` says that they stand, in the world or in the frame `base`.
     pub(crate) fn new<E>(
-        names: &[String],
+        names: &[impl AsRef<str>],
         base: Option<&str>,
         placed: impl Fn(&str) -> Result<Placed, E>,
     ) -> Result<Self, E> {
@@ -54,6 +54,7 @@ impl FrameReport {
             None => placement,
         };
         let frames = names.iter().map(|name| {
+            let name = name.as_ref();
             let (placement, ends) = placed(name)?;
             let placement = in_base(placement);
             let ends = ends.map(|ends| ends.map(|end| in_base(end).translation.to_array()));
@@ -63,7 +64,7 @@ impl FrameReport {
                 tail: ends.map(|[tail, _]| tail),
                 tip: ends.map(|[_, tip]| tip),
             };
-            Ok((name.clone(), placement))
+            Ok((name.to_owned(), placement))
         });
         Ok(Self(frames.collect::<Result<_, E>>()?))
     }

@@ -113,11 +113,9 @@ impl JointColumns {
     pub(crate) fn in_radians(&self, row: &[f64], degrees: bool) -> Vec<f64> {
         let numbers = row.iter().zip(&self.coordinates);
         let converted = numbers.map(|(&number, &coordinate)| {
-            let is_angle = self.is_angle.get(coordinate).copied().unwrap_or(false);
-            if degrees && is_angle {
-                number.to_radians()
-            } else {
-                number
+            match degrees && self.is_angle.get(coordinate) == Some(&true) {
+                true => number.to_radians(),
+                false => number,
             }
         });
         converted.collect()
@@ -134,9 +132,8 @@ impl JointColumns {
         if !self.followers.is_empty() {
             let followed = followed(&self.map, &q);
             for &coordinate in &self.followers {
-                if let (Some(slot), Some(&value)) =
-                    (q.get_mut(coordinate), followed.get(coordinate))
-                {
+                let value = followed.get(coordinate);
+                if let Some((slot, &value)) = q.get_mut(coordinate).zip(value) {
                     *slot = value;
                 }
             }
@@ -148,9 +145,8 @@ impl JointColumns {
 /// `q` with every joint that follows another where the other takes it, within limits or not.
 pub(crate) fn followed(map: &ParameterMap, q: &[f64]) -> Vec<f64> {
     let leaders = map.leaders().iter();
-    let x: Vec<f64> = leaders
-        .map(|&leader| q.get(leader).copied().unwrap_or(0.0))
-        .collect();
+    let x = leaders.map(|&leader| q.get(leader).copied().unwrap_or(0.0));
+    let x: Vec<f64> = x.collect();
     let mut expanded = q.to_vec();
     // What is no configuration of the model stays as it is, for who uses it to refuse.
     match map.expand(&x, &mut expanded) {

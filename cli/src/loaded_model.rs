@@ -11,7 +11,7 @@ use kinopt::robot::Robot;
 use kinopt::skeleton::{BoneId, Skeleton};
 
 use crate::animated_armature::{AnimatedArmature, extension};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output;
 use crate::robot_options::RobotOptions;
 
@@ -203,10 +203,8 @@ impl LoadedModel {
     /// Refuses `--clip`, which scenes have.
     pub(crate) fn refuse_clip(&self, clip: Option<&str>) -> Outcome<()> {
         let (file, kind) = (&self.file, self.kind());
-        clip.map_or(Ok(()), |_| {
-            let problem = format!("{file}: --clip is for scenes; this is a {kind}");
-            Err(Failure::usage(problem))
-        })
+        let refused = || usage!("{file}: --clip is for scenes; this is a {kind}");
+        clip.map_or(Ok(()), |_| Err(refused()))
     }
 
     /// What reading a rig did without.
@@ -311,12 +309,34 @@ impl LoadedModel {
         frames.map(|frame| frame.name.as_str()).collect()
     }
 
+    /// What `--frame` may be: links, or the bones of a figure.
+    pub(crate) fn frame_names(&self) -> Vec<&str> {
+        match &self.rig {
+            Some(rig) => rig
+                .skeleton
+                .bones()
+                .iter()
+                .map(|bone| bone.name.as_str())
+                .collect(),
+            None => self
+                .model
+                .frames()
+                .iter()
+                .map(|frame| frame.name.as_str())
+                .collect(),
+        }
+    }
+
+    /// The name of a joint; empty for one of another model.
+    pub(crate) fn joint_name(&self, joint: JointId) -> &str {
+        let joint = self.model.joints().get(joint.index());
+        joint.map_or("", |joint| joint.name.as_str())
+    }
+
     /// The names of the moving joints, in the order of a configuration.
     pub(crate) fn joint_names(&self) -> Vec<&str> {
-        let joints = self.model.joints();
         let moving = self.model.moving_joints().iter();
-        let named = moving.filter_map(|id| joints.get(id.index()));
-        named.map(|joint| joint.name.as_str()).collect()
+        moving.map(|&joint| self.joint_name(joint)).collect()
     }
 
     /// As [`joint_names`](Self::joint_names), for documents: a rig's angles are known by their

@@ -9,10 +9,9 @@ pub(crate) struct LengthFormat {
 impl LengthFormat {
     /// Six digits below the leading one of `size`.
     pub(crate) fn of_size(size: f64) -> Self {
-        let leading = if size > 0.0 && size.is_finite() {
-            size.log10().floor()
-        } else {
-            0.0
+        let leading = match size > 0.0 && size.is_finite() {
+            true => size.log10().floor(),
+            false => 0.0,
         };
         // Clamped before the conversion, so nothing is lost by it.
         let decimals = (6.0 - leading).clamp(0.0, 15.0) as usize;
@@ -36,10 +35,9 @@ pub(crate) fn six_digits(value: f64) -> String {
 
 /// An error, where the order of magnitude matters most.
 pub(crate) fn magnitude(value: f64) -> String {
-    if value == 0.0 {
-        "0".to_owned()
-    } else {
-        format!("{value:.2e}")
+    match value == 0.0 {
+        true => "0".to_owned(),
+        false => format!("{value:.2e}"),
     }
 }
 

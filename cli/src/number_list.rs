@@ -7,11 +7,8 @@ pub(crate) const LARGEST: f64 = 1e150;
 
 /// Reads finite numbers out of `text`.
 pub(crate) fn parse(text: &str) -> Result<Vec<f64>, String> {
-    let separators = |c: char| c == ',' || c.is_whitespace();
-    text.split(separators)
-        .filter(|word| !word.is_empty())
-        .map(number)
-        .collect()
+    let words = text.split(|c: char| c == ',' || c.is_whitespace());
+    words.filter(|word| !word.is_empty()).map(number).collect()
 }
 
 /// A list of numbers as one value of an option.
@@ -36,9 +33,8 @@ impl Numbers {
 pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f64; N], String> {
     let numbers = between_commas(text)?;
     let given = numbers.len();
-    numbers
-        .try_into()
-        .map_err(|_| format!("{what} takes {N} numbers separated by commas, not {given}"))
+    let wrong = |_| format!("{what} takes {N} numbers separated by commas, not {given}");
+    numbers.try_into().map_err(wrong)
 }
 
 /// Numbers between commas, none left out.
@@ -90,10 +86,8 @@ mod tests {
 
     #[test]
     fn separators_mix() {
-        assert_eq!(
-            parse("1,2 3, -4e-1\n,5").unwrap(),
-            [1.0, 2.0, 3.0, -0.4, 5.0]
-        );
+        let mixed = parse("1,2 3, -4e-1\n,5").unwrap();
+        assert_eq!(mixed, [1.0, 2.0, 3.0, -0.4, 5.0]);
         assert!(parse("").unwrap().is_empty());
         assert_eq!(parse_exactly::<2>("1, 2", "a pair").unwrap(), [1.0, 2.0]);
     }
@@ -104,11 +98,8 @@ mod tests {
             let word = bad.rsplit(',').next().unwrap_or(bad);
             assert!(parse(bad).unwrap_err().contains(word), "{bad}");
         }
-        assert!(
-            parse_exactly::<3>("1,2", "a point")
-                .unwrap_err()
-                .contains("3 numbers")
-        );
+        let two = parse_exactly::<3>("1,2", "a point").unwrap_err();
+        assert!(two.contains("3 numbers"));
         assert!(parse_exactly::<3>("1,,2", "a point").is_err());
         assert!(positive("0").is_err() && positive("-1").is_err() && positive("2").is_ok());
         assert!(not_negative("0").is_ok() && not_negative("-1").is_err());

@@ -17,22 +17,17 @@ impl LoadedModel {
         base: Option<&str>,
         q: &[f64],
     ) -> Result<FrameReport, UnknownName> {
-        let all: Vec<String> = match &self.rig {
-            Some(rig) => rig
-                .skeleton
-                .bones()
-                .iter()
-                .map(|b| b.name.clone())
-                .collect(),
-            None => self.model.frames().iter().map(|f| f.name.clone()).collect(),
+        let all = self.frame_names();
+        let names = match names {
+            [] => all,
+            names => names.iter().map(String::as_str).collect(),
         };
-        let names = if names.is_empty() { &all } else { names };
         let placements = self.all_frames(q);
         let at = |frame: FrameId| {
             let placement = placements.get(frame.index()).copied();
             placement.unwrap_or_else(Placement::identity)
         };
-        FrameReport::new(names, base, |name| {
+        FrameReport::new(&names, base, |name| {
             let frame = self.frame(name, BareName::Tail)?;
             let ends = self.rig.as_ref().and_then(|rig| {
                 let (bone, _) = rig.skeleton.bone_of_frame(frame)?;

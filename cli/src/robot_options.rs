@@ -54,13 +54,11 @@ impl RobotOptions {
 
     /// Refuses what only robots have.
     pub(crate) fn refuse(&self, file: &str) -> Outcome<()> {
-        let given = [
-            (self.lenient, "--lenient"),
-            (self.soft_limits, "--soft-limits"),
-        ];
-        match given.iter().find(|(given, _)| *given) {
-            Some((_, option)) => Err(usage!("{file}: {option} is for robots (.urdf)")),
-            None => Ok(()),
-        }
+        let option = match (self.lenient, self.soft_limits) {
+            (true, _) => "--lenient",
+            (false, true) => "--soft-limits",
+            (false, false) => return Ok(()),
+        };
+        Err(usage!("{file}: {option} is for robots (.urdf)"))
     }
 }

@@ -66,10 +66,8 @@ impl RayTarget {
         let Some((eye, through)) = numbers.split_once(':') else {
             return Err(format!("expected {shape}: a colon between the two points"));
         };
-        let (eye, through) = (
-            parse_exactly(eye, "the eye")?,
-            parse_exactly(through, "the point")?,
-        );
+        let eye = parse_exactly(eye, "the eye")?;
+        let through = parse_exactly(through, "the point")?;
         if eye == through {
             return Err("the eye and the point coincide, so they span no ray".to_owned());
         }
@@ -167,12 +165,13 @@ mod tests {
     fn rays() {
         let ray = RayTarget::parse("tip=0,0,5:1,1,0").unwrap();
         assert_eq!((ray.eye, ray.through), ([0.0, 0.0, 5.0], [1.0, 1.0, 0.0]));
-        for text in [
+        let bad = [
             "tip=0,0,5",
             "tip=0,0,5:1,1",
             "tip=1,1,1:1,1,1",
             "0,0,5:1,1,1",
-        ] {
+        ];
+        for text in bad {
             assert!(RayTarget::parse(text).is_err(), "{text}");
         }
     }

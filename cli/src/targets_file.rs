@@ -43,7 +43,7 @@ impl TargetsFile {
         let Some(rows) = &self.starts else {
             return Ok(None);
         };
-        let width = rows.first().map_or(0, Vec::len);
+        let width = width_of(rows);
         let all = loaded.model.configuration_len();
         let columns = match (&self.joint_names, base_to_tip) {
             (Some(names), _) => {
@@ -63,9 +63,8 @@ impl TargetsFile {
                 ));
             }
         };
-        Ok(Some(
-            rows.iter().map(|row| columns.configuration(row)).collect(),
-        ))
+        let starts = rows.iter().map(|row| columns.configuration(row));
+        Ok(Some(starts.collect()))
     }
 
     fn of_value(value: &Value) -> Result<Self, String> {
@@ -76,7 +75,7 @@ impl TargetsFile {
             return Err("has no key `targets`".to_owned());
         };
         let rows = rows(targets, "targets")?;
-        let width = rows.first().map_or(0, Vec::len);
+        let width = width_of(&rows);
         if width == 0 {
             return Err("targets: holds no target".to_owned());
         }
@@ -94,16 +93,10 @@ impl TargetsFile {
         let starts = optional(document, "starts", self::rows)?;
         if let Some(starts) = &starts {
             if starts.len() != targets.len() {
-                return Err(format!(
-                    "starts: {} of them for {} targets",
-                    starts.len(),
-                    targets.len()
-                ));
+                let (given, targets) = (starts.len(), targets.len());
+                return Err(format!("starts: {given} of them for {targets} targets"));
             }
-            let (width, names) = (
-                starts.first().map_or(0, Vec::len),
-                joint_names.as_ref().map(Vec::len),
-            );
+            let (width, names) = (width_of(starts), joint_names.as_ref().map(Vec::len));
             if let Some(names) = names.filter(|&names| names != width) {
                 return Err(format!(
                     "starts[0]: has {width} numbers for {names} joint_names"
@@ -149,7 +142,7 @@ fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
         numbers.collect::<Result<Vec<_>, _>>()
     });
     let rows = rows.collect::<Result<Vec<_>, String>>()?;
-    let width = rows.first().map_or(0, Vec::len);
+    let width = width_of(&rows);
     match rows.iter().position(|row| row.len() != width) {
         Some(index) => Err(format!(
             "{at}[{index}]: has {} numbers, {at}[0] has {width}",
@@ -159,11 +152,14 @@ fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
     }
 }
 
+fn width_of(rows: &[Vec<f64>]) -> usize {
+    rows.first().map_or(0, Vec::len)
+}
+
 fn names(value: &Value, at: &str) -> Result<Vec<String>, String> {
     let names = list(value, at)?.iter().enumerate();
-    names
-        .map(|(index, name)| text(name, &format!("{at}[{index}]")))
-        .collect()
+    let read = |(index, name): (usize, &Value)| text(name, &format!("{at}[{index}]"));
+    names.map(read).collect()
 }
 
 fn list<'v>(value: &'v Value, at: &str) -> Result<&'v Vec<Value>, String> {

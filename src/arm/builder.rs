@@ -10,10 +10,8 @@ use super::options::{ATTEMPTS, Options, Search, metres_per_radian};
 use super::serial::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
-use crate::model::{
-    FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, ParameterMapBuilder, UnknownName,
-};
-use crate::robot::Mimic;
+use crate::model::{FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, UnknownName};
+use crate::robot::{Mimic, coupled};
 use crate::spatial::Placement;
 
 /// Where an arm begins: the frame that targets are given in.
@@ -278,10 +276,7 @@ impl ArmBuilder<'_> {
         if let Some(unknown) = &self.unknown_joint {
             return Err(unknown.clone().into());
         }
-        let mut map: ParameterMapBuilder<'_> = ParameterMap::builder(self.model);
-        for mimic in self.followers {
-            map = map.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset);
-        }
+        let mut map = coupled(self.model, self.followers);
         for &(joint, value) in &self.locked {
             map = map.lock(joint, value);
         }

@@ -2,7 +2,7 @@
 
 use super::goal::Goal;
 use super::sweeps::Sweep;
-use super::turn::{BoundedVariable, Slide, Turn, turned};
+use super::turn::{Slide, Turn, move_joint, turned};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
 use crate::problem::Question;
@@ -89,13 +89,10 @@ impl<'a> Descent<'a> {
     /// are not looked at again in this sweep, so nothing else need be placed anew.
     fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
         let axis = self.question.tree().axis(&self.state, joint);
-        let (variable, bounded_variable) = BoundedVariable::of(self.question, joint);
-        let room = bounded_variable.room(x[variable]);
-        let by = match axis.turns {
+        let by = move_joint(self.question, joint, x, |room| match axis.turns {
             true => self.turn(joint, &axis).best(room),
             false => self.slide(joint, &axis).best(room),
-        };
-        x[variable] = bounded_variable.moved(x[variable], by);
+        });
         let carried = match axis.turns {
             true => {
                 let turn = turned(axis.direction, by);
@@ -171,6 +168,7 @@ impl<'a> Descent<'a> {
             self.question.lower()[variable],
             self.question.upper()[variable],
         );
+        let bounds = Limits::new(lower, upper);
         let from = x[variable];
         let mut step = if curvature > 0.0 {
             slope / curvature
@@ -178,7 +176,7 @@ impl<'a> Descent<'a> {
             0.0
         };
         for _ in 0..HALVINGS {
-            x[variable] = Limits::new(lower, upper).clamp(from + step);
+            x[variable] = bounds.clamp(from + step);
             self.forward(x);
             if self.chord_cost() < before {
                 return;
@@ -190,8 +188,6 @@ impl<'a> Descent<'a> {
 }
 
 impl Sweep for Descent<'_> {
-    fn begin(&mut self, _x: &[f64]) {}
-
     fn sweep(&mut self, x: &mut [f64]) {
         for variable in 0..self.drives.len() {
             if self.drives[variable].len() > 1 {

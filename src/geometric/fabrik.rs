@@ -71,8 +71,6 @@ struct Passes<'a> {
 }
 
 impl Sweep for Passes<'_> {
-    fn begin(&mut self, _x: &[f64]) {}
-
     fn sweep(&mut self, x: &mut [f64]) {
         let Self {
             linkage,

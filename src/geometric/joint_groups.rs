@@ -32,13 +32,10 @@ pub(super) fn joint_points(
     let mut pins = Vec::new();
     for goal in goals {
         let Some(place) = goal.place else {
+            let task = question.problem.task_name(goal.task).unwrap_or_default();
             return Err(GeometricError::UnsupportedTask {
                 solver,
-                task: question
-                    .problem
-                    .task_name(goal.task)
-                    .unwrap_or_default()
-                    .to_owned(),
+                task: task.to_owned(),
                 valid: "`point` or `pose`",
             });
         };
@@ -185,9 +182,8 @@ impl<'a> PointLayout<'a> {
             beyond[joint] = next;
         }
 
-        let keep: Vec<bool> = (0..self.points.len())
-            .map(|point| turns_here[point] || is_pinned(point))
-            .collect();
+        let points = (0..self.points.len()).map(|point| turns_here[point] || is_pinned(point));
+        let keep: Vec<bool> = points.collect();
         let groups = group(&serves, |joint| tree.joint_above(joint));
         self.compact(&keep, &turns_here, groups, pins)
     }

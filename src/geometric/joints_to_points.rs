@@ -2,7 +2,7 @@
 //! should be, within limits.
 
 use super::joint_points::{Group, JointPoints};
-use super::turn::{BoundedVariable, Turn, turned, two_turns};
+use super::turn::{BoundedVariable, Turn, move_joint, turned, two_turns};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::problem::Question;
 use crate::scalar::elementary;
@@ -122,9 +122,9 @@ impl<'a> JointFit<'a> {
             true => farthest + apart,
             false => farthest - apart,
         };
-        let (variable, bounded_variable) = BoundedVariable::of(self.question, joint);
-        let by = Turn::towards(angle).best(bounded_variable.room(x[variable]));
-        x[variable] = bounded_variable.moved(x[variable], by);
+        move_joint(self.question, joint, x, |room| {
+            Turn::towards(angle).best(room)
+        });
     }
 
     /// Brings the points of one group near `wanted` and returns by how much they miss.
@@ -245,20 +245,14 @@ impl<'a> JointFit<'a> {
         let mut points: Vec<(Vector3<f64>, Vector3<f64>)> = points
             .map(|&k| (self.point(k), self.aim(group, k, wanted)))
             .collect();
-        for &joint in group
-            .joints
-            .iter()
-            .rev()
-            .filter(|&&joint| self.leads[joint])
-        {
+        let joints = group.joints.iter().rev();
+        for &joint in joints.filter(|&&joint| self.leads[joint]) {
             let axis = tree.axis(&self.state, joint);
             let mut turn = Turn::default();
             for &(at, to) in &points {
                 turn.pull(axis.direction, at - axis.origin, to - axis.origin, 1.0);
             }
-            let (variable, bounded_variable) = BoundedVariable::of(self.question, joint);
-            let by = turn.best(bounded_variable.room(x[variable]));
-            x[variable] = bounded_variable.moved(x[variable], by);
+            let by = move_joint(self.question, joint, x, |room| turn.best(room));
             let turn = turned(axis.direction, by);
             for (at, _) in &mut points {
                 *at = turn * (*at - axis.origin) + axis.origin;

@@ -18,7 +18,7 @@ const FLAT_SWEEPS: usize = 5;
 /// One geometric method at work on one problem.
 pub(super) trait Sweep {
     /// Stands at a new start, within the bounds.
-    fn begin(&mut self, x: &[f64]);
+    fn begin(&mut self, _x: &[f64]) {}
 
     /// Whether the start itself may be the answer. A method that promises more than its goals (an
     /// elbow's side) says no.

@@ -66,6 +66,19 @@ impl Turn {
     }
 }
 
+/// Moves the variable of a joint by what `best` of the joint's room is; by how much the joint moves.
+pub(super) fn move_joint(
+    question: Question<'_>,
+    joint: usize,
+    x: &mut [f64],
+    best: impl FnOnce(Limits) -> f64,
+) -> f64 {
+    let (variable, bounded) = BoundedVariable::of(question, joint);
+    let by = best(bounded.room(x[variable]));
+    x[variable] = bounded.moved(x[variable], by);
+    by
+}
+
 /// The matrix of a turn about an axis.
 pub(super) fn turned(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
     Matrix3::rotation(axis, elementary::sin_cos(angle))

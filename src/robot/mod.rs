@@ -175,10 +175,10 @@ pub enum ToolError {
     Model(#[from] ModelError),
 }
 
-fn coupled<'m>(model: &'m Model, mimics: &[Mimic]) -> ParameterMapBuilder<'m> {
-    mimics
-        .iter()
-        .fold(ParameterMap::builder(model), |builder, mimic| {
-            builder.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset)
-        })
+/// All joints free, but that some follow.
+pub(crate) fn coupled<'m>(model: &'m Model, mimics: &[Mimic]) -> ParameterMapBuilder<'m> {
+    let free = ParameterMap::builder(model);
+    mimics.iter().fold(free, |map, mimic| {
+        map.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset)
+    })
 }

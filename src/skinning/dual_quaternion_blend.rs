@@ -66,9 +66,10 @@ impl<'a> DualQuaternionBlend<'a> {
 
 /// The influence with the largest weight; the first of those that are equal.
 fn heaviest(influences: &[Influence]) -> Option<&Influence> {
-    influences.iter().reduce(|best, influence| {
-        if influence.weight > best.weight {
-            influence
+    let influences = influences.iter();
+    influences.reduce(|best, next| {
+        if next.weight > best.weight {
+            next
         } else {
             best
         }
@@ -98,18 +99,16 @@ pub(super) fn move_by_dual_quaternions(
 ) {
     for vertex in 0..rest.len() {
         let (stretch, motion) = blended(vertex);
+        let matrix = stretch.map_or(glam::Mat3A::IDENTITY, |stretch| stretch.matrix3);
         if let (Some(&p), Some(out)) = (rest.positions.get(vertex), posed.positions.get_mut(vertex))
         {
             let p = stretch.map_or(p, |stretch| stretch.transform_point3(p));
             *out = motion.transform_point(p);
         }
         if let (Some(&n), Some(out)) = (rest.normals.get(vertex), posed.normals.get_mut(vertex)) {
-            let matrix = stretch.map_or(glam::Mat3A::IDENTITY, |stretch| stretch.matrix3);
-            let n = turned_normal(&matrix, n);
-            *out = motion.transform_vector(n);
+            *out = motion.transform_vector(turned_normal(&matrix, n));
         }
         if let (Some(&t), Some(out)) = (rest.tangents.get(vertex), posed.tangents.get_mut(vertex)) {
-            let matrix = stretch.map_or(glam::Mat3A::IDENTITY, |stretch| stretch.matrix3);
             let t = turned_tangent(&matrix, t);
             let turned = motion.transform_vector(t.truncate());
             *out = Vec4::from((turned, t.w));

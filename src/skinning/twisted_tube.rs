@@ -75,11 +75,8 @@ impl TwistedTube {
         positions.push(Vec3::new(self.length as f32, 0.0, 0.0));
         for side in 0..sides {
             triangles.push([centre, corner(0, side + 1), corner(0, side)]);
-            triangles.push([
-                centre + 1,
-                corner(rings - 1, side),
-                corner(rings - 1, side + 1),
-            ]);
+            let [c, d] = [side, side + 1].map(|side| corner(rings - 1, side));
+            triangles.push([centre + 1, c, d]);
         }
         Ok(TriangleMesh::new(positions, Vec::new(), triangles)?.with_computed_normals())
     }
@@ -118,9 +115,8 @@ impl TwistedTube {
         let sides = self.sides.max(3) as usize;
         let rings = posed.positions().chunks_exact(sides);
         let radius = |ring: &[Vec3]| {
-            let distances = ring
-                .iter()
-                .map(|p| elementary::hypot(f64::from(p.y), f64::from(p.z)));
+            let points = ring.iter().map(|p| p.as_dvec3());
+            let distances = points.map(|p| elementary::hypot(p.y, p.z));
             distances.sum::<f64>() / sides as f64
         };
         let places = (0..self.rings.max(2)).map(|ring| self.along(ring));

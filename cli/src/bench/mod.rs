@@ -7,7 +7,7 @@ mod provenance;
 
 pub(crate) use arguments::Arguments;
 use interrupt::Interrupt;
-use kinopt_harness::{Bench, Results, contenders, jacobian_cost, profile, report};
+use kinopt_harness::{Bench, Results, Run, contenders, jacobian_cost, profile, report};
 use serde_json::json;
 
 use crate::failure::Outcome;
@@ -70,16 +70,12 @@ fn compare(bench: &mut Bench<'_>, interrupt: &Interrupt) -> Outcome<Results> {
 
 fn document(results: &Results, arguments: &Arguments) -> serde_json::Value {
     let runs = results.runs.iter().map(|run| {
-        let times = run
-            .records
-            .iter()
-            .filter_map(|record| record.solved_micros());
         json!({
             "solver": run.solver,
             "jacobian": run.route,
             "sat_out": run.sat_out,
             "solved": run.solved(),
-            "micros_median": profile::median(times),
+            "micros_median": median(run),
         })
     });
     json!({
@@ -90,6 +86,12 @@ fn document(results: &Results, arguments: &Arguments) -> serde_json::Value {
     })
 }
 
+/// Of the problems that were solved, in microseconds.
+fn median(run: &Run) -> Option<f64> {
+    let records = run.records.iter();
+    profile::median(records.filter_map(|record| record.solved_micros()))
+}
+
 fn text(results: &Results, arguments: &Arguments) -> String {
     let mut table = Table::new("solver | derivatives | >solved | >median µs");
     let mut notes = String::new();
@@ -98,16 +100,11 @@ fn text(results: &Results, arguments: &Arguments) -> String {
             notes.push_str(&format!("  {} sat out: {why}\n", run.solver));
             continue;
         }
-        let times = run
-            .records
-            .iter()
-            .filter_map(|record| record.solved_micros());
-        let median = profile::median(times);
         table.row([
             run.solver.clone(),
             run.route.clone().unwrap_or_default(),
             format!("{} of {}", run.solved(), results.problems),
-            median.map_or("–".to_owned(), |micros| format!("{micros:.1}")),
+            median(run).map_or("–".to_owned(), |micros| format!("{micros:.1}")),
         ]);
     }
     format!(

@@ -88,12 +88,9 @@ fn builder(
         None => ProblemSet::builder(&loaded.model),
     };
     let builder = builder.size(loaded.size()).tolerance(arguments.tolerance);
-    frames.iter().fold(builder, |builder, &frame| {
-        if turns {
-            builder.pose(frame)
-        } else {
-            builder.point(frame)
-        }
+    frames.iter().fold(builder, |builder, &frame| match turns {
+        true => builder.pose(frame),
+        false => builder.point(frame),
     })
 }
 
@@ -140,10 +137,8 @@ fn default_tips(loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
 /// the longest way from the root, then the first.
 fn end_of_longest_chain(robot: &Robot) -> Option<FrameId> {
     let model = robot.model();
-    let rated = robot
-        .tips()
-        .into_iter()
-        .map(|tip| (rating(model, tip), tip));
+    let tips = robot.tips().into_iter();
+    let rated = tips.map(|tip| (rating(model, tip), tip));
     let better = |best: Option<((usize, f64), FrameId)>, next: ((usize, f64), FrameId)| match best {
         Some(best) if best.0 >= next.0 => Some(best),
         _ => Some(next),

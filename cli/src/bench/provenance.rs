@@ -28,10 +28,8 @@ fn quoted(word: &str) -> String {
 /// The processor's name where Linux tells it, else its architecture.
 fn cpu() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let lines = text.lines().filter_map(|line| line.split_once(':'));
-    let name = lines
-        .into_iter()
-        .find(|(key, _)| key.trim() == "model name");
+    let mut lines = text.lines().filter_map(|line| line.split_once(':'));
+    let name = lines.find(|(key, _)| key.trim() == "model name");
     name.map_or(std::env::consts::ARCH, |(_, name)| name.trim())
         .to_owned()
 }

@@ -79,9 +79,8 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
     let joints = animated.scene.as_deref().map(joints);
     let bones = names.iter().zip(&placements).enumerate();
     let bones = bones.map(|(index, (name, placement))| {
-        let parent = armature
-            .bone_at(index)
-            .and_then(|bone| armature.parent(bone));
+        let bone = armature.bone_at(index);
+        let parent = bone.and_then(|bone| armature.parent(bone));
         let parent = parent.and_then(|parent| names.get(parent.index()));
         let captured = animated.frames.as_ref();
         let channels = captured.and_then(|frames| frames.channels.get(index));

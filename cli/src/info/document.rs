@@ -87,7 +87,7 @@ pub(super) struct KeyframesDocument {
 
 /// Everything there is to say about a model.
 pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
-    let model = &loaded.model;
+    let (model, robot) = (&loaded.model, loaded.robot.as_deref());
     let free = loaded.free_coordinates();
     let moving = model.moving_joints().iter().enumerate();
     let moving = moving.filter_map(|(coordinate, id)| {
@@ -105,15 +105,9 @@ pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
         free: free.iter().filter(|free| **free).count(),
         size: loaded.size(),
         joints: moving.chain(fixed).collect(),
-        frames: match &loaded.rig {
-            Some(rig) => bone_names(rig).collect(),
-            None => model.frames().iter().map(|f| f.name.as_str()).collect(),
-        },
+        frames: loaded.frame_names(),
         rig: loaded.rig.as_deref().map(rig_document),
-        robot: loaded
-            .robot
-            .as_deref()
-            .map(|robot| robot::document(loaded, robot)),
+        robot: robot.map(|robot| robot::document(loaded, robot)),
     }
 }
 
@@ -125,7 +119,7 @@ fn joint_document<'a>(
     free: bool,
 ) -> JointDocument<'a> {
     let finite = |limit: f64| limit.is_finite().then_some(limit);
-    let limited = coordinate.is_some();
+    let (limited, robot) = (coordinate.is_some(), loaded.robot.as_deref());
     JointDocument {
         name: &joint.name,
         kind: joint.kind.name(),
@@ -133,15 +127,8 @@ fn joint_document<'a>(
         free,
         lower: finite(joint.limits.lower).filter(|_| limited),
         upper: finite(joint.limits.upper).filter(|_| limited),
-        place: loaded
-            .robot
-            .as_deref()
-            .map(|robot| robot::place(robot, id, joint)),
+        place: robot.map(|robot| robot::place(robot, id, joint)),
     }
-}
-
-fn bone_names(rig: &Rig) -> impl Iterator<Item = &str> {
-    rig.skeleton.bones().iter().map(|bone| bone.name.as_str())
 }
 
 fn rig_document(rig: &Rig) -> RigDocument<'_> {
@@ -165,7 +152,7 @@ fn rig_document(rig: &Rig) -> RigDocument<'_> {
             closed: mesh.is_closed(),
             bounding_box: mesh
                 .bounding_box()
-                .map(|b| b.map(|corner| corner.to_array())),
+                .map(|ends| ends.map(|end| end.to_array())),
         }),
         weights: rig.weights.as_ref().map(|weights| WeightsDocument {
             max_influences: weights.max_influences(),

@@ -1,5 +1,7 @@
 //! What a robot has beside its joints: links as a tree, tips, and who follows whom.
 
+use std::collections::BTreeSet;
+
 use kinopt::model::{Joint, JointId};
 use kinopt::robot::{Geometry, Link, Repair, Robot};
 use serde::Serialize;
@@ -33,7 +35,7 @@ pub(super) struct LinkDocument<'a> {
     pub(super) visuals: usize,
     pub(super) collisions: usize,
     /// Files of its meshes, as they stand in the robot's file.
-    pub(super) meshes: Vec<&'a str>,
+    pub(super) meshes: BTreeSet<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -87,14 +89,12 @@ fn links(robot: &Robot) -> impl Iterator<Item = (&str, &Link)> {
 
 fn link_document<'a>((name, link): (&'a str, &'a Link)) -> LinkDocument<'a> {
     let shapes = link.visuals.iter().chain(&link.collisions);
-    let mut meshes: Vec<&str> = shapes
+    let meshes: BTreeSet<&str> = shapes
         .filter_map(|shape| match &shape.geometry {
             Geometry::Mesh { file, .. } => Some(file.as_str()),
             _ => None,
         })
         .collect();
-    meshes.sort_unstable();
-    meshes.dedup();
     LinkDocument {
         name,
         mass: link.inertial.map(|inertial| inertial.mass),

@@ -7,6 +7,7 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MeshWeights, SkinningMethod, TwistedTube};
 use serde::Serialize;
 
+use crate::animated_armature::extension;
 use crate::failure::Outcome;
 use crate::number_format::three_digits;
 use crate::number_list::Numbers;
@@ -48,8 +49,8 @@ pub(crate) struct Arguments {
 
 fn picture_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    match path.extension().and_then(|e| e.to_str()) {
-        Some(extension) if extension.eq_ignore_ascii_case("svg") => Ok(path),
+    match extension(&path).as_str() {
+        "svg" => Ok(path),
         _ => Err("pictures are written as .svg".to_owned()),
     }
 }
@@ -110,9 +111,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     output::result(json, document, || table(&rows))?;
     #[cfg(feature = "charts")]
     if let Some(path) = &arguments.out {
-        let furthest = twists
-            .iter()
-            .fold(0.0_f64, |far, twist| far.max(twist.abs()));
+        let furthest = twists.iter().map(|twist| twist.abs()).fold(0.0, f64::max);
         subject.picture(furthest)?.write_svg(path)?;
         output::message(&format!("wrote {}", path.display()));
     }

@@ -121,12 +121,10 @@ impl<'a> ArmBackend<'a> {
         self.arm.joint_values(&first.start, &mut start)?;
         let servo = self.arm.servo(&start, 1.0 / rate)?;
         if let Some(limits) = &arguments.arm.velocity_limits {
-            let limits = self.columns.one_each(
-                self.loaded,
-                "--velocity-limits",
-                limits,
-                arguments.degrees,
-            )?;
+            let (option, degrees) = ("--velocity-limits", arguments.degrees);
+            let limits = self
+                .columns
+                .one_each(self.loaded, option, limits, degrees)?;
             return Ok(servo.with_velocity_limits(&limits)?);
         }
         let limits = self.arm.joints().zip(self.arm.velocity_limits());
@@ -207,9 +205,8 @@ impl QueryBackend for ArmBackend<'_> {
             let solutions = track.solutions.into_iter();
             steps = solutions.map(|solution| (solution, each)).collect();
         }
-        let answers = steps.into_iter();
-        let answers =
-            answers.map(|(solution, micros)| self.answer_of(first, solution, Some(micros)));
+        let answer = |(solution, micros)| self.answer_of(first, solution, Some(micros));
+        let answers = steps.into_iter().map(answer);
         let joints = self.joint_names();
         let jumps = jumps.iter().map(|jump| LongStep::of(jump, &joints));
         Ok(Path {
@@ -238,10 +235,9 @@ impl QueryBackend for ArmBackend<'_> {
             starts.extend_from_slice(&q_arm);
         }
         let started = Instant::now();
-        let solutions = if parallel {
-            self.arm.solve_batch_parallel(&targets, &starts)?
-        } else {
-            self.arm.solve_batch(&targets, &starts)?
+        let solutions = match parallel {
+            true => self.arm.solve_batch_parallel(&targets, &starts)?,
+            false => self.arm.solve_batch(&targets, &starts)?,
         };
         let micros = microseconds(started);
         let answers = queries.iter().zip(solutions);
@@ -272,10 +268,8 @@ fn with_joint_options<'m>(
 ) -> Outcome<ArmBuilder<'m>> {
     let (options, degrees) = (&arguments.arm, arguments.degrees);
     let one_each = |option, given: &Option<Numbers>, degrees| {
-        let given = given.as_ref();
-        given
-            .map(|given| columns.one_each(loaded, option, given, degrees))
-            .transpose()
+        let each = |given| columns.one_each(loaded, option, given, degrees);
+        given.as_ref().map(each).transpose()
     };
     if let Some(moves) = one_each("--max-move", &options.max_move, degrees)? {
         builder = builder.with_max_move(&moves);

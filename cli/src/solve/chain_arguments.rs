@@ -80,7 +80,7 @@ impl ChainArguments {
         for lock in &self.lock {
             let joints = joints(loaded, &lock.joint)?;
             if let (Some(_), [_, _, ..]) = (lock.value, joints.as_slice()) {
-                let names = joints.iter().map(|&joint| name(loaded, joint));
+                let names = joints.iter().map(|&joint| loaded.joint_name(joint));
                 return Err(usage!(
                     "--lock: bone `{}` has several angles, so a value is for one of them: {}",
                     lock.joint,
@@ -103,10 +103,8 @@ impl ChainArguments {
         for wanted in &self.only {
             for joint in joints(loaded, wanted.trim())? {
                 if locked.iter().any(|(held, _)| *held == joint) {
-                    return Err(usage!(
-                        "joint `{}` is in --lock and in --only",
-                        name(loaded, joint)
-                    ));
+                    let name = loaded.joint_name(joint);
+                    return Err(usage!("joint `{name}` is in --lock and in --only"));
                 }
                 only.push(joint);
             }
@@ -158,11 +156,6 @@ fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
             Err(unknown.with_note("`kinopt info` lists all").into())
         }
     }
-}
-
-fn name(loaded: &LoadedModel, joint: JointId) -> &str {
-    let joint = loaded.model.joints().get(joint.index());
-    joint.map_or("", |joint| joint.name.as_str())
 }
 
 impl LoadedModel {

@@ -62,10 +62,8 @@ impl<'a> Goals<'a> {
     pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<(String, FrameId)>> {
         let targets = self.targets.iter().map(|target| &target.name);
         let rays = self.arguments.rays.iter().map(|ray| &ray.frame);
-        let frames = targets.chain(rays);
-        frames
-            .map(|name| Ok((name.clone(), loaded.target_frame(name)?)))
-            .collect()
+        let frame = |name: &String| Ok((name.clone(), loaded.target_frame(name)?));
+        targets.chain(rays).map(frame).collect()
     }
 
     /// Puts the tool on the one frame that has targets.
@@ -104,12 +102,11 @@ impl<'a> Goals<'a> {
             None => vec![arguments.start(loaded, columns)?; file.targets.len()],
         };
         let targets = file.targets.iter().zip(starts);
-        Ok(targets
-            .map(|(&target, start)| Query {
-                targets: vec![target],
-                start,
-            })
-            .collect())
+        let queries = targets.map(|(&target, start)| Query {
+            targets: vec![target],
+            start,
+        });
+        Ok(queries.collect())
     }
 }
 

@@ -58,9 +58,8 @@ impl PoseFinder {
             ..Answer::new(solution.q.clone(), solution, Some(microseconds(began)))
         };
         if !self.settles {
-            let solved = self
-                .solver
-                .solve_observed(body.question(), start, workspace, observer)?;
+            let (solver, question) = (&self.solver, body.question());
+            let solved = solver.solve_observed(question, start, workspace, observer)?;
             return Ok(answer(solved.clone(), None));
         }
         body.stand_at(start)?;
@@ -75,9 +74,8 @@ impl PoseFinder {
             };
             return Ok(answer(settled, Some(own)));
         }
-        let searched =
-            self.search(left)
-                .solve_observed(body.question(), start, workspace, observer)?;
+        let (solver, question) = (self.search(left), body.question());
+        let searched = solver.solve_observed(question, start, workspace, observer)?;
         let better = searched.cost < BETTER * settled.cost;
         let taken = searched.reached || (self.anywhere && better);
         let (way, best) = match taken {
@@ -134,12 +132,10 @@ impl PoseFinder {
 
     /// The solver with the time that is left.
     fn search(&self, left: Option<Duration>) -> Solver {
+        let solver = self.solver.clone();
         match left {
-            Some(left) => {
-                let stopping = self.stopping.with_time_limit(left);
-                self.solver.clone().with_stopping(stopping)
-            }
-            None => self.solver.clone(),
+            Some(left) => solver.with_stopping(self.stopping.with_time_limit(left)),
+            None => solver,
         }
     }
 }

@@ -147,16 +147,15 @@ impl<'a> Report<'a> {
             text.push_str("\n  What is held stays where it was; --hold says what else should.");
         }
         let settled = self.answer.settled;
-        if settled.is_some_and(|settled| settled.way == Way::Another) {
-            text.push_str(
-                "\n  The figure's own way missed; a search from other places found this.",
-            );
-        }
-        if settled.is_some_and(|settled| settled.lower_cost_elsewhere.is_some()) {
-            text.push_str(
-                "\n  Another way comes nearer; --global-search-on-miss answers with that.",
-            );
-        }
+        text.push_str(match settled {
+            Some(settled) if settled.way == Way::Another => {
+                "\n  The figure's own way missed; a search from other places found this."
+            }
+            Some(settled) if settled.lower_cost_elsewhere.is_some() => {
+                "\n  Another way comes nearer; --global-search-on-miss answers with that."
+            }
+            _ => "",
+        });
         if let Some(micros) = self.answer.micros {
             text.push_str(&format!("\n  Solved in {}.", time(micros)));
         }
@@ -178,10 +177,14 @@ impl<'a> Report<'a> {
         let mut text = format!("\n{count} answers in all; the others, in the same order:\n");
         let shown = self.shown();
         for alternative in alternatives {
-            let values = self.loaded.shown(alternative, degrees);
-            let values = values.into_iter().zip(&shown);
-            let values = values.filter(|(_, shown)| **shown);
-            let values = values.map(|(value, _)| six_digits(value));
+            let values = self
+                .loaded
+                .shown(alternative, degrees)
+                .into_iter()
+                .zip(&shown);
+            let values = values
+                .filter(|(_, shown)| **shown)
+                .map(|(value, _)| six_digits(value));
             text.push_str(&format!("  {}\n", values.collect::<Vec<_>>().join("  ")));
         }
         text

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3A};
 
-use super::BoneMask;
+use super::{BoneMask, finite_or_0};
 use crate::animation::rotation::slerp;
 use crate::animation::{Pose, SizeMismatch};
 
@@ -50,11 +50,7 @@ impl Layer {
         base.check_same_size(layer)?;
         base.check_same_size(reference)?;
         self.mask.check(base)?;
-        let weight = if self.weight.is_finite() {
-            self.weight
-        } else {
-            0.0
-        };
+        let weight = finite_or_0(self.weight);
         let shares = || self.mask.bones().iter().map(|own| own * weight);
         let differences = layer.translations.iter().zip(&reference.translations);
         for ((own, (to, from)), share) in

@@ -135,3 +135,8 @@ fn set(shares: &mut [f32], what: &'static str, index: usize, share: f32) -> Resu
 pub(in crate::animation) fn within(share: f32) -> f32 {
     if share > 0.0 { share.min(1.0) } else { 0.0 }
 }
+
+/// The number; 0 for one that is not finite.
+pub(in crate::animation) fn finite_or_0(number: f32) -> f32 {
+    if number.is_finite() { number } else { 0.0 }
+}

@@ -7,6 +7,6 @@ mod slerp_weights;
 mod weighted;
 
 pub use layer::{Layer, LayerMode};
-pub(super) use mask::within;
 pub use mask::{BoneMask, MaskError};
+pub(super) use mask::{finite_or_0, within};
 pub use weighted::{BlendError, blend_poses};

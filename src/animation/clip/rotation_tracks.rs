@@ -107,20 +107,16 @@ impl Slerps {
             }
         });
         let time = Vec4::splat(time);
-        let in_place = if self.bones.are_first {
-            self.bones.list.len() / WIDTH
-        } else {
-            0
+        let in_place = match self.bones.are_first {
+            true => self.count() / WIDTH,
+            false => 0,
         };
         let places = out.chunks_exact_mut(WIDTH).take(in_place);
         for (group, room) in groups.iter().zip(places) {
             room.copy_from_slice(&group.at(time));
         }
-        for (group, bones) in groups
-            .iter()
-            .zip(self.bones.list.chunks(WIDTH))
-            .skip(in_place)
-        {
+        let bones = self.bones.list.chunks(WIDTH);
+        for (group, bones) in groups.iter().zip(bones).skip(in_place) {
             for (&bone, rotation) in bones.iter().zip(group.at(time)) {
                 out[bone as usize] = rotation;
             }

@@ -88,10 +88,8 @@ impl Tracks {
     /// The curves again.
     pub(super) fn curves(&self) -> Curves {
         let vectors = |straight: &Vectors, curved: &Curved<KeyedCurve<Vec3A>>| {
-            straight
-                .tracks()
-                .chain(curved.tracks().iter().cloned())
-                .collect()
+            let curved = curved.tracks().iter().cloned();
+            straight.tracks().chain(curved).collect()
         };
         let curved = self.curved_rotations.tracks().iter().cloned();
         Curves {
@@ -136,35 +134,25 @@ impl Tracks {
 
     /// Writes every moving property into a pose of the clip's armature.
     pub(super) fn sample(&self, time: f32, at: &mut Segments, pose: &mut Pose) {
-        let Pose {
-            translations,
-            rotations,
-            scales,
-            morph_weights,
-        } = pose;
-        self.translations
-            .sample(time, &mut at.translations, translations);
+        let (places, turns, scales) = (
+            &mut pose.translations,
+            &mut pose.rotations,
+            &mut pose.scales,
+        );
+        self.translations.sample(time, &mut at.translations, places);
         self.scales.sample(time, &mut at.scales, scales);
-        self.slerps.sample(time, &mut at.slerps, rotations);
-        self.curved_translations.sample(
-            time,
-            &mut at.curved_translations,
-            translations,
-            KeyedCurve::within,
-        );
+        self.slerps.sample(time, &mut at.slerps, turns);
+        let vector = KeyedCurve::within;
+        let own = &self.curved_translations;
+        own.sample(time, &mut at.curved_translations, places, vector);
         self.curved_scales
-            .sample(time, &mut at.curved_scales, scales, KeyedCurve::within);
-        self.curved_rotations.sample(
-            time,
-            &mut at.curved_rotations,
-            rotations,
-            RotationCurve::within,
-        );
-        self.eulers
-            .sample(time, &mut at.eulers, rotations, |curve, key, u| {
-                curve.rotation(curve.angles.within(key, u))
-            });
+            .sample(time, &mut at.curved_scales, scales, vector);
+        let own = &self.curved_rotations;
+        own.sample(time, &mut at.curved_rotations, turns, RotationCurve::within);
+        let euler = |own: &EulerCurve, key, u| own.rotation(own.angles.within(key, u));
+        self.eulers.sample(time, &mut at.eulers, turns, euler);
+        let morphs = &mut pose.morph_weights;
         self.morphs
-            .sample(time, &mut at.morphs, morph_weights, KeyedCurve::within);
+            .sample(time, &mut at.morphs, morphs, KeyedCurve::within);
     }
 }

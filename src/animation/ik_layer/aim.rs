@@ -3,7 +3,7 @@
 use glam::{DQuat, Quat, Vec3A};
 
 use super::placed::{Placed, set_rotation};
-use crate::animation::blend::within;
+use crate::animation::blend::{finite_or_0, within};
 use crate::animation::rotation::exponential::turn_about;
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Pose, SizeMismatch};
@@ -174,12 +174,7 @@ impl Aim {
             let [is, asked] = [is.try_normalize()?, asked.try_normalize()?];
             Some(single::atan2(to.dot(is.cross(asked)), is.dot(asked)))
         });
-        let twist = if goal.twist.is_finite() {
-            goal.twist
-        } else {
-            0.0
-        };
-        let about = upright.unwrap_or(0.0) + twist;
+        let about = upright.unwrap_or(0.0) + finite_or_0(goal.twist);
         if about != 0.0 {
             wanted = turn_about(to.into(), about) * wanted;
         }

@@ -30,16 +30,14 @@ impl Placed {
         bone: Option<BoneId>,
         above: Option<BoneId>,
     ) -> Self {
-        let mut product = Self {
+        let itself = Self {
             affine: Affine3A::IDENTITY,
             rotation: Quat::IDENTITY,
         };
-        let mut next = bone.filter(|bone| Some(*bone) != above);
-        while let Some(bone) = next {
-            product = Self::local(pose, bone) * product;
-            next = armature.parent(bone).filter(|bone| Some(*bone) != above);
-        }
-        product
+        let below = armature
+            .upwards(bone)
+            .take_while(|bone| Some(*bone) != above);
+        below.fold(itself, |product, bone| Self::local(pose, bone) * product)
     }
 }
 

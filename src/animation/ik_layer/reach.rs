@@ -196,21 +196,15 @@ impl ReachLayer {
         let (model, map) = (skeleton.model(), self.problem.parameters());
         self.tree.compile(model, map, &mut self.places);
         for own in &self.effectors {
-            let (stance, task) = (
-                self.stances.of(own.bone),
-                self.targets.get_mut(own.task).ok(),
-            );
-            if let Some((stance, task)) = stance.zip(task) {
+            let stance = self.stances.of(own.bone);
+            if let Some((stance, task)) = stance.zip(self.targets.get_mut(own.task).ok()) {
                 let tip = Vector3::from(stance.tip.to_array());
                 task.set_target(tip * (1.0 - own.weight) + own.target * own.weight);
             }
         }
         for own in &self.held {
-            let (stance, task) = (
-                self.stances.of(own.bone),
-                self.targets.get_mut(own.task).ok(),
-            );
-            if let Some((stance, task)) = stance.zip(task) {
+            let stance = self.stances.of(own.bone);
+            if let Some((stance, task)) = stance.zip(self.targets.get_mut(own.task).ok()) {
                 task.set_target(own.target(stance.rotation));
             }
         }

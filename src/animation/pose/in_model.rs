@@ -98,7 +98,10 @@ impl Armature {
     }
 
     /// A bone and those above it, from it upwards.
-    fn upwards(&self, bone: Option<BoneId>) -> impl Iterator<Item = BoneId> + '_ {
+    pub(in crate::animation) fn upwards(
+        &self,
+        bone: Option<BoneId>,
+    ) -> impl Iterator<Item = BoneId> + '_ {
         std::iter::successors(bone, |&bone| self.parent(bone))
     }
 

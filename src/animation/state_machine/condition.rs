@@ -91,11 +91,10 @@ impl Condition {
         if let Some((above, below)) = given.above.zip(given.below).filter(|(a, b)| a >= b) {
             return Err(at(path, StateMachineProblem::NoNumber { above, below }));
         }
-        let wrong = |kind, expected| {
-            let parameter = given.parameter.clone();
+        let wrong = |expected| {
             let problem = StateMachineProblem::WrongCondition {
-                parameter,
-                kind,
+                parameter: given.parameter.clone(),
+                kind: default.kind(),
                 expected,
             };
             Err(at(path, problem))
@@ -107,13 +106,13 @@ impl Condition {
                 above: given.above.unwrap_or(f32::NEG_INFINITY),
                 below: given.below.unwrap_or(f32::INFINITY),
             }),
-            (ParameterDefault::Number(_), _) => wrong("number", "`above`, `below` or both"),
+            (ParameterDefault::Number(_), _) => wrong("`above`, `below` or both"),
             (ParameterDefault::Flag(_), Some(value)) if !bounds => {
                 Ok(Self::Is { parameter, value })
             }
-            (ParameterDefault::Flag(_), _) => wrong("flag", "`is` and nothing else"),
+            (ParameterDefault::Flag(_), _) => wrong("`is` and nothing else"),
             (ParameterDefault::Trigger(_), None) if !bounds => Ok(Self::Triggered { parameter }),
-            (ParameterDefault::Trigger(_), _) => wrong("trigger", "neither bounds nor `is`"),
+            (ParameterDefault::Trigger(_), _) => wrong("neither bounds nor `is`"),
         }
     }
 }

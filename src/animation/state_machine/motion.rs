@@ -100,8 +100,8 @@ impl Motion {
                 for (index, given) in blend.clips.iter().enumerate() {
                     let path = format!("{path}.blend.clips[{index}]");
                     finite(|| format!("{path}.at"), f64::from(given.at))?;
-                    if let Some(&(before, _)) = motion.clips.last().filter(|(b, _)| *b >= given.at)
-                    {
+                    let last = motion.clips.last().map(|(before, _)| *before);
+                    if let Some(before) = last.filter(|before| *before >= given.at) {
                         let problem = StateMachineProblem::NotRising {
                             before,
                             at: given.at,

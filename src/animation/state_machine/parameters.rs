@@ -34,33 +34,15 @@ pub enum ParameterValue {
     Trigger(bool),
 }
 
-fn is_number(default: &ParameterDefault) -> bool {
-    matches!(default, ParameterDefault::Number(_))
-}
-
-fn is_flag(default: &ParameterDefault) -> bool {
-    matches!(default, ParameterDefault::Flag(_))
-}
-
-fn is_trigger(default: &ParameterDefault) -> bool {
-    matches!(default, ParameterDefault::Trigger(_))
-}
-
 impl StateMachineRun {
-    fn parameter(
-        &self,
-        kind: &'static str,
-        name: &str,
-        suits: fn(&ParameterDefault) -> bool,
-    ) -> Result<usize, ParameterError> {
+    /// The parameter of a kind and a name.
+    fn parameter(&self, kind: &'static str, name: &str) -> Result<usize, ParameterError> {
         let parameters = self.machine.parameters.iter();
-        let position = parameters
-            .clone()
-            .position(|(own, d)| own == name && suits(d));
-        position.ok_or_else(|| {
-            let valid = parameters
-                .filter(|(_, d)| suits(d))
-                .map(|(own, _)| own.as_str());
+        let mut all = parameters.clone();
+        let found = all.position(|(own, default)| own == name && default.kind() == kind);
+        found.ok_or_else(|| {
+            let valid = parameters.filter(|(_, default)| default.kind() == kind);
+            let valid = valid.map(|(own, _)| own.as_str());
             ParameterError::Unknown(UnknownName::new(kind, name, valid))
         })
     }
@@ -70,7 +52,7 @@ impl StateMachineRun {
     /// # Errors
     /// No number of that name (the error lists them), or a value that is not finite.
     pub fn set_number(&mut self, name: &str, value: f32) -> Result<(), ParameterError> {
-        let index = self.parameter("number", name, is_number)?;
+        let index = self.parameter("number", name)?;
         if !value.is_finite() {
             let parameter = name.to_owned();
             return Err(ParameterError::NotFinite { parameter, value });
@@ -84,7 +66,7 @@ impl StateMachineRun {
     /// # Errors
     /// No flag of that name; the error lists them.
     pub fn set_flag(&mut self, name: &str, value: bool) -> Result<(), ParameterError> {
-        let index = self.parameter("flag", name, is_flag)?;
+        let index = self.parameter("flag", name)?;
         self.values[index] = ParameterDefault::Flag(value);
         Ok(())
     }
@@ -94,7 +76,7 @@ impl StateMachineRun {
     /// # Errors
     /// No trigger of that name; the error lists them.
     pub fn trigger(&mut self, name: &str) -> Result<(), ParameterError> {
-        let index = self.parameter("trigger", name, is_trigger)?;
+        let index = self.parameter("trigger", name)?;
         self.triggered[index] = true;
         Ok(())
     }
@@ -104,7 +86,7 @@ impl StateMachineRun {
     /// # Errors
     /// No trigger of that name; the error lists them.
     pub fn clear_trigger(&mut self, name: &str) -> Result<(), ParameterError> {
-        let index = self.parameter("trigger", name, is_trigger)?;
+        let index = self.parameter("trigger", name)?;
         self.triggered[index] = false;
         Ok(())
     }

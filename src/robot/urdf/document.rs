@@ -76,16 +76,16 @@ fn name_of(robot: &Element<'_>) -> Result<Named, UrdfError> {
 fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Result<(), UrdfError> {
     let is_macro = |node: &Node<'_, '_>| {
         let namespace = node.tag_name().namespace();
-        let ours = ["robot", "link", "joint"]
+        let mut names = ["robot", "link", "joint"]
             .into_iter()
-            .chain(READ.map(|(name, _)| name))
-            .any(|name| is(*node, name));
+            .chain(READ.map(|(name, _)| name));
+        let ours = names.any(|name| is(*node, name));
         // An <origin> within a <visual> is no joint's, but a macro there is a macro all the same.
         namespace.is_some_and(|uri| uri.ends_with("/xacro"))
             || ours
                 && node
                     .attributes()
-                    .any(|a| a.value().contains("${") || a.value().contains("$("))
+                    .any(|a| ["${", "$("].iter().any(|m| a.value().contains(m)))
     };
     match root.descendants().find(is_macro) {
         Some(node) => Err(UrdfError::Xacro {

@@ -212,12 +212,8 @@ fn one_slip_apart(name: &str, meant: &str) -> bool {
     let (a, b) = (name.as_bytes(), meant.as_bytes());
     let front = a.iter().zip(b).take_while(|(x, y)| x == y).count();
     let (a, b) = (&a[front..], &b[front..]);
-    let back = a
-        .iter()
-        .rev()
-        .zip(b.iter().rev())
-        .take_while(|(x, y)| x == y)
-        .count();
+    let backwards = a.iter().rev().zip(b.iter().rev());
+    let back = backwards.take_while(|(x, y)| x == y).count();
     match (&a[..a.len() - back], &b[..b.len() - back]) {
         ([x, y], [v, w]) => x == w && y == v,
         (x, y) => x.len() <= 1 && y.len() <= 1,

@@ -163,11 +163,12 @@ fn drive(
     let drive = Drive {
         velocity: stated(number(&limit, "velocity")?),
         effort: stated(number(&limit, "effort")?),
-        soft_limits: (lower.is_some() || upper.is_some()).then(|| {
-            Limits::new(
-                lower.unwrap_or(f64::NEG_INFINITY),
-                upper.unwrap_or(f64::INFINITY),
-            )
+        soft_limits: lower.or(upper).map(|_| {
+            let Limits {
+                lower: low,
+                upper: high,
+            } = Limits::UNBOUNDED;
+            Limits::new(lower.unwrap_or(low), upper.unwrap_or(high))
         }),
     };
     Ok(match kind {

@@ -58,22 +58,12 @@ impl Reading<'_> {
     pub(super) fn or_left_out<T>(&self, read: Result<T, UrdfError>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
-            Err(UrdfError::Element {
-                line,
-                element,
-                fault,
-                ..
-            }) => {
-                let mended = Mended::LeftOut(fault);
-                self.repairs.borrow_mut().push(Repair {
-                    line,
-                    element,
-                    mended,
-                });
+            // Nothing else comes from a single element.
+            Err(error) => {
+                let repair = Repair::left_out(error);
+                self.repairs.borrow_mut().extend(repair);
                 None
             }
-            // Nothing else comes from a single element.
-            Err(_) => None,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::error::Fault;
+use super::error::{Fault, UrdfError};
 
 /// One place of a file that was not taken at its word, and what was taken instead.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,27 @@ pub struct Repair {
     pub element: String,
     /// What was done.
     pub mended: Mended,
+}
+
+impl Repair {
+    /// An element that is wrong and counts for nothing.
+    pub(super) fn left_out(error: UrdfError) -> Option<Self> {
+        let UrdfError::Element {
+            line,
+            element,
+            fault,
+            ..
+        } = error
+        else {
+            return None;
+        };
+        let mended = Mended::LeftOut(fault);
+        Some(Self {
+            line,
+            element,
+            mended,
+        })
+    }
 }
 
 /// What was done about one place of a file. The first two and [`LeftOut`](Self::LeftOut) of what

@@ -38,12 +38,16 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Result<Topolo
     let mut carrier: Vec<Option<usize>> = vec![None; links.len()];
     let mut hanging: Vec<Vec<Branch>> = vec![Vec::new(); links.len()];
     let mut masters = Vec::with_capacity(joints.len());
+    let link_names = links.iter().map(|link| link.named.name.as_str());
+    let joint_names = joints.iter().map(|joint| joint.named.name.as_str());
     for (index, joint) in joints.iter().enumerate() {
+        let unknown = |unknown: UnknownName| joint_fault(reading, joint, unknown.into());
         let link = |name: &str| {
-            link_by_name.get(name).copied().ok_or_else(|| {
-                let valid = links.iter().map(|link| link.named.name.as_str());
-                joint_fault(reading, joint, UnknownName::new("link", name, valid).into())
-            })
+            let names = || UnknownName::new("link", name, link_names.clone());
+            link_by_name
+                .get(name)
+                .copied()
+                .ok_or_else(|| unknown(names()))
         };
         let branch = Branch {
             joint: index,
@@ -59,28 +63,20 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Result<Topolo
         }
         carrier[branch.child_link] = Some(index);
         hanging[branch.parent_link].push(branch);
-        masters.push(match &joint.follows {
-            None => None,
-            Some(Follows { master, .. }) => {
-                Some(*joint_by_name.get(master.as_str()).ok_or_else(|| {
-                    let valid = joints.iter().map(|joint| joint.named.name.as_str());
-                    joint_fault(
-                        reading,
-                        joint,
-                        UnknownName::new("joint", master, valid).into(),
-                    )
-                })?)
-            }
+        let master = joint.follows.as_ref().map(|Follows { master, .. }| {
+            let names = || UnknownName::new("joint", master, joint_names.clone());
+            let known = joint_by_name.get(master.as_str()).copied();
+            known.ok_or_else(|| unknown(names()))
         });
+        masters.push(master.transpose()?);
     }
 
     let roots: Vec<usize> = (0..links.len()).filter(|&l| carrier[l].is_none()).collect();
     if roots.len() > 1 {
-        let roots = roots
-            .iter()
-            .map(|&root| links[root].named.name.clone())
-            .collect();
-        let fault = Fault::SeveralRoots { roots };
+        let names = roots.iter().map(|&root| links[root].named.name.clone());
+        let fault = Fault::SeveralRoots {
+            roots: names.collect(),
+        };
         return Err(reading.fault(document.robot.at, "<robot>".into(), fault));
     }
     let mut branches = Vec::with_capacity(joints.len());

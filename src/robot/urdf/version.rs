@@ -8,13 +8,11 @@ pub(super) struct Version(pub(super) u32, pub(super) u32);
 
 impl Version {
     pub(super) fn of(robot: &Element<'_>) -> Self {
-        robot
-            .text("version")
-            .and_then(|version| {
-                let (major, minor) = version.trim().split_once('.')?;
-                Some(Self(major.parse().ok()?, minor.parse().ok()?))
-            })
-            .unwrap_or(Self(1, 0))
+        let read = |version: &str| {
+            let (major, minor) = version.trim().split_once('.')?;
+            Some(Self(major.parse().ok()?, minor.parse().ok()?))
+        };
+        robot.text("version").and_then(read).unwrap_or(Self(1, 0))
     }
 
     /// What a missing `lower` and `upper` mean.

@@ -27,25 +27,24 @@ pub(super) fn parse<'a>(file: &str, text: &'a str) -> Result<Document<'a>, UrdfE
 /// The text with late XML declarations blanked out and undeclared prefixes declared. Every line
 /// stays where it was.
 pub(super) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, str> {
+    let mut note = |line, element: &str, mended| {
+        let element = element.to_owned();
+        repairs.push(Repair {
+            line,
+            element,
+            mended,
+        });
+    };
     let mut text = Cow::Borrowed(text);
     for _ in 0..MOST_PREFIXES {
         let next = match Document::parse(&text) {
             Err(Error::UnexpectedDeclaration(at)) => {
-                let element = "<?xml?>".to_owned();
-                repairs.push(Repair {
-                    line: at.row,
-                    element,
-                    mended: Mended::DeclarationRemoved,
-                });
+                note(at.row, "<?xml?>", Mended::DeclarationRemoved);
                 without_declaration(&text, at.row as usize)
             }
             Err(Error::UnknownNamespace(prefix, at)) if prefix != "xacro" => {
                 let next = with_prefix(&text, &prefix);
-                repairs.push(Repair {
-                    line: at.row,
-                    element: "<robot>".to_owned(),
-                    mended: Mended::PrefixDeclared { prefix },
-                });
+                note(at.row, "<robot>", Mended::PrefixDeclared { prefix });
                 next
             }
             _ => break,

@@ -86,10 +86,9 @@ impl AutomaticWeights {
             let squared = |distance: f64| distance * distance + core * core;
             let ratio = squared(nearest[point]) / squared(distance(points[point], segment));
             // A point on a bone of a mesh without size is 0 / 0 apart.
-            if ratio.is_nan() {
-                1.0
-            } else {
-                elementary::pow(ratio, 0.5 * self.falloff)
+            match ratio.is_nan() {
+                true => 1.0,
+                false => elementary::pow(ratio, 0.5 * self.falloff),
             }
         };
         let mut sums = vec![0.0; points.len()];

@@ -12,9 +12,8 @@ pub(super) type Segment = [DVec3; 2];
 pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
     let end = |v: crate::spatial::Vector3<f64>| DVec3::from_array(v.to_array());
     let bones = skeleton.bones().iter();
-    bones
-        .map(|bone| [end(bone.rest_tail()), end(bone.rest_tip())])
-        .collect()
+    let ends = bones.map(|bone| [end(bone.rest_tail()), end(bone.rest_tip())]);
+    ends.collect()
 }
 
 /// There are bones, all their ends are finite, and vertices may keep influences.

@@ -120,10 +120,10 @@ impl Outcomes<'_> {
         };
         let mut text = match jumps.len() {
             0 => "jumps     none: no joint moves further than 0.2 rad in a step\n".to_owned(),
-            count => format!(
-                "jumps     {count} step{} in which a joint moves further than 0.2 rad\n",
-                if count == 1 { "" } else { "s" }
-            ),
+            count => {
+                let steps = if count == 1 { "step" } else { "steps" };
+                format!("jumps     {count} {steps} in which a joint moves further than 0.2 rad\n")
+            }
         };
         for jump in jumps.iter().take(EXPLAINED) {
             text.push_str(&format!("          {}\n", jump.text()));

@@ -147,12 +147,12 @@ fn hangs(armature: &Armature, lower: BoneId, upper: BoneId) -> Result<(), LimbEr
         name.ok_or(LimbError::UnknownBone { bone, bones })
     };
     let (upper_name, lower_name) = (name(upper)?, name(lower)?);
-    let mut above = armature.parent(lower);
-    while above.is_some_and(|bone| bone != upper) {
-        above = above.and_then(|bone| armature.parent(bone));
+    let mut above = armature.upwards(armature.parent(lower));
+    match above.any(|bone| bone == upper) {
+        true => Ok(()),
+        false => Err(LimbError::NotAbove {
+            lower: lower_name,
+            upper: upper_name,
+        }),
     }
-    above.map(|_| ()).ok_or(LimbError::NotAbove {
-        lower: lower_name,
-        upper: upper_name,
-    })
 }

@@ -4,7 +4,7 @@ use glam::{Mat3A, Quat, Vec3A};
 
 use super::plane::Plane;
 use super::{End, EndRotation, Limb, LimbGoal};
-use crate::animation::blend::within;
+use crate::animation::blend::{finite_or_0, within};
 use crate::animation::ik_layer::placed::{Placed, set_rotation};
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Pose, SizeMismatch};
@@ -51,11 +51,7 @@ impl Limb {
             return Ok(());
         }
         let standing = self.standing(armature, pose);
-        let turns = if moves {
-            self.turns(&standing, goal, weight)
-        } else {
-            None
-        };
+        let turns = moves.then(|| self.turns(&standing, goal, weight)).flatten();
         let [upper_turn, lower_turn] = turns.unwrap_or([Quat::IDENTITY; 2]);
         if turns.is_some() {
             let parent_from_model = standing.above.conjugate();
@@ -118,28 +114,18 @@ impl Limb {
             Some(pole) => new.turned(new.angle_to(pole) * weight),
             None => new,
         };
-        let twist = if goal.twist.is_finite() {
-            goal.twist
-        } else {
-            0.0
-        };
-        new = new.turned(twist * weight);
+        new = new.turned(finite_or_0(goal.twist) * weight);
         let side = new.turned(off * (1.0 - weight)).side();
-        let solved = triangle(
-            double(root),
-            lengths.map(f64::from),
-            double(target),
-            double(side),
-        );
+        let [base, target, side] = [root, target, side].map(double);
+        let solved = triangle(base, lengths.map(f64::from), target, side);
         let [new_mid, new_end] = [single(solved.mid), single(solved.tip)];
         if !(new_mid.is_finite() && new_end.is_finite()) {
             return None;
         }
         let turn = |was, is| between(frame(was, old.normal), frame(is, new.normal));
-        Some([
-            turn(upper, new_mid - root)?,
-            turn(lower, new_end - new_mid)?,
-        ])
+        turn(upper, new_mid - root)
+            .zip(turn(lower, new_end - new_mid))
+            .map(<[Quat; 2]>::from)
     }
 
     /// The way to a target, shortened where it nearly stretches a limb of this length (Nicholas, "Soft

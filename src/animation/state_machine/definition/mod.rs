@@ -70,6 +70,17 @@ pub enum ParameterDefault {
     Trigger(TriggerWord),
 }
 
+impl ParameterDefault {
+    /// What kind of value it is, in words.
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Self::Flag(_) => "flag",
+            Self::Number(_) => "number",
+            Self::Trigger(_) => "trigger",
+        }
+    }
+}
+
 /// The word `"trigger"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]

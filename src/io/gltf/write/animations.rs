@@ -40,13 +40,11 @@ pub(super) fn add(
     let [first, last] = keyed.map_or([start, end], |[s, e]| [s.min(start), e.max(end)]);
     let mut growing = Growing {
         document,
-        animation: Animation {
-            extensions: None,
-            extras: None,
+        animation: plain!(Animation {
             channels: Vec::new(),
             name: Some(clip.name().to_owned()),
             samplers: Vec::new(),
-        },
+        }),
         shift: (-first).max(0.0),
     };
     for (bone, channel) in &channels {
@@ -78,25 +76,19 @@ pub(super) fn add(
 impl Growing<'_> {
     fn channel<const N: usize>(&mut self, bone: BoneId, path: Path, keys: &Keys<N>) {
         let times: Vec<f32> = keys.times.iter().map(|time| time + self.shift).collect();
-        let sampler = Sampler {
-            extensions: None,
-            extras: None,
+        let sampler = plain!(Sampler {
             input: self.document.times(&times),
             interpolation: Checked::Valid(keys.interpolation),
             output: self.document.numbers(&keys.outputs, false, None),
-        };
+        });
         let sampler = Index::push(&mut self.animation.samplers, sampler);
-        self.animation.channels.push(Entry {
+        self.animation.channels.push(plain!(Entry {
             sampler,
-            target: Target {
-                extensions: None,
-                extras: None,
+            target: plain!(Target {
                 node: Index::new(bone.index() as u32),
                 path: Checked::Valid(path),
-            },
-            extensions: None,
-            extras: None,
-        });
+            }),
+        }));
     }
 
     /// A clip may last beyond its keys, a glTF animation may not: a bone that keeps its place over

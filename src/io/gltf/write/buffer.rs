@@ -128,24 +128,18 @@ impl Document {
         }
         let indices = self.view(bytemuck::cast_slice(vertices), None);
         let values = self.view(bytemuck::cast_slice(deltas.as_flattened()), None);
-        let sparse = sparse::Sparse {
+        let sparse = plain!(sparse::Sparse {
             count: vertices.len().into(),
-            indices: sparse::Indices {
+            indices: plain!(sparse::Indices {
                 buffer_view: indices,
                 byte_offset: USize64(0),
                 component_type: Checked::Valid(IndexComponentType(ComponentType::U32)),
-                extensions: None,
-                extras: None,
-            },
-            values: sparse::Values {
+            }),
+            values: plain!(sparse::Values {
                 buffer_view: values,
                 byte_offset: USize64(0),
-                extensions: None,
-                extras: None,
-            },
-            extensions: None,
-            extras: None,
-        };
+            }),
+        });
         self.accessor(None, shape, Some(sparse))
     }
 
@@ -159,48 +153,42 @@ impl Document {
             Some([min, max]) => [Some(min), Some(max)],
             None => [None, None],
         };
-        self.root.push(Accessor {
+        self.root.push(plain!(Accessor {
             buffer_view: view,
             byte_offset: None,
             count: shape.count.into(),
             component_type: Checked::Valid(GenericComponentType(shape.component)),
-            extensions: None,
-            extras: None,
             type_: Checked::Valid(shape.kind),
             min,
             max,
             name: None,
             normalized: false,
             sparse,
-        })
+        }))
     }
 
     fn view(&mut self, bytes: &[u8], target: Option<Target>) -> Index<View> {
         // Every entry is a multiple of four bytes, so every view starts at one.
         let offset = self.bytes.len();
         self.bytes.extend_from_slice(bytes);
-        self.root.push(View {
+        self.root.push(plain!(View {
             buffer: Index::new(0),
             byte_length: bytes.len().into(),
             byte_offset: Some(offset.into()),
             byte_stride: None,
             name: None,
             target: target.map(Checked::Valid),
-            extensions: None,
-            extras: None,
-        })
+        }))
     }
 
     /// The document as GLB.
     pub(super) fn finish(mut self) -> Result<Vec<u8>, UnwritableScene> {
         if !self.bytes.is_empty() {
-            self.root.push(Buffer {
+            self.root.push(plain!(Buffer {
                 byte_length: self.bytes.len().into(),
                 name: None,
                 uri: None,
-                extensions: None,
-                extras: None,
-            });
+            }));
         }
         let json = self.root.to_vec();
         let json = json.map_err(|error| UnwritableScene::Document(error.to_string()))?;

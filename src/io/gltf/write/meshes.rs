@@ -129,15 +129,13 @@ fn entry(
         extensions: None,
         extras: target_names(mesh, armature)?,
         name: Some(mesh.name.clone()),
-        primitives: vec![Primitive {
+        primitives: vec![plain!(Primitive {
             attributes,
-            extensions: None,
-            extras: None,
             indices,
             material: None,
             mode: Checked::Valid(Mode::Triangles),
             targets: (!entries.is_empty()).then_some(entries),
-        }],
+        })],
         weights: (!weights.is_empty()).then_some(weights),
     })
 }

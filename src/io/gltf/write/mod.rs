@@ -1,5 +1,12 @@
 //! Writing scenes and posed meshes as `.glb` files.
 
+/// A part of the document that has neither extensions nor extras.
+macro_rules! plain {
+    ($($part:ident)::+ { $($entries:tt)* }) => {
+        $($part)::+ { extensions: None, extras: None, $($entries)* }
+    };
+}
+
 mod animations;
 mod buffer;
 mod error;
@@ -71,12 +78,10 @@ pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, Unwrit
     let roots = bones.filter(|bone| scene.armature.parent(*bone).is_none());
     let roots: Vec<_> = roots.map(|bone| Index::new(bone.index() as u32)).collect();
     if !roots.is_empty() {
-        let shown = document.root.push(json::Scene {
-            extensions: None,
-            extras: None,
+        let shown = document.root.push(plain!(json::Scene {
             name: None,
             nodes: roots,
-        });
+        }));
         document.root.scene = Some(shown);
     }
     meshes::add(scene, &mut document)?;

@@ -50,16 +50,14 @@ pub(super) fn skin_entry(skin: &Skin, document: &mut Document) -> Index<skin::Sk
     let matrices: Vec<[f32; 16]> = skin.joint_from_mesh.iter().map(columns).collect();
     let matrices = (!matrices.is_empty()).then(|| document.numbers(&matrices, false, None));
     let joints = skin.joints.iter();
-    document.root.push(skin::Skin {
-        extensions: None,
-        extras: None,
+    document.root.push(plain!(skin::Skin {
         inverse_bind_matrices: matrices,
         joints: joints
             .map(|joint| Index::new(joint.index() as u32))
             .collect(),
         name: (!skin.name.is_empty()).then(|| skin.name.clone()),
         skeleton: None,
-    })
+    }))
 }
 
 fn columns(affine: &Affine3A) -> [f32; 16] {

@@ -63,12 +63,10 @@ impl Dissection<'_> {
             high = high.max(self.points[point]);
         }
         let sides = high - low;
-        if sides.x >= sides.y && sides.x >= sides.z {
-            0
-        } else if sides.y >= sides.z {
-            1
-        } else {
-            2
+        match (sides.x >= sides.y && sides.x >= sides.z, sides.y >= sides.z) {
+            (true, _) => 0,
+            (false, true) => 1,
+            (false, false) => 2,
         }
     }
 }

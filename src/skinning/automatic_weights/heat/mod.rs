@@ -91,10 +91,10 @@ impl HeatWeights {
         }
         let surface = Surface::of(mesh);
         let stiffness = Stiffness::of(&surface);
-        let segments: Vec<_> = segments
+        let segments = segments
             .iter()
-            .map(|segment| segment.map(|end| end / surface.unit))
-            .collect();
+            .map(|ends| ends.map(|end| end / surface.unit));
+        let segments: Vec<_> = segments.collect();
         let sources = Sources::of(&surface, &stiffness, &segments, self.heat);
         let mut system = System::new(&surface, &stiffness, &sources.given)?;
         let mut strongest = Strongest::new(surface.points.len(), self.most);
