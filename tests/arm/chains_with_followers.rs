@@ -220,3 +220,35 @@ fn leaders_are_as_fast_as_their_followers_allow() {
         assert_eq!(arm.velocity_limits(), [wanted, 5.0]);
     }
 }
+
+/// A follower whose leader stands on its bound is within its limits to the bit, however its ratio rounds.
+#[test]
+fn followers_stay_within_their_limits() {
+    use kinopt::model::{Limits, Model};
+    use kinopt::robot::{Mimic, Robot};
+    use kinopt::spatial::{Placement, Vector3};
+    let mut random = Random(12);
+    for _ in 0..100 {
+        let mut builder = Model::builder("pair");
+        let (at, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
+        let lead = builder.revolute("lead", None, at, z, Limits::new(-3.0, 3.0));
+        let limits = Limits::new(-0.2 - random.unit(), 0.2 + random.unit());
+        let follow = builder.revolute("follow", Some(lead), at, z, limits);
+        builder.frame("base", None, at);
+        builder.frame("tip", Some(follow), at);
+        let mimic = Mimic {
+            joint: follow,
+            master: lead,
+            ratio: 1.3 + random.unit(),
+            offset: 0.1 * random.unit(),
+        };
+        let robot = Robot::new(builder.build().unwrap(), vec![mimic]).unwrap();
+        let arm = Arm::new(&robot, "base", "tip").unwrap();
+        let bounds = arm.limits().next().unwrap();
+        for end in [bounds.lower, bounds.upper] {
+            let mut q = [0.0; 2];
+            arm.configuration(&[end], &mut q).unwrap();
+            assert!(limits.contains(q[1]), "{limits:?} {q:?}");
+        }
+    }
+}

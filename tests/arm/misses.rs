@@ -246,3 +246,32 @@ fn attempts_in_vain_count() {
         last = solution.iterations;
     }
 }
+
+/// Goals with room count turns by their chords, and a miss costs what its errors say by every door.
+#[test]
+fn a_miss_of_a_goal_with_room_costs_its_chord() {
+    use kinopt::arm::{Axis, Goal};
+    use kinopt::model::{Limits, Model};
+    let mut builder = Model::builder("wrist");
+    let (at, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
+    let wrist = builder.revolute("wrist", None, at, z, Limits::new(-1.0, 1.0));
+    builder.frame("base", None, at);
+    builder.frame("tip", Some(wrist), at);
+    let robot = kinopt::robot::Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tip").with_metres_per_radian(0.25);
+    let arm = arm.with_goal(Goal::free_about(Axis::X)).build().unwrap();
+    // Beyond its limit by 1.2 rad.
+    let turned = kinopt::spatial::Matrix3::identity().rotated_about_z(2.2_f64.sin_cos());
+    let target = Placement::new(turned, at.translation);
+    let batch = arm.solve_batch(&[target], &[0.3]).unwrap();
+    for solution in [&arm.solve(target, &[0.3]).unwrap(), &batch[0]] {
+        assert!(!solution.reached && solution.q == [1.0]);
+        let cost = 0.5 * (0.25 * 2.0 * 0.6_f64.sin()).powi(2);
+        assert!((solution.orientation_error().unwrap() - 1.2).abs() < 1e-9);
+        assert!(
+            (solution.cost - cost).abs() < 1e-9,
+            "{} {cost}",
+            solution.cost
+        );
+    }
+}
