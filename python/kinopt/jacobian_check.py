@@ -25,11 +25,7 @@ def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float
     own = model if isinstance(model, Model) else model.model
     places = ForwardKinematics(own, residual.frames).place(q) if residual.frames else np.zeros((0, 4, 4))
     joints = own.joint_names if residual.joints == "all" else residual.joints
-    known = dict(zip(own.joint_names, np.asarray(q, dtype=float).tolist(), strict=True))
-    missing = [joint for joint in joints if joint not in known]
-    if missing:
-        raise InvalidValueError(f"{missing[0]} is no moving joint of the model")
-    values = np.array([known[joint] for joint in joints])
+    values = _values(own, joints, np.asarray(q, dtype=float)) if residual.joints else np.zeros(0)
 
     def called(function: Any, places: Array, values: Array) -> Array:
         given = [some for some, read in ((places, residual.frames), (values, residual.joints)) if read]
@@ -59,6 +55,17 @@ def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float
             f"entries, most in row {row} by {_of(residual.frames, joints, int(column))}: it says "
             f"{claimed[row, column]:.6g}, differences say {true[row, column]:.6g}"
         )
+
+
+def _values(model: Model, joints: Sequence[str], q: Array) -> Array:
+    """What the residual reads of the joints."""
+    names = model.joint_names
+    if q.shape != (len(names),):
+        raise InvalidValueError(f"q has shape {q.shape}, expected ({len(names)},)")
+    missing = [joint for joint in joints if joint not in names]
+    if missing:
+        raise InvalidValueError(f"{missing[0]} is no moving joint of the model: {', '.join(names)}")
+    return np.array([q[names.index(joint)] for joint in joints])
 
 
 def _moved(places: Array, values: Array, column: int, step: float) -> tuple[Array, Array]:

@@ -482,6 +482,16 @@ pub(crate) fn finite(value: f64, what: &str) -> PyResult<f64> {
     }
 }
 
+/// A share from nothing to all.
+pub(crate) fn share(value: f32, what: &str) -> PyResult<f32> {
+    match (0.0..=1.0).contains(&value) {
+        true => Ok(value),
+        false => Err(invalid(format!(
+            "{what} is {value}, which is not within [0, 1]"
+        ))),
+    }
+}
+
 /// What a person sees of a value in messages.
 fn shown(value: &Bound<'_, PyAny>) -> String {
     value

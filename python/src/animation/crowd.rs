@@ -42,15 +42,6 @@ pub(crate) struct PlayingClip {
     share: f32,
 }
 
-fn checked_share(share: f32) -> PyResult<f32> {
-    match (0.0..=1.0).contains(&share) {
-        true => Ok(share),
-        false => Err(invalid(format!(
-            "share is {share}, which is not within [0, 1]"
-        ))),
-    }
-}
-
 #[pymethods]
 impl PlayingClip {
     #[new]
@@ -68,7 +59,7 @@ impl PlayingClip {
             name: playback.to_owned(),
             speed: arrays::finite(speed, "speed")?,
             elapsed: arrays::finite(elapsed, "elapsed")?,
-            share: checked_share(share)?,
+            share: arrays::share(share, "share")?,
         })
     }
 
@@ -281,7 +272,8 @@ impl Crowd {
         let index = place(character, self.__len__())?;
         let clips = self.with(|crowd| crowd.characters_mut()[index].clips_mut().len());
         let clip = place(clip, clips)?;
-        let share = share.map(checked_share).transpose()?;
+        let share = share.map(|share| arrays::share(share, "share"));
+        let share = share.transpose()?;
         let speed = speed.map(|speed| arrays::finite(speed, "speed"));
         let speed = speed.transpose()?;
         self.with(|crowd| {

@@ -1,5 +1,6 @@
 //! Motion over time: keyframes, what is between them, and poses.
 
+mod aim;
 mod armature;
 mod blend;
 mod bones_and_poses;
@@ -27,6 +28,7 @@ pub(crate) use self::euler_clip::EulerClip;
 #[pymodule(submodule)]
 pub(crate) mod animation {
     #[pymodule_export]
+    use super::aim::{Aim, AimGoal};
     #[pymodule_export]
     use super::blend::{Layer, blend_poses};
     #[pymodule_export]
@@ -42,12 +44,11 @@ pub(crate) mod animation {
     #[pymodule_export]
     use super::euler_clip::EulerClip;
     #[pymodule_export]
-    use super::limb::{Aim, AimGoal, Limb, LimbGoal};
+    use super::limb::{Limb, LimbGoal};
     #[pymodule_export]
     use super::mask::BoneMask;
     #[pymodule_export]
     use super::playhead::{Passage, Playhead};
-    #[pymodule_export]
     #[pymodule_export]
     use super::reach::{PoseAngles, ReachLayer};
     #[pymodule_export]

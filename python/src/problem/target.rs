@@ -24,108 +24,34 @@ pub(crate) trait Target: Residual {
     fn aim(&mut self, target: &Self::Value) -> Result<(), String>;
 }
 
-impl Target for Point {
-    type Value = [f64; 3];
+/// Targets that are read by one function and set by one method.
+macro_rules! targets {
+    ($($residual:ty, $value:ty, $read:path, |$own:ident, $target:pat_param| $set:expr;)*) => {$(
+        impl Target for $residual {
+            type Value = $value;
 
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 3]> {
-        arrays::array(value, what)
-    }
+            fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<$value> {
+                $read(value, what)
+            }
 
-    fn aim(&mut self, target: &[f64; 3]) -> Result<(), String> {
-        self.set_target(*target);
-        Ok(())
-    }
+            fn aim(&mut self, $target: &$value) -> Result<(), String> {
+                let $own = self;
+                $set;
+                Ok(())
+            }
+        }
+    )*};
 }
 
-impl Target for Pose {
-    type Value = Placement<f64>;
-
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Placement<f64>> {
-        placement::placement(value, what)
-    }
-
-    fn aim(&mut self, target: &Placement<f64>) -> Result<(), String> {
-        self.set_target(*target);
-        Ok(())
-    }
-}
-
-impl Target for Orientation {
-    type Value = Matrix3<f64>;
-
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Matrix3<f64>> {
-        placement::rotation(value, what)
-    }
-
-    fn aim(&mut self, target: &Matrix3<f64>) -> Result<(), String> {
-        self.set_target(*target);
-        Ok(())
-    }
-}
-
-impl Target for LookAt {
-    type Value = [f64; 3];
-
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 3]> {
-        arrays::array(value, what)
-    }
-
-    fn aim(&mut self, target: &[f64; 3]) -> Result<(), String> {
-        self.set_target(*target);
-        Ok(())
-    }
-}
-
-impl Target for Distance {
-    type Value = f64;
-
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<f64> {
-        arrays::number(value, what)
-    }
-
-    fn aim(&mut self, distance: &f64) -> Result<(), String> {
-        self.set_distance(*distance);
-        Ok(())
-    }
-}
-
-impl Target for Plane {
-    type Value = [[f64; 3]; 2];
-
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[[f64; 3]; 2]> {
-        arrays::table(value, what)
-    }
-
-    fn aim(&mut self, [point, normal]: &[[f64; 3]; 2]) -> Result<(), String> {
-        self.set_plane(*point, *normal);
-        Ok(())
-    }
-}
-
-impl Target for Ray {
-    type Value = [[f64; 3]; 2];
-
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[[f64; 3]; 2]> {
-        arrays::table(value, what)
-    }
-
-    fn aim(&mut self, [eye, through]: &[[f64; 3]; 2]) -> Result<(), String> {
-        self.set_line(*eye, *through);
-        Ok(())
-    }
-}
-
-impl Target for Pixel {
-    type Value = [f64; 2];
-
-    fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 2]> {
-        arrays::array(value, what)
-    }
-
-    fn aim(&mut self, pixel: &[f64; 2]) -> Result<(), String> {
-        self.set_target(*pixel);
-        Ok(())
-    }
+targets! {
+    Point, [f64; 3], arrays::array, |own, target| own.set_target(*target);
+    Pose, Placement<f64>, placement::placement, |own, target| own.set_target(*target);
+    Orientation, Matrix3<f64>, placement::rotation, |own, target| own.set_target(*target);
+    LookAt, [f64; 3], arrays::array, |own, target| own.set_target(*target);
+    Distance, f64, arrays::number, |own, distance| own.set_distance(*distance);
+    Plane, [[f64; 3]; 2], arrays::table, |own, [point, normal]| own.set_plane(*point, *normal);
+    Ray, [[f64; 3]; 2], arrays::table, |own, [eye, through]| own.set_line(*eye, *through);
+    Pixel, [f64; 2], arrays::array, |own, pixel| own.set_target(*pixel);
 }
 
 /// A value for each joint, none missing.

@@ -1,7 +1,9 @@
 //! Weights that are made up: by distance, and by heat on the surface.
 
 use kinopt::glam::DVec3;
-use kinopt::skinning::{AutomaticWeights as ByDistance, HeatWeights as ByHeat};
+use kinopt::skinning::{
+    AutomaticWeights as ByDistance, AutomaticWeightsError, HeatWeights as ByHeat,
+};
 use numpy::ndarray::Ix3;
 use pyo3::prelude::*;
 
@@ -53,6 +55,14 @@ fn segments(value: &Bound<'_, PyAny>) -> PyResult<Vec<[DVec3; 2]>> {
         .collect())
 }
 
+/// Makes weights without the GIL.
+fn made(
+    py: Python<'_>,
+    make: impl FnOnce() -> Result<kinopt::skinning::SkinWeights, AutomaticWeightsError> + Send,
+) -> PyResult<SkinWeights> {
+    py.detach(make).or_raise().map(SkinWeights::from)
+}
+
 #[pymethods]
 impl AutomaticWeights {
     #[new]
@@ -79,8 +89,7 @@ impl AutomaticWeights {
         skeleton: &Bound<'_, Skeleton>,
     ) -> PyResult<SkinWeights> {
         let (mesh, skeleton) = (&mesh.get().inner, &skeleton.get().inner);
-        let weights = py.detach(|| self.inner.for_skeleton(mesh, skeleton));
-        weights.or_raise().map(SkinWeights::from)
+        made(py, || self.inner.for_skeleton(mesh, skeleton))
     }
 
     /// Weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
@@ -93,8 +102,7 @@ impl AutomaticWeights {
         segments: &Bound<'_, PyAny>,
     ) -> PyResult<SkinWeights> {
         let (mesh, segments) = (&mesh.get().inner, self::segments(segments)?);
-        let weights = py.detach(|| self.inner.for_segments(mesh, &segments));
-        weights.or_raise().map(SkinWeights::from)
+        made(py, || self.inner.for_segments(mesh, &segments))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -142,8 +150,7 @@ impl HeatWeights {
         skeleton: &Bound<'_, Skeleton>,
     ) -> PyResult<SkinWeights> {
         let (mesh, skeleton) = (&mesh.get().inner, &skeleton.get().inner);
-        let weights = py.detach(|| self.inner.for_skeleton(mesh, skeleton));
-        weights.or_raise().map(SkinWeights::from)
+        made(py, || self.inner.for_skeleton(mesh, skeleton))
     }
 
     /// Weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
@@ -157,8 +164,7 @@ impl HeatWeights {
         segments: &Bound<'_, PyAny>,
     ) -> PyResult<SkinWeights> {
         let (mesh, segments) = (&mesh.get().inner, self::segments(segments)?);
-        let weights = py.detach(|| self.inner.for_segments(mesh, &segments));
-        weights.or_raise().map(SkinWeights::from)
+        made(py, || self.inner.for_segments(mesh, &segments))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -74,6 +74,24 @@ impl MeshWeights {
         })?;
         Ok(array)
     }
+
+    /// Moves one vector a vertex with each pose; `vertices` says which of a vertex's they are.
+    fn each_vector<'py>(
+        &self,
+        py: Python<'py>,
+        (method, transforms, rest): (&str, &Bound<'py, PyAny>, &Bound<'py, PyAny>),
+        out: Option<&Bound<'py, PyAny>>,
+        vertices: impl for<'a> Fn(&'a [Vec3], &'a mut [Vec3]) -> (RestVertices<'a>, PosedVertices<'a>)
+        + Sync,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let method: SkinningMethod = super::method(method)?;
+        let rest = vectors(rest, "rest")?;
+        let at_rest: &[Vec3] = &rest;
+        self.each_pose(py, transforms, out, 3, |transforms, room| {
+            let (rest, posed) = vertices(at_rest, bytemuck::cast_slice_mut(room));
+            self.inner.deform(method, transforms, rest, posed)
+        })
+    }
 }
 
 #[pymethods]
@@ -144,19 +162,16 @@ impl MeshWeights {
         rest: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let method: SkinningMethod = super::method(method)?;
-        let rest = vectors(rest, "rest")?;
-        let positions: &[Vec3] = &rest;
-        self.each_pose(py, transforms, out, 3, |transforms, room| {
+        self.each_vector(py, (method, transforms, rest), out, |positions, moved| {
             let rest = RestVertices {
                 positions,
                 ..RestVertices::default()
             };
             let posed = PosedVertices {
-                positions: bytemuck::cast_slice_mut(room),
+                positions: moved,
                 ..PosedVertices::default()
             };
-            self.inner.deform(method, transforms, rest, posed)
+            (rest, posed)
         })
     }
 
@@ -172,19 +187,16 @@ impl MeshWeights {
         rest: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let method: SkinningMethod = super::method(method)?;
-        let rest = vectors(rest, "rest")?;
-        let normals: &[Vec3] = &rest;
-        self.each_pose(py, transforms, out, 3, |transforms, room| {
+        self.each_vector(py, (method, transforms, rest), out, |normals, moved| {
             let rest = RestVertices {
                 normals,
                 ..RestVertices::default()
             };
             let posed = PosedVertices {
-                normals: bytemuck::cast_slice_mut(room),
+                normals: moved,
                 ..PosedVertices::default()
             };
-            self.inner.deform(method, transforms, rest, posed)
+            (rest, posed)
         })
     }
 

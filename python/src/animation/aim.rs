@@ -1,0 +1,163 @@
+//! Bones that aim, in closed form, over the pose that clips gave.
+
+use std::sync::Arc;
+
+use kinopt::animation::{Aim as Aiming, AimGoal as Look, Armature as Bones};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use super::bones_and_poses::{Armature, Pose};
+use crate::error::OrRaise;
+use crate::pickling;
+use crate::transforms::{shaped, vector};
+
+/// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims.
+///
+/// A bone that points along `forward`, in its own coordinates; `up` is the axis that goals may hold
+/// upright, `muzzle` a point from which it points instead of from its joint. All have shape (3,).
+///
+/// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes without length or on one line.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct Aim {
+    inner: Aiming,
+    armature: Arc<Bones>,
+    /// The bone's name, forward, up and muzzle.
+    made: (String, [f32; 3], Option<[f32; 3]>, [f32; 3]),
+}
+
+#[pymethods]
+impl Aim {
+    #[new]
+    #[pyo3(signature = (armature, bone, forward, *, up = None, muzzle = None))]
+    fn new(
+        armature: &Bound<'_, Armature>,
+        bone: String,
+        forward: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        muzzle: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let armature = Arc::clone(&armature.get().inner);
+        let id = armature.bone(&bone).or_raise()?;
+        let forward = vector(forward, "forward")?;
+        let up = up.map(|up| vector(up, "up")).transpose()?;
+        let muzzle = match muzzle {
+            Some(muzzle) => vector(muzzle, "muzzle")?.to_array(),
+            None => [0.0; 3],
+        };
+        let mut inner = Aiming::new(&armature, id, forward).or_raise()?;
+        inner = inner.with_muzzle(muzzle).or_raise()?;
+        if let Some(up) = up {
+            inner = inner.with_up(up).or_raise()?;
+        }
+        Ok(Self {
+            inner,
+            armature,
+            made: (bone, forward.to_array(), up.map(|up| up.to_array()), muzzle),
+        })
+    }
+
+    /// Turns the bone of a pose by its weight's share of the rotation that points it at the target. Says
+    /// whether there is one: there is none for a target that is not finite or is the joint itself.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature.
+    fn turn(&self, pose: &Bound<'_, Pose>, goal: &Bound<'_, AimGoal>) -> PyResult<bool> {
+        let goal = goal.get().inner;
+        let turn = |locals: &mut _| self.inner.turn(&self.armature, locals, &goal);
+        pose.get().with(turn).or_raise()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (bone, forward, up, muzzle) = self.made.clone();
+        let armature = Armature::from(Arc::clone(&self.armature));
+        let parts = (armature, bone, forward, up, muzzle);
+        pickling::by_rebuild::<Self>(py, parts)
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        armature: &Bound<'_, Armature>,
+        bone: String,
+        forward: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        muzzle: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        Self::new(armature, bone, forward, up, Some(muzzle))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Aim({:?})", self.made.0)
+    }
+}
+
+/// What a bone should point at this frame.
+///
+/// At the point `target`, shape (3,), in model coordinates. `up`, shape (3,), is the direction to which
+/// the bone's up axis goes as far as it can (None: the shortest arc); `twist` how far the bone turns about
+/// the way to the target besides, radians; `weight` the share of the angle, within [0, 1].
+///
+/// A weight is taken into [0, 1]; a target that is not finite moves nothing. Raises `InvalidValueError` for
+/// other shapes.
+#[pyclass(frozen, module = "kinopt.animation")]
+pub(crate) struct AimGoal {
+    inner: Look,
+}
+
+#[pymethods]
+impl AimGoal {
+    #[new]
+    #[pyo3(signature = (target, *, up = None, twist = 0.0, weight = 1.0))]
+    fn new(
+        target: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        twist: f32,
+        weight: f32,
+    ) -> PyResult<Self> {
+        let inner = Look {
+            target: vector(target, "target")?,
+            up: up.map(|up| vector(up, "up")).transpose()?,
+            twist,
+            weight,
+        };
+        Ok(Self { inner })
+    }
+
+    /// The point to point at, shape (3,), float32.
+    #[getter]
+    fn target<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        shaped(py, self.inner.target.to_array().to_vec(), &[3])
+    }
+
+    /// The share of the angle.
+    #[getter]
+    fn weight(&self) -> f32 {
+        self.inner.weight
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let Look {
+            target,
+            up,
+            twist,
+            weight,
+        } = self.inner;
+        let parts = (target.to_array(), up.map(|up| up.to_array()), twist, weight);
+        pickling::by_rebuild::<Self>(py, parts)
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        target: &Bound<'_, PyAny>,
+        up: Option<&Bound<'_, PyAny>>,
+        twist: f32,
+        weight: f32,
+    ) -> PyResult<Self> {
+        Self::new(target, up, twist, weight)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "AimGoal({}, weight={})",
+            self.inner.target, self.inner.weight
+        )
+    }
+}
