@@ -324,3 +324,15 @@ fn bad_keys_are_named_errors_or_are_repaired_and_reported() {
     assert_eq!(repair, expected);
     assert!(repair_keys(&mut keys, |_| true).is_clean());
 }
+
+/// Knots lie apart by the distance of their points to the power of 0, a half, and 1.
+#[test]
+fn knots_are_powers_of_distances() {
+    let points = [DVec3::ZERO, 4.0 * DVec3::X, 4.0 * DVec3::X + 9.0 * DVec3::Y];
+    assert_eq!(Knots::Uniform.of(&points), [0.0, 1.0, 2.0]);
+    assert_eq!(Knots::Chordal.of(&points), [0.0, 4.0, 13.0]);
+    let centripetal = Knots::Centripetal.of(&points);
+    let off = |(knot, wanted): (&f64, f64)| (knot - wanted).abs();
+    let off = centripetal.iter().zip([0.0, 2.0, 5.0]).map(off);
+    assert!(off.fold(0.0, f64::max) < 1e-14, "{centripetal:?}");
+}

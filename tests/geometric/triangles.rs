@@ -95,3 +95,22 @@ fn a_point_held_inside_a_chain_stays() {
     assert!(solution.reached, "{}", solution.explain());
     assert!(solution.iterations < 40, "{}", solution.iterations);
 }
+
+/// The side that a limb bends to is a direction: as good in metres as in any other unit.
+#[test]
+fn a_bend_has_no_size() {
+    for unit in [1e-14, 1.0, 1e14] {
+        for towards in [1e-3, 1.0, 1e3] {
+            let target = Vector3::new(unit, 0.0, 0.0);
+            let side = Vector3::new(0.3, -0.6, 0.8) * (towards * unit);
+            let found = triangle(Vector3::zero(), [unit, unit], target, side);
+            // A triangle of equal sides, in the plane of the side.
+            let height = 0.75_f64.sqrt();
+            let wanted = Vector3::new(0.5, -0.6 * height, 0.8 * height) * unit;
+            assert!(
+                (found.mid - wanted).norm() < 1e-12 * unit,
+                "{unit} {towards}"
+            );
+        }
+    }
+}

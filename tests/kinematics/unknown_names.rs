@@ -117,3 +117,11 @@ fn a_model_s_errors_suggest() {
     );
     assert!(matches!(text, Err(text) if !text.contains("joint19")));
 }
+
+/// Of names that hold what was asked for, the one with the least around it is meant most likely.
+#[test]
+fn the_shortest_name_around_it_comes_first() {
+    let names = ["the left hand's thumb", "left hand"];
+    let found = UnknownName::new("bone", "hand", names);
+    assert_eq!(found.suggestions(), ["left hand", "the left hand's thumb"]);
+}

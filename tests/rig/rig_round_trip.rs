@@ -74,6 +74,10 @@ fn the_numbers_mean_what_the_format_says() {
             weight: 1.0
         }]
     );
+    // A track that does not say how is a Catmull-Rom spline.
+    let turned = rig.clip.tracks()[0].bone;
+    let between = rig.clip.interpolation(turned).name();
+    assert_eq!(between, "catmull-rom");
 }
 
 #[test]
