@@ -66,11 +66,7 @@ impl Arm {
         let mut other = std::mem::take(&mut workspace.kept);
         other.copy_from_slice(&workspace.x);
         workspace.x.copy_from_slice(&workspace.start);
-        let how = Settling {
-            steps: NEAR_STEPS,
-            anchor: 0.0,
-            deadline: query.deadline,
-        };
+        let how = Settling::freely(NEAR_STEPS, query.deadline);
         let (_, steps) = workspace.settle_near(&how);
         found.iterations += steps;
         let near = moved(workspace) <= LONG_STEP;

@@ -219,7 +219,7 @@ impl Arm {
     }
 }
 
-fn outcome_of(found: &Found, errors: Errors) -> PoseOutcome {
+pub(super) fn outcome_of(found: &Found, errors: Errors) -> PoseOutcome {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     PoseOutcome {
         reached: found.reached,

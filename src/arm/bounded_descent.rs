@@ -15,6 +15,7 @@ use std::time::Instant;
 use nalgebra::{Matrix6, Vector6};
 
 use super::null_space::add_square;
+use super::pose_question::PoseQuestion;
 use super::workspace::ArmWorkspace;
 use crate::solver::Termination;
 
@@ -38,6 +39,18 @@ pub(super) struct Settling {
     /// What moving costs: ½ of this times the squared way from where it began, m² a rad².
     pub(super) anchor: f64,
     pub(super) deadline: Option<Instant>,
+}
+
+impl Settling {
+    /// So many steps at most, of which none costs anything.
+    pub(super) fn freely(steps: usize, deadline: Option<Instant>) -> Self {
+        let anchor = 0.0;
+        Self {
+            steps,
+            anchor,
+            deadline,
+        }
+    }
 }
 
 impl ArmWorkspace {
@@ -123,22 +136,14 @@ impl ArmWorkspace {
 
     /// Whether no joint that can move has a slope of more than `negligible`.
     fn is_level(&self, x: &[f64], residual: &Vector6<f64>, negligible: f64, anchor: f64) -> bool {
-        let ends = self
-            .question
-            .lower
-            .iter()
-            .zip(&self.question.upper)
-            .zip(&self.scale);
-        let columns = self.jacobian.column_iter();
-        let joints = columns.zip(x.iter().zip(&self.anchor)).zip(ends);
-        joints
-            .into_iter()
-            .all(|((column, (x, a)), ((lower, upper), scale))| {
-                let pull = anchor * scale * scale * (x - a);
-                let slope = column.dot(residual) + pull;
-                let held = x <= lower && slope > 0.0 || x >= upper && slope < 0.0;
-                held || slope.abs() <= negligible * scale
-            })
+        let PoseQuestion { lower, upper, .. } = &self.question;
+        self.jacobian.column_iter().enumerate().all(|(i, column)| {
+            let scale = self.scale[i];
+            let pull = anchor * scale * scale * (x[i] - self.anchor[i]);
+            let slope = column.dot(residual) + pull;
+            let held = x[i] <= lower[i] && slope > 0.0 || x[i] >= upper[i] && slope < 0.0;
+            held || slope.abs() <= negligible * scale
+        })
     }
 
     /// Whether the level place is a ridge: a stretched arm whose target has come back within reach. A
@@ -165,9 +170,7 @@ impl ArmWorkspace {
         if longest > 0.0 {
             for (i, trial) in trial.iter_mut().enumerate() {
                 let moved = x[i] + *trial * (PROBE / longest);
-                *trial = moved
-                    .max(self.question.lower[i])
-                    .min(self.question.upper[i]);
+                *trial = self.question.clamp(i, moved);
             }
         }
         let falls = longest > 0.0 && {
@@ -191,7 +194,7 @@ impl ArmWorkspace {
                 let inverse = 1.0 / weight(self.scale[i]);
                 let home = share * (self.anchor[i] - from);
                 let free = from + (home - column.dot(&y) * inverse);
-                let held = free.max(self.question.lower[i]).min(self.question.upper[i]);
+                let held = self.question.clamp(i, free);
                 self.trial[i] = held;
                 miss -= column * (held - from);
                 if held == free {

@@ -6,7 +6,7 @@ use super::arm::Arm;
 use super::coordinates::Coordinates;
 use super::kinematic_path::{self, Part};
 use super::mechanism::Mechanism;
-use super::options::{ATTEMPTS, Options, Search, metres_per_radian};
+use super::options::{ATTEMPTS, Options, Search};
 use super::serial::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
@@ -289,9 +289,7 @@ impl ArmBuilder<'_> {
     /// The options, checked, with what goes by the arm's length and number of joints.
     fn options(&self, serial: &Serial) -> Result<Options, ArmError> {
         let mut options = self.options.clone();
-        let given = options.given_metres_per_radian;
-        options.metres_per_radian =
-            given.unwrap_or_else(|| metres_per_radian(serial.model.reach()));
+        options.weigh_radians(serial.model.reach());
         let ones = || vec![1.0; serial.joints.len()];
         options.weights = self.weights.clone().unwrap_or_else(ones);
         let name = |id: &JointId| self.model.joints()[id.index()].name.as_str();

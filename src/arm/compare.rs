@@ -49,10 +49,8 @@ impl Arm {
     pub(super) fn gather(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Termination {
         let n = self.joint_count();
         let wanted = self.attempts_at(query.target);
-        let budget = self
-            .options
-            .iterations
-            .map_or(usize::MAX, |most| most as usize);
+        let iterations = self.options.iterations;
+        let budget = iterations.map_or(usize::MAX, |most| most as usize);
         workspace.found.clear();
         workspace.outcomes.clear();
         let mut first = 0;
@@ -84,15 +82,13 @@ impl Arm {
         for (place, outcome) in workspace.outcomes.iter().enumerate() {
             if outcome.reached {
                 let q = &workspace.found[place * n..(place + 1) * n];
-                workspace
-                    .order
-                    .push((self.distance(q, &workspace.start), place));
+                let distance = self.distance(q, &workspace.start);
+                workspace.order.push((distance, place));
             }
         }
         // By distance, then by number: no two are equal.
-        workspace
-            .order
-            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let order = &mut workspace.order;
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         if query.is_late() && first < wanted {
             Termination::TimeLimit
         } else {
@@ -119,23 +115,18 @@ impl Arm {
             // None reached: the start's own end, and the best of all.
             let cost = |outcome: &PoseOutcome| self.cost(Errors::of(outcome));
             let costs = workspace.outcomes.iter().map(cost).enumerate();
-            let best = costs
-                .min_by(|a, b| a.1.total_cmp(&b.1))
-                .map_or(0, |best| best.0);
+            let best = costs.min_by(|a, b| a.1.total_cmp(&b.1));
+            let best = best.map_or(0, |best| best.0);
             workspace.x.copy_from_slice(&workspace.found[..n]);
-            workspace
-                .best
-                .copy_from_slice(&workspace.found[best * n..(best + 1) * n]);
+            let q = &workspace.found[best * n..(best + 1) * n];
+            workspace.best.copy_from_slice(q);
             found.number = best;
             self.judge(workspace, &mut found);
             return found;
         };
-        workspace
-            .x
-            .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
+        workspace.stand_at_found(place);
         found.number = place;
-        let goal = self.options.goal;
-        if n > goal.rows() || goal.has_room() {
+        if self.has_freedom() {
             let mut best = f64::INFINITY;
             // Taken out and put back, so that nothing is allocated.
             let reference = std::mem::take(&mut workspace.start);
@@ -146,9 +137,7 @@ impl Arm {
                     break;
                 }
                 let place = workspace.order[turn].1;
-                workspace
-                    .x
-                    .copy_from_slice(&workspace.found[place * n..(place + 1) * n]);
+                workspace.stand_at_found(place);
                 self.descend(workspace, &reference, query.deadline);
                 let distance = self.distance(&workspace.x, &reference);
                 if distance < best {
@@ -173,14 +162,13 @@ impl Arm {
         distance: f64,
         ended: Termination,
     ) -> Vec<Solution> {
-        let n = self.joint_count();
         let mut chosen: Vec<Solution> = Vec::new();
         for turn in 0..workspace.order.len() {
             if chosen.len() >= k {
                 break;
             }
             let place = workspace.order[turn].1;
-            let q = &workspace.found[place * n..(place + 1) * n];
+            let q = workspace.found_at(place);
             let apart = |other: &Solution| self.distance(q, &other.q) > distance;
             if !chosen.iter().all(apart) {
                 continue;
@@ -201,10 +189,8 @@ impl Arm {
     /// Weighted joint distance.
     pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let weighted = a.iter().zip(b).zip(&self.options.weights);
-        weighted
-            .map(|((a, b), w)| (w * (a - b)) * (w * (a - b)))
-            .sum::<f64>()
-            .sqrt()
+        let squares = weighted.map(|((a, b), w)| (w * (a - b)) * (w * (a - b)));
+        squares.sum::<f64>().sqrt()
     }
 }
 

@@ -22,11 +22,7 @@ impl Coordinates {
         serial: &Serial,
     ) -> Self {
         let joint_of = |c: usize| source.moving_joints()[c];
-        let held = |id: JointId| {
-            parts
-                .iter()
-                .any(|part| matches!(part, Part::Joint { id: other, .. } if *other == id))
-        };
+        let held = |id: JointId| parts.iter().any(|part| part.is_joint(id));
         let limits: Vec<Limits> = source.limits().collect();
         let mut entries = Vec::new();
         for (c, limits) in limits.into_iter().enumerate() {
@@ -53,15 +49,11 @@ impl Coordinates {
                 }
             }
         }
-        let own = serial
-            .joints
-            .iter()
-            .filter_map(|&id| source.coordinate(id))
-            .collect();
+        let own = serial.joints.iter().filter_map(|&id| source.coordinate(id));
         Self {
             degrees_of_freedom: source.configuration_len(),
             entries,
-            own,
+            own: own.collect(),
         }
     }
 }

@@ -3,11 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::arm::Arm;
+use super::batch::outcome_of;
 use super::core_seeds::SeedTable;
 use super::lanes_or_core::Query;
 use super::workspace::{ArmWorkspace, stopping};
 use crate::ik::Restarts;
-use crate::lanes::{PoseOutcome, reduced};
+use crate::lanes::reduced;
 use crate::problem::Share;
 use crate::random::RandomStream;
 use crate::search::{Found, Schedule, run};
@@ -131,11 +132,12 @@ impl Arm {
         let (method, mut silent) = (LevenbergMarquardt::default(), Silent);
         let mut engine = workspace.engine(&method, query.deadline, &mut silent);
         let question = engine.question;
+        let deadline = query.deadline;
         let mut found = run(
             question,
             Share::All,
             &schedule,
-            query.deadline,
+            deadline,
             &mut engine,
             &mut search,
         );
@@ -173,16 +175,11 @@ impl Arm {
                     *value = low + (high - low) * random.unit();
                 }
             }
-            let found = self.attempt_by_core(workspace, query, &stopping());
+            let mut found = self.attempt_by_core(workspace, query, &stopping());
+            found.number = attempt as usize;
             workspace.found.extend_from_slice(&workspace.x);
-            workspace.outcomes.push(PoseOutcome {
-                reached: found.reached,
-                position_error: workspace.errors.position,
-                orientation_error: workspace.errors.orientation,
-                iterations: u32::try_from(found.iterations).unwrap_or(u32::MAX),
-                attempts: 1,
-                winner: found.reached.then_some(attempt),
-            });
+            let outcome = outcome_of(&found, workspace.errors);
+            workspace.outcomes.push(outcome);
         }
     }
 

@@ -28,18 +28,13 @@ impl SeedTable {
         for _ in 0..60 {
             let root = 0.5 * (low + high);
             let power = (0..=n).fold(1.0, |power, _| power * root);
-            *(if power < root + 1.0 {
-                &mut low
-            } else {
-                &mut high
-            }) = root;
+            match power < root + 1.0 {
+                true => low = root,
+                false => high = root,
+            }
         }
-        let steps: Vec<f64> = (0..n)
-            .scan(1.0, |step, _| {
-                *step /= low;
-                Some(*step)
-            })
-            .collect();
+        let steps = std::iter::successors(Some(1.0 / low), |step| Some(step / low));
+        let steps: Vec<f64> = steps.take(n).collect();
         let ranges: Vec<(f64, f64)> = (serial.map.lower().iter().zip(serial.map.upper()))
             .enumerate()
             .map(|(i, (&lower, &upper))| {

@@ -123,9 +123,7 @@ impl ArmWorkspace {
     pub(super) fn go_by_projected(&mut self) {
         for (i, x) in self.x.iter_mut().enumerate() {
             let moved = *x + self.projected[i] / self.scale[i];
-            *x = moved
-                .max(self.question.lower[i])
-                .min(self.question.upper[i]);
+            *x = self.question.clamp(i, moved);
         }
     }
 }

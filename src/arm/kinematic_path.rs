@@ -13,6 +13,13 @@ pub(super) enum Part {
     Joint { id: JointId, reversed: bool },
 }
 
+impl Part {
+    /// Whether it is the motion of this joint.
+    pub(super) fn is_joint(&self, joint: JointId) -> bool {
+        matches!(self, Self::Joint { id, .. } if *id == joint)
+    }
+}
+
 /// All parts from base (none: the world) to tip.
 pub(super) fn parts(model: &Model, base: Option<FrameId>, tip: FrameId) -> Vec<Part> {
     let path = model.path(base, tip);

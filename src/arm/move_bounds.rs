@@ -23,14 +23,9 @@ impl Arm {
 
     /// Sets the workspace's bounds alone, to the limits.
     pub(super) fn bound_by_limits(&self, workspace: &mut ArmWorkspace) {
-        workspace
-            .question
-            .lower
-            .copy_from_slice(self.serial.map.lower());
-        workspace
-            .question
-            .upper
-            .copy_from_slice(self.serial.map.upper());
+        let (question, map) = (&mut workspace.question, &self.serial.map);
+        question.lower.copy_from_slice(map.lower());
+        question.upper.copy_from_slice(map.upper());
     }
 
     /// As [`bound_moves`](Self::bound_moves) for a step that moves no joint further than

@@ -56,7 +56,7 @@ const LIMIT_AVOIDANCE: f64 = 4.0;
 const RADIAN_PER_REACH: f64 = 0.25;
 
 /// The default weight of a radian for an arm of this reach, both in metres.
-pub(super) fn metres_per_radian(reach: f64) -> f64 {
+fn metres_per_radian(reach: f64) -> f64 {
     if reach > 0.0 && reach.is_finite() {
         RADIAN_PER_REACH * reach
     } else {
@@ -157,6 +157,12 @@ impl Options {
         Ok(())
     }
 
+    /// Weighs radians as asked, or by the arm's reach, metres.
+    pub(super) fn weigh_radians(&mut self, reach: f64) {
+        let given = self.given_metres_per_radian;
+        self.metres_per_radian = given.unwrap_or_else(|| metres_per_radian(reach));
+    }
+
     /// Iterations of all attempts together after which none begins.
     pub(super) fn budget(&self) -> u32 {
         match self.iterations {
@@ -180,11 +186,10 @@ pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
     }
     match goal.has_position() || goal.has_orientation() {
         true => Ok(()),
-        false => check(
-            "goal",
-            &[f64::INFINITY],
-            (|_| false, "some component must count"),
-        ),
+        false => {
+            let allowed = "some component must count";
+            check("goal", &[f64::INFINITY], (|_| false, allowed))
+        }
     }
 }
 

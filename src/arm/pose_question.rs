@@ -63,6 +63,11 @@ impl PoseQuestion {
         pose.map_or_else(|_| Placement::identity(), Pose::target)
     }
 
+    /// The nearest value to one of joint i that is within the bounds.
+    pub(super) fn clamp(&self, i: usize, value: f64) -> f64 {
+        value.max(self.lower[i]).min(self.upper[i])
+    }
+
     /// The angle of the residual's rows for orientation, whose norm over the weight is `turn`.
     pub(super) fn angle(&self, turn: f64) -> f64 {
         self.turn.error_of(turn)
@@ -70,9 +75,7 @@ impl PoseQuestion {
 
     /// What the core is asked.
     pub(super) fn ask(&self) -> Question<'_> {
-        let question = Question::from(&self.problem);
-        question
-            .with_targets(&self.targets)
-            .within(&self.lower, &self.upper)
+        let question = Question::from(&self.problem).with_targets(&self.targets);
+        question.within(&self.lower, &self.upper)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::arm::Arm;
 use super::builder::check_tool;
-use super::options::{Options, Search, check_goal, metres_per_radian};
+use super::options::{Options, Search, check_goal};
 use super::serial::Serial;
 use super::{ArmError, Goal};
 use crate::lanes::LaneOptions;
@@ -66,20 +66,17 @@ impl Arm {
     }
 
     fn with(&self, serial: Serial, mut options: Options) -> Result<Self, ArmError> {
-        let given = options.given_metres_per_radian;
-        options.metres_per_radian =
-            given.unwrap_or_else(|| metres_per_radian(serial.model.reach()));
-        let lanes = match (&self.lanes, &serial.chain) {
-            (Some(lanes), Some(chain)) => Some(lanes.retargeted(
-                chain,
-                LaneOptions {
-                    metres_per_radian: options.metres_per_radian,
-                    axes: options.goal.into(),
-                    ..lanes.options().clone()
-                },
-            )?),
-            _ => None,
-        };
+        options.weigh_radians(serial.model.reach());
+        let lanes = self.lanes.as_ref().zip(serial.chain.as_ref());
+        let lanes = lanes.map(|(lanes, chain)| {
+            let lane_options = LaneOptions {
+                metres_per_radian: options.metres_per_radian,
+                axes: options.goal.into(),
+                ..lanes.options().clone()
+            };
+            lanes.retargeted(chain, lane_options)
+        });
+        let lanes = lanes.transpose()?;
         self.changed(serial, options, lanes)
     }
 }

@@ -163,9 +163,8 @@ impl Assembly<'_> {
                 } else {
                     joint.limits
                 };
-                let on_the_way =
-                    |part: &Part| matches!(part, Part::Joint { id, .. } if *id == leader);
-                if !leads && self.leaders[variable].is_none() && !parts.iter().any(on_the_way) {
+                let on_the_way = parts.iter().any(|part| part.is_joint(leader));
+                if !leads && self.leaders[variable].is_none() && !on_the_way {
                     self.add_leader_elsewhere(leader, variable);
                 }
                 let own = self.builder.joint(Joint {
@@ -239,11 +238,10 @@ impl Assembly<'_> {
         let map = map.build()?;
         // Bounds of a million radians and the like are for the core.
         let chain = match self.followers.is_empty() {
-            true => Chain::new(self.chain, last_from_tool)
-                .ok()
-                .map(|chain| chain.with_extent(extent)),
+            true => Chain::new(self.chain, last_from_tool).ok(),
             false => None,
         };
+        let chain = chain.map(|chain| chain.with_extent(extent));
         Ok(Serial {
             model,
             map,

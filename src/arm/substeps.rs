@@ -42,11 +42,7 @@ impl Arm {
             self.bound_step(workspace, from, SETTLING_STEP);
             workspace.x.copy_from_slice(&workspace.start);
             branch.lead(self, workspace, LONGEST_EASE, SETTLING_STEP);
-            let how = Settling {
-                steps: SETTLING_STEPS,
-                anchor: 0.0,
-                deadline,
-            };
+            let how = Settling::freely(SETTLING_STEPS, deadline);
             let (termination, iterations) = workspace.settle_near(&how);
             let mut found = Found::alone(termination, iterations);
             self.judge(workspace, &mut found);

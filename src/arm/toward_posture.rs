@@ -42,22 +42,17 @@ impl Arm {
             let residual = workspace.linearise(&x);
             workspace.projected.copy_from_slice(wanted);
             self.project(workspace, &x, &residual);
-            let longest = x
-                .iter()
-                .zip(&workspace.projected)
-                .fold(0.0_f64, |most, (x, to)| most.max((to - x).abs()));
-            let mut share = (LONGEST / longest).min(1.0);
             let way: &mut Vec<f64> = &mut workspace.gradient;
             for ((way, x), to) in way.iter_mut().zip(&x).zip(&workspace.projected) {
                 *way = to - x;
             }
+            let longest = way.iter().fold(0.0_f64, |most, by| most.max(by.abs()));
+            let mut share = (LONGEST / longest).min(1.0);
             let mut nearer = None;
             for _ in 0..HALVINGS {
                 for (i, trial) in workspace.trial.iter_mut().enumerate() {
                     let moved = x[i] + share * workspace.gradient[i];
-                    *trial = moved
-                        .max(workspace.question.lower[i])
-                        .min(workspace.question.upper[i]);
+                    *trial = workspace.question.clamp(i, moved);
                 }
                 if self.correct(workspace) {
                     let now = self.distance(&workspace.trial, wanted);
@@ -124,9 +119,7 @@ impl Arm {
                 // In z = w q the column is J/w; back in q the multiplier's pull is J y / w².
                 let inverse = 1.0 / (weights[i] * weights[i]);
                 let free = wanted[i] + column.dot(&y) * inverse;
-                let held = free
-                    .max(workspace.question.lower[i])
-                    .min(workspace.question.upper[i]);
+                let held = workspace.question.clamp(i, free);
                 workspace.projected[i] = held;
                 miss += column * (held - x[i]);
                 if held == free {

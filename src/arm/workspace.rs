@@ -242,10 +242,8 @@ impl ArmWorkspace {
 
     /// ‖proj(x − g) − x‖∞ by the gradient that is here.
     pub(super) fn projected_gradient(&self, x: &[f64]) -> f64 {
-        let bounds = self.question.lower.iter().zip(&self.question.upper);
-        let moves = x.iter().zip(&self.gradient).zip(bounds);
-        let moves =
-            moves.map(|((x, g), (lower, upper))| ((x - g).max(*lower).min(*upper) - x).abs());
+        let joints = x.iter().zip(&self.gradient).enumerate();
+        let moves = joints.map(|(i, (x, g))| (self.question.clamp(i, x - g) - x).abs());
         moves.fold(0.0, f64::max)
     }
 
@@ -289,6 +287,19 @@ impl ArmWorkspace {
             self.x.copy_from_slice(self.memory.x());
         }
         (attempt.termination, attempt.iterations)
+    }
+
+    /// One of the configurations found.
+    pub(super) fn found_at(&self, place: usize) -> &[f64] {
+        let n = self.x.len();
+        &self.found[place * n..(place + 1) * n]
+    }
+
+    /// Stands at one of the configurations found.
+    pub(super) fn stand_at_found(&mut self, place: usize) {
+        let n = self.x.len();
+        self.x
+            .copy_from_slice(&self.found[place * n..(place + 1) * n]);
     }
 
     /// The target.
