@@ -150,7 +150,15 @@ pub(crate) fn followed(map: &ParameterMap, q: &[f64]) -> Vec<f64> {
     let mut expanded = q.to_vec();
     // What is no configuration of the model stays as it is, for who uses it to refuse.
     match map.expand(&x, &mut expanded) {
-        Ok(()) => expanded,
+        Ok(()) => {
+            // A ball follows nothing; its quaternion is no variable.
+            for ((value, own), source) in expanded.iter_mut().zip(q).zip(map.sources()) {
+                if matches!(source, Source::Rotation { .. }) {
+                    *value = *own;
+                }
+            }
+            expanded
+        }
         Err(_) => q.to_vec(),
     }
 }

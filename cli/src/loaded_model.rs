@@ -339,6 +339,21 @@ impl LoadedModel {
         moving.map(|&joint| self.joint_name(joint)).collect()
     }
 
+    /// As [`joint_names`](Self::joint_names), with the parts of a ball's quaternion told apart.
+    pub(crate) fn coordinate_names(&self) -> Vec<String> {
+        let first = |(coordinate, id): (usize, &JointId)| {
+            let part = coordinate - self.model.coordinate(*id).unwrap_or(coordinate);
+            let joint = self.model.joints().get(id.index());
+            match joint.filter(|joint| joint.kind == JointKind::Ball) {
+                Some(_) => [" w", " x", " y", " z"][part],
+                None => "",
+            }
+        };
+        let parts = self.model.moving_joints().iter().enumerate().map(first);
+        let names = self.joint_names().into_iter().zip(parts);
+        names.map(|(name, part)| format!("{name}{part}")).collect()
+    }
+
     /// As [`joint_names`](Self::joint_names), for documents: a rig's angles are known by their
     /// bones.
     pub(crate) fn documented_joints(&self) -> Option<Vec<&str>> {

@@ -8,6 +8,7 @@ mod failure;
 
 mod animate;
 mod animated_armature;
+mod base_joint;
 #[cfg(feature = "bench")]
 mod bench;
 #[cfg(not(feature = "bench"))]

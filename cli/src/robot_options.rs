@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::Args;
 use kinopt::robot::Robot;
 
+use crate::base_joint::BaseJointOptions;
 use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::output;
@@ -24,6 +25,9 @@ pub(crate) struct RobotOptions {
     /// only within <limit>.
     #[arg(long, help_heading = MODEL, hide_short_help = true)]
     soft_limits: bool,
+
+    #[command(flatten)]
+    base: BaseJointOptions,
 }
 
 impl RobotOptions {
@@ -44,21 +48,25 @@ impl RobotOptions {
         for repair in robot.repairs() {
             output::message(&format!("note: {file}:{repair}"));
         }
-        match self.soft_limits {
-            true => Ok(robot
+        let robot = match self.soft_limits {
+            true => robot
                 .with_soft_limits()
-                .map_err(|error| failure!("{file}: soft limits: {error}"))?),
-            false => Ok(robot),
-        }
+                .map_err(|error| failure!("{file}: soft limits: {error}"))?,
+            false => robot,
+        };
+        self.base.put_under(robot, &file.to_string())
     }
 
     /// Refuses what only robots have.
     pub(crate) fn refuse(&self, file: &str) -> Outcome<()> {
-        let option = match (self.lenient, self.soft_limits) {
-            (true, _) => "--lenient",
-            (false, true) => "--soft-limits",
-            (false, false) => return Ok(()),
-        };
-        Err(usage!("{file}: {option} is for robots (.urdf)"))
+        let given = [
+            (self.lenient, "--lenient"),
+            (self.soft_limits, "--soft-limits"),
+        ];
+        let given = given.into_iter().find(|(given, _)| *given);
+        match given.map(|(_, option)| option).or(self.base.given()) {
+            Some(option) => Err(usage!("{file}: {option} is for robots (.urdf)")),
+            None => Ok(()),
+        }
     }
 }

@@ -69,6 +69,29 @@ impl ModelBuilder {
         }
     }
 
+    /// Starts from a model whose parts in the world stand on a joint that is added first, if one is. Its frames
+    /// keep their ids, its joints come after those added.
+    pub(crate) fn on_base(model: &Model, add: impl FnOnce(&mut Self) -> Option<JointId>) -> Self {
+        let mut own = Self::new(model.name.clone());
+        own.length_unit = model.length_unit;
+        let base = add(&mut own);
+        let added = own.joints.len();
+        let moved = |id: JointId| JointId::new(id.index() + added);
+        let before = (0..added).map(JointId::new);
+        let order = model.configuration_order().into_iter().map(moved);
+        own.configuration_order = Some(before.chain(order).collect());
+        own.free.extend(model.free.iter().copied().map(moved));
+        own.joints.extend(model.joints.iter().map(|joint| Joint {
+            parent: joint.parent.map(moved).or(base),
+            ..joint.clone()
+        }));
+        own.frames.extend(model.frames.iter().map(|frame| Frame {
+            joint: frame.joint.map(moved).or(base),
+            ..frame.clone()
+        }));
+        own
+    }
+
     /// Says what lengths are counted in, for what people read. Metres unless set.
     pub fn length_unit(&mut self, unit: LengthUnit) {
         self.length_unit = unit;
@@ -181,18 +204,29 @@ impl ModelBuilder {
         self.ball(named, Some(along_z), at_parent, x, None)
     }
 
-    /// Adds a joint that moves in its own x-y plane: slides `NAME/x` and `NAME/y` within `room` (metres), and then
-    /// a turn about z, `NAME/yaw`, within `yaw` (radians), which is what it returns.
+    /// Adds a joint that moves in a plane: slides `NAME/x` and `NAME/y` within `room` (metres) across `normal` (own
+    /// frame), and then a turn about it, `NAME/yaw`, within `yaw` (radians), which is what it returns. For a normal
+    /// z the slides are along x and y.
     pub fn planar(
         &mut self,
         name: impl Into<String>,
         parent: Option<JointId>,
         parent_from_joint: impl Into<Placement<f64>>,
+        normal: impl Into<Vector3<f64>>,
         room: [Limits; 2],
         yaw: Limits,
     ) -> JointId {
         let name = name.into();
-        let [x, y, z] = Vector3::UNITS;
+        let z: Vector3<f64> = normal.into();
+        // The coordinate axis after the one that the normal is nearest to lies most across it.
+        let [along_x, along_y, along_z] = [z.x.abs(), z.y.abs(), z.z.abs()];
+        let next = match (along_z >= along_x && along_z >= along_y, along_x >= along_y) {
+            (true, _) => Vector3::UNITS[0],
+            (false, true) => Vector3::UNITS[1],
+            (false, false) => Vector3::UNITS[2],
+        };
+        let x = next * z.norm_squared() - z * z.dot(next);
+        let y = z.cross(x);
         let at_parent = Placement::identity();
         let along_x = self.prismatic(format!("{name}/x"), parent, parent_from_joint, x, room[0]);
         let along_y = self.prismatic(format!("{name}/y"), Some(along_x), at_parent, y, room[1]);

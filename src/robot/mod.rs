@@ -1,11 +1,13 @@
 //! Robots: a model with its mimic joints, and the reader for URDF files.
 
+mod base_joint;
 mod chain;
 mod drive;
 mod link;
 #[cfg(feature = "urdf")]
 mod urdf;
 
+pub use base_joint::BaseJoint;
 pub use link::{Geometry, Inertial, Link, Shape};
 #[cfg(feature = "urdf")]
 pub use urdf::{Fault, Mended, Repair, UrdfError, UrdfReader};

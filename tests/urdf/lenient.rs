@@ -187,7 +187,6 @@ fn a_lenient_reader_mends_the_xml_around_a_robot() {
 fn what_would_need_a_guess_stays_an_error() {
     let sound = "<limit lower='-1' upper='2'/>";
     for (kind, body) in [
-        ("floating", sound),
         ("screw", sound),
         ("revolute", "<limit lower='-1' upper='two'/>"),
         ("revolute", "<limit lower='-1' upper='0,5'/>"),

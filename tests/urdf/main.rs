@@ -1,5 +1,6 @@
 //! Robots from URDF.
 
+mod base_joints;
 mod joints;
 mod kinematics;
 mod lenient;

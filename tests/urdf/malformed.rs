@@ -131,18 +131,8 @@ const DEFECTS: &[(&str, &str, &str)] = &[
     // Types.
     (
         "revolute",
-        "floating",
-        "two.urdf:6: joint `shoulder`: joint type `floating` is not supported: write it as prismatic and revolute joints in a row, or as fixed",
-    ),
-    (
-        "revolute",
-        "planar",
-        "two.urdf:6: joint `shoulder`: joint type `planar` is not supported: write it as prismatic and revolute joints in a row, or as fixed",
-    ),
-    (
-        "revolute",
         "hinge",
-        "two.urdf:6: joint `shoulder`: joint type `hinge` is not known; valid types: revolute, continuous, prismatic, fixed",
+        "two.urdf:6: joint `shoulder`: joint type `hinge` is not known; valid types: revolute, continuous, prismatic, fixed, floating, planar, spherical",
     ),
     (
         r#" type="revolute""#,

@@ -166,7 +166,7 @@ fn assert_sound(robot: &Robot) {
     }
     let mut x = vec![0.0; map.variables()];
     map.reduce(&model.neutral(), &mut x).unwrap();
-    let mut q = vec![0.0; model.degrees_of_freedom()];
+    let mut q = vec![0.0; model.configuration_len()];
     map.expand_within_limits(&x, &mut q).unwrap();
     for (value, limits) in q.iter().zip(model.limits()) {
         assert!(limits.contains(*value), "{value} outside {limits:?}");

@@ -90,6 +90,7 @@ pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
     let (model, robot) = (&loaded.model, loaded.robot.as_deref());
     let free = loaded.free_coordinates();
     let moving = model.moving_joints().iter().enumerate();
+    let moving = moving.filter(|&(coordinate, id)| model.coordinate(*id) == Some(coordinate));
     let moving = moving.filter_map(|(coordinate, id)| {
         let joint = model.joints().get(id.index())?;
         let free = free.get(coordinate).copied().unwrap_or(false);
@@ -102,7 +103,7 @@ pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
         file: &loaded.file,
         kind: loaded.kind(),
         degrees_of_freedom: model.degrees_of_freedom(),
-        free: free.iter().filter(|free| **free).count(),
+        free: loaded.parameters().variables(),
         size: loaded.size(),
         joints: moving.chain(fixed).collect(),
         frames: loaded.frame_names(),

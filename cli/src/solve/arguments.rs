@@ -165,12 +165,12 @@ pub(crate) struct Arguments {
     #[arg(long, help_heading = TARGETS, hide_short_help = true)]
     pub(super) position_only: bool,
 
-    /// A bone that stays where it is, or `none`.
+    /// A bone, or a robot's link, that stays where it is, or `none`.
     ///
     /// Default: the tips that a rig's file pins; in a scene the trunk, which does not turn, and the ends
-    /// of the other limbs. Its tip stays; a bone that carries what has a target does not turn, nor do those above it.
+    /// of the other limbs; of a robot nothing. Its tip stays, and a link as it is turned; a bone that carries what has a target does not turn, nor do those above it.
     /// Repeat it for several.
-    #[arg(long, value_name = "BONE", help_heading = MODEL)]
+    #[arg(long, value_name = "NAME", help_heading = MODEL)]
     pub(super) hold: Vec<String>,
 
     /// Hold nothing: --hold none.

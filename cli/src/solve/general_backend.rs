@@ -4,10 +4,9 @@ use std::time::Instant;
 
 use kinopt::ik::Drag;
 use kinopt::model::FrameId;
-use kinopt::problem::TaskId;
 use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Quantity, Ray, Task};
+use kinopt::task::{Quantity, Ray, Task};
 use kinopt::{Problem, Workspace};
 
 use super::arguments::Arguments;
@@ -51,7 +50,7 @@ pub(super) struct GeneralWorkspace {
 struct Statement {
     body: Drag,
     targets: Vec<TargetTask>,
-    held: Vec<(FrameId, TaskId<Point>)>,
+    held: Vec<(FrameId, TargetTask)>,
     start: Vec<f64>,
 }
 
@@ -120,10 +119,12 @@ impl<'a> GeneralBackend<'a> {
             let task = task.times(self.weights.weight(frame));
             builder.add(task.named(format!("ray {}", ray.frame)));
         }
+        let (world, anywhere) = (Base::Still(Placement::identity()), Placement::identity());
+        let turns = self.loaded.rig.is_none();
         let held = self.held.tips.iter().map(|(name, frame)| {
-            let point = Task::new(Point::new(*frame, [0.0; 3]));
-            let point = point.times(self.weights.weight(*frame));
-            (*frame, builder.add(point.named(format!("hold {name}"))))
+            let named = (format!("hold {name}"), self.weights.weight(*frame));
+            let task = world.add_target(&mut builder, *frame, anywhere, (turns, None), named);
+            (*frame, task)
         });
         let held = held.collect();
         // After what was asked for, in whose order the answer is given.
@@ -149,9 +150,10 @@ impl Statement {
             return Ok(());
         }
         let placements = backend.loaded.all_frames(&query.start);
+        let world = Base::Still(Placement::identity());
         for &(frame, task) in &self.held {
             if let Some(placed) = placements.get(frame.index()) {
-                self.body.target_mut(task)?.set_target(placed.translation);
+                world.aim(&mut self.body, task, *placed)?;
             }
         }
         Ok(())

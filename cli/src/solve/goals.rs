@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kinopt::model::FrameId;
+use kinopt::model::{FrameId, JointId, JointKind};
 
 use super::arguments::Arguments;
 use super::backend::QueryBackend;
@@ -64,6 +64,25 @@ impl<'a> Goals<'a> {
         let rays = self.arguments.rays.iter().map(|ray| &ray.frame);
         let frame = |name: &String| Ok((name.clone(), loaded.target_frame(name)?));
         targets.chain(rays).map(frame).collect()
+    }
+
+    /// Whether a ball joint is between the base and a frame that has a target, which no arm can have.
+    pub(super) fn pass_a_ball(&self, loaded: &LoadedModel) -> bool {
+        let model = &loaded.model;
+        let carriers = |name: &str| -> Vec<JointId> {
+            let frame = model.frame(name);
+            frame.map_or_else(|_| Vec::new(), |frame| model.joints_above(frame).collect())
+        };
+        let base = self.base.as_deref().map_or_else(Vec::new, carriers);
+        self.targets.iter().any(|target| {
+            let tip = carriers(&target.name);
+            let below = tip.iter().filter(|joint| !base.contains(joint));
+            let above = base.iter().filter(|joint| !tip.contains(joint));
+            let mut way = below
+                .chain(above)
+                .filter_map(|id| model.joints().get(id.index()));
+            way.any(|joint| joint.kind == JointKind::Ball)
+        })
     }
 
     /// Puts the tool on the one frame that has targets.

@@ -19,16 +19,16 @@ pub(super) struct Held {
     holds: Holds,
     /// Whether a figure keeps to the posture that it starts in.
     keeps_posture: bool,
-    /// Tips that stay where they are, by their bones' names.
+    /// Tips that stay where they are, by their bones' names, and links of a robot, turned as they are.
     pub(super) tips: Vec<(String, FrameId)>,
 }
 
 impl Held {
     /// What `--hold` names, or else what the model's kind holds: of a rig the tips that its file pins,
-    /// of a scene its trunk and the ends of its other limbs. Never the `dragged` frames.
+    /// of a scene its trunk and the ends of its other limbs, of a robot nothing. Never the `dragged` frames.
     ///
     /// # Errors
-    /// An unknown bone; `--hold` of a robot.
+    /// An unknown bone or link.
     pub(super) fn of(
         loaded: &LoadedModel,
         arguments: &Arguments,
@@ -37,13 +37,14 @@ impl Held {
         let named = arguments.hold.as_slice();
         let dragged: Vec<FrameId> = dragged.iter().map(|&f| loaded.under_tool(f)).collect();
         let Some(rig) = &loaded.rig else {
-            return match named {
-                [] => Ok(Self::default()),
-                _ => Err(usage!(
-                    "--hold is for rigs and scenes, and {} is a robot",
-                    loaded.file
-                )),
-            };
+            let mut held = Self::default();
+            for name in named.iter().filter(|name| *name != NOTHING) {
+                let frame = loaded.frame(name, BareName::Tip)?;
+                if !dragged.contains(&frame) {
+                    held.tips.push((name.clone(), frame));
+                }
+            }
+            return Ok(held);
         };
         let skeleton = &rig.skeleton;
         let bone_of = |frame: &FrameId| skeleton.bone_of_frame(*frame).map(|(bone, _)| bone);

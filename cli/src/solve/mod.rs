@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let goals = Goals::read(&loaded, arguments)?;
     goals.put_tool(&mut loaded)?;
     let loaded = &loaded;
-    let Some(robot) = arguments.arm_of(loaded)? else {
+    let Some(robot) = arguments.arm_of(loaded, &goals)? else {
         let general = GeneralBackend::new(loaded, arguments, &goals)?;
         return solve(loaded, arguments, &goals, &general, json);
     };

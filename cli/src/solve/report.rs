@@ -229,7 +229,10 @@ impl<'a> Report<'a> {
         let mut table = Table::new(&format!("joint | >{unit}{or_metres} | "));
         let (loaded, q) = (self.loaded, &self.answer.q);
         let values = q.iter().zip(loaded.shown(q, degrees));
-        let joints = loaded.joint_names().into_iter().zip(loaded.model.limits());
+        let joints = loaded
+            .coordinate_names()
+            .into_iter()
+            .zip(loaded.model.limits());
         let shown = self.shown().into_iter().zip(loaded.held_coordinates());
         for (((joint, limits), (&value, number)), (shown, held)) in joints.zip(values).zip(shown) {
             if !shown {
@@ -244,7 +247,7 @@ impl<'a> Report<'a> {
             } else {
                 ""
             };
-            table.row([joint, &six_digits(number), note].map(str::to_owned));
+            table.row([&joint, &*six_digits(number), note].map(str::to_owned));
         }
         table.text()
     }

@@ -8,6 +8,7 @@ use kinopt::robot::Robot;
 use kinopt::solver::Stopping;
 
 use super::arguments::Arguments;
+use super::goals::Goals;
 use crate::failure::{Failure, Outcome};
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::{LoadedModel, Moment};
@@ -81,13 +82,20 @@ impl Arguments {
     ///
     /// # Errors
     /// An option that only the arm understands where it does not answer.
-    pub(super) fn arm_of<'l>(&self, loaded: &'l LoadedModel) -> Outcome<Option<&'l Robot>> {
+    pub(super) fn arm_of<'l>(
+        &self,
+        loaded: &'l LoadedModel,
+        goals: &Goals<'_>,
+    ) -> Outcome<Option<&'l Robot>> {
         // clap's `requires` would not ask for an option that another forbids.
         if self.arm.velocity_limits.is_some() && self.arm.servo.is_none() {
             return Err(usage!("--velocity-limits is for --servo"));
         }
-        let general =
-            self.solver.is_some() || self.jacobian.is_some() || self.max_iterations.is_some();
+        let general = self.solver.is_some()
+            || self.jacobian.is_some()
+            || self.max_iterations.is_some()
+            || (!self.hold.is_empty() && loaded.rig.is_none())
+            || goals.pass_a_ball(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
         match (&loaded.robot, self.arm.given(loaded.rig.is_some())) {
             (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(

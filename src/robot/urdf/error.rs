@@ -101,18 +101,10 @@ pub enum Fault {
     },
     /// A joint type outside the standard.
     #[error(
-        "joint type `{kind}` is not known; valid types: revolute, continuous, prismatic, fixed"
+        "joint type `{kind}` is not known; valid types: revolute, continuous, prismatic, fixed, floating, planar, spherical"
     )]
     UnknownJointType {
         /// The type in the file.
-        kind: String,
-    },
-    /// A joint type that this library does not move; it is refused rather than taken as fixed.
-    #[error(
-        "joint type `{kind}` is not supported: write it as prismatic and revolute joints in a row, or as fixed"
-    )]
-    UnsupportedJointType {
-        /// floating, planar or spherical.
         kind: String,
     },
     /// A revolute or prismatic joint whose limits are not stated.

@@ -33,11 +33,20 @@ pub(super) struct JointElement {
     pub(super) parent: String,
     pub(super) child: String,
     pub(super) kind: JointKind,
+    pub(super) chain: JointChain,
     pub(super) parent_from_joint: Placement<f64>,
     pub(super) axis: Vector3<f64>,
     pub(super) limits: Limits,
     pub(super) drive: Drive,
     pub(super) follows: Option<Follows>,
+}
+
+/// What stands for a joint of a file: a joint of its kind, or a chain that ends in one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum JointChain {
+    One,
+    Free,
+    Planar,
 }
 
 /// Whom a joint follows, and how.
@@ -57,14 +66,14 @@ pub(super) fn read<'a>(
     let named = Element::new(reading, node, "<joint>".to_owned()).named()?;
     let joint = Element::new(reading, node, format!("joint `{}`", named.name));
     let kind = joint.name("type")?;
-    let kind = match kind.as_str() {
-        "revolute" => JointKind::Revolute,
-        "prismatic" => JointKind::Prismatic,
-        "continuous" => JointKind::Continuous,
-        "fixed" => JointKind::Fixed,
-        "floating" | "planar" | "spherical" => {
-            return Err(joint.fault(Fault::UnsupportedJointType { kind }));
-        }
+    let (kind, chain) = match kind.as_str() {
+        "revolute" => (JointKind::Revolute, JointChain::One),
+        "prismatic" => (JointKind::Prismatic, JointChain::One),
+        "continuous" => (JointKind::Continuous, JointChain::One),
+        "fixed" => (JointKind::Fixed, JointChain::One),
+        "spherical" => (JointKind::Ball, JointChain::One),
+        "floating" => (JointKind::Ball, JointChain::Free),
+        "planar" => (JointKind::Continuous, JointChain::Planar),
         _ => return Err(joint.fault(Fault::UnknownJointType { kind })),
     };
 
@@ -88,6 +97,7 @@ pub(super) fn read<'a>(
         parent: link(parent, "parent")?,
         child: link(child, "child")?,
         kind,
+        chain,
         parent_from_joint: origin::read(&joint, version)?,
         axis: self::axis(axis, kind)?,
         limits: limits(&joint, limit.as_ref(), kind, version)?,
@@ -104,7 +114,7 @@ fn axis(axis: Option<Element<'_>>, kind: JointKind) -> Result<Vector3<f64>, Urdf
     axis.name("xyz")?;
     match axis.numbers::<3>("xyz")? {
         // Exporters write a zero axis for joints that have none.
-        _ if kind == JointKind::Fixed => Ok(x),
+        _ if matches!(kind, JointKind::Fixed | JointKind::Ball) => Ok(x),
         None | Some([0.0, 0.0, 0.0]) => Err(axis.fault(Fault::NoDirection)),
         Some(xyz) => Ok(Vector3::from(xyz)),
     }

@@ -5,13 +5,14 @@ use std::path::Path;
 
 use super::document::{self, Document};
 use super::error::UrdfError;
+use super::joint_element::JointChain;
 use super::reading::Reading;
 use super::repair::Repair;
 use super::topology::{self, Topology};
 use super::xml;
 use crate::file::{Place, ReadError, read_bytes};
-use crate::model::{Joint, JointId, Model, ModelError};
-use crate::robot::{Mimic, Robot};
+use crate::model::{Joint, JointId, Limits, Model, ModelError};
+use crate::robot::{Drive, Mimic, Robot};
 use crate::spatial::Placement;
 
 /// The longest file that is read; real robots stay below 1 MB.
@@ -106,16 +107,24 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
     let mut drives = Vec::with_capacity(document.joints.len());
     for branch in &topology.branches {
         let element = &document.joints[branch.joint];
-        let id = builder.joint(Joint::new(
-            element.named.name.as_str(),
-            carrier[branch.parent_link],
-            element.parent_from_joint,
-            element.kind,
-            element.axis,
-            element.limits,
-        ));
+        let (name, parent) = (element.named.name.as_str(), carrier[branch.parent_link]);
+        let (at, free) = (element.parent_from_joint, Limits::UNBOUNDED);
+        let id = match element.chain {
+            JointChain::One => builder.joint(Joint::new(
+                name,
+                parent,
+                at,
+                element.kind,
+                element.axis,
+                element.limits,
+            )),
+            JointChain::Free => builder.free(name, parent, at, [free; 3]),
+            JointChain::Planar => builder.planar(name, parent, at, element.axis, [free; 2], free),
+        };
         carrier[branch.child_link] = Some(id);
         ids[branch.joint] = Some(id);
+        // Those that a chain has before its last joint have no drive of their own.
+        drives.resize(id.index(), Drive::default());
         drives.push(element.drive);
     }
     for (link, joint) in document.links.iter().zip(&carrier) {
@@ -123,7 +132,16 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
     }
     let in_file_order = (document.joints.iter().zip(&ids))
         .filter(|(element, _)| element.kind.moves())
-        .filter_map(|(_, id)| *id)
+        .filter_map(|(element, id)| {
+            let last = (*id)?.index();
+            let before = match element.chain {
+                JointChain::One => 0,
+                JointChain::Planar => 2,
+                JointChain::Free => 3,
+            };
+            Some((last - before..=last).map(JointId::new))
+        })
+        .flatten()
         .collect();
     builder.configuration_order(in_file_order);
 
@@ -158,6 +176,10 @@ impl Robot {
     /// axis need not be of unit length, and is x where none is given. A missing `lower` or `upper` is
     /// 0, as the standard says (none from URDF 1.2 on), and noted in [`repairs`](Self::repairs).
     ///
+    /// A `floating` joint NAME is a [free](crate::model::ModelBuilder::free) one, `NAME/x`, `NAME/y`, `NAME/z` and
+    /// `NAME/rotation`; a `planar` one `NAME/x`, `NAME/y` and `NAME/yaw`; a `spherical` one a ball. To let the whole
+    /// robot move, see [`with_base_joint`](Self::with_base_joint).
+    ///
     /// Speeds, efforts and soft limits are kept ([`velocity_limit`](Self::velocity_limit),
     /// [`effort_limit`](Self::effort_limit), [`soft_limits`](Self::soft_limits)), and so are shapes
     /// and masses ([`link`](Self::link)); files of meshes are not opened, so `package://` paths
@@ -175,8 +197,7 @@ impl Robot {
     ///
     /// # Errors
     /// What is wrong with the file, with line and name: see [`UrdfError`] and
-    /// [`Fault`](super::Fault). Floating, planar and spherical joints are refused by name, and xacro
-    /// files are not expanded.
+    /// [`Fault`](super::Fault). Xacro files are not expanded.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, UrdfError> {
         Self::reader().read(path)
     }

@@ -1,0 +1,104 @@
+//! `--base-joint` and `--base-room`: what a robot's root moves on.
+
+use clap::{Args, ValueEnum};
+use kinopt::model::Limits;
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+
+use crate::failure::Outcome;
+use crate::help_headings::MODEL;
+use crate::number_list::number;
+
+/// Options about a robot's base.
+#[derive(Args, Debug, Default)]
+pub(crate) struct BaseJointOptions {
+    /// Put a robot's root on a joint that moves the whole of it: `free` any way (q begins with its x, y, z and
+    /// its quaternion w, x, y, z), `planar` over the ground (x, y and a turn about z), or a slide. Default: the
+    /// root stands in the world.
+    #[arg(long, value_enum, value_name = "KIND", help_heading = MODEL, hide_short_help = true)]
+    base_joint: Option<BaseKind>,
+
+    /// Where that base may stand, metres along the world's axes: `x=-1..1,z=0.5..1.2`. Default: anywhere.
+    #[arg(long, value_name = "AXIS=LOW..HIGH,…", value_delimiter = ',', value_parser = Room::parse,
+        requires = "base_joint", help_heading = MODEL, hide_short_help = true)]
+    base_room: Vec<Room>,
+}
+
+/// The kinds of base joints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum BaseKind {
+    Fixed,
+    Free,
+    Planar,
+    SlideX,
+    SlideY,
+    SlideZ,
+}
+
+/// A range along one of the world's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Room {
+    axis: usize,
+    limits: Limits,
+}
+
+impl Room {
+    fn parse(text: &str) -> Result<Self, String> {
+        const SHAPE: &str = "expected AXIS=LOW..HIGH, the axis one of x, y, z";
+        let (axis, range) = text.split_once('=').ok_or(SHAPE)?;
+        let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
+        let (low, high) = range.split_once("..").ok_or(SHAPE)?;
+        let limits = Limits::new(number(low.trim())?, number(high.trim())?);
+        match axis {
+            Some(axis) if limits.is_valid() => Ok(Self { axis, limits }),
+            Some(_) => Err(format!("{range} is no range: its ends are in wrong order")),
+            None => Err(SHAPE.to_owned()),
+        }
+    }
+}
+
+impl BaseJointOptions {
+    /// The option that was given, if one was.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        self.base_joint.map(|_| "--base-joint")
+    }
+
+    /// The robot on its base.
+    pub(crate) fn put_under(&self, robot: Robot, file: &str) -> Outcome<Robot> {
+        let along = |axis: usize| {
+            let rooms = self.base_room.iter().filter(|room| room.axis == axis);
+            let whole = Limits::UNBOUNDED;
+            rooms.fold(whole, |limits, room| limits.intersection(&room.limits))
+        };
+        let sliding = |axis: usize| BaseJoint::Sliding {
+            axis: Vector3::UNITS[axis],
+            limits: along(axis),
+        };
+        let (base, axes): (_, &[usize]) = match self.base_joint {
+            None | Some(BaseKind::Fixed) => (BaseJoint::Fixed, &[]),
+            Some(BaseKind::Free) => {
+                let room = [along(0), along(1), along(2)];
+                (BaseJoint::Free { room }, &[0, 1, 2])
+            }
+            Some(BaseKind::Planar) => {
+                let (room, yaw) = ([along(0), along(1)], Limits::UNBOUNDED);
+                (BaseJoint::Planar { room, yaw }, &[0, 1])
+            }
+            Some(BaseKind::SlideX) => (sliding(0), &[0]),
+            Some(BaseKind::SlideY) => (sliding(1), &[1]),
+            Some(BaseKind::SlideZ) => (sliding(2), &[2]),
+        };
+        if let Some(room) = self
+            .base_room
+            .iter()
+            .find(|room| !axes.contains(&room.axis))
+        {
+            let axis = ["x", "y", "z"][room.axis];
+            return Err(usage!(
+                "--base-room {axis}=…: this base does not move along {axis}"
+            ));
+        }
+        let robot = robot.with_base_joint(base);
+        robot.map_err(|error| failure!("{file}: base joint: {error}"))
+    }
+}
