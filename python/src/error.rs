@@ -4,7 +4,7 @@ use kinopt::animation::{ClipNameError, NoEffector, ParameterError};
 use kinopt::io::bvh::BvhError;
 use kinopt::io::{ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
-use kinopt::robot::UrdfError;
+use kinopt::robot::RobotFileError;
 use kinopt::skinning::UnknownSkinning;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -181,7 +181,7 @@ impl Fault for WriteError {
     }
 }
 
-impl Fault for UrdfError {
+impl Fault for RobotFileError {
     fn kind(&self) -> Kind {
         match self {
             Self::Unreadable(error) => error.kind(),

@@ -6,11 +6,15 @@ mod drive;
 mod link;
 #[cfg(feature = "urdf")]
 mod urdf;
+#[cfg(feature = "xml")]
+mod xml;
 
 pub use base_joint::BaseJoint;
 pub use link::{Geometry, Inertial, Link, Shape};
 #[cfg(feature = "urdf")]
-pub use urdf::{Fault, Mended, Repair, UrdfError, UrdfReader};
+pub use urdf::UrdfReader;
+#[cfg(feature = "xml")]
+pub use xml::{Fault, Mended, Repair, RobotFileError};
 
 use drive::Drive;
 
@@ -48,7 +52,7 @@ pub struct Robot {
     drives: Vec<Drive>,
     /// By frame index; frames beyond are no links.
     links: Vec<Link>,
-    #[cfg(feature = "urdf")]
+    #[cfg(feature = "xml")]
     repairs: Vec<Repair>,
 }
 
@@ -66,7 +70,7 @@ impl Robot {
             map,
             drives: Vec::new(),
             links: Vec::new(),
-            #[cfg(feature = "urdf")]
+            #[cfg(feature = "xml")]
             repairs: Vec::new(),
         })
     }
@@ -107,6 +111,13 @@ impl Robot {
     #[must_use]
     pub fn link(&self, frame: FrameId) -> Option<&Link> {
         self.links.get(frame.index())
+    }
+
+    /// What the file leaves to defaults or gets wrong, and what was taken instead, in its order.
+    #[cfg(feature = "xml")]
+    #[must_use]
+    pub fn repairs(&self) -> &[Repair] {
+        &self.repairs
     }
 
     /// Looks several joints up.

@@ -101,7 +101,7 @@ each! { error:
     geometric::GeometricError, ik::SolveError, io::ReadError, io::ReadProblem, io::WriteError,
     io::bvh::BvhError, io::gltf::PosingError, io::gltf::SceneError, io::gltf::UnwritableScene,
     io::rig::RigPosingError, kinematics::KinematicsError, mesh::MeshError, model::ModelError,
-    model::UnknownName, problem::ProblemError, robot::ToolError, robot::UrdfError,
+    model::UnknownName, problem::ProblemError, robot::ToolError, robot::RobotFileError,
     skeleton::SkeletonError, skinning::AutomaticWeightsError, skinning::BlendShapesError,
     skinning::CageError, skinning::MorphError, skinning::SkinningError,
     skinning::UnknownSkinning, skinning::WeightsError, spatial::NotRigid,

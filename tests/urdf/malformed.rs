@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::ModelError;
-use kinopt::robot::{Fault, Robot, UrdfError};
+use kinopt::robot::{Fault, Robot, RobotFileError};
 
 /// A sound robot of two joints, to be damaged.
 const SOUND: &str = r#"<?xml version="1.0"?>
@@ -28,7 +28,7 @@ const SOUND: &str = r#"<?xml version="1.0"?>
 </robot>
 "#;
 
-fn parse(text: &str) -> Result<Robot, UrdfError> {
+fn parse(text: &str) -> Result<Robot, RobotFileError> {
     Robot::parse(text, "two.urdf")
 }
 
@@ -264,12 +264,18 @@ fn each_defect_is_named_with_its_place() {
 fn what_is_no_urdf_document_is_named() {
     for text in ["", "robot", "<robot", "<robot name='r'>", "<a/><b/>", "\0"] {
         let error = parse(text).unwrap_err();
-        assert!(matches!(error, UrdfError::NotXml { .. }), "{text}: {error}");
+        assert!(
+            matches!(error, RobotFileError::NotXml { .. }),
+            "{text}: {error}"
+        );
         assert!(error.to_string().starts_with("two.urdf: not well-formed"));
     }
     // Entities may blow up without end; URDF needs none.
     let doctype = SOUND.replace("<robot", "<!DOCTYPE r [<!ENTITY a \"b\">]><robot");
-    assert!(matches!(parse(&doctype), Err(UrdfError::NotXml { .. })));
+    assert!(matches!(
+        parse(&doctype),
+        Err(RobotFileError::NotXml { .. })
+    ));
     let sdf = "<sdf version='1.7'><model name='m'/></sdf>";
     assert_eq!(
         parse(sdf).unwrap_err().to_string(),
@@ -277,7 +283,7 @@ fn what_is_no_urdf_document_is_named() {
     );
     assert!(matches!(
         parse("<robot name='nobody'/>").unwrap_err(),
-        UrdfError::Element {
+        RobotFileError::Element {
             fault: Fault::NoLinks,
             line: 1,
             ..
@@ -291,7 +297,7 @@ fn a_ring_without_any_root_is_found() {
         .replace(r#"<child link="fore"/>"#, r#"<child link="base"/>"#);
     assert!(matches!(
         parse(&text).unwrap_err(),
-        UrdfError::Element {
+        RobotFileError::Element {
             fault: Fault::Cycle,
             ..
         }
@@ -364,7 +370,7 @@ fn a_ring_of_followers_is_found_however_long() {
     let ring = format!("<robot name='ring'><link name='base'/>{joints}</robot>");
     assert!(matches!(
         parse(&ring),
-        Err(UrdfError::Model {
+        Err(RobotFileError::Model {
             source: ModelError::CouplingCycle { .. },
             ..
         })

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::robot::{Robot, UrdfError};
+use kinopt::robot::{Robot, RobotFileError};
 
 const FILES: [&str; 8] = [
     "models/adept_cobra_s600.urdf",
@@ -197,10 +197,10 @@ fn a_damaged_file_is_an_error_or_a_sound_model() {
                     let message = error.to_string();
                     assert!(message.starts_with("damaged.urdf:"), "{message}");
                     match error {
-                        UrdfError::NotXml { .. } => "not XML",
-                        UrdfError::Xacro { .. } => "xacro",
-                        UrdfError::Element { .. } => "element",
-                        UrdfError::Model { .. } => "model",
+                        RobotFileError::NotXml { .. } => "not XML",
+                        RobotFileError::Xacro { .. } => "xacro",
+                        RobotFileError::Element { .. } => "element",
+                        RobotFileError::Model { .. } => "model",
                         other => panic!("{file}, copy {copy}: {other}"),
                     }
                 }

@@ -2,15 +2,11 @@
 
 use roxmltree::Node;
 
-use super::element::{Element, Named, is};
-use super::error::{Fault, UrdfError};
 use super::joint_element::{self, JointElement, READ};
 use super::link_element;
-use super::reading::Reading;
-use super::repair::Mended;
 use super::version::Version;
-use super::xml;
 use crate::robot::Link;
+use crate::robot::xml::{Element, Fault, Mended, Named, Reading, RobotFileError, is, parse};
 
 /// What a lenient reader calls a robot without a name.
 const NAMELESS: &str = "robot";
@@ -31,8 +27,8 @@ pub(super) struct LinkElement {
 }
 
 /// Reads every link and joint on its own.
-pub(super) fn read(reading: &Reading<'_>) -> Result<Document, UrdfError> {
-    let xml = xml::parse(reading.file, reading.text)?;
+pub(super) fn read(reading: &Reading<'_>) -> Result<Document, RobotFileError> {
+    let xml = parse(reading.file, reading.text)?;
     let root = xml.root_element();
     refuse_macros(reading, root)?;
     if !root.has_tag_name("robot") {
@@ -62,7 +58,7 @@ pub(super) fn read(reading: &Reading<'_>) -> Result<Document, UrdfError> {
     Ok(document)
 }
 
-fn name_of(robot: &Element<'_>) -> Result<Named, UrdfError> {
+fn name_of(robot: &Element<'_>) -> Result<Named, RobotFileError> {
     let read = robot.named();
     if read.is_ok() || !robot.reading.lenient {
         return read;
@@ -73,7 +69,7 @@ fn name_of(robot: &Element<'_>) -> Result<Named, UrdfError> {
 }
 
 /// Finds xacro's own elements, and `${…}` or `$(…)` where kinematics would read a number or name.
-fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Result<(), UrdfError> {
+fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Result<(), RobotFileError> {
     let is_macro = |node: &Node<'_, '_>| {
         let namespace = node.tag_name().namespace();
         let mut names = ["robot", "link", "joint"]
@@ -88,7 +84,7 @@ fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Result<(), UrdfEr
                     .any(|a| ["${", "$("].iter().any(|m| a.value().contains(m)))
     };
     match root.descendants().find(is_macro) {
-        Some(node) => Err(UrdfError::Xacro {
+        Some(node) => Err(RobotFileError::Xacro {
             file: reading.file.to_owned(),
             line: reading.line(node.range().start),
         }),

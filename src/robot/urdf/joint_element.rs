@@ -2,14 +2,11 @@
 
 use roxmltree::Node;
 
-use super::element::{Element, Named};
-use super::error::{Fault, UrdfError};
 use super::origin;
-use super::reading::Reading;
-use super::repair::Mended;
 use super::version::Version;
 use crate::model::{JointKind, Limits};
 use crate::robot::Drive;
+use crate::robot::xml::{Element, Fault, Mended, Named, Reading, RobotFileError};
 use crate::spatial::{Placement, Vector3};
 
 /// The children of a joint that are read, with their attributes.
@@ -62,7 +59,7 @@ pub(super) fn read<'a>(
     reading: &'a Reading<'a>,
     node: Node<'a, 'a>,
     version: Version,
-) -> Result<JointElement, UrdfError> {
+) -> Result<JointElement, RobotFileError> {
     let named = Element::new(reading, node, "<joint>".to_owned()).named()?;
     let joint = Element::new(reading, node, format!("joint `{}`", named.name));
     let kind = joint.name("type")?;
@@ -108,7 +105,7 @@ pub(super) fn read<'a>(
 }
 
 /// The direction of a joint that has one; x where the file gives none.
-fn axis(axis: Option<Element<'_>>, kind: JointKind) -> Result<Vector3<f64>, UrdfError> {
+fn axis(axis: Option<Element<'_>>, kind: JointKind) -> Result<Vector3<f64>, RobotFileError> {
     let x = Vector3::new(1.0, 0.0, 0.0);
     let Some(axis) = axis else { return Ok(x) };
     axis.name("xyz")?;
@@ -126,7 +123,7 @@ fn limits(
     limit: Option<&Element<'_>>,
     kind: JointKind,
     version: Version,
-) -> Result<Limits, UrdfError> {
+) -> Result<Limits, RobotFileError> {
     let held = Limits::new(0.0, 0.0);
     let name = match kind {
         JointKind::Fixed => return Ok(held),
@@ -138,7 +135,7 @@ fn limits(
         joint.mend(Fault::NoLimits { kind: name }, |_| Mended::HeldAtZero)?;
         return Ok(held);
     };
-    let bound = |missing, value: f64| -> Result<f64, UrdfError> {
+    let bound = |missing, value: f64| -> Result<f64, RobotFileError> {
         let given = limit.number(missing)?;
         if given.is_none() {
             limit.note(Mended::BoundByDefault { missing, value });
@@ -161,7 +158,7 @@ fn drive(
     limit: Option<Element<'_>>,
     safety: Option<Element<'_>>,
     kind: JointKind,
-) -> Result<Drive, UrdfError> {
+) -> Result<Drive, RobotFileError> {
     let number = |element: &Option<Element<'_>>, attribute| match element {
         Some(element) => element.number_or_left_out(attribute),
         None => Ok(None),
@@ -187,7 +184,7 @@ fn drive(
     })
 }
 
-fn follows(mimic: Option<Element<'_>>, kind: JointKind) -> Result<Option<Follows>, UrdfError> {
+fn follows(mimic: Option<Element<'_>>, kind: JointKind) -> Result<Option<Follows>, RobotFileError> {
     let Some(mimic) = mimic else { return Ok(None) };
     let follows = Follows {
         ratio: mimic.number("multiplier")?.unwrap_or(1.0),

@@ -2,11 +2,9 @@
 
 use roxmltree::Node;
 
-use super::element::{Element, is};
-use super::error::{Fault, UrdfError};
 use super::origin;
-use super::reading::Reading;
 use super::version::Version;
+use crate::robot::xml::{Element, Fault, Reading, RobotFileError, is};
 use crate::robot::{Geometry, Inertial, Link, Shape};
 
 /// The shapes that a `<geometry>` can hold.
@@ -35,7 +33,7 @@ pub(super) fn read<'a>(
     }
 }
 
-fn shape(shape: &Element<'_>, version: Version) -> Result<Shape, UrdfError> {
+fn shape(shape: &Element<'_>, version: Version) -> Result<Shape, RobotFileError> {
     let geometry = shape.required("geometry")?;
     let mut children = geometry.node.children();
     let body =
@@ -72,9 +70,9 @@ fn shape(shape: &Element<'_>, version: Version) -> Result<Shape, UrdfError> {
     })
 }
 
-fn inertial(inertial: &Element<'_>, version: Version) -> Result<Inertial, UrdfError> {
+fn inertial(inertial: &Element<'_>, version: Version) -> Result<Inertial, RobotFileError> {
     let (mass, inertia) = (inertial.required("mass")?, inertial.required("inertia")?);
-    let moment = |attribute| Ok::<_, UrdfError>(inertia.number(attribute)?.unwrap_or(0.0));
+    let moment = |attribute| Ok::<_, RobotFileError>(inertia.number(attribute)?.unwrap_or(0.0));
     let (xy, xz, yz) = (moment("ixy")?, moment("ixz")?, moment("iyz")?);
     let (xx, yy, zz) = (moment("ixx")?, moment("iyy")?, moment("izz")?);
     let [mass] = mass.demanded("value")?;

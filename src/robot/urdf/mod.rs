@@ -5,18 +5,11 @@
 //! to defaults, and what a lenient reader mended, is listed.
 
 mod document;
-mod element;
-mod error;
 mod joint_element;
 mod link_element;
 mod origin;
 mod reader;
-mod reading;
-mod repair;
 mod topology;
 mod version;
-mod xml;
 
-pub use error::{Fault, UrdfError};
 pub use reader::UrdfReader;
-pub use repair::{Mended, Repair};

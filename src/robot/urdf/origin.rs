@@ -1,8 +1,7 @@
 //! `<origin>`: where something stands, and rotations as URDF writes them.
 
-use super::element::Element;
-use super::error::{Fault, UrdfError};
 use super::version::Version;
+use crate::robot::xml::{Element, Fault, RobotFileError};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
@@ -10,7 +9,10 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 const QUARTER_TURN_WITHIN: f64 = 1e-15;
 
 /// Where the child `<origin>` of an element puts it; the identity where there is none.
-pub(super) fn read(element: &Element<'_>, version: Version) -> Result<Placement<f64>, UrdfError> {
+pub(super) fn read(
+    element: &Element<'_>,
+    version: Version,
+) -> Result<Placement<f64>, RobotFileError> {
     let Some(origin) = element.child("origin")? else {
         return Ok(Placement::identity());
     };

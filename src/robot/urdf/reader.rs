@@ -4,14 +4,11 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use super::document::{self, Document};
-use super::error::UrdfError;
 use super::joint_element::JointChain;
-use super::reading::Reading;
-use super::repair::Repair;
 use super::topology::{self, Topology};
-use super::xml;
 use crate::file::{Place, ReadError, read_bytes};
 use crate::model::{Joint, JointId, Limits, Model, ModelError};
+use crate::robot::xml::{Reading, Repair, RobotFileError, mended};
 use crate::robot::{Drive, Mimic, Robot};
 use crate::spatial::Placement;
 
@@ -46,7 +43,7 @@ impl UrdfReader {
     ///     robot.repairs()[0].to_string(),
     ///     "3: joint `hinge`, <limit>: limits out of order, taken as 0 to 1.5"
     /// );
-    /// # Ok::<(), kinopt::robot::UrdfError>(())
+    /// # Ok::<(), kinopt::robot::RobotFileError>(())
     /// ```
     #[must_use]
     pub fn lenient(mut self) -> Self {
@@ -58,7 +55,7 @@ impl UrdfReader {
     ///
     /// # Errors
     /// As [`Robot::read`].
-    pub fn read(&self, path: impl AsRef<Path>) -> Result<Robot, UrdfError> {
+    pub fn read(&self, path: impl AsRef<Path>) -> Result<Robot, RobotFileError> {
         let path = path.as_ref();
         let file = path.display().to_string();
         let bytes = read_bytes(path, LENGTH_LIMIT)?;
@@ -75,11 +72,11 @@ impl UrdfReader {
     ///
     /// # Errors
     /// As [`Robot::read`].
-    pub fn parse(&self, text: &str, file: &str) -> Result<Robot, UrdfError> {
+    pub fn parse(&self, text: &str, file: &str) -> Result<Robot, RobotFileError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut repairs: Vec<Repair> = Vec::new();
         let text = match self.lenient {
-            true => xml::mended(text, &mut repairs),
+            true => mended(text, &mut repairs),
             false => Cow::Borrowed(text),
         };
         let reading = Reading {
@@ -90,7 +87,7 @@ impl UrdfReader {
         };
         let document = document::read(&reading)?;
         let topology = topology::order(&reading, &document)?;
-        let mut robot = robot(document, &topology).map_err(|source| UrdfError::Model {
+        let mut robot = robot(document, &topology).map_err(|source| RobotFileError::Model {
             file: file.to_owned(),
             source,
         })?;
@@ -196,9 +193,9 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// What is wrong with the file, with line and name: see [`UrdfError`] and
+    /// What is wrong with the file, with line and name: see [`RobotFileError`] and
     /// [`Fault`](super::Fault). Xacro files are not expanded.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, UrdfError> {
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         Self::reader().read(path)
     }
 
@@ -206,13 +203,7 @@ impl Robot {
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn parse(text: &str, file: &str) -> Result<Self, UrdfError> {
+    pub fn parse(text: &str, file: &str) -> Result<Self, RobotFileError> {
         Self::reader().parse(text, file)
-    }
-
-    /// What the file leaves to defaults or gets wrong, and what was taken instead, in its order.
-    #[must_use]
-    pub fn repairs(&self) -> &[Repair] {
-        &self.repairs
     }
 }

@@ -4,11 +4,9 @@ use std::collections::HashMap;
 use std::collections::VecDeque;
 
 use super::document::Document;
-use super::element::Named;
-use super::error::{Fault, UrdfError};
 use super::joint_element::{Follows, JointElement};
-use super::reading::Reading;
 use crate::model::UnknownName;
+use crate::robot::xml::{Fault, Named, Reading, RobotFileError};
 
 /// One joint in its place in the tree; all are positions in the document's lists.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +25,10 @@ pub(super) struct Topology {
 }
 
 /// Finds the tree that a document's links and joints form.
-pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Result<Topology, UrdfError> {
+pub(super) fn order(
+    reading: &Reading<'_>,
+    document: &Document,
+) -> Result<Topology, RobotFileError> {
     let Document { links, joints, .. } = document;
     if links.is_empty() {
         return Err(reading.fault(document.robot.at, "<robot>".into(), Fault::NoLinks));
@@ -120,7 +121,7 @@ fn index<'a>(
     reading: &Reading<'_>,
     kind: &str,
     things: impl Iterator<Item = &'a Named>,
-) -> Result<HashMap<&'a str, usize>, UrdfError> {
+) -> Result<HashMap<&'a str, usize>, RobotFileError> {
     let mut by_name = HashMap::new();
     let mut starts = Vec::new();
     for (position, thing) in things.enumerate() {
@@ -134,7 +135,7 @@ fn index<'a>(
     Ok(by_name)
 }
 
-fn joint_fault(reading: &Reading<'_>, joint: &JointElement, fault: Fault) -> UrdfError {
+fn joint_fault(reading: &Reading<'_>, joint: &JointElement, fault: Fault) -> RobotFileError {
     let label = format!("joint `{}`", joint.named.name);
     reading.fault(joint.named.at, label, fault)
 }

@@ -1,6 +1,6 @@
 //! Which version of the standard a file follows.
 
-use super::element::Element;
+use crate::robot::xml::Element;
 
 /// Major and minor version of the URDF standard; 1.0 where the file states none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

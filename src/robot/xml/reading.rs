@@ -2,27 +2,27 @@
 
 use std::cell::RefCell;
 
-use super::error::{Fault, UrdfError};
+use super::error::{Fault, RobotFileError};
 use super::repair::{Mended, Repair};
 
 /// The file's name, its text to count lines in, and what was mended so far.
 #[derive(Debug)]
-pub(super) struct Reading<'a> {
-    pub(super) file: &'a str,
-    pub(super) text: &'a str,
-    pub(super) lenient: bool,
-    pub(super) repairs: RefCell<Vec<Repair>>,
+pub(crate) struct Reading<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) text: &'a str,
+    pub(crate) lenient: bool,
+    pub(crate) repairs: RefCell<Vec<Repair>>,
 }
 
 impl Reading<'_> {
     /// The line of a byte offset, from 1.
-    pub(super) fn line(&self, at: usize) -> u32 {
+    pub(crate) fn line(&self, at: usize) -> u32 {
         let before = self.text.as_bytes().iter().take(at);
         1 + before.filter(|&&byte| byte == b'\n').count() as u32
     }
 
-    pub(super) fn fault(&self, at: usize, element: String, fault: Fault) -> UrdfError {
-        UrdfError::Element {
+    pub(crate) fn fault(&self, at: usize, element: String, fault: Fault) -> RobotFileError {
+        RobotFileError::Element {
             file: self.file.to_owned(),
             line: self.line(at),
             element,
@@ -31,7 +31,7 @@ impl Reading<'_> {
     }
 
     /// Notes what was taken where the file says nothing or cannot be taken at its word.
-    pub(super) fn note(&self, at: usize, element: &str, mended: Mended) {
+    pub(crate) fn note(&self, at: usize, element: &str, mended: Mended) {
         self.repairs.borrow_mut().push(Repair {
             line: self.line(at),
             element: element.to_owned(),
@@ -40,13 +40,13 @@ impl Reading<'_> {
     }
 
     /// What is damage to a strict reader, and mended by a lenient one.
-    pub(super) fn mend(
+    pub(crate) fn mend(
         &self,
         at: usize,
         element: &str,
         fault: Fault,
         mended: impl FnOnce(Fault) -> Mended,
-    ) -> Result<(), UrdfError> {
+    ) -> Result<(), RobotFileError> {
         if !self.lenient {
             return Err(self.fault(at, element.to_owned(), fault));
         }
@@ -55,7 +55,7 @@ impl Reading<'_> {
     }
 
     /// Something that no joint depends on; where it is wrong it is left out, by strict readers too.
-    pub(super) fn or_left_out<T>(&self, read: Result<T, UrdfError>) -> Option<T> {
+    pub(crate) fn or_left_out<T>(&self, read: Result<T, RobotFileError>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
             // Nothing else comes from a single element.

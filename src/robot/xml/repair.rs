@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::error::{Fault, UrdfError};
+use super::error::{Fault, RobotFileError};
 
 /// One place of a file that was not taken at its word, and what was taken instead.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +18,8 @@ pub struct Repair {
 
 impl Repair {
     /// An element that is wrong and counts for nothing.
-    pub(super) fn left_out(error: UrdfError) -> Option<Self> {
-        let UrdfError::Element {
+    pub(super) fn left_out(error: RobotFileError) -> Option<Self> {
+        let RobotFileError::Element {
             line,
             element,
             fault,

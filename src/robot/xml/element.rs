@@ -2,35 +2,35 @@
 
 use roxmltree::Node;
 
-use super::error::{Fault, UrdfError};
+use super::error::{Fault, RobotFileError};
 use super::reading::Reading;
 use super::repair::Mended;
 
 /// A link or joint by name, and where it starts in the text.
 #[derive(Clone, Debug)]
-pub(super) struct Named {
-    pub(super) name: String,
-    pub(super) at: usize,
+pub(crate) struct Named {
+    pub(crate) name: String,
+    pub(crate) at: usize,
 }
 
 /// An element of the file that is being read, and what it is called in messages.
 #[derive(Clone, Debug)]
-pub(super) struct Element<'a> {
-    pub(super) reading: &'a Reading<'a>,
-    pub(super) node: Node<'a, 'a>,
+pub(crate) struct Element<'a> {
+    pub(crate) reading: &'a Reading<'a>,
+    pub(crate) node: Node<'a, 'a>,
     label: String,
 }
 
 /// Whether a node is an element of this name in the document's own namespace: extensions such as
 /// `<drake:joint>` are none of ours.
-pub(super) fn is(node: Node<'_, '_>, name: &str) -> bool {
+pub(crate) fn is(node: Node<'_, '_>, name: &str) -> bool {
     let tag = node.tag_name();
     let own = node.document().root_element().tag_name().namespace();
     node.is_element() && tag.name() == name && tag.namespace() == own
 }
 
 impl<'a> Element<'a> {
-    pub(super) fn new(reading: &'a Reading<'a>, node: Node<'a, 'a>, label: String) -> Self {
+    pub(crate) fn new(reading: &'a Reading<'a>, node: Node<'a, 'a>, label: String) -> Self {
         Self {
             reading,
             node,
@@ -39,46 +39,46 @@ impl<'a> Element<'a> {
     }
 
     /// A part of this element that goes by its name in messages.
-    pub(super) fn part(&self, node: Node<'a, 'a>) -> Self {
+    pub(crate) fn part(&self, node: Node<'a, 'a>) -> Self {
         Self::new(self.reading, node, self.label.clone())
     }
 
     /// Where it starts in the text.
-    pub(super) fn at(&self) -> usize {
+    pub(crate) fn at(&self) -> usize {
         self.node.range().start
     }
 
-    pub(super) fn fault(&self, fault: Fault) -> UrdfError {
+    pub(crate) fn fault(&self, fault: Fault) -> RobotFileError {
         self.reading.fault(self.at(), self.label.clone(), fault)
     }
 
-    pub(super) fn note(&self, mended: Mended) {
+    pub(crate) fn note(&self, mended: Mended) {
         self.reading.note(self.at(), &self.label, mended);
     }
 
     /// What is damage to a strict reader, and mended by a lenient one.
-    pub(super) fn mend(
+    pub(crate) fn mend(
         &self,
         fault: Fault,
         mended: impl FnOnce(Fault) -> Mended,
-    ) -> Result<(), UrdfError> {
+    ) -> Result<(), RobotFileError> {
         self.reading.mend(self.at(), &self.label, fault, mended)
     }
 
     /// Its name, which it must have.
-    pub(super) fn named(&self) -> Result<Named, UrdfError> {
+    pub(crate) fn named(&self) -> Result<Named, RobotFileError> {
         let (name, at) = (self.name("name")?, self.at());
         Ok(Named { name, at })
     }
 
     /// An attribute without a namespace; roxmltree's own look-up takes any.
-    pub(super) fn text(&self, attribute: &str) -> Option<&'a str> {
+    pub(crate) fn text(&self, attribute: &str) -> Option<&'a str> {
         let mut own = self.node.attributes().filter(|a| a.namespace().is_none());
         own.find(|a| a.name() == attribute).map(|a| a.value())
     }
 
     /// An attribute that must be there and not be blank.
-    pub(super) fn name(&self, attribute: &'static str) -> Result<String, UrdfError> {
+    pub(crate) fn name(&self, attribute: &'static str) -> Result<String, RobotFileError> {
         match self.text(attribute) {
             Some(name) if !name.trim().is_empty() => Ok(name.to_owned()),
             _ => Err(self.fault(Fault::MissingAttribute { attribute })),
@@ -86,10 +86,10 @@ impl<'a> Element<'a> {
     }
 
     /// An attribute of exactly `N` finite numbers; `None` where it is not there.
-    pub(super) fn numbers<const N: usize>(
+    pub(crate) fn numbers<const N: usize>(
         &self,
         attribute: &'static str,
-    ) -> Result<Option<[f64; N]>, UrdfError> {
+    ) -> Result<Option<[f64; N]>, RobotFileError> {
         let Some(text) = self.text(attribute) else {
             return Ok(None);
         };
@@ -114,15 +114,15 @@ impl<'a> Element<'a> {
     }
 
     /// As [`numbers`](Self::numbers), of one.
-    pub(super) fn number(&self, attribute: &'static str) -> Result<Option<f64>, UrdfError> {
+    pub(crate) fn number(&self, attribute: &'static str) -> Result<Option<f64>, RobotFileError> {
         Ok(self.numbers(attribute)?.map(|[value]| value))
     }
 
     /// As [`number`](Self::number), of what kinematics can do without: a lenient reader leaves it out.
-    pub(super) fn number_or_left_out(
+    pub(crate) fn number_or_left_out(
         &self,
         attribute: &'static str,
-    ) -> Result<Option<f64>, UrdfError> {
+    ) -> Result<Option<f64>, RobotFileError> {
         let read = self.number(attribute);
         match self.reading.lenient {
             true => Ok(self.reading.or_left_out(read).flatten()),
@@ -131,16 +131,16 @@ impl<'a> Element<'a> {
     }
 
     /// As [`numbers`](Self::numbers) that must be there.
-    pub(super) fn demanded<const N: usize>(
+    pub(crate) fn demanded<const N: usize>(
         &self,
         attribute: &'static str,
-    ) -> Result<[f64; N], UrdfError> {
+    ) -> Result<[f64; N], RobotFileError> {
         let missing = || self.fault(Fault::MissingAttribute { attribute });
         self.numbers(attribute)?.ok_or_else(missing)
     }
 
     /// The child of a name, which may stand once; to a lenient reader the first counts.
-    fn once(&self, child: &'static str) -> Result<Option<Node<'a, 'a>>, UrdfError> {
+    fn once(&self, child: &'static str) -> Result<Option<Node<'a, 'a>>, RobotFileError> {
         let mut found = self.node.children().filter(|inner| is(*inner, child));
         let first = found.next();
         if let Some(second) = found.next() {
@@ -152,31 +152,31 @@ impl<'a> Element<'a> {
     }
 
     /// The child of a name, which may stand once.
-    pub(super) fn child(&self, name: &'static str) -> Result<Option<Self>, UrdfError> {
+    pub(crate) fn child(&self, name: &'static str) -> Result<Option<Self>, RobotFileError> {
         let label = || format!("{}, <{name}>", self.label);
         let child = self.once(name)?;
         Ok(child.map(|node| Self::new(self.reading, node, label())))
     }
 
     /// The [part](Self::part) of a name, which must stand once.
-    pub(super) fn required(&self, child: &'static str) -> Result<Self, UrdfError> {
+    pub(crate) fn required(&self, child: &'static str) -> Result<Self, RobotFileError> {
         let missing = || self.fault(Fault::MissingElement { child });
         let node = self.once(child)?.ok_or_else(missing)?;
         Ok(self.part(node))
     }
 
     /// Finds fault with attributes whose names are nearly, but not, one of `known`.
-    pub(super) fn check_attributes(&self, known: &[&'static str]) -> Result<(), UrdfError> {
+    pub(crate) fn check_attributes(&self, known: &[&'static str]) -> Result<(), RobotFileError> {
         let mut own = self.node.attributes().filter(|a| a.namespace().is_none());
         own.try_for_each(|attribute| self.check_known(attribute.name(), known))
     }
 
     /// Finds fault with a child element whose name is nearly, but not, one of `known`.
-    pub(super) fn check_child(
+    pub(crate) fn check_child(
         &self,
         child: Node<'a, 'a>,
         known: &[&'static str],
-    ) -> Result<(), UrdfError> {
+    ) -> Result<(), RobotFileError> {
         let tag = child.tag_name();
         match tag.namespace() {
             None => self.part(child).check_known(tag.name(), known),
@@ -185,7 +185,7 @@ impl<'a> Element<'a> {
     }
 
     /// Other unknown names are extensions, which real files are full of.
-    fn check_known(&self, name: &str, known: &[&'static str]) -> Result<(), UrdfError> {
+    fn check_known(&self, name: &str, known: &[&'static str]) -> Result<(), RobotFileError> {
         if known.contains(&name) {
             return Ok(());
         }

@@ -8,7 +8,7 @@ use crate::model::{ModelError, UnknownName};
 /// Why a URDF file gives no robot.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum UrdfError {
+pub enum RobotFileError {
     /// The file cannot be opened, is too long, or is not UTF-8 text.
     #[error(transparent)]
     Unreadable(#[from] ReadError),

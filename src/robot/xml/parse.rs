@@ -4,20 +4,20 @@ use std::borrow::Cow;
 
 use roxmltree::{Document, Error};
 
-use super::error::UrdfError;
+use super::error::RobotFileError;
 use super::repair::{Mended, Repair};
 
 /// Undeclared prefixes that are put up with; real files have one.
 const MOST_PREFIXES: usize = 16;
 
 /// Parses well-formed XML.
-pub(super) fn parse<'a>(file: &str, text: &'a str) -> Result<Document<'a>, UrdfError> {
+pub(crate) fn parse<'a>(file: &str, text: &'a str) -> Result<Document<'a>, RobotFileError> {
     Document::parse(text).map_err(|error| match &error {
-        Error::UnknownNamespace(prefix, at) if prefix == "xacro" => UrdfError::Xacro {
+        Error::UnknownNamespace(prefix, at) if prefix == "xacro" => RobotFileError::Xacro {
             file: file.to_owned(),
             line: at.row,
         },
-        _ => UrdfError::NotXml {
+        _ => RobotFileError::NotXml {
             file: file.to_owned(),
             problem: error.to_string(),
         },
@@ -26,7 +26,7 @@ pub(super) fn parse<'a>(file: &str, text: &'a str) -> Result<Document<'a>, UrdfE
 
 /// The text with late XML declarations blanked out and undeclared prefixes declared. Every line
 /// stays where it was.
-pub(super) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, str> {
+pub(crate) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, str> {
     let mut note = |line, element: &str, mended| {
         let element = element.to_owned();
         repairs.push(Repair {
