@@ -17,7 +17,8 @@ Frames and joints are given by name. Every task takes, as keywords:
 
 Weights and tolerances below 0, names that do not exist and targets that are not finite raise
 ``kinopt.InvalidValueError`` where the problem is made; wrong shapes where the task is. Quantities are
-``"metres"``, ``"radians"``, ``"pixels"``, ``"joint units"``, ``"joint units per second"`` and ``"ratio"``.
+``"metres"``, ``"radians"``, ``"pixels"``, ``"joint units"``, ``"joint units per second"``, ``"metres per second"``,
+``"radians per second"`` and ``"ratio"``.
 """
 
 from __future__ import annotations

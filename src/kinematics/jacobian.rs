@@ -82,7 +82,7 @@ impl Jacobian {
 }
 
 /// Turns columns by the rates of rotation vectors, and of places, into columns by velocities in moved axes.
-fn by_velocity(read: &ReadConfiguration<f64>, matrix: &mut DMatrix<f64>) {
+pub(super) fn by_velocity(read: &ReadConfiguration<f64>, matrix: &mut DMatrix<f64>) {
     for (ball, &is_free) in read.map.balls().iter().zip(&read.is_free) {
         let Some([x, y, z]) = ball.of(&read.x) else {
             continue;

@@ -5,6 +5,7 @@
 //! purpose: the joints that move the frames asked for, with everything constant folded in. Who
 //! compiles one has checked ids and sizes, so its loops need not.
 
+mod centre_of_mass;
 mod forward_kinematics;
 mod forward_pass;
 mod geometric_jacobian;
@@ -14,6 +15,7 @@ mod motion;
 mod reverse;
 mod tree;
 
+pub use centre_of_mass::{centre_of_mass, centre_of_mass_jacobian};
 pub use forward_kinematics::{ForwardKinematics, KinematicsError};
 pub(crate) use forward_pass::TreeState;
 pub(crate) use geometric_jacobian::Partials;

@@ -91,8 +91,8 @@ impl<'m> ProblemBuilder<'m> {
         self
     }
 
-    /// The tolerance of all tasks that do not set their own. Unset, it is 1e-6 m and 1e-6 rad
-    /// and 1e-3 px, and infinite for joint units and ratios.
+    /// The tolerance of all tasks that do not set their own. Unset, it is 1e-6 m and 1e-6 rad (also a
+    /// second) and 1e-3 px, and infinite for joint units and ratios.
     pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
         self.tolerances.push((quantity, tolerance));
         self
@@ -374,14 +374,17 @@ fn check_numbers(
 fn default_weight(quantity: Quantity, model: &Model) -> f64 {
     let reach = model.reach();
     match quantity {
-        Quantity::Radians if reach > 0.0 => RADIAN_PER_REACH * reach,
+        Quantity::Radians | Quantity::RadiansPerSecond if reach > 0.0 => RADIAN_PER_REACH * reach,
         _ => 1.0,
     }
 }
 
 fn default_tolerance(quantity: Quantity) -> f64 {
     match quantity {
-        Quantity::Metres | Quantity::Radians => DEFAULT_TOLERANCE,
+        Quantity::Metres
+        | Quantity::Radians
+        | Quantity::MetresPerSecond
+        | Quantity::RadiansPerSecond => DEFAULT_TOLERANCE,
         Quantity::Pixels => DEFAULT_TOLERANCE_PIXELS,
         Quantity::JointUnits | Quantity::JointUnitsPerSecond | Quantity::Ratio => f64::INFINITY,
     }

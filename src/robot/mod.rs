@@ -4,6 +4,7 @@ mod base_joint;
 mod chain;
 mod drive;
 mod link;
+mod masses;
 #[cfg(feature = "urdf")]
 mod urdf;
 #[cfg(feature = "xml")]
@@ -11,6 +12,7 @@ mod xml;
 
 pub use base_joint::BaseJoint;
 pub use link::{Geometry, Inertial, Link, Shape};
+pub use masses::CentreOfMassError;
 #[cfg(feature = "urdf")]
 pub use urdf::UrdfReader;
 #[cfg(feature = "xml")]

@@ -90,7 +90,7 @@ pub(super) fn by_dual_numbers<R: Residual>(
 
 /// The placement with derivatives along the three velocities and three angular velocities, in
 /// world axes at its own origin.
-fn moved_by_unit_twists(frame: &Placement<f64>) -> Placement<Dual<CHUNK>> {
+pub(super) fn moved_by_unit_twists(frame: &Placement<f64>) -> Placement<Dual<CHUNK>> {
     let twist = |direction| Dual::<CHUNK>::variable(0.0, direction);
     let velocity = Vector3::new(twist(0), twist(1), twist(2));
     let turning = Vector3::new(twist(3), twist(4), twist(5));

@@ -54,28 +54,8 @@ impl Residual for LookAt {
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
         let unit_axis = self.axis * (1.0 / self.axis.norm());
         let axis = frames[0].rotation * Vector3::constant(unit_axis);
-        let sight = Vector3::constant(self.target) - frames[0].translation;
-        let squared = sight.norm_squared();
-        let blind = squared.less_than(S::constant(f64::MIN_POSITIVE));
-        let length = S::select(blind, S::one(), squared).sqrt();
-        let sight = Vector3::select(blind, axis, sight * (S::one() / length));
-
-        // The half-way quaternion (1 + a·s, a × s) turns a onto s; opposite vectors leave it
-        // empty, and any axis n across a does: turning a about n by ε leaves π − ε to turn, so that
-        // w = ε/2 and ε = (a × s)·n, which is the slope by which a search gets away from there.
-        // ½‖a + s‖² is 1 + a·s without cancellation.
-        let w = (axis + sight).norm_squared() * S::constant(0.5);
-        let opposite = w.less_than(S::constant(1e-12));
-        let turn = axis.cross(sight);
-        let other = across(axis);
-        let v = Vector3::select(opposite, other, turn);
-        let w = S::select(opposite, turn.dot(other) * S::constant(0.5), w);
-        let scale = S::one() / w.mul_add(w, v.norm_squared()).sqrt();
-        let turn = Quaternion {
-            w: w * scale,
-            v: v * scale,
-        };
-        residual.copy_from_slice(&turn.log().to_array());
+        let sight = line_of_sight(&frames[0], axis, self.target);
+        residual.copy_from_slice(&turn_onto(axis, sight).to_array());
     }
 
     fn validate(&self) -> Result<(), String> {
@@ -85,6 +65,41 @@ impl Residual for LookAt {
             "its axis has no direction".to_owned()
         })
     }
+}
+
+/// The direction from a frame's origin to a place; `blind` where that is the origin itself.
+#[inline]
+pub(super) fn line_of_sight<S: Scalar>(
+    frame: &Placement<S>,
+    blind: Vector3<S>,
+    target: Vector3<f64>,
+) -> Vector3<S> {
+    let sight = Vector3::constant(target) - frame.translation;
+    let squared = sight.norm_squared();
+    let is_blind = squared.less_than(S::constant(f64::MIN_POSITIVE));
+    let length = S::select(is_blind, S::one(), squared).sqrt();
+    Vector3::select(is_blind, blind, sight * (S::one() / length))
+}
+
+/// The rotation vector that turns a unit vector onto another by the shortest way, in [0, π].
+#[inline]
+pub(super) fn turn_onto<S: Scalar>(axis: Vector3<S>, sight: Vector3<S>) -> Vector3<S> {
+    // The half-way quaternion (1 + a·s, a × s) turns a onto s; opposite vectors leave it
+    // empty, and any axis n across a does: turning a about n by ε leaves π − ε to turn, so that
+    // w = ε/2 and ε = (a × s)·n, which is the slope by which a search gets away from there.
+    // ½‖a + s‖² is 1 + a·s without cancellation.
+    let w = (axis + sight).norm_squared() * S::constant(0.5);
+    let opposite = w.less_than(S::constant(1e-12));
+    let turn = axis.cross(sight);
+    let other = across(axis);
+    let v = Vector3::select(opposite, other, turn);
+    let w = S::select(opposite, turn.dot(other) * S::constant(0.5), w);
+    let scale = S::one() / w.mul_add(w, v.norm_squared()).sqrt();
+    let turn = Quaternion {
+        w: w * scale,
+        v: v * scale,
+    };
+    turn.log()
 }
 
 /// Some unit vector across a unit vector.

@@ -9,12 +9,18 @@
 //! exactly; one that is known by its numbers alone is [`Numeric`]. A [`Task`] gives it weights, tolerances and a name.
 
 mod by_dual_numbers;
+mod centre_of_mass;
+mod convex_polygon;
 mod distance;
 mod erased;
+mod frame_velocity;
+mod gaze;
 mod goal;
+mod joint_coupling;
 mod limit_centring;
 mod local_jacobian;
 mod look_at;
+mod manipulability;
 mod numeric;
 mod orientation;
 mod pixel;
@@ -27,16 +33,22 @@ mod quantity;
 mod ray;
 mod residual;
 mod smoothness;
+mod support_polygon;
 mod weighted;
 mod within;
 
 pub(crate) use by_dual_numbers::{CHUNK, DualScratch};
+pub use centre_of_mass::CentreOfMass;
 pub use distance::Distance;
 pub(crate) use erased::ErasedResidual;
+pub use frame_velocity::FrameVelocity;
+pub use gaze::Gaze;
 pub use goal::{Axis, Goal};
+pub use joint_coupling::JointCoupling;
 pub use limit_centring::LimitCentring;
 pub use local_jacobian::LocalJacobian;
 pub use look_at::LookAt;
+pub use manipulability::Manipulability;
 pub use numeric::{Numeric, NumericResidual};
 pub use orientation::Orientation;
 pub use pixel::{Camera, Pixel};
@@ -50,5 +62,6 @@ pub use quantity::{Quantity, Rows};
 pub use ray::Ray;
 pub use residual::{Residual, Role};
 pub use smoothness::Smoothness;
+pub use support_polygon::SupportPolygon;
 pub use weighted::Task;
 pub use within::Within;

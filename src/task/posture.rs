@@ -1,6 +1,6 @@
 //! Joints should be near given values.
 
-use super::residual::not_finite;
+use super::residual::{not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
 use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
 use crate::scalar::Scalar;
@@ -8,12 +8,18 @@ use crate::spatial::{Placement, Quaternion, Vector3};
 
 /// r = q ⊖ reference, a row a joint, in the joint's own unit; a ball has three, the rotation vector from its
 /// reference to where it is, in its own axes. A preference by default.
+///
+/// What is left free is shared among the joints so that Σ r² is least. [`by_range`](Self::by_range) counts each in
+/// shares of its own range, so that a stiff joint is asked for as little of it as a loose one; weights of one's own
+/// say which joints rather move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posture {
     joints: Vec<JointId>,
     reference: Vec<f64>,
     /// Which of the joints are balls, with four numbers each.
     is_ball: Vec<bool>,
+    /// What the rows of each joint are multiplied by; empty for 1.
+    weights: Vec<f64>,
 }
 
 impl Posture {
@@ -33,6 +39,7 @@ impl Posture {
                 .collect(),
             joints,
             reference,
+            weights: Vec::new(),
         }
     }
 
@@ -44,7 +51,41 @@ impl Posture {
             is_ball: vec![false; joints.len()],
             joints,
             reference,
+            weights: Vec::new(),
         }
+    }
+
+    /// Multiplies the rows of each joint by a weight, at least 0: one for each of its joints, in their order,
+    /// also for a ball. A joint of weight 0 moves freely.
+    #[must_use]
+    pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) -> Self {
+        self.weights = weights.into_iter().collect();
+        self
+    }
+
+    /// Counts each joint of `model` in half its range, so that all give the same share of theirs. Of a joint
+    /// without one that is half a turn, or the model's reach; of a ball its widest half angle.
+    #[must_use]
+    pub fn by_range(self, model: &Model) -> Self {
+        let reach = model.reach();
+        let half_range = |id: &JointId| {
+            let joint = model.joints().get(id.index());
+            let half = joint.map_or(0.0, |joint| match (joint.kind, &joint.ball) {
+                (JointKind::Ball, Some(limits)) => limits.swing[0].max(limits.swing[1]),
+                (JointKind::Ball, None) => std::f64::consts::PI,
+                _ => {
+                    let spread = model.sampling_spread(joint, reach);
+                    let (lower, upper) = joint.limits.sampling_range(0.0, spread);
+                    0.5 * (upper - lower)
+                }
+            });
+            match half > 0.0 {
+                true => 1.0 / half,
+                false => 1.0,
+            }
+        };
+        let weights: Vec<f64> = self.joints.iter().map(half_range).collect();
+        self.with_weights(weights)
     }
 
     /// Changes the values; missing ones keep what they were.
@@ -64,8 +105,49 @@ impl Posture {
         if self.is_ball.contains(&true) {
             return false;
         }
-        jacobian.set_diagonal(std::iter::repeat_n(slope, values));
+        match self.weights.is_empty() {
+            true => jacobian.set_diagonal(std::iter::repeat_n(slope, values)),
+            false => jacobian.set_diagonal(self.weights.iter().map(|weight| weight * slope)),
+        }
         true
+    }
+
+    fn weigh<S: Scalar>(&self, residual: &mut [S]) {
+        let rows = self.weights.iter().zip(&self.is_ball);
+        let rows =
+            rows.flat_map(|(&weight, &ball)| std::iter::repeat_n(weight, if ball { 3 } else { 1 }));
+        for (row, weight) in residual.iter_mut().zip(rows) {
+            *row *= S::constant(weight);
+        }
+    }
+
+    fn differences<S: Scalar>(&self, joints: &[S], residual: &mut [S]) {
+        if self.reference.len() == self.joints.len() {
+            for ((row, &value), &reference) in residual.iter_mut().zip(joints).zip(&self.reference)
+            {
+                *row = value - S::constant(reference);
+            }
+            return;
+        }
+        let (mut values, mut references, mut rows) = (joints, &self.reference[..], residual);
+        for &is_ball in &self.is_ball {
+            let (coordinates, own_rows) = if is_ball { (4, 3) } else { (1, 1) };
+            let (own, rest) = values.split_at(coordinates);
+            let (reference, other_references) = references.split_at(coordinates);
+            let (row, other_rows) = rows.split_at_mut(own_rows);
+            match (own, quaternion_at(reference).filter(|_| is_ball)) {
+                (&[w, x, y, z], Some(Quaternion { w: real, v })) => {
+                    let back = Quaternion {
+                        w: S::constant(real),
+                        v: Vector3::constant(-v),
+                    };
+                    let v = Vector3::new(x, y, z);
+                    row.copy_from_slice(&(back * Quaternion { w, v }).log().to_array());
+                }
+                _ => row[0] = own[0] - S::constant(reference[0]),
+            }
+            (values, references, rows) = (rest, other_references, other_rows);
+        }
     }
 }
 
@@ -94,31 +176,9 @@ impl Residual for Posture {
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        if self.reference.len() == self.joints.len() {
-            for ((row, &value), &reference) in residual.iter_mut().zip(joints).zip(&self.reference)
-            {
-                *row = value - S::constant(reference);
-            }
-            return;
-        }
-        let (mut values, mut references, mut rows) = (joints, &self.reference[..], residual);
-        for &is_ball in &self.is_ball {
-            let (coordinates, own_rows) = if is_ball { (4, 3) } else { (1, 1) };
-            let (own, rest) = values.split_at(coordinates);
-            let (reference, other_references) = references.split_at(coordinates);
-            let (row, other_rows) = rows.split_at_mut(own_rows);
-            match (own, quaternion_at(reference).filter(|_| is_ball)) {
-                (&[w, x, y, z], Some(Quaternion { w: real, v })) => {
-                    let back = Quaternion {
-                        w: S::constant(real),
-                        v: Vector3::constant(-v),
-                    };
-                    let v = Vector3::new(x, y, z);
-                    row.copy_from_slice(&(back * Quaternion { w, v }).log().to_array());
-                }
-                _ => row[0] = own[0] - S::constant(reference[0]),
-            }
-            (values, references, rows) = (rest, other_references, other_rows);
+        self.differences(joints, residual);
+        if !self.weights.is_empty() {
+            self.weigh(residual);
         }
     }
 
@@ -133,6 +193,16 @@ impl Residual for Posture {
 
     fn validate(&self) -> Result<(), String> {
         not_finite("its reference", self.reference.iter().copied())?;
+        let (weights, joints) = (self.weights.len(), self.joints.len());
+        refuse(weights != 0 && weights != joints, || {
+            format!("it has {weights} weights for {joints} joints")
+        })?;
+        let bad = |weight: &&f64| !(**weight >= 0.0 && weight.is_finite());
+        if let Some(weight) = self.weights.iter().find(bad) {
+            return Err(format!(
+                "its weight {weight} of a joint is no number of at least 0"
+            ));
+        }
         let mut first = 0;
         for &is_ball in &self.is_ball {
             if is_ball && quaternion_at(&self.reference[first..]).is_none() {

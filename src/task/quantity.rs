@@ -20,6 +20,10 @@ pub enum Quantity {
     JointUnits,
     /// A joint's speed: radians or metres per second.
     JointUnitsPerSecond,
+    /// A velocity in metres per second (in the rig's own unit for rigs).
+    MetresPerSecond,
+    /// An angular velocity in radians per second.
+    RadiansPerSecond,
     /// A number without a unit.
     Ratio,
 }
@@ -36,6 +40,9 @@ impl Quantity {
             (Self::JointUnits, LengthUnit::Own) => "rad or units",
             (Self::JointUnitsPerSecond, LengthUnit::Metres) => "rad/s or m/s",
             (Self::JointUnitsPerSecond, LengthUnit::Own) => "rad/s or units/s",
+            (Self::MetresPerSecond, LengthUnit::Metres) => "m/s",
+            (Self::MetresPerSecond, LengthUnit::Own) => "units/s",
+            (Self::RadiansPerSecond, _) => "rad/s",
             (Self::Ratio, _) => "",
         }
     }
@@ -49,6 +56,8 @@ impl fmt::Display for Quantity {
             Self::Pixels => "pixels",
             Self::JointUnits => "joint units",
             Self::JointUnitsPerSecond => "joint units per second",
+            Self::MetresPerSecond => "metres per second",
+            Self::RadiansPerSecond => "radians per second",
             Self::Ratio => "ratio",
         })
     }

@@ -25,6 +25,15 @@ impl Smoothness {
         }
     }
 
+    setters! {
+        /// Multiplies the rows of each joint by a weight: see [`Posture::with_weights`].
+        pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) {
+            self.previous = self.previous.with_weights(weights);
+        }
+        /// Counts each joint in half its range: see [`Posture::by_range`].
+        pub fn by_range(mut self, model: &Model) { self.previous = self.previous.by_range(model) }
+    }
+
     /// Takes the next step's starting point; missing values keep what they were.
     pub fn set_previous(&mut self, previous: &[f64]) {
         self.previous.set_reference(previous);

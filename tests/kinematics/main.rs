@@ -1,6 +1,7 @@
 //! Rotations, placements and Jacobians.
 
 mod canonical_bones;
+mod centre_of_mass;
 mod configurations;
 mod forward_kinematics;
 mod frame_jacobians;

@@ -10,6 +10,7 @@
 
 pub mod armatures;
 pub mod arms;
+pub mod body_tasks;
 pub mod bones;
 pub mod classics;
 pub mod figures;

@@ -77,12 +77,12 @@ fn entangled(frames: [Rigid; 2], u: f64, v: f64) -> Vec<f64> {
     ]
 }
 
-fn rotation_vector(rotation: na::Rotation3<f64>) -> Vec<f64> {
+pub(super) fn rotation_vector(rotation: na::Rotation3<f64>) -> Vec<f64> {
     let turn = na::UnitQuaternion::from_rotation_matrix(&rotation);
     turn.scaled_axis().iter().copied().collect()
 }
 
-fn sum_case<R: Residual>(
+pub(super) fn sum_case<R: Residual>(
     name: &'static str,
     make: impl Fn() -> R + 'static,
     expected: impl Fn(&[Rigid], &[f64]) -> Vec<f64> + 'static,
@@ -279,6 +279,7 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         move |at, q| entangled([at[slot], at[other]], q[last], q[first]),
     ));
     all.extend(placed_cases(tree, q, random));
+    all.extend(super::body_tasks::body_cases(tree, q, random));
     all
 }
 

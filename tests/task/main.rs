@@ -7,4 +7,5 @@ mod mouse_rays;
 mod numeric_residuals;
 mod room_and_bases;
 mod task_residuals;
+mod whole_bodies;
 mod wrong_shapes;

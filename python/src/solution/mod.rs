@@ -173,12 +173,14 @@ impl Solution {
 
 /// The quantities that errors, weights and tolerances are in, under the names that the library's messages
 /// have for them.
-const QUANTITIES: [Quantity; 6] = [
+const QUANTITIES: [Quantity; 8] = [
     Quantity::Metres,
     Quantity::Radians,
     Quantity::Pixels,
     Quantity::JointUnits,
     Quantity::JointUnitsPerSecond,
+    Quantity::MetresPerSecond,
+    Quantity::RadiansPerSecond,
     Quantity::Ratio,
 ];
 

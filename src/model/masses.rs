@@ -1,0 +1,180 @@
+//! How the mass of a body is spread over its frames, as far as its centre needs it.
+
+use super::{FrameId, JointId, Model};
+use crate::spatial::{Placement, Vector3};
+
+/// A mass on a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PointMass {
+    /// The frame that carries it.
+    pub frame: FrameId,
+    /// Where it is, in the frame's coordinates, metres.
+    pub at: Vector3<f64>,
+    /// In kilograms, above 0.
+    pub mass: f64,
+}
+
+/// Why masses have no centre.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MassError {
+    /// Nothing that joints move has mass.
+    #[error("`{model}` has no centre of mass: nothing that its joints move has mass")]
+    NoMass {
+        /// The model.
+        model: String,
+    },
+    /// A mass is negative or not finite.
+    #[error("the mass of `{frame}` is {mass} kg, which is no number of at least 0")]
+    BadMass {
+        /// What has it.
+        frame: String,
+        /// In kilograms.
+        mass: f64,
+    },
+    /// A mass stands nowhere.
+    #[error(
+        "the mass of `{frame}` stands at {coordinate} m in one axis, which is not a finite number"
+    )]
+    BadPlace {
+        /// What has it.
+        frame: String,
+        /// In metres.
+        coordinate: f64,
+    },
+    /// A frame id beyond the model's frames.
+    #[error("a mass is on frame number {index}, but model `{model}` has {frames} frames")]
+    ForeignFrame {
+        /// The model.
+        model: String,
+        /// The position that the id stands for.
+        index: usize,
+        /// How many frames the model has.
+        frames: usize,
+    },
+    /// A mesh has no volume to take masses from.
+    #[error("masses come from the volume of a mesh, and {0}")]
+    NoVolume(&'static str),
+}
+
+/// The masses that a model's joints move, one for each joint that carries any: what is fixed to each other is
+/// taken together.
+///
+/// What stands in the world counts for nothing, as in Pinocchio: a bolted base is the world's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Masses {
+    points: Vec<PointMass>,
+    total: f64,
+}
+
+impl Masses {
+    /// Takes masses on frames of `model`; those of 0 count for nothing.
+    ///
+    /// ```
+    /// # use kinopt::kinematics::centre_of_mass;
+    /// # use kinopt::model::{Limits, Masses, Model, PointMass};
+    /// # use kinopt::spatial::{Placement, Vector3};
+    /// # let mut builder = Model::builder("pendulum");
+    /// # let x = Vector3::UNITS[0];
+    /// # let hinge = builder.revolute("hinge", None, Placement::identity(), x, Limits::UNBOUNDED);
+    /// # let bob = builder.frame("bob", Some(hinge), Placement::translation([0.0, 0.0, -1.0].into()));
+    /// # let model = builder.build()?;
+    /// let bob = PointMass { frame: bob, at: Vector3::zero(), mass: 2.0 };
+    /// let masses = Masses::new(&model, [bob])?;
+    /// let centre = centre_of_mass(&model, &masses, &[std::f64::consts::FRAC_PI_2])?;
+    /// assert!(centre.x == 0.0 && (centre.y - 1.0).abs() < 1e-15 && centre.z.abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A mass that is negative or not finite, a frame that the model does not have, nothing that has mass.
+    pub fn new(
+        model: &Model,
+        masses: impl IntoIterator<Item = PointMass>,
+    ) -> Result<Self, MassError> {
+        let mut together: Vec<(JointId, PointMass)> = Vec::new();
+        for own in masses {
+            let Some(frame) = model.frames().get(own.frame.index()) else {
+                return Err(MassError::ForeignFrame {
+                    model: model.name().to_owned(),
+                    index: own.frame.index(),
+                    frames: model.frames().len(),
+                });
+            };
+            if !(own.mass >= 0.0 && own.mass.is_finite()) {
+                return Err(MassError::BadMass {
+                    frame: frame.name.clone(),
+                    mass: own.mass,
+                });
+            }
+            if let Some(coordinate) = own.at.to_array().into_iter().find(|at| !at.is_finite()) {
+                return Err(MassError::BadPlace {
+                    frame: frame.name.clone(),
+                    coordinate,
+                });
+            }
+            let Some(carrier) = moving_joint(model, own.frame).filter(|_| own.mass > 0.0) else {
+                continue;
+            };
+            match together.iter_mut().find(|(joint, _)| *joint == carrier) {
+                Some((_, other)) => other.join(model, &own),
+                None => together.push((carrier, own)),
+            }
+        }
+        let points: Vec<PointMass> = together.into_iter().map(|(_, point)| point).collect();
+        let total: f64 = points.iter().map(|point| point.mass).sum();
+        if points.is_empty() || !total.is_finite() {
+            let model = model.name().to_owned();
+            return Err(MassError::NoMass { model });
+        }
+        Ok(Self { points, total })
+    }
+
+    getters! {
+        /// One for each moving joint that carries any.
+        pub fn points(&self) -> &[PointMass] = &self.points;
+        /// In kilograms, above 0.
+        pub fn total(&self) -> f64 = self.total;
+        /// The frames that carry them.
+        pub(crate) fn frames(&self) -> Vec<FrameId> =
+            self.points.iter().map(|point| point.frame).collect();
+    }
+
+    /// The share of each in the total, and where it is in its frame.
+    pub(crate) fn shares(&self) -> impl Iterator<Item = (f64, Vector3<f64>)> + '_ {
+        let points = self.points.iter();
+        points.map(|point| (point.mass / self.total, point.at))
+    }
+}
+
+impl PointMass {
+    /// Takes up a mass that is fixed to this one.
+    fn join(&mut self, model: &Model, other: &Self) {
+        let own_from_other =
+            carrier_from(model, self.frame).inverse() * carrier_from(model, other.frame);
+        let mass = self.mass + other.mass;
+        let at = own_from_other.apply(other.at);
+        self.at = self.at + (at - self.at) * (other.mass / mass);
+        self.mass = mass;
+    }
+}
+
+/// The joint that moves a frame, fixed ones aside.
+fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
+    let mut above = model.joints_above(frame);
+    above.find(|joint| model.joints()[joint.index()].kind.moves())
+}
+
+/// Where a frame stands on the joint that moves it.
+fn carrier_from(model: &Model, frame: FrameId) -> Placement<f64> {
+    let mut placed = model.frames()[frame.index()].joint_from_frame;
+    for joint in model.joints_above(frame) {
+        let joint = &model.joints()[joint.index()];
+        if joint.kind.moves() {
+            break;
+        }
+        placed = joint.parent_from_joint * placed;
+    }
+    placed
+}

@@ -1,0 +1,194 @@
+//! A body's centre of mass should be at a place.
+
+use super::goal::Axis;
+use super::residual::not_finite;
+use super::{LocalJacobian, Quantity, Residual, Rows};
+use crate::model::{FrameId, Masses};
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+
+/// r = c − target, with c = Σ mᵢ pᵢ / Σ mᵢ: a row in metres for each world axis that counts, or for each axis of
+/// the [base](Self::relative_to).
+///
+/// ```
+/// # use kinopt::model::{Limits, Masses, Model, PointMass};
+/// # use kinopt::spatial::{Placement, Vector3};
+/// # use kinopt::task::{Axis, CentreOfMass, Point};
+/// # use kinopt::{Problem, Solver};
+/// # let mut builder = Model::builder("crane");
+/// # let (y, still) = (Vector3::UNITS[1], Placement::identity());
+/// # let link = Placement::translation([0.0, 0.0, 1.0].into());
+/// # let turns = Limits::new(-2.0, 2.0);
+/// # let ankle = builder.revolute("ankle", None, still, y, turns);
+/// # let hip = builder.revolute("hip", Some(ankle), link, y, turns);
+/// # let elbow = builder.revolute("elbow", Some(hip), link, y, turns);
+/// # let waist = builder.frame("waist", Some(ankle), link);
+/// # let hand = builder.frame("hand", Some(elbow), link);
+/// # let model = builder.build()?;
+/// let body = [(waist, 3.0), (hand, 1.0)];
+/// let body = body.map(|(frame, mass)| PointMass { frame, at: Vector3::zero(), mass });
+/// let masses = Masses::new(&model, body)?;
+/// let mut tasks = Problem::builder(&model);
+/// tasks.add(Point::new(hand, [1.0, 0.0, 1.6]));
+/// // Over a point of the floor, at any height.
+/// tasks.add(CentreOfMass::new(&masses, [0.17, 0.0, 0.0]).free_along(Axis::Z));
+/// let solution = Solver::default().solve_once(&tasks.build()?, &[0.1, 0.2, 0.3])?;
+/// assert!(solution.reached, "{}", solution.explain());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct CentreOfMass {
+    body: Body,
+    target: Vector3<f64>,
+    counts: [bool; 3],
+    base: Option<FrameId>,
+}
+
+/// The parts of a body by their shares in its mass.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Body {
+    pub(super) frames: Vec<FrameId>,
+    /// The share in the mass of each frame, and where it is in the frame.
+    shares: Vec<(f64, Vector3<f64>)>,
+}
+
+impl CentreOfMass {
+    /// The centre of these masses should be at `target`, metres in the world.
+    #[must_use]
+    pub fn new(masses: &Masses, target: impl Into<Vector3<f64>>) -> Self {
+        Self {
+            body: Body::of(masses),
+            target: target.into(),
+            counts: [true; 3],
+            base: None,
+        }
+    }
+
+    setters! {
+        /// Where it is along an axis does not matter: along z, what counts is over which point it is.
+        pub fn free_along(mut self, axis: Axis) { self.counts[axis as usize] = false }
+        /// Targets are given in `base`, which may move with the joints; so are the axes.
+        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
+    }
+
+    getters! {
+        /// Where it should be, in the world or in the base.
+        pub fn target(&self) -> Vector3<f64> = self.target;
+        /// The frame that targets are given in, if it is not the world.
+        pub fn base(&self) -> Option<FrameId> = self.base;
+    }
+
+    /// Moves the target.
+    pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
+        self.target = target.into();
+    }
+
+    /// The axes that count.
+    fn axes(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..3).filter(|&axis| self.counts[axis])
+    }
+}
+
+impl Body {
+    pub(super) fn of(masses: &Masses) -> Self {
+        Self {
+            frames: masses.frames(),
+            shares: masses.shares().collect(),
+        }
+    }
+
+    /// The centre of the frames that begin a list.
+    pub(super) fn centre<S: Scalar>(&self, frames: &[Placement<S>]) -> Vector3<S> {
+        let parts = frames.iter().zip(&self.shares);
+        parts.fold(Vector3::zero(), |sum, (frame, (share, at))| {
+            let at = frame.apply(Vector3::constant(*at));
+            at.mul_add(S::constant(*share), sum)
+        })
+    }
+
+    /// Writes the derivatives of rows whose k-th changes by `slopes[k]` · the velocity of the centre.
+    pub(super) fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        slopes: &[Vector3<f64>],
+        jacobian: &mut LocalJacobian,
+    ) {
+        for (part, (frame, (share, at))) in frames.iter().zip(&self.shares).enumerate() {
+            let lever = frame.rotation * *at;
+            for (row, slope) in jacobian.linear_mut(part).iter_mut().zip(slopes) {
+                *row = *slope * *share;
+            }
+            // e · (ω × l) = ω · (l × e)
+            for (row, slope) in jacobian.angular_mut(part).iter_mut().zip(slopes) {
+                *row = lever.cross(*slope) * *share;
+            }
+        }
+    }
+}
+
+impl Residual for CentreOfMass {
+    fn kind(&self) -> &'static str {
+        "centre of mass"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        let parts = self.body.frames.iter().copied();
+        parts.chain(self.base).collect()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, self.axes().count())]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let centre = self.body.centre(frames);
+        let at = match (self.base, frames.last()) {
+            (Some(_), Some(base)) => base.rotation.transpose_mul(centre - base.translation),
+            _ => centre,
+        };
+        let miss = (at - Vector3::constant(self.target)).to_array();
+        for (row, axis) in residual.iter_mut().zip(self.axes()) {
+            *row = miss[axis];
+        }
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let base = frames.last().filter(|_| self.base.is_some());
+        let axes = match base {
+            Some(Placement { rotation, .. }) => [rotation.x, rotation.y, rotation.z],
+            None => Vector3::UNITS,
+        };
+        let mut slopes = [Vector3::zero(); 3];
+        let mut count = 0;
+        for (slope, axis) in slopes.iter_mut().zip(self.axes()) {
+            *slope = axes[axis];
+            count += 1;
+        }
+        let slopes = &slopes[..count];
+        self.body.differentiate(frames, slopes, jacobian);
+        if let Some(base) = base {
+            let away = self.body.centre(frames) - base.translation;
+            let part = self.body.frames.len();
+            for (row, slope) in jacobian.linear_mut(part).iter_mut().zip(slopes) {
+                *row = -*slope;
+            }
+            // Seen from what turns, the rest turns the other way.
+            for (row, slope) in jacobian.angular_mut(part).iter_mut().zip(slopes) {
+                *row = slope.cross(away);
+            }
+        }
+        true
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        match self.counts {
+            [false, false, false] => Err("all its axes are free".to_owned()),
+            _ => not_finite("its target", self.target.to_array()),
+        }
+    }
+}

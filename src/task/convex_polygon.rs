@@ -1,0 +1,158 @@
+//! Convex polygons whose corners may move, in the plane.
+
+use crate::scalar::Scalar;
+
+/// A point of the plane.
+pub(super) type Point2<S> = [S; 2];
+
+/// A convex polygon by its corners, counter-clockwise; a segment of two, a point of one.
+///
+/// Which corners there are is decided by values; where they are carries derivatives.
+#[derive(Clone, Debug)]
+pub(super) struct ConvexPolygon<S> {
+    corners: Vec<Point2<S>>,
+    /// The mean of the points that it was drawn around.
+    middle: Point2<S>,
+}
+
+fn minus<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn along<S: Scalar>(a: Point2<S>, way: Point2<S>, share: S) -> Point2<S> {
+    [way[0].mul_add(share, a[0]), way[1].mul_add(share, a[1])]
+}
+
+fn dot<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Twice the area of a triangle, positive where its corners are counter-clockwise.
+fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    let (ab, ac) = (minus(b, a), minus(c, a));
+    ab[0] * ac[1] - ab[1] * ac[0]
+}
+
+/// By its value; NaN where several stand side by side.
+fn value<S: Scalar>(number: S) -> f64 {
+    number.as_f64().unwrap_or(f64::NAN)
+}
+
+impl<S: Scalar> ConvexPolygon<S> {
+    /// The convex hull of points, at least one, by the monotone chain of Andrew (1979, "Another efficient
+    /// algorithm for convex hulls in two dimensions").
+    pub(super) fn around(points: impl Iterator<Item = Point2<S>>) -> Self {
+        let mut points: Vec<(Point2<S>, [f64; 2])> =
+            points.map(|point| (point, point.map(value))).collect();
+        let share = S::constant(1.0 / points.len() as f64);
+        let zero = [S::zero(); 2];
+        let middle = (points.iter()).fold(zero, |sum, (point, _)| along(sum, *point, share));
+        points.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        points.dedup_by(|(_, a), (_, b)| a == b);
+        let mut hull: Vec<(Point2<S>, [f64; 2])> = Vec::with_capacity(2 * points.len());
+        let mut walk = |way: &mut dyn Iterator<Item = &(Point2<S>, [f64; 2])>| {
+            let first = hull.len();
+            for &(point, at) in way {
+                while let [.., (_, a), (_, b)] = &hull[first..] {
+                    if turn(*a, *b, at) > 0.0 {
+                        break;
+                    }
+                    hull.pop();
+                }
+                hull.push((point, at));
+            }
+            // The next walk begins with it.
+            hull.pop();
+        };
+        if points.len() > 1 {
+            walk(&mut points.iter());
+            walk(&mut points.iter().rev());
+        } else {
+            hull = points;
+        }
+        Self {
+            corners: hull.into_iter().map(|(point, _)| point).collect(),
+            middle,
+        }
+    }
+
+    /// The edges: a corner, the way to the next, and that way's length.
+    fn edges(&self) -> impl Iterator<Item = (Point2<S>, Point2<S>, S)> + '_ {
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().zip(next).filter_map(|(&from, &to)| {
+            let way = minus(to, from);
+            let squared = dot(way, way);
+            (value(squared) > 0.0).then(|| (from, way, squared.sqrt()))
+        })
+    }
+
+    /// What is at least `margin` from the edges; where that is nothing, the middle.
+    pub(super) fn shrunk(self, margin: f64) -> Self {
+        if margin == 0.0 {
+            return self;
+        }
+        let mut left = self.corners.clone();
+        for (from, way, length) in self.edges() {
+            // Positive within.
+            let scale = S::one() / length;
+            let depth = |at: &Point2<S>| {
+                let away = minus(*at, from);
+                (way[0] * away[1] - way[1] * away[0]) * scale - S::constant(margin)
+            };
+            let depths: Vec<S> = left.iter().map(depth).collect();
+            let mut kept = Vec::with_capacity(left.len() + 1);
+            for k in 0..left.len() {
+                let next = (k + 1) % left.len();
+                let (here, there) = (depths[k], depths[next]);
+                if value(here) >= 0.0 {
+                    kept.push(left[k]);
+                }
+                if (value(here) >= 0.0) != (value(there) >= 0.0) {
+                    let share = here / (here - there);
+                    kept.push(along(left[k], minus(left[next], left[k]), share));
+                }
+            }
+            left = kept;
+        }
+        if left.is_empty() || self.corners.len() < 3 {
+            left = vec![self.middle];
+        }
+        Self {
+            corners: left,
+            ..self
+        }
+    }
+
+    /// From the nearest place of the polygon to `at`; zero inside.
+    pub(super) fn outside(&self, at: Point2<S>) -> Point2<S> {
+        let mut inside = self.corners.len() > 2;
+        let mut nearest = match self.corners.first() {
+            Some(&corner) => minus(at, corner),
+            None => [S::constant(f64::NAN); 2],
+        };
+        let mut shortest = value(dot(nearest, nearest));
+        for (from, way, length) in self.edges() {
+            let away = minus(at, from);
+            inside &= value(way[0] * away[1] - way[1] * away[0]) >= 0.0;
+            let share = dot(away, way) / (length * length);
+            let share = share.max(S::zero()).min(S::one());
+            let miss = minus(away, [way[0] * share, way[1] * share]);
+            let squared = value(dot(miss, miss));
+            if squared < shortest {
+                (nearest, shortest) = (miss, squared);
+            }
+        }
+        match inside {
+            true => [S::zero(); 2],
+            false => nearest,
+        }
+    }
+}
+
+impl ConvexPolygon<f64> {
+    /// Whether anything is at least `margin` from the edges.
+    pub(super) fn has_room_for(&self, margin: f64) -> bool {
+        let left = self.clone().shrunk(margin);
+        margin == 0.0 || (self.corners.len() > 2 && left.corners != [self.middle])
+    }
+}

@@ -1,0 +1,139 @@
+//! An axis of a frame should point into a cone.
+
+use std::f64::consts::PI;
+
+use super::look_at::{line_of_sight, turn_onto};
+use super::residual::{not_finite, refuse};
+use super::within::beyond;
+use super::{Quantity, Residual, Rows};
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+
+/// r = max(0, θ − α): how far an axis of a frame is outside the cone of half angle α about a direction or a line
+/// of sight, θ away from it. One row in radians; within the cone it costs nothing.
+///
+/// A [`LookAt`](super::LookAt) has no cone: the axis itself should point there.
+///
+/// ```
+/// # use kinopt::model::{Limits, Model};
+/// # use kinopt::spatial::{Placement, Vector3};
+/// # use kinopt::task::Gaze;
+/// # use kinopt::{Problem, Solver};
+/// # let mut builder = Model::builder("neck");
+/// # let y = Vector3::UNITS[1];
+/// # let neck = builder.revolute("neck", None, Placement::identity(), y, Limits::new(-1.0, 1.0));
+/// # let cup = builder.frame("cup", Some(neck), Placement::identity());
+/// # let model = builder.build()?;
+/// // A cup may tip by a tenth of a radian.
+/// let up = [0.0, 0.0, 1.0];
+/// let mut tasks = Problem::builder(&model);
+/// tasks.add(Gaze::along(cup, up, up, 0.1));
+/// let solution = Solver::default().solve_once(&tasks.build()?, &[0.7])?;
+/// assert!(solution.reached && (solution.q[0] - 0.1).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gaze {
+    frame: FrameId,
+    axis: Vector3<f64>,
+    aim: Aim,
+    half_angle: f64,
+}
+
+/// The middle of the cone, in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Aim {
+    Along(Vector3<f64>),
+    At(Vector3<f64>),
+}
+
+impl Gaze {
+    /// `axis` (frame coordinates) should be within `half_angle`, radians within (0, π), of `direction` (world
+    /// coordinates); both vectors of any length but zero.
+    #[must_use]
+    pub fn along(
+        frame: FrameId,
+        axis: impl Into<Vector3<f64>>,
+        direction: impl Into<Vector3<f64>>,
+        half_angle: f64,
+    ) -> Self {
+        Self {
+            frame,
+            axis: axis.into(),
+            aim: Aim::Along(direction.into()),
+            half_angle,
+        }
+    }
+
+    /// `axis` (frame coordinates, any length but zero) should be within `half_angle`, radians within (0, π), of
+    /// the line of sight from the frame's origin to `target`, metres in the world: a camera's field of view.
+    #[must_use]
+    pub fn at(
+        frame: FrameId,
+        axis: impl Into<Vector3<f64>>,
+        target: impl Into<Vector3<f64>>,
+        half_angle: f64,
+    ) -> Self {
+        Self {
+            frame,
+            axis: axis.into(),
+            aim: Aim::At(target.into()),
+            half_angle,
+        }
+    }
+
+    /// Moves the target, or turns the direction.
+    pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
+        self.aim = match self.aim {
+            Aim::Along(_) => Aim::Along(target.into()),
+            Aim::At(_) => Aim::At(target.into()),
+        };
+    }
+}
+
+impl Residual for Gaze {
+    fn kind(&self) -> &'static str {
+        "gaze"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Radians, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let axis = frames[0].rotation * Vector3::constant(self.axis * (1.0 / self.axis.norm()));
+        let aim = match self.aim {
+            Aim::Along(direction) => Vector3::constant(direction * (1.0 / direction.norm())),
+            Aim::At(target) => line_of_sight(&frames[0], axis, target),
+        };
+        let squared = turn_onto(axis, aim).norm_squared();
+        // Well within the cone, where the angle itself has no derivative.
+        let inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
+        let angle = S::select(inside, S::one(), squared).sqrt();
+        let outside = beyond(angle, f64::NEG_INFINITY, self.half_angle);
+        residual[0] = S::select(inside, S::zero(), outside);
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        let (Aim::Along(aim) | Aim::At(aim)) = self.aim;
+        not_finite("its target", aim.to_array())?;
+        not_finite("its axis", self.axis.to_array())?;
+        refuse(self.axis.norm() <= 0.0, || {
+            "its axis has no direction".to_owned()
+        })?;
+        if let Aim::Along(direction) = self.aim {
+            refuse(direction.norm() <= 0.0, || {
+                "its direction has no length".to_owned()
+            })?;
+        }
+        let half_angle = self.half_angle;
+        refuse(!(half_angle > 0.0 && half_angle < PI), || {
+            format!("its half angle {half_angle} rad is not within 0 and π")
+        })
+    }
+}

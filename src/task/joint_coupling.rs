@@ -1,0 +1,121 @@
+//! Joints should keep a linear relation.
+
+use super::residual::{not_finite, refuse};
+use super::{LocalJacobian, Quantity, Residual, Rows};
+use crate::model::{FrameId, JointId, Model};
+use crate::scalar::Scalar;
+use crate::spatial::Placement;
+
+/// r = Σ cₖ qₖ − offset: one row, in radians where the first joint turns and in metres where it slides.
+///
+/// A joint that always follows another belongs into the
+/// [`ParameterMap`](crate::model::ParameterMap), which holds exactly and saves a variable; this may be weighed,
+/// have room, and couple any number of joints.
+///
+/// ```
+/// # use kinopt::model::{Limits, Model};
+/// # use kinopt::spatial::{Placement, Vector3};
+/// # use kinopt::task::{JointCoupling, Point};
+/// # use kinopt::{Problem, Solver};
+/// # let mut builder = Model::builder("finger");
+/// # let link = Placement::translation([1.0, 0.0, 0.0].into());
+/// # let z = Vector3::UNITS[2];
+/// # let turns = Limits::new(-2.0, 2.0);
+/// # let one = builder.revolute("one", None, Placement::identity(), z, turns);
+/// # let two = builder.revolute("two", Some(one), link, z, turns);
+/// # let three = builder.revolute("three", Some(two), link, z, turns);
+/// # let tip = builder.frame("tip", Some(three), link);
+/// # let model = builder.build()?;
+/// let mut tasks = Problem::builder(&model);
+/// tasks.add(Point::new(tip, [1.0, 1.5, 0.0]));
+/// // The last joint bends two thirds as far as the one before it.
+/// tasks.add(JointCoupling::new(&model, [(three, 3.0), (two, -2.0)], 0.0));
+/// let solution = Solver::default().solve_once(&tasks.build()?, &[0.3; 3])?;
+/// assert!(solution.reached, "{}", solution.explain());
+/// assert!((3.0 * solution.q[2] - 2.0 * solution.q[1]).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointCoupling {
+    joints: Vec<JointId>,
+    coefficients: Vec<f64>,
+    offset: f64,
+    quantity: Quantity,
+}
+
+impl JointCoupling {
+    /// Joints of `model` with their coefficients, in the first one's unit per unit of each; no balls. The sum
+    /// should be `offset`, radians or metres.
+    #[must_use]
+    pub fn new(
+        model: &Model,
+        joints: impl IntoIterator<Item = (JointId, f64)>,
+        offset: f64,
+    ) -> Self {
+        let (joints, coefficients): (Vec<_>, Vec<_>) = joints.into_iter().unzip();
+        let first = joints.first().and_then(|id| model.joints().get(id.index()));
+        let quantity = match first.is_some_and(|joint| joint.kind.slides()) {
+            true => Quantity::Metres,
+            false => Quantity::Radians,
+        };
+        Self {
+            joints,
+            coefficients,
+            offset,
+            quantity,
+        }
+    }
+
+    /// Changes what the sum should be.
+    pub fn set_offset(&mut self, offset: f64) {
+        self.offset = offset;
+    }
+}
+
+impl Residual for JointCoupling {
+    fn kind(&self) -> &'static str {
+        "joint coupling"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.clone()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        Some(self.coefficients.len())
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(self.quantity, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        let terms = joints.iter().zip(&self.coefficients);
+        residual[0] = terms.fold(S::constant(-self.offset), |sum, (&value, &coefficient)| {
+            value.mul_add(S::constant(coefficient), sum)
+        });
+    }
+
+    fn differentiate(
+        &self,
+        _frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        for (joint, &coefficient) in self.coefficients.iter().enumerate() {
+            jacobian.joint_mut(joint).fill(coefficient);
+        }
+        true
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        not_finite("its coefficients", self.coefficients.iter().copied())?;
+        not_finite("its offset", [self.offset])?;
+        let idle = self.coefficients.iter().all(|c| *c == 0.0);
+        refuse(idle, || "it couples no joints".to_owned())
+    }
+}

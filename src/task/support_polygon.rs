@@ -1,0 +1,231 @@
+//! A body's centre of mass should be over its feet.
+
+use super::by_dual_numbers::moved_by_unit_twists;
+use super::centre_of_mass::Body;
+use super::convex_polygon::{ConvexPolygon, Point2};
+use super::residual::{not_finite, refuse};
+use super::{LocalJacobian, Quantity, Residual, Rows};
+use crate::model::{FrameId, Masses};
+use crate::scalar::{Dual, Scalar};
+use crate::spatial::{Placement, Vector3};
+
+/// r = c − P(c): how far the centre of mass, seen from above, is outside the convex hull of points of support, P(c)
+/// the nearest place within. Two rows in metres across the vertical; their length is that distance, and within
+/// the polygon, less a [margin](Self::with_margin) from its edges, they cost nothing.
+///
+/// So a body that stands still balances (Bretl & Lall 2008, "Testing static equilibrium for legged robots", for
+/// feet on one level and enough friction). Points may be on frames, which may move.
+///
+/// ```
+/// # use kinopt::kinematics::centre_of_mass;
+/// # use kinopt::model::{Limits, Masses, Model, PointMass};
+/// # use kinopt::spatial::{Placement, Vector3};
+/// # use kinopt::task::{Point, SupportPolygon};
+/// # use kinopt::{Problem, Solver};
+/// # let mut builder = Model::builder("crane");
+/// # let (y, still) = (Vector3::UNITS[1], Placement::identity());
+/// # let link = Placement::translation([0.0, 0.0, 1.0].into());
+/// # let turns = Limits::new(-2.0, 2.0);
+/// # let ankle = builder.revolute("ankle", None, still, y, turns);
+/// # let hip = builder.revolute("hip", Some(ankle), link, y, turns);
+/// # let elbow = builder.revolute("elbow", Some(hip), link, y, turns);
+/// # let waist = builder.frame("waist", Some(ankle), link);
+/// # let chest = builder.frame("chest", Some(hip), link);
+/// # let hand = builder.frame("hand", Some(elbow), link);
+/// # let model = builder.build()?;
+/// let body = [(waist, 3.0), (chest, 1.0), (hand, 1.0)];
+/// let body = body.map(|(frame, mass)| PointMass { frame, at: Vector3::zero(), mass });
+/// let masses = Masses::new(&model, body)?;
+/// let sole = [[-0.1, 0.1], [-0.1, -0.1], [0.2, -0.1], [0.2, 0.1]].map(|[x, y]| [x, y, 0.0]);
+/// let mut tasks = Problem::builder(&model);
+/// tasks.add(Point::new(hand, [1.0, 0.0, 1.5]));
+/// tasks.add(SupportPolygon::new(&masses).with_points(sole).with_margin(0.05));
+/// let solution = Solver::default().solve_once(&tasks.build()?, &[0.1, 0.2, 0.3])?;
+/// assert!(solution.reached, "{}", solution.explain());
+/// assert!(centre_of_mass(&model, &masses, &solution.q)?.x < 0.15 + 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SupportPolygon {
+    body: Body,
+    points: Vec<Support>,
+    /// Those that carry points, after the body's.
+    frames: Vec<FrameId>,
+    margin: f64,
+    up: Vector3<f64>,
+}
+
+/// A point of support.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Support {
+    /// Which of the carrying frames; none for the world.
+    frame: Option<usize>,
+    at: Vector3<f64>,
+}
+
+impl SupportPolygon {
+    /// The centre of these masses should be over points, of which there are none yet; up is z.
+    #[must_use]
+    pub fn new(masses: &Masses) -> Self {
+        Self {
+            body: Body::of(masses),
+            points: Vec::new(),
+            frames: Vec::new(),
+            margin: 0.0,
+            up: Vector3::UNITS[2],
+        }
+    }
+
+    setters! {
+        /// Which way is up, in the world: of any length but zero.
+        pub fn with_up(mut self, up: impl Into<Vector3<f64>>) { self.up = up.into() }
+        /// How far from the polygon's edges it should be inside, metres. Where points on frames come to leave
+        /// no room for it, the middle of the points is asked for.
+        pub fn with_margin(mut self, margin: f64) { self.margin = margin }
+    }
+
+    /// More points of support, metres in the world.
+    #[must_use]
+    pub fn with_points<P: Into<Vector3<f64>>>(
+        mut self,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        let points = points.into_iter().map(|at| Support {
+            frame: None,
+            at: at.into(),
+        });
+        self.points.extend(points);
+        self
+    }
+
+    /// More points of support, on a frame: the corners of a foot's sole, in the frame's coordinates, metres.
+    #[must_use]
+    pub fn with_points_on<P: Into<Vector3<f64>>>(
+        mut self,
+        frame: FrameId,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        let known = self.frames.iter().position(|own| *own == frame);
+        let slot = known.unwrap_or(self.frames.len());
+        if known.is_none() {
+            self.frames.push(frame);
+        }
+        let points = points.into_iter().map(|at| Support {
+            frame: Some(slot),
+            at: at.into(),
+        });
+        self.points.extend(points);
+        self
+    }
+
+    /// Two axes across the vertical, a right-handed third with it.
+    fn across(&self) -> [Vector3<f64>; 2] {
+        let up = self.up * (1.0 / self.up.norm());
+        let [x, y, z] = Vector3::UNITS;
+        // Where z is up these are x and y, so that rows are in them.
+        let beside = if up.dot(z).abs() > 0.5 { x } else { z };
+        let first = beside - up * beside.dot(up);
+        let first = first * (1.0 / first.norm());
+        match up == y {
+            true => [z, x],
+            false => [first, up.cross(first)],
+        }
+    }
+
+    /// The rows, by the centre and the carrying frames; NaN where several numbers stand side by side, which
+    /// no problem asks for.
+    fn outside<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>]) -> [S; 2] {
+        let axes = self.across().map(Vector3::constant);
+        let seen = |at: Vector3<S>| -> Point2<S> { axes.map(|axis| axis.dot(at)) };
+        let points = self.points.iter().map(|point| {
+            let at = Vector3::constant(point.at);
+            seen(match point.frame {
+                Some(frame) => frames[frame].apply(at),
+                None => at,
+            })
+        });
+        ConvexPolygon::around(points)
+            .shrunk(self.margin)
+            .outside(seen(centre))
+    }
+}
+
+impl Residual for SupportPolygon {
+    fn kind(&self) -> &'static str {
+        "support polygon"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        let parts = self.body.frames.iter();
+        parts.chain(&self.frames).copied().collect()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 2)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let (parts, feet) = frames.split_at(self.body.frames.len());
+        residual.copy_from_slice(&self.outside(self.body.centre(parts), feet));
+    }
+
+    /// By the centre once, not by each of the parts that it is made of; then by the feet.
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let (parts, feet) = frames.split_at(self.body.frames.len());
+        let centre = self.body.centre(parts);
+        let mut moved: Vec<Placement<Dual<6>>> = feet.iter().map(Placement::constant).collect();
+        let variable = |value, axis| Dual::<6>::variable(value, axis);
+        let from = Vector3::new(
+            variable(centre.x, 0),
+            variable(centre.y, 1),
+            variable(centre.z, 2),
+        );
+        let slopes = self.outside(from, &moved).map(|row| {
+            let [x, y, z, ..] = row.derivatives();
+            Vector3::new(x, y, z)
+        });
+        self.body.differentiate(parts, &slopes, jacobian);
+        let centre = Vector3::constant(centre);
+        for (k, foot) in feet.iter().enumerate() {
+            moved[k] = moved_by_unit_twists(foot);
+            let rows = self.outside(centre, &moved).map(|row| row.derivatives());
+            let slot = parts.len() + k;
+            for (row, [vx, vy, vz, wx, wy, wz]) in rows.into_iter().enumerate() {
+                jacobian.linear_mut(slot)[row] = Vector3::new(vx, vy, vz);
+                jacobian.angular_mut(slot)[row] = Vector3::new(wx, wy, wz);
+            }
+            moved[k] = Placement::constant(foot);
+        }
+        true
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        not_finite("the vertical", self.up.to_array())?;
+        refuse(self.up.norm() <= 0.0, || {
+            "its vertical has no direction".to_owned()
+        })?;
+        let coordinates = self.points.iter().flat_map(|point| point.at.to_array());
+        not_finite("its points of support", coordinates)?;
+        refuse(self.points.is_empty(), || {
+            "it has no points of support".to_owned()
+        })?;
+        let margin = self.margin;
+        refuse(!(margin >= 0.0 && margin.is_finite()), || {
+            format!("its margin {margin} m is no number of at least 0")
+        })?;
+        if !self.frames.is_empty() {
+            return Ok(());
+        }
+        let axes = self.across();
+        let seen = |point: &Support| axes.map(|axis| axis.dot(point.at));
+        let polygon = ConvexPolygon::around(self.points.iter().map(seen));
+        refuse(!polygon.has_room_for(margin), || {
+            format!("its margin {margin} m leaves nothing of its polygon")
+        })
+    }
+}

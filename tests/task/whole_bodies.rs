@@ -1,0 +1,492 @@
+//! Promise: tasks of whole bodies do what they say on free bases and ball joints: what is asked is reached, within
+//! their room they cost nothing, derivatives agree by every route (near half a turn and at the identity too), and
+//! what makes no sense is refused by name.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::PI;
+
+use kinopt::kinematics::{ForwardKinematics, centre_of_mass};
+use kinopt::model::{FrameId, Limits, Masses, Model, ParameterMap, PointMass};
+use kinopt::problem::{Derivatives, Evaluation, ProblemBuilder};
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{
+    Axis, CentreOfMass, FrameVelocity, Gaze, JointCoupling, Manipulability, Point, Pose, Posture,
+    Quantity, Residual, Rows, Smoothness, SupportPolygon, Task, Within,
+};
+use kinopt::{Problem, Scalar, Solver};
+use nalgebra::DMatrix;
+use support::figures::Figure;
+use support::placement;
+use support::random::Random;
+
+/// A mass on every frame, heavier towards the tips.
+fn masses_of(figure: &Figure) -> Masses {
+    let parts = figure.frames.iter().enumerate();
+    let parts = parts.map(|(k, &frame)| PointMass {
+        frame,
+        at: Vector3::new(0.05, -0.02 * k as f64, 0.1),
+        mass: 1.0 + k as f64,
+    });
+    Masses::new(&figure.model, parts).unwrap()
+}
+
+fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
+    let problem = &problem.clone().with_derivatives(route);
+    let mut scratch = problem.scratch();
+    let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
+    Evaluation::new(problem, &mut scratch).jacobian(x, &mut jacobian);
+    jacobian
+}
+
+type Add<'a> = (&'static str, Box<dyn Fn(&mut ProblemBuilder<'_>) + 'a>);
+
+fn tasks<'a>(figure: &'a Figure, masses: &'a Masses, seed: u64) -> Vec<Add<'a>> {
+    let (model, random) = (&figure.model, &mut Random::new(seed));
+    let last = figure.frames[figure.frames.len() - 1];
+    let base = figure.frames[1];
+    let reference = model.random_configuration(seed + 7);
+    let joints = model.moving_joints().to_vec();
+    let count = {
+        let mut joints = joints.clone();
+        joints.dedup();
+        joints.len()
+    };
+    let weights: Vec<f64> = (0..count).map(|_| random.within(0.1, 3.0)).collect();
+    let [target, axis, aim] = [random.vector(0.4), random.vector(1.0), random.vector(1.0)];
+    let previous = placement(&random.rigid(0.5));
+    let sole: Vec<[f64; 3]> = (0..4).map(|_| random.vector(0.3).into()).collect();
+    let [near, at] = [reference.clone(), reference];
+    let heavy = weights.clone();
+    vec![
+        (
+            "centre of mass",
+            Box::new(move |b| {
+                b.add(CentreOfMass::new(masses, target));
+            }),
+        ),
+        (
+            "centre of mass in a base",
+            Box::new(move |b| {
+                b.add(
+                    CentreOfMass::new(masses, target)
+                        .relative_to(base)
+                        .free_along(Axis::Y),
+                );
+            }),
+        ),
+        (
+            "support polygon",
+            Box::new(move |b| {
+                b.add(SupportPolygon::new(masses).with_points(sole.clone()));
+            }),
+        ),
+        (
+            "support polygon on a frame",
+            Box::new(move |b| {
+                let corners = [
+                    [1.0, 1.0, 0.0],
+                    [1.2, 1.0, 0.1],
+                    [1.0, 1.3, 0.0],
+                    [1.2, 1.3, -0.1],
+                ];
+                b.add(
+                    SupportPolygon::new(masses)
+                        .with_points_on(last, corners)
+                        .with_margin(0.02),
+                );
+            }),
+        ),
+        (
+            "gaze",
+            Box::new(move |b| {
+                b.add(Gaze::along(last, axis, aim, 0.1));
+                b.add(Gaze::at(last, axis, aim * 5.0, 0.1));
+            }),
+        ),
+        (
+            "frame velocity",
+            Box::new(move |b| {
+                b.add(FrameVelocity::new(
+                    last,
+                    previous,
+                    0.1,
+                    ([0.1, 0.2, 0.3], [0.4, 0.5, 0.6]),
+                ));
+            }),
+        ),
+        (
+            "manipulability",
+            Box::new(move |b| {
+                b.add(Manipulability::new(model, None, last, 50.0));
+            }),
+        ),
+        (
+            "manipulability against a base",
+            Box::new(move |b| {
+                b.add(Manipulability::new(model, Some(base), last, 50.0).of_position());
+            }),
+        ),
+        (
+            "posture with weights",
+            Box::new(move |b| {
+                b.add(Posture::new(model, &near).with_weights(weights.iter().copied()));
+                b.add(Posture::new(model, &near).by_range(model));
+            }),
+        ),
+        (
+            "smoothness with weights",
+            Box::new(move |b| {
+                b.add(Smoothness::new(model, &at, 0.1).with_weights(heavy.iter().copied()));
+            }),
+        ),
+        (
+            "pose in a base",
+            Box::new(move |b| {
+                b.add(Pose::new(last, previous).relative_to(base));
+            }),
+        ),
+    ]
+}
+
+#[test]
+fn every_derivative_route_agrees_on_balls_and_free_bases() {
+    for seed in 0..8 {
+        let figure = Figure::new(seed, 8);
+        let (model, masses) = (&figure.model, masses_of(&figure));
+        for (name, add) in tasks(&figure, &masses, seed) {
+            let mut builder = Problem::builder(model);
+            builder.parameters(ParameterMap::free(model));
+            add(&mut builder);
+            let Ok(problem) = builder.build() else {
+                // Too few joints for a measure of manipulability.
+                assert!(name.starts_with("manipulability"), "{name}");
+                continue;
+            };
+            let mut x = vec![0.0; problem.variables()];
+            for case in 0..3 {
+                let mut q = match case {
+                    0 => model.neutral(),
+                    _ => model.random_configuration(seed + case),
+                };
+                if case == 2 {
+                    // Half a turn of the base but for a hair.
+                    let half = 0.5 * (PI - 1e-7);
+                    q[3..7].copy_from_slice(&[half.cos(), half.sin(), 0.0, 0.0]);
+                }
+                problem.parameters().reduce(&q, &mut x).unwrap();
+                let analytic = jacobian(&problem, Derivatives::Analytic, &x);
+                let dual = jacobian(&problem, Derivatives::Dual, &x);
+                let size = dual.amax().max(1.0);
+                let off = (&analytic - &dual).amax() / size;
+                assert!(off < 1e-11, "{name}, seed {seed}, case {case}: {off:e}");
+                if name.starts_with("manipulability") && case == 0 {
+                    // Its kink at singularities, of which rest is one.
+                    continue;
+                }
+                let central = jacobian(&problem, Derivatives::CentralDifference, &x);
+                let off = (&central - &dual).amax() / size;
+                assert!(off < 1e-7, "{name}, seed {seed}, case {case}: {off:e}");
+            }
+        }
+    }
+}
+
+/// A centre of mass that some configuration has is reached, over the point alone too.
+#[test]
+fn a_body_balances() {
+    for seed in 0..20 {
+        let figure = Figure::new(seed, 6);
+        let (model, masses) = (&figure.model, masses_of(&figure));
+        let target = centre_of_mass(model, &masses, &model.random_configuration(seed + 9)).unwrap();
+        let mut builder = Problem::builder(model);
+        builder.add(CentreOfMass::new(&masses, target));
+        builder.add(Posture::new(model, &model.neutral()));
+        let problem = builder.build().unwrap();
+        let solution = Solver::default()
+            .solve_once(&problem, &model.neutral())
+            .unwrap();
+        assert!(solution.reached, "seed {seed}: {}", solution.explain());
+        let centre = centre_of_mass(model, &masses, &solution.q).unwrap();
+        assert!((centre - target).norm() < 2e-6, "seed {seed}");
+        let task = solution.tasks().next().unwrap();
+        assert!(task.name.starts_with("centre of mass"), "{}", task.name);
+    }
+}
+
+/// A triangle of support, one of whose corners is on a foot: inside nothing moves, outside the nearest place of the
+/// shrunken triangle is asked for.
+#[test]
+fn over_its_feet_a_body_is_left_alone() {
+    let mut builder = Model::builder("sledge");
+    let [x, y, _] = Vector3::UNITS;
+    let still = Placement::identity();
+    let wide = Limits::new(-5.0, 5.0);
+    let along = builder.prismatic("along", None, still, x, wide);
+    let aside = builder.prismatic("aside", Some(along), still, y, wide);
+    let mass = builder.frame(
+        "mass",
+        Some(aside),
+        Placement::translation([0.0, 0.0, 1.0].into()),
+    );
+    let foot = builder.frame("foot", None, Placement::translation([4.0, 0.0, 7.0].into()));
+    let model = builder.build().unwrap();
+    let mass = PointMass {
+        frame: mass,
+        at: Vector3::zero(),
+        mass: 3.0,
+    };
+    let masses = Masses::new(&model, [mass]).unwrap();
+    // A right-angled triangle of sides 4, 4: (0, 0), (4, 0), (0, 4).
+    let triangle = SupportPolygon::new(&masses)
+        .with_points([[0.0, 0.0, 2.0], [0.0, 4.0, -3.0], [1.0, 1.0, 0.0]])
+        .with_points_on(foot, [[0.0, 0.0, 0.5]]);
+    let solve = |polygon: &SupportPolygon, start: [f64; 2]| {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(polygon.clone());
+        let problem = tasks.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &start).unwrap();
+        assert!(solution.reached, "{}", solution.explain());
+        [solution.q[0], solution.q[1]]
+    };
+    let check = |found: [f64; 2], expected: [f64; 2]| {
+        let off = f64::hypot(found[0] - expected[0], found[1] - expected[1]);
+        assert!(off < 2e-6, "{found:?} {expected:?}");
+    };
+    assert_eq!(solve(&triangle, [0.5, 0.4]), [0.5, 0.4]);
+    check(solve(&triangle, [-2.0, 1.0]), [0.0, 1.0]);
+    check(solve(&triangle, [-2.0, -1.0]), [0.0, 0.0]);
+    check(solve(&triangle, [3.0, 3.0]), [2.0, 2.0]);
+    let inner = triangle.clone().with_margin(0.5);
+    assert_eq!(solve(&inner, [0.6, 0.7]), [0.6, 0.7]);
+    check(solve(&inner, [-2.0, 1.0]), [0.5, 1.0]);
+    check(solve(&inner, [-2.0, -1.0]), [0.5, 0.5]);
+    let edge = 2.0 - 0.5 * 0.5_f64.sqrt();
+    check(solve(&inner, [3.0, 3.0]), [edge, edge]);
+    // A line of support, and a point.
+    let line =
+        SupportPolygon::new(&masses).with_points([[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 5.0]]);
+    check(solve(&line, [1.5, 1.0]), [1.5, 0.0]);
+    let point = SupportPolygon::new(&masses).with_points([[1.0, 2.0, 3.0]]);
+    check(solve(&point, [0.0, 0.0]), [1.0, 2.0]);
+}
+
+/// A residual of a user's own, by a signed distance.
+#[derive(Clone)]
+struct Depth(FrameId);
+
+impl Residual for Depth {
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.0]
+    }
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
+        r[0] = frames[0].translation.norm() - S::constant(2.0);
+    }
+}
+
+/// Any residual is one-sided by `Within`: a user's own too.
+#[test]
+fn a_user_s_own_residual_may_be_one_sided() {
+    for seed in 0..10 {
+        let figure = Figure::new(2 * seed + 1, 5);
+        let model = &figure.model;
+        let last = figure.frames[4];
+        let mut random = Random::new(seed);
+        let [inside, outside] =
+            [1.0, 3.0].map(|far| Vector3::from(random.direction().into_inner() * far));
+        for (place, is_free) in [(inside, true), (outside, false)] {
+            let mut tasks = Problem::builder(model);
+            tasks.add(Task::new(Point::new(last, place)).preference());
+            tasks.add(Within::at_most(Depth(last), 0.0));
+            let problem = tasks.build().unwrap();
+            let solution = Solver::default()
+                .solve_once(&problem, &model.neutral())
+                .unwrap();
+            assert!(solution.reached, "seed {seed}: {}", solution.explain());
+            let mut places = ForwardKinematics::new(model);
+            let at = places.place(&solution.q).unwrap()[last.index()].translation;
+            // Within the sphere the point goes where it would rather be, outside it stops at the sphere.
+            if is_free {
+                assert!((at - place).norm() < 1e-3, "seed {seed}: {at:?} {place:?}");
+            } else {
+                let off = (at - place * (2.0 / 3.0)).norm();
+                assert!(
+                    (1.999..2.000_002).contains(&at.norm()) && off < 0.2,
+                    "seed {seed}: {at:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_by_name() {
+    let figure = Figure::new(1, 6);
+    let (model, masses) = (&figure.model, masses_of(&figure));
+    let (last, nan) = (figure.frames[5], f64::NAN);
+    let z = [0.0, 0.0, 1.0];
+    let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let polygon = || SupportPolygon::new(&masses).with_points(square);
+    let here = Placement::identity();
+    let neutral = model.neutral();
+    let ball = model.moving_joints()[3];
+    let refused = |add: &dyn Fn(&mut ProblemBuilder<'_>), words: &[&str]| {
+        let mut builder = Problem::builder(model);
+        add(&mut builder);
+        let error = builder.build().unwrap_err().to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    };
+    macro_rules! refuse {
+        ($task:expr, $($word:literal),+) => {
+            refused(&|b| { b.add($task); }, &[$($word),+]);
+        };
+    }
+    refuse!(
+        CentreOfMass::new(&masses, [nan; 3]),
+        "centre of mass",
+        "target"
+    );
+    refuse!(
+        CentreOfMass::new(&masses, [0.0; 3])
+            .free_along(Axis::X)
+            .free_along(Axis::Y)
+            .free_along(Axis::Z),
+        "centre of mass",
+        "all its axes are free"
+    );
+    refuse!(SupportPolygon::new(&masses), "support polygon", "no points");
+    refuse!(polygon().with_margin(0.6), "margin", "nothing");
+    refuse!(polygon().with_margin(-0.1), "margin", "-0.1");
+    refuse!(polygon().with_up([0.0; 3]), "vertical");
+    refuse!(
+        SupportPolygon::new(&masses).with_points([[nan; 3]]),
+        "points of support"
+    );
+    refuse!(Gaze::along(last, z, z, 0.0), "gaze", "half angle 0");
+    refuse!(Gaze::along(last, z, z, 3.2), "half angle 3.2");
+    refuse!(Gaze::along(last, [0.0; 3], z, 0.1), "axis");
+    refuse!(Gaze::along(last, z, [0.0; 3], 0.1), "direction");
+    refuse!(
+        FrameVelocity::new(last, here, 0.0, ([0.0; 3], z)),
+        "frame velocity",
+        "time step"
+    );
+    refuse!(
+        FrameVelocity::new(last, here, 0.1, ([nan; 3], z)),
+        "velocity"
+    );
+    refuse!(
+        JointCoupling::new(model, [], 0.0),
+        "joint coupling",
+        "no joints"
+    );
+    refuse!(
+        JointCoupling::new(model, [(ball, 1.0)], 0.0),
+        "joint coupling",
+        "4"
+    );
+    refuse!(
+        JointCoupling::new(model, [(ball, nan)], 0.0),
+        "coefficients"
+    );
+    refuse!(
+        Posture::new(model, &neutral).with_weights([1.0]),
+        "posture",
+        "1 weights"
+    );
+    refuse!(
+        Posture::new(model, &neutral).with_weights(vec![-1.0; 9]),
+        "posture",
+        "weight"
+    );
+    refuse!(
+        Manipulability::new(model, None, last, 0.0),
+        "manipulability",
+        "least"
+    );
+    let near = Some(figure.frames[5]);
+    refuse!(
+        Manipulability::new(model, near, last, 1.0),
+        "0 degrees of freedom"
+    );
+}
+
+/// What is left free is shared evenly, or by weights: three hinges of a finger bend by the same angle.
+#[test]
+fn joints_share_what_is_asked_of_them() {
+    let mut builder = Model::builder("column");
+    let (z, still) = (Vector3::UNITS[2], Placement::identity());
+    let (mut last, mut joints) = (None, Vec::new());
+    for limit in [1.0, 2.0, 4.0] {
+        let limits = Limits::new(-limit, limit);
+        let joint = builder.revolute(format!("{limit}"), last, still, z, limits);
+        last = Some(joint);
+        joints.push(joint);
+    }
+    let model = builder.build().unwrap();
+    let sum = || JointCoupling::new(&model, joints.iter().map(|&joint| (joint, 1.0)), 2.1);
+    let zero = || Posture::new(&model, &[0.0; 3]);
+    for (posture, expected) in [
+        (zero(), [0.7, 0.7, 0.7]),
+        // λ/w² each.
+        (zero().with_weights([1.0, 1.0, 0.5]), [0.35, 0.35, 1.4]),
+        (zero().by_range(&model), [0.1, 0.4, 1.6]),
+    ] {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(sum());
+        tasks.add(posture);
+        let solution = Solver::default()
+            .solve_once(&tasks.build().unwrap(), &[0.5, -0.2, 0.1])
+            .unwrap();
+        assert!(solution.reached);
+        for (q, expected) in solution.q.iter().zip(expected) {
+            assert!((q - expected).abs() < 1e-4, "{:?} {expected}", solution.q);
+        }
+    }
+}
+
+/// A stretched arm bends until the measure is what it should be; a frame that should stay still stays.
+#[test]
+fn an_arm_keeps_clear_of_its_singularity() {
+    let mut builder = Model::builder("arm");
+    let [_, y, z] = Vector3::UNITS;
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let wide = Limits::new(-2.5, 2.5);
+    let turn = builder.revolute("turn", None, Placement::identity(), z, wide);
+    let lift = builder.revolute("lift", Some(turn), Placement::identity(), y, wide);
+    let bend = builder.revolute("bend", Some(lift), link, y, wide);
+    let tip = builder.frame("tip", Some(bend), link);
+    let model = builder.build().unwrap();
+    let mut tasks = Problem::builder(&model);
+    tasks.add(
+        Task::new(Manipulability::new(&model, None, tip, 0.5).of_position())
+            .goal()
+            .tolerance(Quantity::Ratio, 1e-6),
+    );
+    let problem = tasks.build().unwrap();
+    let solution = Solver::default()
+        .solve_once(&problem, &[0.0, 0.1, 0.05])
+        .unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    // |det J| of this arm is l² |sin bend| · (l cos lift + l cos(lift + bend)).
+    let [_, lift, bend] = [solution.q[0], solution.q[1], solution.q[2]];
+    let measure = (bend.sin() * (lift.cos() + (lift + bend).cos())).abs();
+    assert!(measure >= 0.5 - 1e-5, "{measure}");
+
+    let q = [0.2, 0.3, 1.4];
+    let mut places = ForwardKinematics::new(&model);
+    let before = places.place(&q).unwrap()[tip.index()];
+    let mut tasks = Problem::builder(&model);
+    let still = FrameVelocity::new(tip, before, 0.5, ([-0.2, 0.0, 0.1], [0.0; 3]));
+    tasks.add(Task::new(still).weight(Quantity::RadiansPerSecond, 0.0));
+    let solution = Solver::default()
+        .solve_once(&tasks.build().unwrap(), &q)
+        .unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    let after = places.place(&solution.q).unwrap()[tip.index()];
+    let way = after.translation - before.translation - Vector3::new(-0.1, 0.0, 0.05);
+    assert!(way.norm() < 1e-6, "{way:?}");
+}
