@@ -39,6 +39,10 @@ from .jacobian_check import check
 from .types import HasModel, PlacementLike
 
 
+# Masses on frames in kilograms, at the frame's origin or at a place in its coordinates, shape (3,), metres.
+Masses = Mapping[str, float | tuple[float, ArrayLike]]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Task:
     """What all tasks have: a name, weights, tolerances, a role. See the module for what they say.
@@ -78,6 +82,33 @@ class Task:
     def _frames(self, *names: str) -> None:
         for name in names:
             self._check_name(name, getattr(self, name), optional=name == "base")
+
+    def _joint_weights(self) -> None:
+        weights = getattr(self, "joint_weights", None)
+        if isinstance(weights, Mapping):
+            for joint, value in weights.items():
+                self._check_name("a joint of joint_weights", joint, optional=False)
+                _check_number(f"the weight of {joint}", value)
+            self._keep("joint_weights", dict(weights))
+        elif isinstance(weights, str):
+            if weights != "by range":
+                raise InvalidValueError(f"joint_weights must be numbers or \"by range\", not {weights!r}")
+        elif weights is not None:
+            self._numbers("joint_weights", None)
+
+    def _masses(self) -> None:
+        masses = getattr(self, "masses", None)
+        if masses is None:
+            return
+        if not isinstance(masses, Mapping):
+            raise InvalidValueError(f"masses must be a dict by frame, not {masses!r}")
+        kept = {}
+        for frame, given in masses.items():
+            self._check_name("a frame of masses", frame, optional=False)
+            mass, at = given if isinstance(given, Sequence) and len(given) == 2 else (given, (0.0, 0.0, 0.0))
+            _check_number(f"the mass of {frame}", mass)
+            kept[frame] = (float(mass), _compiled.numbers(at, f"where the mass of {frame} is", 3))
+        self._keep("masses", kept)
 
     def __repr__(self) -> str:
         shown = []
@@ -278,11 +309,15 @@ class Posture(Task):
     """Joints should be near ``reference``: one row a joint, in joint units. A preference unless told otherwise.
 
     The reference is a configuration, shape (dof,), or a dict of some joints' values, radians or metres.
+    ``joint_weights`` multiplies the rows of each joint by a number of at least 0: shape (joints,), or a dict of
+    some joints', the others 1, or ``"by range"``, which counts each joint in half its range, so that all give the
+    same share of theirs.
 
     Raises ``InvalidValueError`` for what are no numbers.
     """
 
     reference: ArrayLike | Mapping[str, float]
+    joint_weights: ArrayLike | Mapping[str, float] | Literal["by range"] | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "posture"
 
@@ -294,19 +329,22 @@ class Posture(Task):
             self._keep("reference", dict(self.reference))
         else:
             self._numbers("reference", None)
+        self._joint_weights()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Smoothness(Task):
     """Joints should move slowly from ``previous``, shape (dof,), where they stood ``time_step_s`` seconds ago.
 
-    One row a joint, in joint units per second. A preference unless told otherwise.
+    One row a joint, in joint units per second. A preference unless told otherwise. ``joint_weights`` are those of
+    a `Posture`.
 
     Raises ``InvalidValueError`` for other shapes and for what are no names.
     """
 
     previous: ArrayLike
     time_step_s: float
+    joint_weights: ArrayLike | Mapping[str, float] | Literal["by range"] | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "smoothness"
 
@@ -314,6 +352,7 @@ class Smoothness(Task):
         super().__post_init__()
         self._numbers("previous", None)
         _check_number("time_step_s", self.time_step_s)
+        self._joint_weights()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -326,6 +365,212 @@ class LimitCentring(Task):
     """
 
     _kind: ClassVar[str] = "limit centring"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RelativePose(Task):
+    """``frame`` should stand at ``target`` in the frame ``base``, whichever of the two moves: a placement, (4, 4).
+
+    Three rows in metres, three in radians, in the axes of the base. It is a `Pose` whose ``base`` comes second;
+    ``tool`` and ``goal`` are as there.
+
+    Raises ``InvalidValueError`` for other shapes, what is no rigid placement and what are no names.
+    """
+
+    frame: str
+    base: str
+    target: PlacementLike
+    tool: PlacementLike | None = field(default=None, kw_only=True)
+    goal: Goal | None = field(default=None, kw_only=True)
+
+    _kind: ClassVar[str] = "pose"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._frames("frame")
+        self._check_name("base", self.base, optional=False)
+        self._keep("target", _compiled.placement(self.target, "target"))
+        if self.tool is not None:
+            self._keep("tool", _compiled.placement(self.tool, "tool"))
+        if not (self.goal is None or isinstance(self.goal, Goal)):
+            raise InvalidValueError(f"goal must be a kinopt.Goal, not {self.goal!r}")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CenterOfMass(Task):
+    """The centre of mass should be at ``target``: (x, y, z), or (x, y) at any height, metres.
+
+    A row in metres for each axis but those of ``free``, such as ``"z"`` or ``"xy"``; the target is in the world, or
+    in the frame ``base``, which may move with the joints, and so are the axes. Masses are those of the robot's file,
+    but for what stands in the world, or of a rig by the volume of its mesh; ``masses`` gives others:
+    ``{"frame": kg}``, or ``{"frame": (kg, (x, y, z))}`` with a place in the frame's coordinates.
+
+    Raises ``InvalidValueError`` for other shapes and what are no names; where the problem is made also for masses
+    that are negative or none at all.
+    """
+
+    target: ArrayLike
+    free: str = field(default="", kw_only=True)
+    base: str | None = field(default=None, kw_only=True)
+    masses: Masses | None = field(default=None, kw_only=True)
+
+    _kind: ClassVar[str] = "center of mass"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._frames("base")
+        self._numbers("target", None)
+        target: Any = self.target
+        if not (isinstance(self.free, str) and set(self.free) <= set("xyz")):
+            raise InvalidValueError(f"free must be axes such as \"z\" or \"xy\", not {self.free!r}")
+        if len(target) == 2:
+            self._keep("target", _compiled.numbers(np.append(target, 0.0), "target", 3))
+            self._keep("free", self.free if "z" in self.free else self.free + "z")
+        elif len(target) != 3:
+            raise InvalidValueError(f"target has shape ({len(target)},), expected (3,), or (2,) for any height")
+        self._masses()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SupportPolygon(Task):
+    """The centre of mass, seen from above, should be within the convex hull of points of support.
+
+    ``points`` are in the world, shape (N, 3), ``on`` has those of frames, ``{"frame": points}`` of shape (N, 3) in
+    the frame's coordinates: the corners of a foot's sole. One-sided: within the polygon, less ``margin`` metres
+    from its edges, it costs nothing. Two rows in metres across ``up``, their length the distance from there.
+    ``masses`` are as for `CenterOfMass`.
+
+    Raises ``InvalidValueError`` for other shapes and what are no names; where the problem is made also for a
+    margin that leaves nothing.
+    """
+
+    points: ArrayLike | None = None
+    on: Mapping[str, ArrayLike] | None = field(default=None, kw_only=True)
+    margin: float = field(default=0.0, kw_only=True)
+    up: ArrayLike = field(default=(0.0, 0.0, 1.0), kw_only=True)
+    masses: Masses | None = field(default=None, kw_only=True)
+
+    _kind: ClassVar[str] = "support polygon"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._keep("points", _points("points", () if self.points is None else self.points))
+        if not (self.on is None or isinstance(self.on, Mapping)):
+            raise InvalidValueError(f"on must be a dict by frame, not {self.on!r}")
+        on = {}
+        for frame, points in (self.on or {}).items():
+            self._check_name("a frame of on", frame, optional=False)
+            on[frame] = _points(f"the points on {frame}", points)
+        self._keep("on", on)
+        _check_number("margin", self.margin)
+        self._numbers("up", 3)
+        self._masses()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Gaze(Task):
+    """``axis`` of ``frame``, shape (3,), should point into a cone of ``half_angle``, radians within (0, pi).
+
+    The cone is about the line of sight from the frame's origin to ``target``, metres, or about ``direction``, both
+    in the world, shape (3,); one of the two is given. One-sided: one row in radians, how far outside the cone.
+
+    Raises ``InvalidValueError`` for other shapes, what are no names, and both or none of target and direction.
+    """
+
+    frame: str
+    axis: ArrayLike
+    half_angle: float
+    target: ArrayLike | None = field(default=None, kw_only=True)
+    direction: ArrayLike | None = field(default=None, kw_only=True)
+
+    _kind: ClassVar[str] = "gaze"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._frames("frame")
+        self._numbers("axis", 3)
+        _check_number("half_angle", self.half_angle)
+        if (self.target is None) == (self.direction is None):
+            raise InvalidValueError("Gaze takes a target or a direction")
+        self._numbers("target" if self.direction is None else "direction", 3)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrameVelocity(Task):
+    """``frame`` should have moved at a velocity since it stood at ``previous``, (4, 4), ``time_step_s`` seconds ago.
+
+    ``linear`` is in m/s, of its origin, ``angular`` in rad/s, both in world axes, shape (3,), and zero unless given.
+    Three rows in metres per second and three in radians per second.
+
+    Raises ``InvalidValueError`` for other shapes, what is no rigid placement and what are no names.
+    """
+
+    frame: str
+    previous: PlacementLike
+    time_step_s: float
+    linear: ArrayLike = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    angular: ArrayLike = field(default=(0.0, 0.0, 0.0), kw_only=True)
+
+    _kind: ClassVar[str] = "frame velocity"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._frames("frame")
+        self._keep("previous", _compiled.placement(self.previous, "previous"))
+        _check_number("time_step_s", self.time_step_s)
+        self._numbers("linear", 3)
+        self._numbers("angular", 3)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointCoupling(Task):
+    """The joints should keep a linear relation: the sum of ``coefficients`` times their values is ``offset``.
+
+    ``coefficients`` is a dict by joint; one row, in radians where the first joint turns, in metres where it slides.
+
+    Raises ``InvalidValueError`` for what are no names and no numbers.
+    """
+
+    coefficients: Mapping[str, float]
+    offset: float = 0.0
+
+    _kind: ClassVar[str] = "joint coupling"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.coefficients, Mapping):
+            raise InvalidValueError(f"coefficients must be a dict by joint, not {self.coefficients!r}")
+        for joint, value in self.coefficients.items():
+            self._check_name("a joint of coefficients", joint, optional=False)
+            _check_number(f"the coefficient of {joint}", value)
+        self._keep("coefficients", dict(self.coefficients))
+        _check_number("offset", self.offset)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Manipulability(Task):
+    """``frame`` should be able to move every way: Yoshikawa's measure, the square root of det(J J^T), at least ``least``.
+
+    J is the Jacobian of the frame by the joints that move it against ``base``, the world unless given; ``of`` says
+    which of its rows count: ``"pose"``, all six, ``"position"`` or ``"orientation"``. One row without a unit, 1 at a
+    singularity and 0 from ``least`` on: one-sided. A preference unless told otherwise; as a goal give it a tolerance.
+
+    Raises ``InvalidValueError`` for what are no names and no numbers.
+    """
+
+    frame: str
+    least: float
+    base: str | None = field(default=None, kw_only=True)
+    of: Literal["pose", "position", "orientation"] = field(default="pose", kw_only=True)
+
+    _kind: ClassVar[str] = "manipulability"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._frames("frame", "base")
+        _check_number("least", self.least)
+        if self.of not in ("pose", "position", "orientation"):
+            raise InvalidValueError(f"of must be \"pose\", \"position\" or \"orientation\", not {self.of!r}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -439,6 +684,19 @@ class Residual(Task):
         check(self, model, q, tolerance)
 
 
+def _points(what: str, points: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Points, shape (N, 3), also a single one or none."""
+    try:
+        rows = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidValueError(f"{what} must be numbers, not {points!r}") from None
+    rows = np.empty((0, 3)) if rows.size == 0 else np.atleast_2d(rows).copy()
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise InvalidValueError(f"{what} has shape {np.shape(points)}, expected (N, 3)")
+    rows.setflags(write=False)
+    return rows
+
+
 def _names(what: str, names: Sequence[str]) -> tuple[str, ...]:
     if isinstance(names, str) or not all(isinstance(name, str) for name in names):
         raise InvalidValueError(f"{what} must be a list of names, not {names!r}")
@@ -454,9 +712,14 @@ def _check_number(what: str, value: object) -> None:
 
 __all__ = [
     "Camera",
+    "CenterOfMass",
     "Distance",
+    "FrameVelocity",
+    "Gaze",
+    "JointCoupling",
     "LimitCentring",
     "LookAt",
+    "Manipulability",
     "Orientation",
     "Pixel",
     "Plane",
@@ -464,8 +727,10 @@ __all__ = [
     "Pose",
     "Posture",
     "Ray",
+    "RelativePose",
     "Residual",
     "Smoothness",
+    "SupportPolygon",
     "Task",
     "Within",
 ]

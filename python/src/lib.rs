@@ -17,6 +17,7 @@ mod has_model;
 mod io;
 mod items;
 mod kinematics;
+mod masses;
 mod mesh;
 mod model;
 mod pickling;

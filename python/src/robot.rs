@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use kinopt::spatial::Placement;
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
@@ -262,6 +262,39 @@ impl Robot {
                 inner: shape.clone(),
             })
             .collect())
+    }
+
+    /// The mass of all links that joints move, kg. Raises `InvalidValueError` where the file states none.
+    #[getter]
+    fn mass(&self) -> PyResult<f64> {
+        Ok(self.inner.masses().or_raise()?.total())
+    }
+
+    /// Where the centre of mass is at a configuration `q`, shape (dof,): shape (3,), metres, in the world.
+    ///
+    /// Masses are those of the file's links (`<inertial>`); what stands in the world counts for nothing, as in
+    /// Pinocchio. Raises `InvalidValueError` where the file states none, or a negative one, and for other shapes.
+    fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let configuration = arrays::copied(q, "q")?;
+        let centre = self.inner.centre_of_mass(&configuration).or_raise()?;
+        Ok(arrays::list(q.py(), &centre.to_array()))
+    }
+
+    /// How the centre of mass moves at a configuration `q`, shape (dof,): its Jacobian, three rows in m/s in world
+    /// axes, a column for each number of a velocity.
+    ///
+    /// Raises `InvalidValueError` as `center_of_mass`.
+    fn center_of_mass_jacobian<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let configuration = arrays::copied(q, "q")?;
+        let columns = self
+            .inner
+            .centre_of_mass_jacobian(&configuration)
+            .or_raise()?;
+        let rows = columns.transpose();
+        arrays::list(q.py(), rows.as_slice()).reshape([3, rows.nrows()])
     }
 
     /// The configuration nearest to all zeros within the limits, shape (dof,).

@@ -41,6 +41,14 @@ TOOL[:3, :3], TOOL[:3, 3] = turned([0, 1, 1], 0.3), [0.0, 0.1, 0.2]
 CAMERA = tasks.Camera.pinhole(np.eye(4), [500.0, 510.0], [320.0, 240.0])
 
 
+MASSES = {"link2": 3.0, "link3": (2.0, [0.1, 0.0, 0.2]), "tool": (1.5, (0.0, 0.1, 0.0))}
+
+
+def centre(frames):
+    places = frames["link2"][:3, 3], (frames["link3"] @ [0.1, 0, 0.2, 1])[:3], (frames["tool"] @ [0, 0.1, 0, 1])[:3]
+    return np.average(places, axis=0, weights=[3.0, 2.0, 1.5])
+
+
 def beyond(value, lower, upper):
     return value - np.clip(value, lower, upper)
 
@@ -67,7 +75,22 @@ def cases(robot):
         turn = np.cross(axis, sight)
         return np.arctan2(np.linalg.norm(turn), axis @ sight) * turn / np.linalg.norm(turn)
 
+    def off(place, aim):
+        return np.arccos(np.clip(place[:3, :3] @ [0, 0, 1] @ aim / np.linalg.norm(aim), -1, 1))
+
+    def measure(q):
+        jacobian = kinopt.frame_jacobian(robot, "tool", q)
+        return np.sqrt(np.linalg.det(jacobian @ jacobian.T))
+
+    def against(q):
+        # In the axes of link2, whose own motion is taken off.
+        tool, base = (kinopt.frame_jacobian(robot, frame, q) for frame in ("tool", "link2"))
+        away = (kinopt.frame_placement(robot, "tool", q) - kinopt.frame_placement(robot, "link2", q))[:3, 3]
+        linear = tool[:3] - base[:3] - np.cross(base[3:], away, axis=0)
+        return np.sqrt(np.linalg.det(linear @ linear.T))
+
     normal = np.array([0.0, 3.0, 4.0]) / 5
+    weights = np.linspace(0.2, 2.0, len(rest))
     return {
         "point": (tasks.Point("tool", TARGET), lambda f, q: f["tool"][:3, 3] - TARGET),
         "point at, in a base": (
@@ -114,6 +137,64 @@ def cases(robot):
         "within": (
             tasks.Within(tasks.Point("tool", TARGET), 0.2),
             lambda f, q: beyond(f["tool"][:3, 3] - TARGET, -0.2, 0.2),
+        ),
+        "relative pose": (
+            tasks.RelativePose("flange", "link2", POSE, tool=TOOL),
+            lambda f, q: pose(np.linalg.inv(f["link2"]) @ f["flange"] @ TOOL),
+        ),
+        "centre of mass": (
+            tasks.CenterOfMass(TARGET, masses=MASSES),
+            lambda f, q: centre(f) - TARGET,
+        ),
+        "centre of mass over a point": (
+            tasks.CenterOfMass(TARGET[:2], masses=MASSES),
+            lambda f, q: (centre(f) - TARGET)[:2],
+        ),
+        "centre of mass in a base": (
+            tasks.CenterOfMass(TARGET, free="xz", base="flange", masses=MASSES),
+            lambda f, q: [(np.linalg.inv(f["flange"]) @ np.r_[centre(f), 1])[1] - TARGET[1]],
+        ),
+        "support polygon": (
+            # A square: what is outside is outside in x and y each.
+            tasks.SupportPolygon([[-0.1, -0.1, 5], [0.1, -0.1, 1], [0.1, 0.1, 2]], on={"base": [-0.1, 0.1, 3]},
+                                 margin=0.02, masses=MASSES),
+            lambda f, q: beyond(centre(f)[:2], -0.08, 0.08),
+        ),
+        "gaze": (
+            tasks.Gaze("tool", [0, 0, 2], 0.3, target=TARGET),
+            lambda f, q: [max(0, off(f["tool"], TARGET - f["tool"][:3, 3]) - 0.3)],
+        ),
+        "gaze along": (
+            tasks.Gaze("tool", [0, 0, 2], 0.3, direction=[0, 3, 4]),
+            lambda f, q: [max(0, off(f["tool"], normal) - 0.3)],
+        ),
+        "frame velocity": (
+            tasks.FrameVelocity("tool", POSE, 0.5, linear=[0.1, 0.2, 0.3], angular=[0.3, 0.2, 0.1]),
+            lambda f, q: pose(f["tool"]) / 0.5 - [0.1, 0.2, 0.3, 0.3, 0.2, 0.1],
+        ),
+        "joint coupling": (
+            tasks.JointCoupling({"joint2": 2.0, "joint4": -0.5}, 0.1),
+            lambda f, q: [2 * q[1] - 0.5 * q[3] - 0.1],
+        ),
+        "manipulability": (
+            tasks.Manipulability("tool", 0.5),
+            lambda f, q: [max(0, 1 - measure(q) / 0.5)],
+        ),
+        "manipulability of a position": (
+            tasks.Manipulability("tool", 0.5, base="link2", of="position"),
+            lambda f, q: [max(0, 1 - against(q) / 0.5)],
+        ),
+        "posture with weights": (
+            tasks.Posture(rest, joint_weights=weights),
+            lambda f, q: weights * (q - rest),
+        ),
+        "posture with a weight": (
+            tasks.Posture({"joint2": 0.3, "joint5": -0.1}, joint_weights={"joint5": 0.2}),
+            lambda f, q: [q[1] - 0.3, 0.2 * (q[4] + 0.1)],
+        ),
+        "smoothness by range": (
+            tasks.Smoothness(rest, 0.02, joint_weights="by range"),
+            lambda f, q: (q - rest) / 0.02 / ((upper - lower) / 2),
         ),
         "at least": (
             tasks.Within.at_least(tasks.Plane("tool", TARGET, [0, 3, 4]), 0.3),
@@ -243,6 +324,39 @@ WRONG = {
     "camera of nan": lambda: [tasks.Pixel("tool", tasks.Camera(np.full((3, 4), np.nan)), [1, 2])],
     "length of a posture": lambda: [tasks.Posture([0.0, 1.0])],
     "time step": lambda: [tasks.Smoothness(np.zeros(9), 0.0)],
+    "no masses": lambda: [tasks.CenterOfMass([0, 0, 0])],
+    "shape of a centre": lambda: [tasks.CenterOfMass([0], masses=MASSES)],
+    "free axes": lambda: [tasks.CenterOfMass([0, 0, 0], free="w", masses=MASSES)],
+    "no axis left": lambda: [tasks.CenterOfMass([0, 0, 0], free="xyz", masses=MASSES)],
+    "negative mass": lambda: [tasks.CenterOfMass([0, 0, 0], masses={"tool": -1.0})],
+    "zero mass": lambda: [tasks.CenterOfMass([0, 0, 0], masses={"tool": 0.0})],
+    "mass in the world": lambda: [tasks.CenterOfMass([0, 0, 0], masses={"base": 5.0})],
+    "mass on nothing": lambda: [tasks.CenterOfMass([0, 0, 0], masses={"paw": 1.0})],
+    "masses of words": lambda: [tasks.CenterOfMass([0, 0, 0], masses={"tool": "heavy"})],
+    "masses in a list": lambda: [tasks.CenterOfMass([0, 0, 0], masses=[1.0])],
+    "no support": lambda: [tasks.SupportPolygon(masses=MASSES)],
+    "shape of support": lambda: [tasks.SupportPolygon([[0, 0]], masses=MASSES)],
+    "support of words": lambda: [tasks.SupportPolygon("here", masses=MASSES)],
+    "support on a list": lambda: [tasks.SupportPolygon(on=[[0, 0, 0]], masses=MASSES)],
+    "margin": lambda: [tasks.SupportPolygon([[0, 0, 0], [1, 0, 0]], margin=0.1, masses=MASSES)],
+    "vertical": lambda: [tasks.SupportPolygon([0, 0, 0], up=[0, 0, 0], masses=MASSES)],
+    "no cone": lambda: [tasks.Gaze("tool", [0, 0, 1], 0.0, target=[1, 1, 1])],
+    "no aim": lambda: [tasks.Gaze("tool", [0, 0, 1], 0.1)],
+    "two aims": lambda: [tasks.Gaze("tool", [0, 0, 1], 0.1, target=[1, 1, 1], direction=[1, 1, 1])],
+    "velocity": lambda: [tasks.FrameVelocity("tool", POSE, 0.1, linear=[np.nan, 0, 0])],
+    "step of a velocity": lambda: [tasks.FrameVelocity("tool", POSE, -0.1)],
+    "no coupling": lambda: [tasks.JointCoupling({})],
+    "coupling of a list": lambda: [tasks.JointCoupling(["joint1"])],
+    "coupling of words": lambda: [tasks.JointCoupling({"joint1": "half"})],
+    "coupling of what is not there": lambda: [tasks.JointCoupling({"elbow": 1.0})],
+    "measure": lambda: [tasks.Manipulability("tool", 0.0)],
+    "measure of few joints": lambda: [tasks.Manipulability("tool", 0.1, base="link4")],
+    "measure of": lambda: [tasks.Manipulability("tool", 0.1, of="speed")],
+    "weights of joints": lambda: [tasks.Posture(np.zeros(9), joint_weights=[1.0])],
+    "weight of no joint": lambda: [tasks.Posture(np.zeros(9), joint_weights={"elbow": 1.0})],
+    "weight of another joint": lambda: [tasks.Posture({"joint1": 0.0}, joint_weights={"joint2": 1.0})],
+    "negative weight of a joint": lambda: [tasks.Posture({"joint1": 0.0}, joint_weights=[-1.0])],
+    "weights by words": lambda: [tasks.Posture(np.zeros(9), joint_weights="evenly")],
     "empty interval": lambda: [tasks.Within(tasks.Point("tool", [0, 0, 0]), -1.0)],
     "two intervals": lambda: [tasks.Within(tasks.Point("tool", [0, 0, 0]), 1.0, lower=0.0)],
     "room in room": lambda: [tasks.Within(tasks.Within(tasks.Point("tool", [0, 0, 0]), 1.0), 1.0)],
@@ -268,3 +382,45 @@ WRONG = {
 def test_what_is_wrong_is_said(robot, name):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Problem(robot, WRONG[name]())
+
+
+LEANING = Path(__file__).parents[2] / "tests" / "kinematics" / "leaning.urdf"
+
+
+def test_centres_of_mass_are_pinocchio_s():
+    """The numbers of tests/kinematics/centre_of_mass.rs, of pin 4.1.0."""
+    robot = kinopt.Robot.from_urdf(LEANING)
+    q = [0.3, -0.7, 1.9, 0.12]
+    assert robot.mass == pytest.approx(27.8, abs=1e-12)
+    expected = [0.11374155910125018, 0.0678258025247298, 0.6952314836559549]
+    assert np.allclose(robot.center_of_mass(q), expected, rtol=0, atol=1e-12)
+    jacobian = robot.center_of_mass_jacobian(q)
+    expected = [0.5675655769443422, 0.2389193886500207, 0.006839545927028303, 0.013563571405989388]
+    assert jacobian.shape == (3, 4) and np.allclose(jacobian[0], expected, rtol=0, atol=1e-12)
+    problem = kinopt.Problem(robot, [tasks.CenterOfMass([0.05, 0.1]), tasks.Posture(np.zeros(4))])
+    solution = kinopt.Solver().solve(problem, q)
+    assert solution.reached, solution.explain()
+    assert np.allclose(robot.center_of_mass(solution.q)[:2], [0.05, 0.1], atol=2e-6)
+    targets = {problem.task_names[0]: [0.02, 0.1, 0.0]}
+    moved = kinopt.Solver().solve(problem, q, targets=targets)
+    assert np.allclose(robot.center_of_mass(moved.q)[:2], [0.02, 0.1], atol=2e-6)
+    for wrong in ([0.0] * 3, [np.nan] * 4, "q"):
+        with pytest.raises(kinopt.InvalidValueError):
+            robot.center_of_mass(wrong)
+    with pytest.raises(kinopt.InvalidValueError, match="no centre of mass"):
+        kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf").center_of_mass(np.zeros(9))
+
+
+def test_inside_its_room_a_one_sided_task_costs_nothing():
+    robot = kinopt.Robot.from_urdf(LEANING)
+    q = np.array([0.1, 0.1, 0.1, 0.1])
+    x, y, _ = robot.center_of_mass(q)
+    sole = [[x + i, y + j, 0.0] for i in (-0.1, 0.1) for j in (-0.1, 0.1)]
+    problem = kinopt.Problem(robot, [tasks.SupportPolygon(sole, margin=0.05)])
+    assert np.array_equal(problem.residual(q), [0, 0]) and not problem.jacobian(q).any()
+    # A residual of one's own may be one-sided too.
+    low = tasks.Residual(lambda places: places[0, 2, 3], frames=["trunk"], rows=1)
+    height = kinopt.frame_placement(robot, "trunk", q)[2, 3]
+    for limit, left in ((height + 0.1, 0.0), (height - 0.1, 0.1)):
+        problem = kinopt.Problem(robot, [tasks.Within.at_most(low, limit)])
+        assert np.allclose(problem.residual(q), left, atol=1e-12)

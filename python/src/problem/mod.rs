@@ -1,5 +1,6 @@
 //! Problems: tasks on a model, and bounds.
 
+mod body_tasks;
 mod camera;
 mod frozen;
 mod parameters;
@@ -87,7 +88,7 @@ impl Problem {
             .try_iter()
             .map_err(|_| invalid("tasks must be a list of tasks"))?;
         let tasks: Vec<_> = tasks.collect::<PyResult<_>>()?;
-        let ids = tasks.iter().map(|task| task::add(task, &own, &mut builder));
+        let ids = (tasks.iter()).map(|task| task::add(task, model, &own, &mut builder));
         let ids = ids.collect::<PyResult<Vec<_>>>()?;
         for (joint, limits) in items(bounds, "bounds")? {
             let joint = arrays::name(&joint, "a joint of bounds")?;

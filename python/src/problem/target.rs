@@ -2,8 +2,9 @@
 
 use kinopt::spatial::{Matrix3, Placement};
 use kinopt::task::{
-    Distance, LimitCentring, LookAt, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture, Ray,
-    Residual, Smoothness, Within,
+    CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt,
+    Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture, Ray, Residual,
+    Smoothness, SupportPolygon, Within,
 };
 use pyo3::prelude::*;
 
@@ -52,6 +53,11 @@ targets! {
     Plane, [[f64; 3]; 2], arrays::table, |own, [point, normal]| own.set_plane(*point, *normal);
     Ray, [[f64; 3]; 2], arrays::table, |own, [eye, through]| own.set_line(*eye, *through);
     Pixel, [f64; 2], arrays::array, |own, pixel| own.set_target(*pixel);
+    CentreOfMass, [f64; 3], arrays::array, |own, target| own.set_target(*target);
+    Gaze, [f64; 3], arrays::array, |own, target| own.set_target(*target);
+    FrameVelocity, Placement<f64>, placement::placement, |own, previous| own.set_previous(*previous);
+    JointCoupling, f64, arrays::number, |own, offset| own.set_offset(*offset);
+    Manipulability, f64, arrays::number, |own, least| own.set_least(*least);
 }
 
 /// A value for each joint, none missing.
@@ -93,16 +99,26 @@ impl Target for Smoothness {
     }
 }
 
-impl Target for LimitCentring {
-    type Value = ();
+/// Residuals that are aimed at nothing.
+macro_rules! untargeted {
+    ($($residual:ty, $what:literal;)*) => {$(
+        impl Target for $residual {
+            type Value = ();
 
-    fn read(_value: &Bound<'_, PyAny>, what: &str) -> PyResult<()> {
-        Err(invalid(format!("{what}: limit centring has no target")))
-    }
+            fn read(_value: &Bound<'_, PyAny>, what: &str) -> PyResult<()> {
+                Err(invalid(format!("{what}: {} has no target", $what)))
+            }
 
-    fn aim(&mut self, _target: &()) -> Result<(), String> {
-        Ok(())
-    }
+            fn aim(&mut self, _target: &()) -> Result<(), String> {
+                Ok(())
+            }
+        }
+    )*};
+}
+
+untargeted! {
+    LimitCentring, "limit centring";
+    SupportPolygon, "a support polygon";
 }
 
 impl Target for Numeric<PythonResidual> {

@@ -2,14 +2,16 @@
 
 use kinopt::Model;
 use kinopt::ik::Drag;
+use kinopt::model::JointId;
 use kinopt::problem::{ProblemBuilder, ProblemError, Targets, TaskId};
 use kinopt::task::{
     Distance, LimitCentring, LookAt, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture,
     Quantity, Ray, Residual, Role, Smoothness, Task, Within,
 };
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::{PyDict, PyMapping, PyString};
 
+use super::body_tasks;
 use super::camera::Camera;
 use super::python_residual::PythonResidual;
 use super::target::Target;
@@ -62,9 +64,10 @@ impl<R: Target> AnyTask for TaskId<R> {
     }
 }
 
-/// Adds a task of `kinopt.tasks` to a problem on `model`.
+/// Adds a task of `kinopt.tasks` to a problem on `model`, which is that of `whole`.
 pub(super) fn add(
     task: &Bound<'_, PyAny>,
+    whole: &Bound<'_, PyAny>,
     model: &Model,
     builder: &mut ProblemBuilder<'_>,
 ) -> PyResult<Box<dyn AnyTask>> {
@@ -84,14 +87,16 @@ pub(super) fn add(
             let lower = arrays::number(&task.getattr("lower")?, "lower")?;
             let upper = arrays::number(&task.getattr("upper")?, "upper")?;
             let room = Room { lower, upper, add };
-            residual(&task.getattr("task")?, model, room)
+            let task = &task.getattr("task")?;
+            let given = Given { task, whole, model };
+            residual(&given, room)
         }
-        _ => residual(task, model, add),
+        _ => residual(&Given { task, whole, model }, add),
     }
 }
 
 /// Takes a residual of any type.
-trait Visit {
+pub(super) trait Visit {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
 
@@ -120,12 +125,8 @@ impl Visit for Room<'_, '_> {
 }
 
 /// Reads the residual of a task that is not itself around another one.
-fn residual<V: Visit>(
-    task: &Bound<'_, PyAny>,
-    model: &Model,
-    visitor: V,
-) -> PyResult<Box<dyn AnyTask>> {
-    let given = Given { task, model };
+fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn AnyTask>> {
+    let Given { task, model, .. } = *given;
     let kind: String = task.getattr("_kind")?.extract()?;
     match kind.as_str() {
         "point" => {
@@ -186,56 +187,102 @@ fn residual<V: Visit>(
             let target = given.numbers("target")?;
             visitor.visit(Pixel::new(given.frame("frame")?, camera, target))
         }
-        "posture" => visitor.visit(given.posture()?),
+        "posture" => {
+            let posture = given.posture()?;
+            visitor.visit(match given.joint_weights(&posture.joints())? {
+                None => posture,
+                Some(JointWeights::ByRange) => posture.by_range(model),
+                Some(JointWeights::Given(weights)) => posture.with_weights(weights),
+            })
+        }
         "smoothness" => {
             let previous = given.get("previous")?;
             let dof = model.configuration_len();
             let previous = arrays::vector_of(&previous, "previous", dof)?;
             let time_step_s = arrays::number(&given.get("time_step_s")?, "time_step_s")?;
-            visitor.visit(Smoothness::new(model, &previous, time_step_s))
+            let smoothness = Smoothness::new(model, &previous, time_step_s);
+            visitor.visit(match given.joint_weights(&smoothness.joints())? {
+                None => smoothness,
+                Some(JointWeights::ByRange) => smoothness.by_range(model),
+                Some(JointWeights::Given(weights)) => smoothness.with_weights(weights),
+            })
         }
         "limit centring" => visitor.visit(LimitCentring::new(model)),
         "custom" => visitor.visit(Numeric(PythonResidual::of(task, model)?)),
         "within" => Err(invalid(
             "room within room: give `Within` one interval instead",
         )),
-        _ => Err(invalid(format!(
-            "{} is no task of kinopt.tasks",
-            task.repr()?
-        ))),
+        kind => body_tasks::residual(given, kind, visitor),
     }
 }
 
 /// The attributes of a task, and the model that they speak of.
-struct Given<'a, 'py> {
-    task: &'a Bound<'py, PyAny>,
-    model: &'a Model,
+pub(super) struct Given<'a, 'py> {
+    pub(super) task: &'a Bound<'py, PyAny>,
+    /// What the problem is stated on.
+    pub(super) whole: &'a Bound<'py, PyAny>,
+    pub(super) model: &'a Model,
+}
+
+/// How much each joint of a posture counts.
+enum JointWeights {
+    ByRange,
+    Given(Vec<f64>),
 }
 
 impl<'py> Given<'_, 'py> {
-    fn get(&self, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    pub(super) fn get(&self, name: &str) -> PyResult<Bound<'py, PyAny>> {
         self.task.getattr(name)
     }
 
-    fn optional(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+    pub(super) fn optional(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let value = self.get(name)?;
         Ok((!value.is_none()).then_some(value))
     }
 
-    fn numbers<const N: usize>(&self, name: &str) -> PyResult<[f64; N]> {
+    pub(super) fn numbers<const N: usize>(&self, name: &str) -> PyResult<[f64; N]> {
         arrays::array(&self.get(name)?, name)
     }
 
-    fn frame(&self, name: &str) -> PyResult<kinopt::model::FrameId> {
+    pub(super) fn frame(&self, name: &str) -> PyResult<kinopt::model::FrameId> {
         let frame = arrays::name(&self.get(name)?, name)?;
         self.model.frame(&frame).or_raise()
     }
 
-    fn optional_frame(&self, name: &str) -> PyResult<Option<kinopt::model::FrameId>> {
+    pub(super) fn optional_frame(&self, name: &str) -> PyResult<Option<kinopt::model::FrameId>> {
         match self.optional(name)? {
             Some(_) => self.frame(name).map(Some),
             None => Ok(None),
         }
+    }
+
+    /// One for each of these joints.
+    fn joint_weights(&self, joints: &[JointId]) -> PyResult<Option<JointWeights>> {
+        let Some(given) = self.optional("joint_weights")? else {
+            return Ok(None);
+        };
+        // The only text that the class lets through.
+        if given.is_instance_of::<PyString>() {
+            return Ok(Some(JointWeights::ByRange));
+        }
+        let Ok(named) = given.cast::<PyMapping>() else {
+            let weights = arrays::vector_of(&given, "joint_weights", joints.len())?;
+            return Ok(Some(JointWeights::Given(weights.to_vec())));
+        };
+        let mut weights = vec![1.0; joints.len()];
+        for item in named.items()?.iter() {
+            let (joint, weight): (String, f64) = item.extract()?;
+            let id = self.model.joint(&joint).or_raise()?;
+            match joints.iter().position(|own| *own == id) {
+                Some(k) => weights[k] = weight,
+                None => {
+                    return Err(invalid(format!(
+                        "joint_weights names {joint}, which the task does not read"
+                    )));
+                }
+            }
+        }
+        Ok(Some(JointWeights::Given(weights)))
     }
 
     /// Of all joints by an array, or of some by their names.
