@@ -293,3 +293,21 @@ def test_kinematics_take_rigs_and_skeletons(rig):
     for thing in (rig, rig.skeleton, rig.model):
         kinematics = kinopt.ForwardKinematics(thing, ["left_hand"])
         assert kinematics is not None
+
+
+def test_a_rig_balances_by_the_volume_of_its_mesh():
+    rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    q = np.zeros(len(rig.model.joint_names))
+    corners = rig.mesh.positions
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    centre = rig.center_of_mass(q)
+    # In the middle from side to side, as both sides are alike, and a little above the middle of the height.
+    assert abs(centre[0] - (low + high)[0] / 2) < 0.01 * (high - low).max()
+    assert np.all(centre > low) and np.all(centre < high)
+    aim = centre + [0.02, -0.03, 0.01]
+    problem = kinopt.Problem(rig, [kinopt.tasks.CenterOfMass(aim, tolerance=1e-4)])
+    solution = kinopt.Solver().solve(problem, q)
+    assert solution.reached and np.allclose(rig.center_of_mass(solution.q), aim, atol=2e-4)
+    bare = kinopt.Rig(rig.skeleton)
+    with pytest.raises(kinopt.InvalidValueError, match="has no mesh"):
+        bare.center_of_mass(q)

@@ -4,8 +4,20 @@ use nalgebra::{DMatrix, Matrix3xX};
 
 use super::jacobian::by_velocity;
 use super::{ForwardKinematics, KinematicsError, Wrench, Wrenches};
-use crate::model::{Masses, Model};
+use crate::model::{MassError, Masses, Model};
 use crate::spatial::Vector3;
+
+/// Why a body's centre of mass is not known.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CentreOfMassError {
+    /// It has no masses, or bad ones.
+    #[error(transparent)]
+    Mass(#[from] MassError),
+    /// The configuration is none of its model's.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+}
 
 /// The centre of mass Σ mᵢ pᵢ / Σ mᵢ at a configuration `q` (radians and metres), in the world, metres.
 ///

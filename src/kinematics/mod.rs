@@ -15,7 +15,7 @@ mod motion;
 mod reverse;
 mod tree;
 
-pub use centre_of_mass::{centre_of_mass, centre_of_mass_jacobian};
+pub use centre_of_mass::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
 pub use forward_kinematics::{ForwardKinematics, KinematicsError};
 pub(crate) use forward_pass::TreeState;
 pub(crate) use geometric_jacobian::Partials;

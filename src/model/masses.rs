@@ -54,8 +54,8 @@ pub enum MassError {
         frames: usize,
     },
     /// A mesh has no volume to take masses from.
-    #[error("masses come from the volume of a mesh, and {0}")]
-    NoVolume(&'static str),
+    #[error("masses come from the volume of a mesh: {0}")]
+    NoVolume(String),
 }
 
 /// The masses that a model's joints move, one for each joint that carries any: what is fixed to each other is

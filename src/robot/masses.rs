@@ -3,21 +3,9 @@
 use nalgebra::Matrix3xX;
 
 use super::Robot;
-use crate::kinematics::{KinematicsError, centre_of_mass, centre_of_mass_jacobian};
+use crate::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
 use crate::model::{MassError, Masses, PointMass};
 use crate::spatial::Vector3;
-
-/// Why a robot's centre of mass is not known.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CentreOfMassError {
-    /// The robot's links have no masses, or bad ones.
-    #[error(transparent)]
-    Mass(#[from] MassError),
-    /// The configuration is none of the robot's.
-    #[error(transparent)]
-    Kinematics(#[from] KinematicsError),
-}
 
 impl Robot {
     /// The masses that the file gives the links (`<inertial>`), but for those that stand in the world.

@@ -12,7 +12,6 @@ mod xml;
 
 pub use base_joint::BaseJoint;
 pub use link::{Geometry, Inertial, Link, Shape};
-pub use masses::CentreOfMassError;
 #[cfg(feature = "urdf")]
 pub use urdf::UrdfReader;
 #[cfg(feature = "xml")]

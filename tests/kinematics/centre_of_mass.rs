@@ -6,9 +6,9 @@
 //! JointModelSpherical at 0.9 rad about z and a JointModelRY with the masses below (rows one after the other).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{centre_of_mass, centre_of_mass_jacobian};
+use kinopt::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
 use kinopt::model::{Limits, MassError, Masses, Model, PointMass};
-use kinopt::robot::{CentreOfMassError, Robot};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use nalgebra::Matrix3xX;
 use support::figures::Figure;

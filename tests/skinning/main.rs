@@ -2,6 +2,7 @@
 
 mod automatic_weights;
 mod blend_shapes;
+mod bone_volumes;
 mod cage_coordinates;
 mod dual_quaternion_skinning;
 mod exact_lengths;

@@ -28,6 +28,7 @@ mod columns;
 mod degrees;
 mod interpolation;
 mod json;
+mod masses;
 mod names;
 mod note;
 mod posing;

@@ -1,0 +1,59 @@
+//! A rig's masses, by the volume of its mesh.
+
+use super::Rig;
+use crate::kinematics::{CentreOfMassError, ForwardKinematics, centre_of_mass};
+use crate::model::{FrameId, MassError, Masses, PointMass};
+use crate::skinning::{AutomaticWeights, bone_volumes};
+use crate::spatial::Vector3;
+
+impl Rig {
+    /// The masses of the bones: the volume of the mesh that goes with each, by its weights
+    /// ([`bone_volumes`]), times a density: 1000 kg/m³ for a body of flesh, where the rig's unit is a metre. A mesh
+    /// without weights gets some from the bones next to each vertex.
+    ///
+    /// # Errors
+    /// No mesh, one that does not close around a volume, a density that is negative, nought or not finite.
+    pub fn masses(&self, density: f64) -> Result<Masses, MassError> {
+        let no_volume = |why: &dyn std::fmt::Display| MassError::NoVolume(why.to_string());
+        let mesh = self.mesh.as_ref();
+        let mesh = mesh.ok_or_else(|| no_volume(&"the rig has no mesh"))?;
+        let made;
+        let weights = match &self.weights {
+            Some(weights) => weights,
+            None => {
+                let automatic = AutomaticWeights::default().for_skeleton(mesh, &self.skeleton);
+                made = automatic.map_err(|error| no_volume(&error))?;
+                &made
+            }
+        };
+        let volumes = bone_volumes(mesh, weights).map_err(|error| no_volume(&error))?;
+        let model = self.skeleton.model();
+        let tails: Vec<FrameId> = (self.skeleton.bone_ids())
+            .map(|bone| self.skeleton.tail(bone))
+            .collect();
+        let rest = vec![0.0; model.configuration_len()];
+        let mut kinematics =
+            ForwardKinematics::of_frames(model, &tails).map_err(|error| no_volume(&error))?;
+        let placed = kinematics.place(&rest).map_err(|error| no_volume(&error))?;
+        let masses = tails.iter().zip(placed).zip(volumes);
+        let masses = masses.map(|((&frame, placed), volume)| PointMass {
+            frame,
+            at: placed.inverse().apply(volume.centre),
+            mass: density * volume.volume,
+        });
+        Masses::new(model, masses)
+    }
+
+    /// Where the centre of mass is in the pose of the stacked angles `q` (radians), for a body of one density
+    /// all through.
+    ///
+    /// # Errors
+    /// As [`masses`](Self::masses), or angles that are no configuration.
+    pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, CentreOfMassError> {
+        Ok(centre_of_mass(
+            self.skeleton.model(),
+            &self.masses(1.0)?,
+            q,
+        )?)
+    }
+}

@@ -1,0 +1,252 @@
+//! How much of a body's volume goes with each bone.
+
+use glam::DVec3;
+
+use super::{Influence, SkinWeights};
+use crate::SizeMismatch;
+use crate::mesh::TriangleMesh;
+use crate::spatial::Vector3;
+
+/// Columns across the widest side of the mesh.
+const COLUMNS: usize = 256;
+/// The share of columns that may end inside, where a mesh has small holes.
+const OPEN: f64 = 0.01;
+
+/// The part of a body's volume that goes with a bone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoneVolume {
+    /// In cubic units of the mesh.
+    pub volume: f64,
+    /// Its centre at rest, in the mesh's coordinates; the origin where there is no volume.
+    pub centre: Vector3<f64>,
+}
+
+/// Why a mesh has no volumes.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum VolumeError {
+    /// The weights are of another mesh.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+    /// The mesh has holes, or no inside at all.
+    #[error("the mesh does not close around a volume")]
+    Open,
+}
+
+/// Shares the volume inside a closed mesh out to its bones.
+///
+/// Columns of equal width, 256 across the widest side, pass the mesh along its narrowest; between going in
+/// and coming out the weights go over linearly from those of the one side to those of the other. All volumes
+/// together are the mesh's to about a thousandth. Parts that overlap count once.
+///
+/// # Errors
+/// Weights of another number of vertices, a mesh that more than one column in a hundred leaves open.
+pub fn bone_volumes(
+    mesh: &TriangleMesh,
+    weights: &SkinWeights,
+) -> Result<Vec<BoneVolume>, VolumeError> {
+    SizeMismatch::check("weights", weights.vertex_count(), mesh.positions().len())?;
+    let Some([low, high]) = mesh.bounding_box() else {
+        return Err(VolumeError::Open);
+    };
+    let (low, high) = (low.as_dvec3(), high.as_dvec3());
+    let grid = Grid::over(low, high - low);
+    let mut hits: Vec<Hit> = Vec::new();
+    for (triangle, corners) in mesh.triangles().iter().enumerate() {
+        grid.pass(mesh, (triangle, *corners), &mut hits);
+    }
+    hits.sort_by(|a, b| a.column.cmp(&b.column).then(a.depth.total_cmp(&b.depth)));
+
+    let mut sums = vec![(0.0, DVec3::ZERO); weights.bone_count()];
+    let (mut columns, mut open) = (0_usize, 0_usize);
+    for column in hits.chunk_by(|a, b| a.column == b.column) {
+        columns += 1;
+        if column.iter().map(|hit| i64::from(hit.sign)).sum::<i64>() != 0 {
+            open += 1;
+            continue;
+        }
+        let mut inside = 0;
+        for pair in column.windows(2) {
+            let [from, to] = pair else { continue };
+            inside += i64::from(from.sign);
+            if inside != 0 {
+                grid.share_out((mesh, weights), (from, to), &mut sums);
+            }
+        }
+    }
+    let whole: f64 = sums.iter().map(|(volume, _)| volume).sum();
+    // Counted, as fewer columns than a share of one may be open.
+    if open as f64 > OPEN * columns as f64 || whole <= 0.0 {
+        return Err(VolumeError::Open);
+    }
+    let volumes = sums.into_iter().map(|(volume, moment)| {
+        let centre = match volume > 0.0 {
+            true => moment / volume,
+            false => DVec3::ZERO,
+        };
+        BoneVolume {
+            volume: volume.max(0.0),
+            centre: Vector3::new(centre.x, centre.y, centre.z),
+        }
+    });
+    Ok(volumes.collect())
+}
+
+/// Where a column passes a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    column: usize,
+    depth: f64,
+    /// 1 or −1, by the side that it comes from.
+    sign: i8,
+    triangle: usize,
+    /// How much each corner counts there.
+    shares: [f64; 3],
+}
+
+/// Columns along one axis.
+struct Grid {
+    low: DVec3,
+    step: f64,
+    /// Two axes across the columns, and the one along them.
+    axes: [usize; 3],
+    counts: [usize; 2],
+}
+
+impl Grid {
+    fn over(low: DVec3, size: DVec3) -> Self {
+        let size = size.to_array();
+        let along = (0..3).fold(0, |least, axis| {
+            if size[axis] < size[least] {
+                axis
+            } else {
+                least
+            }
+        });
+        let axes = [(along + 1) % 3, (along + 2) % 3, along];
+        let widest = size[axes[0]].max(size[axes[1]]);
+        let step = widest / COLUMNS as f64;
+        let count = |axis: usize| match step > 0.0 {
+            true => (size[axis] / step).ceil() as usize + 1,
+            false => 0,
+        };
+        Self {
+            low,
+            step,
+            axes,
+            counts: [count(axes[0]), count(axes[1])],
+        }
+    }
+
+    /// Where a column stands across: nowhere that corners of meshes like to be.
+    fn place(&self, index: usize, side: usize) -> f64 {
+        let offset = [0.487_213, 0.513_829][side];
+        self.low.to_array()[self.axes[side]] + (index as f64 + offset) * self.step
+    }
+
+    /// The columns across a triangle's extent.
+    fn columns(&self, from: f64, to: f64, side: usize) -> std::ops::Range<usize> {
+        let low = self.low.to_array()[self.axes[side]];
+        let first = ((from - low) / self.step - 1.0).max(0.0) as usize;
+        let last = ((to - low) / self.step + 1.0).max(0.0) as usize;
+        first..last.min(self.counts[side])
+    }
+
+    fn pass(
+        &self,
+        mesh: &TriangleMesh,
+        (triangle, corners): (usize, [u32; 3]),
+        hits: &mut Vec<Hit>,
+    ) {
+        let at = corners.map(|corner| {
+            let place = mesh.positions()[corner as usize].as_dvec3().to_array();
+            self.axes.map(|axis| place[axis])
+        });
+        let ends = |side: usize| {
+            let of = |a: f64, b: &[f64; 3], least: bool| match least {
+                true => a.min(b[side]),
+                false => a.max(b[side]),
+            };
+            let low = at.iter().fold(f64::INFINITY, |a, b| of(a, b, true));
+            let high = at.iter().fold(f64::NEG_INFINITY, |a, b| of(a, b, false));
+            self.columns(low, high, side)
+        };
+        let (rows, columns) = (ends(0), ends(1));
+        for i in rows {
+            for j in columns.clone() {
+                let point = [self.place(i, 0), self.place(j, 1)];
+                // How much each corner counts, by the edge across from it.
+                let areas = [(1, 2), (2, 0), (0, 1)]
+                    .map(|(a, b)| side_of_edge(point, (corners[a], at[a]), (corners[b], at[b])));
+                let ahead = areas.iter().all(|area| area.is_sign_positive());
+                if !ahead && areas.iter().any(|area| area.is_sign_positive()) {
+                    continue;
+                }
+                let whole: f64 = areas.iter().sum();
+                if whole == 0.0 {
+                    continue;
+                }
+                let shares = areas.map(|area| area / whole);
+                let depth = shares
+                    .iter()
+                    .zip(&at)
+                    .map(|(share, at)| share * at[2])
+                    .sum();
+                hits.push(Hit {
+                    column: i * self.counts[1] + j,
+                    depth,
+                    sign: if ahead { 1 } else { -1 },
+                    triangle,
+                    shares,
+                });
+            }
+        }
+    }
+
+    /// Adds what is between two hits of a column to the volumes and moments of the bones there.
+    fn share_out(
+        &self,
+        (mesh, weights): (&TriangleMesh, &SkinWeights),
+        (from, to): (&Hit, &Hit),
+        sums: &mut [(f64, DVec3)],
+    ) {
+        let length = to.depth - from.depth;
+        let (row, column) = (from.column / self.counts[1], from.column % self.counts[1]);
+        let across = [self.place(row, 0), self.place(column, 1)];
+        // What falls to nothing along a way has half of its volume, its centre a third along.
+        for (hit, depth) in [
+            (from, from.depth + length / 3.0),
+            (to, to.depth - length / 3.0),
+        ] {
+            let mut place = [0.0; 3];
+            for (axis, value) in self.axes.into_iter().zip([across[0], across[1], depth]) {
+                place[axis] = value;
+            }
+            let volume = 0.5 * length * self.step * self.step;
+            let corners = mesh.triangles()[hit.triangle];
+            for (corner, share) in corners.into_iter().zip(hit.shares) {
+                for &Influence { bone, weight } in weights.influences(corner as usize) {
+                    if let Some((sum, moment)) = sums.get_mut(bone as usize) {
+                        let own = volume * share * weight;
+                        *sum += own;
+                        *moment += DVec3::from_array(place) * own;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Twice the area that a point spans with an edge, positive on its left; of a point on the edge itself on one
+/// side of either triangle at it, as both see it from the corner of the lower index.
+fn side_of_edge(point: [f64; 2], a: (u32, [f64; 3]), b: (u32, [f64; 3])) -> f64 {
+    let area = |a: [f64; 3], b: [f64; 3]| {
+        let way = [b[0] - a[0], b[1] - a[1]];
+        let away = [point[0] - a[0], point[1] - a[1]];
+        way[0] * away[1] - way[1] * away[0] + 0.0
+    };
+    match a.0 < b.0 {
+        true => area(a.1, b.1),
+        false => -area(b.1, a.1),
+    }
+}

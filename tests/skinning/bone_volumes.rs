@@ -1,0 +1,183 @@
+//! Promise: a closed mesh's volume is shared out to its bones by their weights, to a thousandth of the whole, and a
+//! rig's masses and its centre follow from that; what has no inside is refused.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::Path;
+
+use glam::Vec3;
+use kinopt::SizeMismatch;
+use kinopt::io::rig::Rig;
+use kinopt::kinematics::CentreOfMassError;
+use kinopt::mesh::TriangleMesh;
+use kinopt::model::MassError;
+use kinopt::skinning::{SkinWeights, TwistedTube, VolumeError, bone_volumes};
+
+/// A box between two corners, its eight vertices by bits x, y, z.
+fn cuboid(low: [f32; 3], high: [f32; 3]) -> TriangleMesh {
+    let corner = |bits: usize| {
+        let side = |axis: usize| {
+            if bits >> axis & 1 == 1 {
+                high[axis]
+            } else {
+                low[axis]
+            }
+        };
+        Vec3::new(side(0), side(1), side(2))
+    };
+    let triangles = vec![
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
+    ];
+    TriangleMesh::new((0..8).map(corner).collect(), Vec::new(), triangles).unwrap()
+}
+
+fn weights(of: impl Fn(usize) -> [f64; 2], vertices: usize) -> SkinWeights {
+    let mut builder = SkinWeights::builder(vertices, 2);
+    for vertex in 0..vertices {
+        for (bone, weight) in of(vertex).into_iter().enumerate() {
+            builder.add(vertex, bone, weight).unwrap();
+        }
+    }
+    builder.build().unwrap()
+}
+
+fn near(ours: f64, theirs: f64, within: f64) {
+    assert!((ours - theirs).abs() < within, "{ours} {theirs}");
+}
+
+#[test]
+fn a_box_goes_with_its_bones() {
+    let mesh = cuboid([0.0, -1.0, 2.0], [4.0, 1.0, 3.0]);
+    // One bone has all of it.
+    let [all, none] = bone_volumes(&mesh, &weights(|_| [1.0, 0.0], 8)).unwrap()[..] else {
+        panic!("two bones")
+    };
+    near(all.volume, 8.0, 0.04);
+    for (ours, theirs) in all.centre.to_array().into_iter().zip([2.0, 0.0, 2.5]) {
+        near(ours, theirs, 0.02);
+    }
+    assert_eq!((none.volume, none.centre.to_array()), (0.0, [0.0; 3]));
+    // The weight goes over along x: ∫ x/4 = 1/2 each, centres a third from either end.
+    let over = weights(
+        |vertex| {
+            if vertex & 1 == 1 {
+                [0.0, 1.0]
+            } else {
+                [1.0, 0.0]
+            }
+        },
+        8,
+    );
+    let halves = bone_volumes(&mesh, &over).unwrap();
+    for (half, x) in halves.iter().zip([4.0 / 3.0, 8.0 / 3.0]) {
+        near(half.volume, 4.0, 0.03);
+        near(half.centre.x, x, 0.02);
+        near(half.centre.y, 0.0, 0.02);
+    }
+    // And along the columns themselves, z being narrowest.
+    let over = weights(
+        |vertex| {
+            if vertex & 4 == 4 {
+                [0.0, 1.0]
+            } else {
+                [1.0, 0.0]
+            }
+        },
+        8,
+    );
+    let halves = bone_volumes(&mesh, &over).unwrap();
+    for (half, z) in halves.iter().zip([7.0 / 3.0, 8.0 / 3.0]) {
+        near(half.volume, 4.0, 0.03);
+        near(half.centre.z, z, 0.02);
+    }
+}
+
+#[test]
+fn a_round_tube_is_whole() {
+    let tube = TwistedTube::default();
+    let mesh = tube.mesh().unwrap();
+    let volumes = bone_volumes(&mesh, &tube.weights().unwrap()).unwrap();
+    let whole = mesh.signed_volume();
+    near(
+        volumes.iter().map(|part| part.volume).sum(),
+        whole,
+        2e-3 * whole,
+    );
+    // Both ends are alike.
+    near(volumes[0].volume, volumes[1].volume, 2e-3 * whole);
+    near(volumes[0].centre.x + volumes[1].centre.x, tube.length, 0.02);
+}
+
+#[test]
+fn what_does_not_close_is_refused() {
+    let whole = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
+    let (open, _) = whole.triangles().split_at(10);
+    let open = TriangleMesh::new(whole.positions().to_vec(), Vec::new(), open.to_vec()).unwrap();
+    let one = |vertices| weights(|_| [1.0, 0.0], vertices);
+    assert_eq!(bone_volumes(&open, &one(8)).unwrap_err(), VolumeError::Open);
+    let empty = TriangleMesh::new(Vec::new(), Vec::new(), Vec::new()).unwrap();
+    assert_eq!(
+        bone_volumes(&empty, &one(0)).unwrap_err(),
+        VolumeError::Open
+    );
+    let flat = cuboid([0.0; 3], [1.0, 2.0, 0.0]);
+    assert_eq!(bone_volumes(&flat, &one(8)).unwrap_err(), VolumeError::Open);
+    let point = cuboid([1.0; 3], [1.0; 3]);
+    assert_eq!(
+        bone_volumes(&point, &one(8)).unwrap_err(),
+        VolumeError::Open
+    );
+    let error = bone_volumes(&whole, &one(7)).unwrap_err();
+    assert!(
+        matches!(error, VolumeError::Size(SizeMismatch { .. })),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_rig_weighs_what_its_mesh_holds() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/humanoid/humanoid.json");
+    let rig = Rig::read(file).unwrap();
+    let masses = rig.masses(1000.0).unwrap();
+    let whole = rig.mesh.as_ref().unwrap().signed_volume();
+    near(masses.total() / 1000.0, whole, 5e-3 * whole);
+    // At rest the centre is that of the mesh, by the divergence theorem.
+    let mesh = rig.mesh.as_ref().unwrap();
+    let mut moment = glam::DVec3::ZERO;
+    for triangle in mesh.triangles() {
+        let [a, b, c] = triangle.map(|corner| mesh.positions()[corner as usize].as_dvec3());
+        moment += (a + b + c) / 4.0 * a.dot(b.cross(c)) / 6.0;
+    }
+    let rest = vec![0.0; rig.skeleton.model().configuration_len()];
+    let centre = rig.centre_of_mass(&rest).unwrap();
+    for (ours, theirs) in centre
+        .to_array()
+        .into_iter()
+        .zip((moment / whole).to_array())
+    {
+        near(ours, theirs, 3e-3 * mesh.size());
+    }
+
+    let bad = rig.masses(-1.0).unwrap_err();
+    assert!(matches!(bad, MassError::BadMass { .. }), "{bad}");
+    assert!(matches!(rig.masses(0.0), Err(MassError::NoMass { .. })));
+    let bare = Rig {
+        mesh: None,
+        ..rig.clone()
+    };
+    let error = bare.centre_of_mass(&rest).unwrap_err();
+    assert!(
+        matches!(error, CentreOfMassError::Mass(MassError::NoVolume(_))),
+        "{error}"
+    );
+}
