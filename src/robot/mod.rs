@@ -2,15 +2,19 @@
 
 mod base_joint;
 mod chain;
+mod closure;
 mod drive;
 mod link;
 mod masses;
+#[cfg(feature = "mjcf")]
+mod mjcf;
 #[cfg(feature = "urdf")]
 mod urdf;
 #[cfg(feature = "xml")]
 mod xml;
 
 pub use base_joint::BaseJoint;
+pub use closure::{Closure, ClosureKind};
 pub use link::{Geometry, Inertial, Link, Shape};
 #[cfg(feature = "urdf")]
 pub use urdf::UrdfReader;
@@ -53,6 +57,7 @@ pub struct Robot {
     drives: Vec<Drive>,
     /// By frame index; frames beyond are no links.
     links: Vec<Link>,
+    closures: Vec<Closure>,
     #[cfg(feature = "xml")]
     repairs: Vec<Repair>,
 }
@@ -71,6 +76,7 @@ impl Robot {
             map,
             drives: Vec::new(),
             links: Vec::new(),
+            closures: Vec::new(),
             #[cfg(feature = "xml")]
             repairs: Vec::new(),
         })

@@ -73,6 +73,10 @@ impl UrdfReader {
     /// # Errors
     /// As [`Robot::read`].
     pub fn parse(&self, text: &str, file: &str) -> Result<Robot, RobotFileError> {
+        #[cfg(feature = "mjcf")]
+        if crate::robot::xml::root_name(text) == Some("mujoco") {
+            return Robot::parse_mjcf(text, file);
+        }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut repairs: Vec<Repair> = Vec::new();
         let text = match self.lenient {
@@ -166,7 +170,7 @@ impl Robot {
         UrdfReader::default()
     }
 
-    /// Reads a URDF file.
+    /// Reads a URDF file; with feature `mjcf` also MJCF, told by its element `<mujoco>`, as `read_mjcf` does.
     ///
     /// Links become frames; every joint keeps its name; a configuration lists the moving joints in
     /// the order of the file. `mimic` joints follow their master, and their limits restrict it. An

@@ -199,7 +199,8 @@ impl<'a> Element<'a> {
     }
 }
 
-fn exactly<const N: usize>(text: &str) -> Option<[f64; N]> {
+/// `N` finite numbers between blanks and nothing else.
+pub(crate) fn exactly<const N: usize>(text: &str) -> Option<[f64; N]> {
     let words = text.split_whitespace();
     let numbers = words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
     numbers.collect::<Option<Vec<f64>>>()?.try_into().ok()

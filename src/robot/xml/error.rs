@@ -162,4 +162,86 @@ pub enum Fault {
         /// The links.
         roots: Vec<String>,
     },
+    /// The document's element is not `<mujoco>`.
+    #[error("the root element must be <mujoco>")]
+    NotMujoco,
+    /// A word where the format knows others.
+    #[error("attribute `{attribute}` must be {}, not `{word}`", valid.join(" or "))]
+    UnknownWord {
+        /// The attribute.
+        attribute: &'static str,
+        /// What the file says.
+        word: String,
+        /// What it may say.
+        valid: &'static [&'static str],
+    },
+    /// `eulerseq` that is not three of x, y, z, X, Y, Z.
+    #[error("attribute `eulerseq` must be three of the letters x, y, z, X, Y, Z, not `{text}`")]
+    BadEulerSequence {
+        /// What the file says.
+        text: String,
+    },
+    /// A class of defaults that is given twice, or stands within itself.
+    #[error("default class `{class}` is already given{}", on_line(*first_line))]
+    RepeatedClass {
+        /// The class.
+        class: String,
+        /// Where it was given first; 0 for the outermost, which is there unasked.
+        first_line: u32,
+    },
+    /// A file that is included twice, or by itself.
+    #[error("`{file}` is included already; a file may be once")]
+    IncludedTwice {
+        /// The file.
+        file: String,
+    },
+    /// Elements within elements, or files included by included files, without an end in sight.
+    #[error("it is nested more than {limit} deep")]
+    TooDeep {
+        /// The most that is read.
+        limit: usize,
+    },
+    /// More than one of `quat`, `axisangle`, `xyaxes`, `zaxis` and `euler`.
+    #[error("more than one of quat, axisangle, xyaxes, zaxis, euler is given")]
+    SeveralOrientations,
+    /// A direction or rotation of length zero.
+    #[error("attribute `{attribute}` is of length zero and says no direction")]
+    ZeroLength {
+        /// The attribute.
+        attribute: &'static str,
+    },
+    /// `range` without `limited`, in a file that says `autolimits="false"`.
+    #[error("`range` is given without `limited`, and the file says autolimits=\"false\"")]
+    UnsaidLimits,
+    /// A ball joint's `range` that is not 0 and an angle above it.
+    #[error("a ball's range must be 0 and an angle above 0")]
+    BadBallRange,
+    /// A free joint beside others, or of a body that another carries.
+    #[error("a free joint must be the only one of a body, and the body stand in the world")]
+    MisplacedFreeJoint,
+    /// An element that makes bodies or joints in a way that is not read.
+    #[error("<{element}> is not read: write out what it stands for")]
+    UnsupportedElement {
+        /// The element.
+        element: String,
+    },
+    /// What is no relation y = offset + ratio · x between two joints that turn or slide.
+    #[error("it is no linear relation between two joints that turn about or slide along one axis")]
+    NotLinear,
+    /// A relation that would let a joint follow two others, or itself.
+    #[error("joint `{joint}` already follows another, or this one follows it")]
+    FollowsAlready {
+        /// The joint.
+        joint: String,
+    },
+    /// A mesh that no file holds, or whose own frame and scale do not go with a plain placement.
+    #[error("the mesh is in no file, or its refquat and an uneven scale do not go together")]
+    UnsupportedMesh,
+}
+
+fn on_line(line: u32) -> String {
+    match line {
+        0 => String::new(),
+        line => format!(" on line {line}"),
+    }
 }

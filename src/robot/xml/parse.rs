@@ -75,3 +75,20 @@ fn with_prefix(text: &str, prefix: &str) -> Option<String> {
         text.get(at..)?
     ))
 }
+
+/// The name of a document's own element, without reading what is within; `None` where there is none to see.
+#[cfg(all(feature = "mjcf", feature = "urdf"))]
+pub(crate) fn root_name(text: &str) -> Option<&str> {
+    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
+    loop {
+        let end = match rest {
+            _ if rest.starts_with("<?") => "?>",
+            _ if rest.starts_with("<!--") => "-->",
+            _ => break,
+        };
+        rest = rest.split_once(end)?.1.trim_start();
+    }
+    let name = rest.strip_prefix('<')?;
+    name.split(|c: char| c.is_whitespace() || c == '/' || c == '>')
+        .next()
+}

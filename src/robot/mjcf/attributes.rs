@@ -1,0 +1,127 @@
+//! Attributes of an element, its default classes behind it.
+
+use super::defaults::Defaults;
+use super::tree::Tag;
+use crate::robot::xml::{Fault, RobotFileError, exactly};
+
+/// An element's own attributes, then those of its class, then of the classes around that.
+#[derive(Clone, Debug)]
+pub(super) struct Attributes<'a> {
+    /// The element itself.
+    pub(super) tag: Tag<'a>,
+    layers: Vec<Tag<'a>>,
+}
+
+impl<'a> Attributes<'a> {
+    /// Those of an element alone.
+    pub(super) fn own(tag: Tag<'a>) -> Self {
+        let layers = vec![tag];
+        Self { tag, layers }
+    }
+
+    /// Those of an element of its class, or else of the class that the bodies around it say.
+    pub(super) fn of(
+        tag: Tag<'a>,
+        defaults: &Defaults<'a>,
+        around: Option<&str>,
+    ) -> Result<Self, RobotFileError> {
+        Self::named(tag, tag.name(), defaults, around)
+    }
+
+    /// As [`of`](Self::of), of an element that classes know by another name.
+    pub(super) fn named(
+        tag: Tag<'a>,
+        name: &str,
+        defaults: &Defaults<'a>,
+        around: Option<&str>,
+    ) -> Result<Self, RobotFileError> {
+        let class = defaults.class(tag, tag.text("class").or(around))?;
+        let mut layers = vec![tag];
+        defaults.add_layers(class, name, &mut layers);
+        Ok(Self { tag, layers })
+    }
+
+    /// The elements that say something of it, nearest first.
+    pub(super) fn layers(&self) -> &[Tag<'a>] {
+        &self.layers
+    }
+
+    pub(super) fn text(&self, attribute: &str) -> Option<&'a str> {
+        self.layers.iter().find_map(|layer| layer.text(attribute))
+    }
+
+    /// An attribute of exactly `N` finite numbers.
+    pub(super) fn numbers<const N: usize>(
+        &self,
+        attribute: &'static str,
+    ) -> Result<Option<[f64; N]>, RobotFileError> {
+        let Some(text) = self.text(attribute) else {
+            return Ok(None);
+        };
+        let numbers = exactly(text).ok_or_else(|| self.bad_numbers(attribute, N, text))?;
+        Ok(Some(numbers))
+    }
+
+    /// An attribute of one to `N` finite numbers, and how many there are; the others are 0.
+    pub(super) fn up_to<const N: usize>(
+        &self,
+        attribute: &'static str,
+    ) -> Result<Option<([f64; N], usize)>, RobotFileError> {
+        let Some(text) = self.text(attribute) else {
+            return Ok(None);
+        };
+        let bad = || self.bad_numbers(attribute, N, text);
+        let mut numbers = [0.0; N];
+        let mut count = 0;
+        for word in text.split_whitespace() {
+            let number: Option<f64> = word.parse().ok().filter(|number: &f64| number.is_finite());
+            let slot = numbers.get_mut(count).ok_or_else(bad)?;
+            *slot = number.ok_or_else(bad)?;
+            count += 1;
+        }
+        Ok(Some((numbers, count)))
+    }
+
+    /// As [`numbers`](Self::numbers), of one.
+    pub(super) fn number(&self, attribute: &'static str) -> Result<Option<f64>, RobotFileError> {
+        Ok(self.numbers(attribute)?.map(|[value]| value))
+    }
+
+    /// One of some words, by its place among them.
+    pub(super) fn word(
+        &self,
+        attribute: &'static str,
+        words: &'static [&'static str],
+    ) -> Result<Option<usize>, RobotFileError> {
+        let Some(text) = self.text(attribute) else {
+            return Ok(None);
+        };
+        let place = words.iter().position(|word| *word == text);
+        let unknown = || {
+            self.fault(Fault::UnknownWord {
+                attribute,
+                word: text.to_owned(),
+                valid: words,
+            })
+        };
+        Ok(Some(place.ok_or_else(unknown)?))
+    }
+
+    /// "true" or "false".
+    pub(super) fn flag(&self, attribute: &'static str) -> Result<Option<bool>, RobotFileError> {
+        let word = self.word(attribute, &["false", "true"])?;
+        Ok(word.map(|word| word == 1))
+    }
+
+    pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
+        self.tag.fault(fault)
+    }
+
+    fn bad_numbers(&self, attribute: &'static str, count: usize, text: &str) -> RobotFileError {
+        self.fault(Fault::BadNumbers {
+            attribute,
+            count,
+            text: text.to_owned(),
+        })
+    }
+}

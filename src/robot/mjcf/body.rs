@@ -1,0 +1,176 @@
+//! `<worldbody>` and the bodies, frames, joints, sites and shapes within.
+
+use std::collections::HashMap;
+
+use super::attributes::Attributes;
+use super::compiler::Compiler;
+use super::defaults::Defaults;
+use super::geom::{self, Geom};
+use super::inertial;
+use super::joint::{self, JointElement, Kind};
+use super::mesh::Mesh;
+use super::orientation::placement;
+use super::segment;
+use super::tree::Tag;
+use crate::robot::Inertial;
+use crate::robot::xml::{Fault, RobotFileError};
+use crate::spatial::Placement;
+
+/// What makes bodies or joints and is not read.
+const UNSUPPORTED: [&str; 4] = ["replicate", "attach", "composite", "flexcomp"];
+
+/// A body and what stands on it, with the names of the file.
+#[derive(Clone, Debug)]
+pub(super) struct Body<'a> {
+    pub(super) tag: Tag<'a>,
+    /// The body it stands on; `None` for the world itself.
+    pub(super) parent: Option<usize>,
+    pub(super) parent_from_body: Placement<f64>,
+    pub(super) joints: Vec<JointElement<'a>>,
+    pub(super) sites: Vec<Site<'a>>,
+    pub(super) geoms: Vec<Geom>,
+    pub(super) inertial: Option<Inertial>,
+}
+
+/// A place on a body.
+#[derive(Clone, Debug)]
+pub(super) struct Site<'a> {
+    pub(super) tag: Tag<'a>,
+    pub(super) body_from_site: Placement<f64>,
+}
+
+/// What reads bodies, and what was left out on the way.
+pub(super) struct BodyReader<'r, 'a> {
+    pub(super) compiler: &'r Compiler,
+    pub(super) defaults: &'r Defaults<'a>,
+    pub(super) meshes: &'r HashMap<String, Mesh>,
+    /// Faults of what no joint depends on.
+    pub(super) left_out: Vec<RobotFileError>,
+}
+
+/// An element whose contents are a body's, where it stands on that, and the class that holds around it.
+type Waiting<'a> = (Tag<'a>, Placement<f64>, Option<&'a str>);
+
+impl<'a> BodyReader<'_, 'a> {
+    /// All bodies, the world first, parents before children, in MuJoCo's order.
+    pub(super) fn read(&mut self, root: Tag<'a>) -> Result<Vec<Body<'a>>, RobotFileError> {
+        let mut worlds: Vec<Waiting<'a>> = Vec::new();
+        for world in root.children_named("worldbody") {
+            worlds.push((world, Placement::identity(), world.text("childclass")));
+        }
+        let first = worlds.first().map_or(root, |(world, ..)| *world);
+        let mut bodies = Vec::new();
+        // Contents of the body, its parent, where it stands on that.
+        let mut waiting = vec![(first, worlds, None, Placement::identity())];
+        while let Some((tag, contents, parent, parent_from_body)) = waiting.pop() {
+            let index = bodies.len();
+            let mut body = Body {
+                tag,
+                parent,
+                parent_from_body,
+                joints: Vec::new(),
+                sites: Vec::new(),
+                geoms: Vec::new(),
+                inertial: None,
+            };
+            let mut children = Vec::new();
+            self.fill(&mut body, contents, &mut children)?;
+            check_free(&body)?;
+            bodies.push(body);
+            let children = children.into_iter().rev();
+            waiting.extend(children.map(|(contents, at): (Waiting<'a>, _)| {
+                (contents.0, vec![contents], Some(index), at)
+            }));
+        }
+        Ok(bodies)
+    }
+
+    /// Reads what stands on a body, also within frames, and lists the bodies that it carries.
+    fn fill(
+        &mut self,
+        body: &mut Body<'a>,
+        mut contents: Vec<Waiting<'a>>,
+        children: &mut Vec<(Waiting<'a>, Placement<f64>)>,
+    ) -> Result<(), RobotFileError> {
+        contents.reverse();
+        let mut waiting: Vec<(Tag<'a>, Placement<f64>, Option<&'a str>)> = Vec::new();
+        while let Some((holder, body_from_holder, class)) = contents.pop() {
+            waiting.extend(
+                holder
+                    .children()
+                    .rev()
+                    .map(|child| (child, body_from_holder, class)),
+            );
+            while let Some((child, at, class)) = waiting.pop() {
+                self.child(body, (child, at, class), &mut waiting, children)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn child(
+        &mut self,
+        body: &mut Body<'a>,
+        (child, at, class): Waiting<'a>,
+        waiting: &mut Vec<Waiting<'a>>,
+        children: &mut Vec<(Waiting<'a>, Placement<f64>)>,
+    ) -> Result<(), RobotFileError> {
+        match child.name() {
+            "body" => {
+                let own = at * placement(&Attributes::own(child), self.compiler)?;
+                let class = child.text("childclass").or(class);
+                self.defaults.class(child, class)?;
+                children.push(((child, Placement::identity(), class), own));
+            }
+            "frame" => {
+                let own = at * placement(&Attributes::own(child), self.compiler)?;
+                let class = child.text("childclass").or(class);
+                self.defaults.class(child, class)?;
+                waiting.extend(child.children().rev().map(|inner| (inner, own, class)));
+            }
+            "joint" | "freejoint" => {
+                let joint = joint::read(child, self.compiler, self.defaults, class, &at)?;
+                body.joints.push(joint);
+            }
+            "site" => {
+                let site = Attributes::of(child, self.defaults, class)?;
+                let own = match segment::read(&site)? {
+                    Some(segment) => segment.placement,
+                    None => placement(&site, self.compiler)?,
+                };
+                let body_from_site = at * own;
+                body.sites.push(Site {
+                    tag: child,
+                    body_from_site,
+                });
+            }
+            "geom" => {
+                let with = (self.compiler, self.defaults, self.meshes);
+                match geom::read(child, with, class, &at) {
+                    Ok(geom) => body.geoms.push(geom),
+                    Err(error) => self.left_out.push(error),
+                }
+            }
+            "inertial" => match inertial::read(child, self.compiler) {
+                Ok(inertial) => body.inertial = Some(inertial),
+                Err(error) => self.left_out.push(error),
+            },
+            name if UNSUPPORTED.contains(&name) => {
+                let element = name.to_owned();
+                return Err(child.fault(Fault::UnsupportedElement { element }));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+fn check_free(body: &Body<'_>) -> Result<(), RobotFileError> {
+    let free = body.joints.iter().find(|joint| joint.kind == Kind::Free);
+    match free {
+        Some(joint) if body.joints.len() > 1 || body.parent != Some(0) => {
+            Err(joint.tag.fault(Fault::MisplacedFreeJoint))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,85 @@
+//! `<asset><mesh>`: which file a mesh is in.
+
+use std::collections::HashMap;
+
+use super::attributes::Attributes;
+use super::compiler::Compiler;
+use super::defaults::Defaults;
+use super::tree::Tag;
+use crate::robot::Geometry;
+use crate::robot::xml::{Fault, RobotFileError, rotation_of_wxyz};
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// A mesh as shapes use it.
+#[derive(Clone, Debug)]
+pub(super) struct Mesh {
+    pub(super) geometry: Geometry,
+    /// Where what its file counts from stands in the shape.
+    pub(super) shape_from_file: Placement<f64>,
+}
+
+/// The meshes of a document that can be used, by their names.
+pub(super) fn read_all<'a>(
+    root: Tag<'a>,
+    compiler: &Compiler,
+    defaults: &Defaults<'a>,
+    left_out: &mut Vec<RobotFileError>,
+) -> HashMap<String, Mesh> {
+    let assets = root.children_named("asset");
+    let tags = assets.flat_map(|asset| asset.children_named("mesh"));
+    let mut meshes = HashMap::new();
+    for tag in tags {
+        match read(tag, compiler, defaults) {
+            Ok(Some((name, mesh))) => {
+                meshes.insert(name, mesh);
+            }
+            Ok(None) => {}
+            Err(error) => left_out.push(error),
+        }
+    }
+    meshes
+}
+
+fn read(
+    tag: Tag<'_>,
+    compiler: &Compiler,
+    defaults: &Defaults<'_>,
+) -> Result<Option<(String, Mesh)>, RobotFileError> {
+    let mesh = Attributes::of(tag, defaults, None)?;
+    // One that is made of numbers in the document is in no file.
+    let Some(file) = tag.text("file") else {
+        return Ok(None);
+    };
+    let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
+    let name = tag.text("name").unwrap_or(stem).to_owned();
+    let scale = mesh.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
+    let origin = mesh.numbers::<3>("refpos")?.unwrap_or_default();
+    let turn = match mesh.numbers::<4>("refquat")? {
+        None => Matrix3::identity(),
+        Some(wxyz) => rotation_of_wxyz(wxyz).ok_or_else(|| {
+            let attribute = "refquat";
+            tag.fault(Fault::ZeroLength { attribute })
+        })?,
+    };
+    let even = scale[0] == scale[1] && scale[1] == scale[2];
+    if turn != Matrix3::identity() && !even {
+        return Err(tag.fault(Fault::UnsupportedMesh));
+    }
+    // Points of the file are moved by -refpos, turned back by refquat and then scaled.
+    let back = turn.transpose();
+    let moved = back * -Vector3::from(origin);
+    let moved = Vector3::new(moved.x * scale[0], moved.y * scale[1], moved.z * scale[2]);
+    let geometry = Geometry::Mesh {
+        file: compiler.mesh_file(file),
+        scale,
+    };
+    let shape_from_file = Placement::new(back, moved);
+    Ok(Some((
+        name,
+        Mesh {
+            geometry,
+            shape_from_file,
+        },
+    )))
+}

@@ -1,0 +1,145 @@
+//! What bodies, joints and sites are called: by their names in the file, which they may lack.
+
+use std::collections::HashMap;
+
+use super::attributes::Attributes;
+use super::body::Body;
+use super::joint::JointElement;
+use super::tree::Tag;
+use crate::model::{FrameId, JointId, UnknownName};
+use crate::robot::xml::{Fault, RobotFileError};
+
+/// What MuJoCo calls the body that carries the others.
+pub(super) const WORLD: &str = "world";
+
+/// A joint as equalities ask for it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NamedJoint {
+    pub(super) id: JointId,
+    pub(super) is_scalar: bool,
+    pub(super) reference: f64,
+}
+
+/// What has a name in the file.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Names<'a> {
+    joints: HashMap<&'a str, NamedJoint>,
+    bodies: HashMap<&'a str, FrameId>,
+    sites: HashMap<&'a str, FrameId>,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn add_joint(&mut self, element: &JointElement<'a>, id: JointId) {
+        if let Some(name) = element.tag.text("name") {
+            let joint = NamedJoint {
+                id,
+                is_scalar: element.kind.is_scalar(),
+                reference: element.reference,
+            };
+            self.joints.insert(name, joint);
+        }
+    }
+
+    pub(super) fn add_body(&mut self, tag: Tag<'a>, id: FrameId) {
+        let name = match tag.name() {
+            "body" => tag.text("name"),
+            _ => Some(WORLD),
+        };
+        self.bodies.extend(name.map(|name| (name, id)));
+    }
+
+    pub(super) fn add_site(&mut self, tag: Tag<'a>, id: FrameId) {
+        let name = tag.text("name");
+        self.sites.extend(name.map(|name| (name, id)));
+    }
+
+    pub(super) fn joint(
+        &self,
+        by: &Attributes<'_>,
+        name: &str,
+    ) -> Result<NamedJoint, RobotFileError> {
+        look_up(&self.joints, "joint", by, name)
+    }
+
+    pub(super) fn body(&self, by: &Attributes<'_>, name: &str) -> Result<FrameId, RobotFileError> {
+        look_up(&self.bodies, "body", by, name)
+    }
+
+    pub(super) fn site(&self, by: &Attributes<'_>, name: &str) -> Result<FrameId, RobotFileError> {
+        look_up(&self.sites, "site", by, name)
+    }
+}
+
+fn look_up<T: Copy>(
+    known: &HashMap<&str, T>,
+    kind: &'static str,
+    by: &Attributes<'_>,
+    name: &str,
+) -> Result<T, RobotFileError> {
+    known.get(name).copied().ok_or_else(|| {
+        let mut valid: Vec<&str> = known.keys().copied().collect();
+        valid.sort_unstable();
+        by.fault(UnknownName::new(kind, name, valid).into())
+    })
+}
+
+/// Names for what has none, and for sites that are called as a body is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FreshNames {
+    /// With the number that was given last to one like it.
+    taken: HashMap<String, usize>,
+}
+
+impl FreshNames {
+    /// The name, or the first of NAME/2, NAME/3, … that is not taken.
+    pub(super) fn fresh(&mut self, name: String) -> String {
+        let mut number = self.taken.get(&name).copied().unwrap_or(0);
+        let mut fresh = name.clone();
+        while self.taken.contains_key(&fresh) {
+            number += 1;
+            fresh = format!("{name}/{}", number + 1);
+        }
+        self.taken.insert(name, number);
+        self.taken.insert(fresh.clone(), number);
+        fresh
+    }
+
+    fn take(&mut self, name: &str) {
+        self.taken.insert(name.to_owned(), 0);
+    }
+}
+
+/// The names of joints, and those of frames, that the file gives; each must be given once.
+pub(super) fn given(bodies: &[Body<'_>]) -> Result<[FreshNames; 2], RobotFileError> {
+    let [mut joints, mut frames] = [FreshNames::default(), FreshNames::default()];
+    let joint_tags = bodies
+        .iter()
+        .flat_map(|body| body.joints.iter().map(|joint| joint.tag));
+    let body_tags = bodies.iter().map(|body| body.tag);
+    let site_tags = bodies
+        .iter()
+        .flat_map(|body| body.sites.iter().map(|site| site.tag));
+    frames.take(WORLD);
+    once(joint_tags, &mut joints, None)?;
+    once(body_tags.skip(1), &mut frames, Some(WORLD))?;
+    once(site_tags, &mut frames, None)?;
+    Ok([joints, frames])
+}
+
+fn once<'a>(
+    tags: impl Iterator<Item = Tag<'a>>,
+    taken: &mut FreshNames,
+    reserved: Option<&'a str>,
+) -> Result<(), RobotFileError> {
+    let mut lines: HashMap<&str, u32> = reserved.into_iter().map(|name| (name, 1)).collect();
+    for tag in tags {
+        let Some(name) = tag.text("name") else {
+            continue;
+        };
+        if let Some(first_line) = lines.insert(name, tag.line()) {
+            return Err(tag.fault(Fault::DuplicateName { first_line }));
+        }
+        taken.take(name);
+    }
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! Where something stands, and the five ways in which MJCF writes rotations.
+
+use super::attributes::Attributes;
+use super::compiler::Compiler;
+use crate::robot::xml::{Fault, RobotFileError, clean_sin_cos, rotation_of_wxyz};
+use crate::scalar::elementary;
+use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
+
+/// All but `quat`, which gives way to them where a class has one of them.
+const FORMS: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
+/// A z axis this near to the old one, or its opposite, turns about x.
+const ALONG_Z: f64 = 1e-10;
+
+/// `pos` and an orientation; nothing moved or turned where neither is given.
+pub(super) fn placement(
+    element: &Attributes<'_>,
+    compiler: &Compiler,
+) -> Result<Placement<f64>, RobotFileError> {
+    let position = element.numbers::<3>("pos")?.unwrap_or_default();
+    let rotation = rotation(element, compiler)?;
+    Ok(Placement::new(rotation, Vector3::from(position)))
+}
+
+fn rotation(element: &Attributes<'_>, compiler: &Compiler) -> Result<Matrix3<f64>, RobotFileError> {
+    let mut form = None;
+    for layer in element.layers() {
+        let mut given = FORMS.into_iter().filter(|form| layer.text(form).is_some());
+        let first = given.next();
+        if given.next().is_some() || first.is_some() && layer.text("quat").is_some() {
+            return Err(layer.fault(Fault::SeveralOrientations));
+        }
+        form = form.or(first);
+    }
+    let zero = |attribute| element.fault(Fault::ZeroLength { attribute });
+    let unit = |numbers: &[f64], attribute| {
+        let [x, y, z] = [numbers[0], numbers[1], numbers[2]];
+        direction(Vector3::new(x, y, z)).ok_or_else(|| zero(attribute))
+    };
+    Ok(match form {
+        None => match element.numbers::<4>("quat")? {
+            None => Matrix3::identity(),
+            Some(wxyz) => rotation_of_wxyz(wxyz).ok_or_else(|| zero("quat"))?,
+        },
+        Some("axisangle") => {
+            let numbers = element.numbers::<4>("axisangle")?.unwrap_or_default();
+            let angle = numbers[3] * compiler.angle;
+            Matrix3::rotation(unit(&numbers, "axisangle")?, clean_sin_cos(angle))
+        }
+        Some("xyaxes") => {
+            let numbers = element.numbers::<6>("xyaxes")?.unwrap_or_default();
+            let x = unit(&numbers[..3], "xyaxes")?;
+            let y = Vector3::new(numbers[3], numbers[4], numbers[5]);
+            let y = direction(y - x * x.dot(y)).ok_or_else(|| zero("xyaxes"))?;
+            Matrix3::from_columns(x, y, x.cross(y))
+        }
+        Some("zaxis") => {
+            let numbers = element.numbers::<3>("zaxis")?.unwrap_or_default();
+            turn_of_z_to(unit(&numbers, "zaxis")?)
+        }
+        _ => {
+            let angles = element.numbers::<3>("euler")?.unwrap_or_default();
+            of_euler(angles.map(|angle| angle * compiler.angle), compiler)
+        }
+    })
+}
+
+fn of_euler(angles: [f64; 3], compiler: &Compiler) -> Matrix3<f64> {
+    let turns = angles.into_iter().zip(compiler.euler);
+    turns.fold(Matrix3::identity(), |rotation, (angle, (axis, fixed))| {
+        let turn = Matrix3::rotation(Vector3::UNITS[axis], clean_sin_cos(angle));
+        match fixed {
+            true => turn * rotation,
+            false => rotation * turn,
+        }
+    })
+}
+
+/// The least turn that takes z to a unit vector; half a turn about x to its opposite.
+pub(super) fn turn_of_z_to(to: Vector3<f64>) -> Matrix3<f64> {
+    let across = Vector3::UNITS[2].cross(to);
+    let sin = across.norm();
+    let axis = match sin < ALONG_Z {
+        true => Vector3::UNITS[0],
+        false => across * (1.0 / sin),
+    };
+    Quaternion::exp(axis * elementary::atan2(sin, to.z)).to_matrix()
+}
+
+/// A vector of unit length, unless it has none.
+pub(super) fn direction(vector: Vector3<f64>) -> Option<Vector3<f64>> {
+    let Vector3 { x, y, z } = vector;
+    let largest = x.abs().max(y.abs()).max(z.abs());
+    if !(largest > 0.0 && largest.is_finite()) {
+        return None;
+    }
+    let scaled = Vector3::new(x / largest, y / largest, z / largest);
+    Some(scaled * (1.0 / scaled.norm()))
+}

@@ -1,0 +1,249 @@
+//! A document with its includes put in, as a tree of tags that know their file and line.
+
+use std::path::{Path, PathBuf};
+
+use roxmltree::Node;
+
+use crate::file::{Place, ReadError, read_bytes};
+use crate::robot::xml::{Fault, RobotFileError, parse};
+
+/// The longest file that is read; real robots stay below 1 MB.
+const LENGTH_LIMIT: u64 = 64 << 20;
+/// Elements within elements; real robots stay below 60.
+const MOST_LEVELS: usize = 1000;
+/// Files that include files that include files.
+const MOST_NESTED: usize = 32;
+
+/// The elements of a file and of those it includes.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    /// The first is the root; children come after their parents.
+    nodes: Vec<Stored>,
+    /// Names of the files, the main one first.
+    files: Vec<String>,
+}
+
+#[derive(Clone, Debug)]
+struct Stored {
+    name: String,
+    attributes: Vec<(String, String)>,
+    children: Vec<usize>,
+    file: usize,
+    line: u32,
+}
+
+/// An element of a tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tag<'a> {
+    tree: &'a Tree,
+    index: usize,
+}
+
+impl Tree {
+    /// Reads a file and what it includes.
+    pub(super) fn read(path: &Path) -> Result<Self, RobotFileError> {
+        Self::parse(&text_of(path)?, &path.display().to_string())
+    }
+
+    /// Reads a document; what it includes is looked for beside `file`.
+    pub(super) fn parse(text: &str, file: &str) -> Result<Self, RobotFileError> {
+        let mut tree = Self {
+            nodes: Vec::new(),
+            files: Vec::new(),
+        };
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        tree.add(text, file.to_owned(), None, (folder, 0))?;
+        Ok(tree)
+    }
+
+    /// The document's element.
+    pub(super) fn root(&self) -> Tag<'_> {
+        Tag {
+            tree: self,
+            index: 0,
+        }
+    }
+
+    /// The name of the main file.
+    pub(super) fn file(&self) -> &str {
+        self.files.first().map_or("", String::as_str)
+    }
+
+    /// Adds the elements of a file: all of them, or those within its root to an element that is there.
+    fn add(
+        &mut self,
+        text: &str,
+        name: String,
+        within: Option<usize>,
+        (folder, nested): (&Path, usize),
+    ) -> Result<(), RobotFileError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let document = parse(&name, text)?;
+        let file = self.files.len();
+        self.files.push(name);
+        let mut lines = Lines {
+            text,
+            at: 0,
+            line: 1,
+        };
+        let root = document.root_element();
+        let mut waiting: Vec<(Node<'_, '_>, Option<usize>, usize)> = match within {
+            None => vec![(root, None, 0)],
+            Some(_) => elements(root).map(|child| (child, within, 1)).collect(),
+        };
+        waiting.reverse();
+        while let Some((node, parent, level)) = waiting.pop() {
+            let stored = Stored {
+                name: node.tag_name().name().to_owned(),
+                attributes: node
+                    .attributes()
+                    .map(|a| (a.name().to_owned(), a.value().to_owned()))
+                    .collect(),
+                children: Vec::new(),
+                file,
+                line: lines.of(node.range().start),
+            };
+            if stored.name == "include" {
+                self.include(&stored, parent, (folder, nested))?;
+                continue;
+            }
+            let index = self.nodes.len();
+            self.nodes.push(stored);
+            if let Some(parent) = parent.and_then(|parent| self.nodes.get_mut(parent)) {
+                parent.children.push(index);
+            }
+            if level > MOST_LEVELS {
+                return Err(self.tag(index).fault(Fault::TooDeep { limit: MOST_LEVELS }));
+            }
+            let before = waiting.len();
+            waiting.extend(elements(node).map(|child| (child, Some(index), level + 1)));
+            waiting[before..].reverse();
+        }
+        Ok(())
+    }
+
+    /// Puts the elements of the file that an `<include>` names in its place.
+    fn include(
+        &mut self,
+        include: &Stored,
+        parent: Option<usize>,
+        (folder, nested): (&Path, usize),
+    ) -> Result<(), RobotFileError> {
+        let fault = |fault| RobotFileError::Element {
+            file: self.files[include.file].clone(),
+            line: include.line,
+            element: "<include>".to_owned(),
+            fault,
+        };
+        let named = include.attributes.iter().find(|(name, _)| name == "file");
+        let (Some((_, named)), Some(parent)) = (named, parent) else {
+            return Err(fault(Fault::MissingAttribute { attribute: "file" }));
+        };
+        let path: PathBuf = folder.join(named);
+        let name = path.display().to_string();
+        // As MuJoCo has it; and so no file can include itself.
+        if self.files.contains(&name) {
+            return Err(fault(Fault::IncludedTwice { file: name }));
+        }
+        if nested >= MOST_NESTED {
+            return Err(fault(Fault::TooDeep { limit: MOST_NESTED }));
+        }
+        let text = text_of(&path).map_err(|error| {
+            let at = Place::Line(include.line as usize);
+            ReadError::referred(&self.files[include.file], at, error)
+        })?;
+        self.add(&text, name, Some(parent), (folder, nested + 1))
+    }
+
+    fn tag(&self, index: usize) -> Tag<'_> {
+        Tag { tree: self, index }
+    }
+}
+
+impl<'a> Tag<'a> {
+    fn stored(&self) -> &'a Stored {
+        &self.tree.nodes[self.index]
+    }
+
+    /// What the element is.
+    pub(super) fn name(&self) -> &'a str {
+        &self.stored().name
+    }
+
+    /// The text of an attribute.
+    pub(super) fn text(&self, attribute: &str) -> Option<&'a str> {
+        let mut own = self.stored().attributes.iter();
+        let found = own.find(|(name, _)| name == attribute)?;
+        Some(&found.1)
+    }
+
+    /// The elements within, in their order.
+    pub(super) fn children(&self) -> impl DoubleEndedIterator<Item = Self> + use<'a> {
+        let tree = self.tree;
+        let children = self.stored().children.iter();
+        children.map(move |&index| tree.tag(index))
+    }
+
+    /// The elements within that have a name, in their order.
+    pub(super) fn children_named(&self, name: &'a str) -> impl Iterator<Item = Self> + use<'a> {
+        self.children().filter(move |child| child.name() == name)
+    }
+
+    /// Where it starts in its file, from 1.
+    pub(super) fn line(&self) -> u32 {
+        self.stored().line
+    }
+
+    /// What messages call it: with its name if it has one, and its file if that is an included one.
+    pub(super) fn label(&self) -> String {
+        let named = match self.text("name") {
+            Some(name) => format!("{} `{name}`", self.name()),
+            None => format!("<{}>", self.name()),
+        };
+        match self.stored().file {
+            0 => named,
+            file => format!("{named} of {}", self.tree.files[file]),
+        }
+    }
+
+    /// What is wrong with it.
+    pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
+        let named = self.text("name");
+        let name = self.name();
+        RobotFileError::Element {
+            file: self.tree.files[self.stored().file].clone(),
+            line: self.line(),
+            element: named.map_or_else(|| format!("<{name}>"), |it| format!("{name} `{it}`")),
+            fault,
+        }
+    }
+}
+
+fn text_of(path: &Path) -> Result<String, ReadError> {
+    let bytes = read_bytes(path, LENGTH_LIMIT)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let at = Place::Byte(error.utf8_error().valid_up_to());
+        let file = path.display().to_string();
+        ReadError::malformed(&file, at, "is not UTF-8 text")
+    })
+}
+
+fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a, 'input>> {
+    node.children().filter(Node::is_element)
+}
+
+/// Counts lines up to places that come in order.
+struct Lines<'a> {
+    text: &'a str,
+    at: usize,
+    line: u32,
+}
+
+impl Lines<'_> {
+    fn of(&mut self, at: usize) -> u32 {
+        let passed = self.text.as_bytes().get(self.at..at).unwrap_or_default();
+        self.line += passed.iter().filter(|&&byte| byte == b'\n').count() as u32;
+        self.at = self.at.max(at);
+        self.line
+    }
+}
