@@ -39,7 +39,8 @@ impl Robot {
     /// [`closures`](Self::closures); others are left out with a note. `inertial`s, or the masses of geoms that
     /// need no mesh's file, are kept with the geoms ([`link`](Self::link)): those of groups 0 to 2 as visuals, those
     /// with a contact type as collisions, planes, height fields and ellipsoids not at all. `actuatorfrcrange` is
-    /// the [`effort_limit`](Self::effort_limit). Actuators, sensors, tendons and the like are not looked at.
+    /// the [`effort_limit`](Self::effort_limit). Masses are as they stand: `settotalmass`, `boundmass` and
+    /// `balanceinertia` change none. Actuators, sensors, tendons and the like are not looked at.
     ///
     /// ```
     /// use kinopt::robot::Robot;

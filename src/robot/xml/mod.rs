@@ -1,17 +1,26 @@
 //! What the readers of robots' files share: XML, elements read strictly, and what can be wrong with them.
 
+// What only URDF's lenient reader needs is there without it, too.
+#[cfg_attr(not(feature = "urdf"), allow(dead_code))]
 mod element;
 mod error;
+#[cfg_attr(not(feature = "urdf"), allow(dead_code))]
 mod parse;
+#[cfg_attr(not(feature = "urdf"), allow(dead_code))]
 mod reading;
 mod repair;
 mod rotation;
 
-pub(super) use element::{Element, Named, exactly, is};
+#[cfg(feature = "mjcf")]
+pub(super) use element::exactly;
+pub(super) use element::{Element, Named, is};
 pub use error::{Fault, RobotFileError};
+#[cfg(feature = "urdf")]
+pub(super) use parse::mended;
+pub(super) use parse::parse;
 #[cfg(all(feature = "mjcf", feature = "urdf"))]
 pub(super) use parse::root_name;
-pub(super) use parse::{mended, parse};
 pub(super) use reading::Reading;
 pub use repair::{Mended, Repair};
+#[cfg(any(feature = "mjcf", feature = "urdf"))]
 pub(super) use rotation::{clean_sin_cos, rotation_of_wxyz};

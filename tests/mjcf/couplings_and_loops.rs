@@ -1,0 +1,97 @@
+//! Promise: joints that a linear equality couples follow, whatever their `ref`s; others are left out with a note;
+//! loops are listed unless they are inactive.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use kinopt::robot::{ClosureKind, Robot};
+
+/// Three hinges in a row and these equalities.
+fn robot(equalities: &str) -> Robot {
+    let text = format!(
+        r#"<mujoco><compiler angle="radian"/><default><default class="off"><equality active="false"/></default></default>
+        <worldbody><body name="a"><joint name="a" ref="0.5"/><body name="b" pos="1 0 0"><joint name="b" ref="-1"/>
+          <body name="c" pos="1 0 0"><joint name="c"/><joint name="ball" type="ball"/></body></body></body></worldbody>
+        <equality>{equalities}</equality></mujoco>"#
+    );
+    Robot::parse_mjcf(&text, "chain.xml").unwrap()
+}
+
+#[test]
+fn a_linear_relation_makes_a_follower() {
+    let robot = robot(r#"<joint joint1="b" joint2="a" polycoef="0.25 -2"/>"#);
+    let [mimic] = robot.mimics() else {
+        panic!("{:?}", robot.mimics())
+    };
+    let at = |a: f64| mimic.ratio * a + mimic.offset;
+    // y - y₀ = 0.25 - 2 (x - x₀) with x₀ = 0.5 and y₀ = -1.
+    for a in [-1.0, 0.5, 2.0] {
+        assert!((at(a) - (-1.0 + 0.25 - 2.0 * (a - 0.5))).abs() < 1e-15);
+    }
+    assert_eq!(robot.map().variables(), 2 + 3);
+}
+
+#[test]
+fn a_relation_without_coefficients_is_one_to_one() {
+    let robot = robot(r#"<joint joint1="c" joint2="a"/>"#);
+    let mimic = robot.mimics()[0];
+    assert_eq!((mimic.ratio, mimic.offset), (1.0, -0.5));
+}
+
+#[test]
+fn a_joint_alone_stands_where_it_is_told() {
+    let robot = robot(r#"<joint joint1="a" polycoef="0.25"/>"#);
+    let limits = robot.model().limits().next().unwrap();
+    assert_eq!((limits.lower, limits.upper), (0.75, 0.75));
+    assert_eq!(robot.map().variables(), 2 + 3);
+}
+
+#[test]
+fn what_is_not_linear_or_follows_two_is_left_out_with_a_note() {
+    for (equalities, note) in [
+        (
+            r#"<joint joint1="a" joint2="b" polycoef="0 1 0.5"/>"#,
+            "no linear relation",
+        ),
+        (r#"<joint joint1="a" joint2="ball"/>"#, "no linear relation"),
+        (r#"<tendon tendon1="cable"/>"#, "<tendon> is not read"),
+    ] {
+        let robot = robot(equalities);
+        assert!(robot.mimics().is_empty());
+        assert!(
+            robot.repairs()[0].to_string().contains(note),
+            "{:?}",
+            robot.repairs()
+        );
+    }
+    let twice = robot(r#"<joint joint1="a" joint2="b"/><joint joint1="a" joint2="c"/>"#);
+    let ring = robot(
+        r#"<joint joint1="a" joint2="b"/><joint joint1="b" joint2="c"/><joint joint1="c" joint2="a"/>"#,
+    );
+    for (robot, followers) in [(twice, 1), (ring, 2)] {
+        assert_eq!(
+            (robot.mimics().len(), robot.repairs().len()),
+            (followers, 1)
+        );
+        assert!(robot.repairs()[0].to_string().contains("already follows"));
+    }
+}
+
+#[test]
+fn loops_are_listed_with_their_names_unless_they_are_inactive() {
+    let robot = robot(
+        r#"<connect name="bar" body1="a" body2="c" anchor="1 0 0"/><weld name="held" body1="c"/>
+        <connect body1="a" body2="b" anchor="0 0 0" active="false"/><weld class="off" body1="a" body2="b"/>
+        <joint class="off" joint1="a" joint2="b"/>"#,
+    );
+    let closures = robot.closures();
+    let names: Vec<_> = closures
+        .iter()
+        .map(|closure| closure.name.as_deref())
+        .collect();
+    assert_eq!(names, [Some("bar"), Some("held")]);
+    let name = |frame: kinopt::model::FrameId| robot.model().frames()[frame.index()].name.as_str();
+    assert_eq!(closures[0].frames.map(name), ["a", "c"]);
+    assert_eq!(closures[1].frames.map(name), ["c", "world"]);
+    assert_eq!(closures[0].kind, ClosureKind::Connect);
+    assert_eq!(closures[1].kind, ClosureKind::Weld);
+    assert!(robot.mimics().is_empty() && robot.repairs().is_empty());
+}

@@ -1,0 +1,105 @@
+//! Promise: ranges bind where MuJoCo has it so, in its units; a ball stays within the whole angle that it is limited to.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::model::{JointKind, Limits};
+use kinopt::robot::Robot;
+
+fn joint(compiler: &str, joint: &str) -> Robot {
+    let text = format!(
+        r#"<mujoco><compiler {compiler}/><default><joint armature="1"/></default>
+        <worldbody><body name="b"><joint name="j" {joint}/></body></worldbody></mujoco>"#
+    );
+    Robot::parse_mjcf(&text, "joint.xml").unwrap()
+}
+
+fn limits(compiler: &str, attributes: &str) -> Limits {
+    joint(compiler, attributes).model().joints()[0].limits
+}
+
+#[test]
+fn a_range_binds_unless_it_is_said_not_to() {
+    let bound = Limits::new(-1.0, 2.0);
+    let range = r#"range="-1 2""#;
+    for (compiler, joint, expected) in [
+        (r#"angle="radian""#, range.to_owned(), bound),
+        (
+            r#"angle="radian""#,
+            format!(r#"{range} limited="auto""#),
+            bound,
+        ),
+        (
+            r#"angle="radian""#,
+            format!(r#"{range} limited="false""#),
+            Limits::UNBOUNDED,
+        ),
+        (
+            r#"angle="radian" autolimits="false""#,
+            format!(r#"{range} limited="true""#),
+            bound,
+        ),
+        (
+            r#"angle="radian" autolimits="false""#,
+            format!(r#"{range} limited="false""#),
+            Limits::UNBOUNDED,
+        ),
+        (
+            r#"angle="radian""#,
+            r#"range="0 0""#.to_owned(),
+            Limits::UNBOUNDED,
+        ),
+        (
+            r#"angle="degree""#,
+            format!(r#"type="slide" {range}"#),
+            bound,
+        ),
+    ] {
+        assert_eq!(limits(compiler, &joint), expected, "{compiler} {joint}");
+    }
+    let degrees = limits("", r#"range="-90 180""#);
+    let [quarter, half] = [std::f64::consts::FRAC_PI_2, std::f64::consts::PI];
+    assert!((degrees.lower + quarter).abs() < 1e-15 && (degrees.upper - half).abs() < 1e-15);
+}
+
+#[test]
+fn a_ball_within_its_cone_and_twist_turns_by_no_more_than_its_range() {
+    for angle in [0.1, 1.0, 2.0, 3.1] {
+        let robot = joint(
+            r#"angle="radian""#,
+            &format!(r#"type="ball" range="0 {angle}""#),
+        );
+        let model = robot.model();
+        let ball = model.joints()[0].ball.unwrap();
+        assert_eq!(
+            (model.joints()[0].kind, ball.swing[0]),
+            (JointKind::Ball, ball.swing[1])
+        );
+        assert!(
+            robot.repairs()[0]
+                .to_string()
+                .contains("the whole angle is limited")
+        );
+        let mut farthest = 0.0_f64;
+        for seed in 0..2000 {
+            let q = model.random_configuration(seed);
+            farthest = farthest.max(2.0 * q[0].abs().min(1.0).acos());
+        }
+        assert!(
+            farthest <= angle + 1e-9 && farthest > 0.8 * angle,
+            "{farthest} {angle}"
+        );
+    }
+    let free = joint("", r#"type="ball" range="0 180""#);
+    assert!(free.model().joints()[0].ball.is_none() && free.repairs().is_empty());
+}
+
+#[test]
+fn a_joints_strongest_force_is_kept() {
+    let robot = joint("", r#"actuatorfrcrange="-88 50""#);
+    let id = robot.model().joint("j").unwrap();
+    assert_eq!(robot.effort_limit(id), Some(88.0));
+    let robot = joint(
+        "",
+        r#"actuatorfrcrange="-88 50" actuatorfrclimited="false""#,
+    );
+    assert_eq!(robot.effort_limit(id), None);
+}

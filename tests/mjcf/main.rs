@@ -1,0 +1,7 @@
+//! Robots from MJCF.
+
+mod couplings_and_loops;
+mod joints;
+mod malformed;
+mod mujoco;
+mod names;

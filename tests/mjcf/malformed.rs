@@ -1,0 +1,227 @@
+//! Promise: whatever is wrong with an MJCF file is told with its line and name.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::PathBuf;
+
+use kinopt::robot::{Fault, Robot, RobotFileError};
+
+fn fault(text: &str) -> (u32, String, Fault) {
+    match Robot::parse_mjcf(text, "robot.xml") {
+        Err(RobotFileError::Element {
+            file,
+            line,
+            element,
+            fault,
+        }) => {
+            assert_eq!(file, "robot.xml");
+            (line, element, fault)
+        }
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+/// A document of a default section and what is in the world.
+fn world(defaults: &str, body: &str) -> String {
+    format!("<mujoco>\n<default>{defaults}</default>\n<worldbody>{body}</worldbody></mujoco>")
+}
+
+#[test]
+fn a_class_within_itself_or_given_twice_is_named() {
+    for defaults in [
+        r#"<default class="a"><default class="b"><default class="a"/></default></default>"#,
+        r#"<default class="a"/><default class="a"/>"#,
+    ] {
+        let (line, _, fault) = fault(&world(defaults, ""));
+        let class = "a".to_owned();
+        assert_eq!(
+            (line, fault),
+            (
+                2,
+                Fault::RepeatedClass {
+                    class,
+                    first_line: 2
+                }
+            )
+        );
+    }
+    let (_, _, main) = fault(&world(r#"<default class="main"/>"#, ""));
+    assert!(matches!(main, Fault::RepeatedClass { first_line: 0, .. }));
+    let (_, _, unnamed) = fault(&world("<default/>", ""));
+    assert_eq!(unnamed, Fault::MissingAttribute { attribute: "class" });
+}
+
+#[test]
+fn an_unknown_class_is_named_with_those_there_are() {
+    let defaults = r#"<default class="leg"/>"#;
+    for body in [
+        r#"<body name="b" childclass="lek"/>"#,
+        r#"<body><joint class="lek"/></body>"#,
+        r#"<frame childclass="lek"/>"#,
+        r#"<site class="lek"/>"#,
+    ] {
+        let (line, _, fault) = fault(&world(defaults, body));
+        let Fault::UnknownName(unknown) = fault else {
+            panic!("{fault:?}")
+        };
+        assert_eq!(
+            (line, &*unknown.name, unknown.valid.as_slice()),
+            (3, "lek", &["leg".to_owned(), "main".to_owned()][..])
+        );
+    }
+}
+
+#[test]
+fn each_fault_is_told_for_what_it_is() {
+    let zero = |attribute| Fault::ZeroLength { attribute };
+    let body = |inner: &str| world("", &format!("<body name=\"b\">{inner}</body>"));
+    let bodies: Vec<(String, Fault)> = vec![
+        (world("", r#"<body quat="0 0 0 0"/>"#), zero("quat")),
+        (world("", r#"<body axisangle="0 0 0 1"/>"#), zero("axisangle")),
+        (world("", r#"<body zaxis="0 0 0"/>"#), zero("zaxis")),
+        (world("", r#"<body xyaxes="1 0 0 2 0 0"/>"#), zero("xyaxes")),
+        (world("", r#"<site fromto="1 1 1 1 1 1"/>"#), zero("fromto")),
+        (body(r#"<joint axis="0 0 0"/>"#), zero("axis")),
+        (body(r#"<joint range="1 -1"/>"#), Fault::LimitsOutOfOrder { lower: 1_f64.to_radians(), upper: -1_f64.to_radians() }),
+        (body(r#"<joint type="ball" range="1 2"/>"#), Fault::BadBallRange),
+        (body(r#"<joint type="ball" limited="true"/>"#), Fault::BadBallRange),
+        (world("", r#"<body quat="1 0 0 0" euler="1 2 3"/>"#), Fault::SeveralOrientations),
+        (body("<freejoint/><joint/>"), Fault::MisplacedFreeJoint),
+        (body("<body><joint type=\"free\"/></body>"), Fault::MisplacedFreeJoint),
+        (world("", "<freejoint/>"), Fault::MisplacedFreeJoint),
+        (world("", "<replicate/>"), Fault::UnsupportedElement { element: "replicate".to_owned() }),
+        (body("<body name=\"b\"/>"), Fault::DuplicateName { first_line: 3 }),
+        (body("<joint name=\"j\"/><joint name=\"j\"/>"), Fault::DuplicateName { first_line: 3 }),
+        ("<robot/>".to_owned(), Fault::NotMujoco),
+        ("<mujoco><compiler autolimits=\"false\"/><worldbody><body><joint range=\"0 1\"/></body></worldbody></mujoco>".to_owned(), Fault::UnsaidLimits),
+        ("<mujoco><compiler eulerseq=\"xyw\"/></mujoco>".to_owned(), Fault::BadEulerSequence { text: "xyw".to_owned() }),
+        ("<mujoco><include/></mujoco>".to_owned(), Fault::MissingAttribute { attribute: "file" }),
+    ];
+    for (text, expected) in bodies {
+        assert_eq!(fault(&text).2, expected, "{text}");
+    }
+    for text in [
+        body(r#"<joint type="screw"/>"#),
+        "<mujoco><compiler angle=\"grad\"/></mujoco>".to_owned(),
+        "<mujoco><compiler coordinate=\"global\"/></mujoco>".to_owned(),
+        "<mujoco><worldbody/><equality><weld active=\"maybe\"/></equality></mujoco>".to_owned(),
+    ] {
+        assert!(
+            matches!(fault(&text).2, Fault::UnknownWord { .. }),
+            "{text}"
+        );
+    }
+    for pos in ["1 2", "1 2 3 4", "1 2 x", "1 2 nan", "1 2 1e999", ""] {
+        let text = world("", &format!("<body pos=\"{pos}\"/>"));
+        assert!(
+            matches!(
+                fault(&text).2,
+                Fault::BadNumbers {
+                    attribute: "pos",
+                    count: 3,
+                    ..
+                }
+            ),
+            "{text}"
+        );
+    }
+    for equality in [
+        r#"<joint joint1="k"/>"#,
+        r#"<joint joint1="j" joint2="k"/>"#,
+        r#"<connect body1="c" anchor="0 0 0"/>"#,
+        r#"<weld body1="b" body2="c"/>"#,
+        r#"<weld site1="b" site2="c"/>"#,
+    ] {
+        let text = format!(
+            "<mujoco><worldbody><body name=\"b\"><joint name=\"j\"/></body></worldbody><equality>{equality}</equality></mujoco>"
+        );
+        assert!(matches!(fault(&text).2, Fault::UnknownName(_)), "{text}");
+    }
+}
+
+#[test]
+fn elements_without_end_are_refused_and_many_are_not() {
+    let nested = |levels: usize| {
+        world(
+            "",
+            &format!("{}{}", "<body>".repeat(levels), "</body>".repeat(levels)),
+        )
+    };
+    assert!(Robot::parse_mjcf(&nested(500), "deep.xml").is_ok());
+    assert!(matches!(
+        Robot::parse_mjcf(&nested(1100), "robot.xml"),
+        Err(RobotFileError::Element {
+            fault: Fault::TooDeep { .. },
+            ..
+        } | RobotFileError::NotXml { .. })
+    ));
+}
+
+/// A folder of its own for the files of a test.
+fn files(name: &str, files: &[(&str, &str)]) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_fault_of_an_included_file_is_told_with_that_file() {
+    let folder = files(
+        "mjcf_included",
+        &[
+            (
+                "main.xml",
+                "<mujoco>\n\n<include file=\"part.xml\"/></mujoco>",
+            ),
+            (
+                "part.xml",
+                "<mujoco>\n<worldbody>\n<body quat=\"0 0 0 0\"/></worldbody></mujoco>",
+            ),
+        ],
+    );
+    let error = Robot::read_mjcf(folder.join("main.xml"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("part.xml:3: <body>: attribute `quat` is of length zero"),
+        "{error}"
+    );
+}
+
+#[test]
+fn files_that_include_themselves_or_are_not_there_are_named() {
+    let folder = files(
+        "mjcf_rings",
+        &[
+            ("self.xml", "<mujoco><include file=\"self.xml\"/></mujoco>"),
+            ("there.xml", "<mujoco><include file=\"back.xml\"/></mujoco>"),
+            ("back.xml", "<mujoco><include file=\"there.xml\"/></mujoco>"),
+            (
+                "missing.xml",
+                "<mujoco>\n<include file=\"nowhere.xml\"/></mujoco>",
+            ),
+        ],
+    );
+    for name in ["self.xml", "there.xml"] {
+        let error = Robot::read_mjcf(folder.join(name)).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                RobotFileError::Element {
+                    fault: Fault::IncludedTwice { .. },
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
+    let error = Robot::read_mjcf(folder.join("missing.xml"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("line 2") && error.contains("nowhere.xml"),
+        "{error}"
+    );
+}

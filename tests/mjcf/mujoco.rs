@@ -1,0 +1,224 @@
+//! Promise: bodies and sites stand where MuJoCo places them, to 1e-12, at its own `qpos`; ranges, masses and loops
+//! are its own too. `mujoco_placements.json` is what MuJoCo 4.0.0 makes of the files beside it: see
+//! `mujoco_placements.py`.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::JointKind;
+use kinopt::robot::{ClosureKind, Inertial, Robot};
+use kinopt::spatial::{Placement, Quaternion, Vector3};
+use nalgebra::Matrix3;
+use serde::Deserialize;
+
+const WITHIN: f64 = 1e-12;
+
+#[derive(Deserialize)]
+struct Reference {
+    mujoco: String,
+    files: Vec<ReferenceFile>,
+}
+
+#[derive(Deserialize)]
+struct ReferenceFile {
+    file: String,
+    joints: Vec<ReferenceJoint>,
+    configurations: Vec<Configuration>,
+    loops: Vec<Loop>,
+    inertials: Vec<ReferenceInertial>,
+}
+
+#[derive(Deserialize)]
+struct ReferenceJoint {
+    name: Option<String>,
+    #[serde(rename = "type")]
+    kind: String,
+    address: usize,
+    range: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+struct Configuration {
+    q: Vec<f64>,
+    bodies: Vec<(Option<String>, [f64; 12])>,
+    sites: Vec<(Option<String>, [f64; 12])>,
+}
+
+#[derive(Deserialize)]
+struct Loop {
+    weld: bool,
+    sites: bool,
+    data: [f64; 10],
+}
+
+#[derive(Deserialize)]
+struct ReferenceInertial {
+    mass: f64,
+    centre: [f64; 3],
+    moments: [f64; 3],
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mjcf")
+}
+
+fn reference() -> Vec<(Robot, ReferenceFile)> {
+    let text = std::fs::read_to_string(folder().join("mujoco_placements.json")).unwrap();
+    let reference: Reference = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        (reference.mujoco.as_str(), reference.files.len()),
+        ("4.0.0", 2)
+    );
+    let files = reference.files.into_iter();
+    let read = |file: ReferenceFile| {
+        let path = folder().join("files").join(&file.file);
+        (Robot::read_mjcf(path).unwrap(), file)
+    };
+    files.map(read).collect()
+}
+
+/// Position, then the rotation's rows.
+fn numbers(placement: &Placement<f64>) -> [f64; 12] {
+    let Placement {
+        rotation,
+        translation,
+    } = placement;
+    let Vector3 { x, y, z } = *translation;
+    let rows = rotation.transpose();
+    let mut numbers = [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    for (place, row) in [rows.x, rows.y, rows.z].into_iter().enumerate() {
+        numbers[3 + 3 * place..6 + 3 * place].copy_from_slice(&row.to_array());
+    }
+    numbers
+}
+
+#[test]
+fn bodies_and_sites_stand_where_mujoco_places_them() {
+    let mut compared = 0;
+    for (robot, file) in reference() {
+        let model = robot.model();
+        let mut kinematics = ForwardKinematics::new(model);
+        for Configuration { q, bodies, sites } in &file.configurations {
+            let placed = kinematics.place(q).unwrap();
+            // Bodies come first, in MuJoCo's order, then sites, in that of their bodies.
+            let expected = bodies.iter().chain(sites);
+            assert_eq!(placed.len(), bodies.len() + sites.len());
+            for ((frame, placement), (name, expected)) in
+                model.frames().iter().zip(placed).zip(expected)
+            {
+                let is_named =
+                    |name: &String| frame.name == *name || frame.name == format!("site/{name}");
+                assert!(
+                    name.as_ref().is_none_or(is_named),
+                    "{} {name:?}",
+                    frame.name
+                );
+                for (own, expected) in numbers(placement).iter().zip(expected) {
+                    assert!(
+                        (own - expected).abs() < WITHIN,
+                        "{}: {own} {expected}",
+                        frame.name
+                    );
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(compared, 12 * 4 * (6 + 5 + 7 + 3));
+}
+
+#[test]
+fn joints_stand_in_a_configuration_as_in_qpos_and_have_its_ranges() {
+    for (robot, file) in reference() {
+        let model = robot.model();
+        assert_eq!(model.configuration_len(), file.configurations[0].q.len());
+        for joint in file.joints {
+            let id = model.moving_joints()[joint.address];
+            let own = &model.joints()[id.index()];
+            let name = joint.name.as_deref();
+            assert!(name.is_none_or(|name| own.name == name || own.name == format!("{name}/x")));
+            let kinds: &[JointKind] = match joint.kind.as_str() {
+                "free" | "slide" => &[JointKind::Prismatic],
+                "ball" => &[JointKind::Ball],
+                _ => &[JointKind::Revolute, JointKind::Continuous],
+            };
+            assert!(kinds.contains(&own.kind), "{} {:?}", own.name, own.kind);
+            match joint.range {
+                // An equality holds it.
+                _ if own.limits.is_locked() => assert_eq!(own.name, "turn"),
+                _ if joint.kind == "ball" => assert!(own.ball.is_some()),
+                None => assert!(own.limits.lower.is_infinite() && own.limits.upper.is_infinite()),
+                Some([lower, upper]) => {
+                    assert!((own.limits.lower - lower).abs() < WITHIN);
+                    assert!((own.limits.upper - upper).abs() < WITHIN);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn masses_are_those_of_inertials_and_else_of_geoms() {
+    for (robot, file) in reference() {
+        for (frame, expected) in robot.model().frame_ids().zip(&file.inertials) {
+            let own = robot.link(frame).unwrap().inertial;
+            assert_eq!(own.is_some(), expected.mass > 0.0);
+            let Some(Inertial {
+                mass,
+                link_from_inertia,
+                moments,
+                ..
+            }) = own
+            else {
+                continue;
+            };
+            assert!((mass - expected.mass).abs() < WITHIN * mass);
+            let centre = link_from_inertia.translation.to_array();
+            for (own, expected) in centre.iter().zip(expected.centre) {
+                assert!((own - expected).abs() < WITHIN);
+            }
+            // Principal moments: eigenvalues, in whatever axes.
+            let matrix = Matrix3::from_fn(|row, column| moments[row][column]);
+            let mut principal: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
+            let mut expected = expected.moments;
+            principal.sort_unstable_by(f64::total_cmp);
+            expected.sort_unstable_by(f64::total_cmp);
+            for (own, expected) in principal.iter().zip(expected) {
+                assert!((own - expected).abs() < 1e-10 * mass, "{own} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn loops_join_the_places_that_mujoco_joins() {
+    let mut compared = 0;
+    for (robot, file) in reference() {
+        assert_eq!(robot.closures().len(), file.loops.len());
+        for (own, expected) in robot.closures().iter().zip(&file.loops) {
+            assert_eq!(own.kind == ClosureKind::Weld, expected.weld);
+            let [first, second] = own.frame_from_place;
+            let data = expected.data;
+            let vector = |at: usize| Vector3::new(data[at], data[at + 1], data[at + 2]);
+            let expected = match (expected.sites, expected.weld) {
+                (true, _) => [Placement::identity(); 2],
+                (false, false) => [vector(0), vector(3)].map(Placement::translation),
+                (false, true) => {
+                    // The second body's pose in the first, and a place on the second.
+                    let (w, v) = (data[6], vector(7));
+                    let turned = Placement::new(Quaternion { w, v }.to_matrix(), vector(3));
+                    let anchor = Placement::translation(vector(0));
+                    [turned * anchor, anchor]
+                }
+            };
+            for (own, expected) in [first, second].iter().zip(&expected) {
+                for (own, expected) in numbers(own).iter().zip(numbers(expected)) {
+                    assert!((own - expected).abs() < WITHIN, "{own} {expected}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(compared, 5 * 2 * 12);
+}

@@ -1,0 +1,91 @@
+//! Promise: what has no name gets one by its body, what has is called so; attributes come from classes; MJCF is told
+//! from URDF by its element.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::robot::{Geometry, Robot};
+
+#[test]
+fn what_has_no_name_is_called_after_its_body() {
+    let text = r#"<mujoco><worldbody>
+        <body><freejoint/><body name="arm"><joint/><joint/><joint type="slide"/><site/><site/><site name="arm"/></body></body>
+        <body name="body/1"/></worldbody></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "unnamed.xml").unwrap();
+    let joints: Vec<&str> = robot
+        .model()
+        .joints()
+        .iter()
+        .map(|joint| joint.name.as_str())
+        .collect();
+    let free = ["x", "y", "z", "rotation"].map(|part| format!("body/1/2/free/{part}"));
+    assert_eq!(joints[..4], free);
+    assert_eq!(joints[4..], ["arm/hinge", "arm/hinge/2", "arm/slide"]);
+    let frames: Vec<&str> = robot
+        .model()
+        .frames()
+        .iter()
+        .map(|frame| frame.name.as_str())
+        .collect();
+    assert_eq!(
+        frames,
+        [
+            "world",
+            "body/1/2",
+            "arm",
+            "body/1",
+            "arm/site",
+            "arm/site/2",
+            "site/arm"
+        ]
+    );
+    assert_eq!(robot.name(), "MuJoCo Model");
+}
+
+#[test]
+fn any_reader_of_robots_reads_mjcf() {
+    let text =
+        "<!-- by hand -->\n<mujoco model=\"m\"><worldbody><body name=\"b\"/></worldbody></mujoco>";
+    let robot = Robot::parse(text, "robot.urdf").unwrap();
+    assert_eq!(robot.name(), "m");
+}
+
+#[test]
+fn geoms_are_shapes_as_their_groups_and_contacts_have_it() {
+    let text = r#"<mujoco><compiler meshdir="meshes/"/>
+        <default><mesh scale="2 2 2"/><default class="seen"><geom contype="0" conaffinity="0" group="2"/></default>
+        <default class="felt"><geom group="3"/></default></default>
+        <asset><mesh file="parts/hull.obj" refpos="1 0 0"/></asset>
+        <worldbody><geom type="plane" size="1 1 1"/><body name="b" childclass="seen"><geom type="mesh" mesh="hull" pos="0 1 0"/>
+        <geom class="felt" name="box" type="box" size="1 2 3"/><geom class="main" type="sphere" size="0.5"/>
+        <geom class="felt" type="mesh" mesh="hill"/></body></worldbody></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "shapes.xml").unwrap();
+    let link = robot.link(robot.model().frame("b").unwrap()).unwrap();
+    let visuals: Vec<&Geometry> = link.visuals.iter().map(|shape| &shape.geometry).collect();
+    let mesh = Geometry::Mesh {
+        file: "meshes/parts/hull.obj".to_owned(),
+        scale: [2.0; 3],
+    };
+    assert_eq!(visuals, [&mesh, &Geometry::Sphere { radius: 0.5 }]);
+    // What the file has at 1, 0, 0 stands at the geom, scaled.
+    assert_eq!(
+        link.visuals[0].link_from_shape.translation.to_array(),
+        [-2.0, 1.0, 0.0]
+    );
+    let collisions: Vec<&Geometry> = link
+        .collisions
+        .iter()
+        .map(|shape| &shape.geometry)
+        .collect();
+    let size = [2.0, 4.0, 6.0];
+    assert_eq!(
+        collisions,
+        [&Geometry::Box { size }, &Geometry::Sphere { radius: 0.5 }]
+    );
+    assert!(
+        robot.repairs()[0]
+            .to_string()
+            .contains("there is no mesh `hill`")
+            || robot.repairs()[0].to_string().contains("hill")
+    );
+    // The mass of a mesh is in its file.
+    assert_eq!(link.inertial, None);
+}
