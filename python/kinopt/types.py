@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, Union
+from typing import Any, Literal, Protocol, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 """An array of float64."""
+
+
+BaseJoint = Literal["fixed", "free", "planar", "slide-x", "slide-y", "slide-z"]
+"""What a robot's root moves on."""
 
 
 class HasHomogeneous(Protocol):
@@ -46,6 +50,7 @@ class HasModel(Protocol):
 
 
 __all__ = [
+    "BaseJoint",
     "Floats",
     "HasA",
     "HasAsMatrix",

@@ -102,6 +102,11 @@ impl<'py> Questions<'py> {
         })
     }
 
+    /// All numbers, one question after another.
+    pub(crate) fn all(&self) -> &[f64] {
+        &self.numbers
+    }
+
     /// How many there are.
     pub(crate) fn count(&self) -> usize {
         self.count.unwrap_or(1)

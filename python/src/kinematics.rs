@@ -31,7 +31,7 @@ pub(crate) struct ForwardKinematics {
 /// The Jacobians of frames of one model: built once, asked as often as wanted, from any number of threads.
 ///
 /// Six rows a frame: the velocity of its origin (m/s), then its angular velocity (rad/s), in world axes
-/// (Pinocchio's `LOCAL_WORLD_ALIGNED`), for a rate of 1 of each coordinate. `model` is a model, a robot, a
+/// (Pinocchio's `LOCAL_WORLD_ALIGNED`), for velocities as of `Model.integrate`: a column a degree of freedom. `model` is a model, a robot, a
 /// skeleton or a rig; `frames` names of frames, None for all of them. Raises `UnknownNameError` for a frame
 /// that there is not.
 #[pyclass(frozen, module = "kinopt")]
@@ -214,7 +214,7 @@ pub(crate) fn jacobians<'py>(
     pool: &Pool<Derivative>,
     frames: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let columns = pool.template().variables();
+    let (width, columns) = (pool.template().variables(), pool.template().columns());
     let at = |jacobian: &mut Derivative, q: &[f64], numbers: &mut [f64]| {
         let matrix = jacobian.at(q)?;
         for (row, numbers) in numbers.chunks_exact_mut(columns).enumerate() {
@@ -224,7 +224,7 @@ pub(crate) fn jacobians<'py>(
         }
         Ok(())
     };
-    for_each_configuration(q, &[6 * frames, columns], pool, at, columns)
+    for_each_configuration(q, &[6 * frames, columns], pool, at, width)
 }
 
 /// Where one frame stands: world_from_frame, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).

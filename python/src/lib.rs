@@ -10,6 +10,7 @@ mod animation;
 mod arm;
 mod arrays;
 mod capture;
+mod configuration;
 mod contents;
 mod error;
 mod goal;

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use kinopt::model::{JointId, JointKind, LengthUnit, Limits};
+use kinopt::model::{BallLimits, JointId, JointKind, LengthUnit, Limits};
 use kinopt::spatial::Placement;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::arrays;
+use crate::configuration::of_two;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::placement;
@@ -16,7 +17,8 @@ use crate::placement;
 /// A tree of joints and the frames they carry, that nothing changes.
 ///
 /// A configuration `q` has one number a moving joint, in the order of `joint_names`: radians for joints
-/// that turn, metres (a rig's own unit for rigs) for those that slide.
+/// that turn, metres (a rig's own unit for rigs) for those that slide; a ball joint has four, its unit
+/// quaternion w, x, y, z.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Model {
@@ -41,9 +43,12 @@ impl Model {
     /// Names of the moving joints, in the order of a configuration.
     #[getter]
     pub(crate) fn joint_names(&self) -> Vec<&str> {
-        let joints = self.inner.moving_joints().iter();
+        let moving = self.inner.moving_joints();
+        // A ball is there four times.
+        let first = |(at, id): &(usize, &JointId)| *at == 0 || moving[at - 1] != **id;
+        let joints = moving.iter().enumerate().filter(first);
         joints
-            .map(|id| self.inner.joints()[id.index()].name.as_str())
+            .map(|(_, id)| self.inner.joints()[id.index()].name.as_str())
             .collect()
     }
 
@@ -57,10 +62,36 @@ impl Model {
             .collect()
     }
 
-    /// How many numbers a configuration has.
+    /// Names of the numbers of a configuration: of its joint, and which part of a ball's quaternion, as in
+    /// "hip w".
+    #[getter]
+    pub(crate) fn coordinate_names(&self) -> Vec<String> {
+        let parts = self
+            .inner
+            .moving_joints()
+            .iter()
+            .enumerate()
+            .map(|(at, &id)| {
+                let joint = &self.inner.joints()[id.index()];
+                let part = at - self.inner.coordinate(id).unwrap_or(at);
+                match joint.kind {
+                    JointKind::Ball => format!("{} {}", joint.name, ["w", "x", "y", "z"][part]),
+                    _ => joint.name.clone(),
+                }
+            });
+        parts.collect()
+    }
+
+    /// How many numbers a configuration has, nq: four for a ball joint, one for any other.
+    #[getter]
+    pub(crate) fn configuration_len(&self) -> usize {
+        self.inner.configuration_len()
+    }
+
+    /// How many numbers a velocity has, nv: three for a ball joint, one for any other.
     #[getter]
     pub(crate) fn degrees_of_freedom(&self) -> usize {
-        self.inner.configuration_len()
+        self.inner.degrees_of_freedom()
     }
 
     /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
@@ -147,6 +178,75 @@ impl Model {
         Ok(array.into_any())
     }
 
+    /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
+    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), or (N, nq)
+    /// and (N, nv); radians and metres, a ball's and a free joint's in their own moved axes, linear first.
+    ///
+    /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
+    pub(crate) fn integrate<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let model = &self.inner;
+        let (nq, nv) = (model.configuration_len(), model.degrees_of_freedom());
+        of_two((q, "q", nq), (v, "v", nv), nq, |q, v, to| {
+            model.integrate(q, v, to)
+        })
+    }
+
+    /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes
+    /// (nq,) twice, or (N, nq) twice.
+    ///
+    /// Raises `InvalidValueError` as `integrate`.
+    pub(crate) fn difference<'py>(
+        &self,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let model = &self.inner;
+        let (nq, nv) = (model.configuration_len(), model.degrees_of_freedom());
+        of_two((q0, "q0", nq), (q1, "q1", nq), nv, |q0, q1, v| {
+            model.difference(q0, q1, v)
+        })
+    }
+
+    /// The configuration at a share of the way from `q0` to `q1`. Shapes (nq,) twice, or (N, nq) twice.
+    ///
+    /// Raises `InvalidValueError` as `integrate`, and for a share that is not finite.
+    pub(crate) fn interpolate<'py>(
+        &self,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+        share: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let model = &self.inner;
+        let nq = model.configuration_len();
+        of_two((q0, "q0", nq), (q1, "q1", nq), nq, |q0, q1, to| {
+            model.interpolate(q0, q1, share, to)
+        })
+    }
+
+    /// The configuration with quaternions of unit length, shape (nq,).
+    ///
+    /// Raises `InvalidValueError` as `integrate`.
+    pub(crate) fn normalise<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mut q_unit = arrays::vector_of(q, "q", self.inner.configuration_len())?.to_vec();
+        self.inner.normalise(&mut q_unit).or_raise()?;
+        Ok(arrays::list(q.py(), &q_unit))
+    }
+
+    /// Whether a configuration, shape (nq,), is within all limits, cones included.
+    ///
+    /// Raises `InvalidValueError` for another shape.
+    pub(crate) fn is_within_limits(&self, q: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let q = arrays::vector_of(q, "q", self.inner.configuration_len())?;
+        Ok(self.inner.is_within_limits(&q))
+    }
+
     /// The same model as JSON, which `Model.from_json` reads.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string(&*self.inner).or_raise()
@@ -171,7 +271,7 @@ impl Model {
         format!(
             "Model({:?}, {} degrees of freedom, {} frames)",
             self.inner.name(),
-            self.inner.configuration_len(),
+            self.inner.degrees_of_freedom(),
             self.inner.frames().len()
         )
     }
@@ -194,7 +294,7 @@ pub(crate) struct Joint {
     /// Unique within the model.
     #[pyo3(get)]
     name: String,
-    /// "revolute", "continuous", "prismatic" or "fixed".
+    /// "revolute", "continuous", "prismatic", "ball" or "fixed".
     #[pyo3(get)]
     kind: &'static str,
     /// The joint it stands on; None for the world.
@@ -209,9 +309,15 @@ pub(crate) struct Joint {
     /// Largest value, radians or metres.
     #[pyo3(get)]
     upper: f64,
-    /// Where its value stands in a configuration; None for a fixed joint.
+    /// Where its value, or a ball's quaternion, begins in a configuration; None for a fixed joint.
     #[pyo3(get)]
     coordinate: Option<usize>,
+    /// How far a ball joint may swing about two axes across its own, radians; None for anywhere.
+    #[pyo3(get)]
+    swing: Option<[f64; 2]>,
+    /// How far a ball joint may twist about its axis, radians; None for anywhere.
+    #[pyo3(get)]
+    twist: Option<(f64, f64)>,
     parent_from_joint: [f64; 16],
 }
 
@@ -228,6 +334,8 @@ impl Joint {
             lower: joint.limits.lower,
             upper: joint.limits.upper,
             coordinate: id.and_then(|id| model.coordinate(id)),
+            swing: joint.ball.map(|ball| ball.swing),
+            twist: joint.ball.map(|ball| (ball.twist.lower, ball.twist.upper)),
             parent_from_joint: placement::to_numbers(&joint.parent_from_joint),
         }
     }
@@ -297,25 +405,43 @@ impl Frame {
 /// Raises `InvalidValueError` for another unit.
 #[pyclass(module = "kinopt")]
 pub(crate) struct ModelBuilder {
-    name: String,
-    unit: LengthUnit,
-    joints: Vec<kinopt::model::Joint>,
-    frames: Vec<(String, Option<JointId>, Placement<f64>)>,
-    ids: Vec<JointId>,
-    /// Hands out ids, in the order in which `build` will.
-    numbering: kinopt::model::ModelBuilder,
+    inner: kinopt::model::ModelBuilder,
+    /// The joints that others can stand on, by the names they were added by.
+    joints: Vec<(String, JointId)>,
 }
 
 impl ModelBuilder {
     fn parent(&self, name: Option<&str>) -> PyResult<Option<JointId>> {
         let Some(name) = name else { return Ok(None) };
-        let found = self.joints.iter().position(|joint| joint.name == name);
-        let names = self.joints.iter().map(|joint| joint.name.as_str());
-        let id = found.map(|i| self.ids[i]);
-        id.ok_or_else(|| kinopt::model::UnknownName::new("joint", name, names))
+        let found = self.joints.iter().find(|(joint, _)| joint == name);
+        let names = self.joints.iter().map(|(joint, _)| joint.as_str());
+        found
+            .map(|&(_, id)| id)
+            .ok_or_else(|| kinopt::model::UnknownName::new("joint", name, names))
             .or_raise()
             .map(Some)
     }
+
+    /// Where a joint stands: its parent and the placement in it.
+    fn place(
+        &self,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(Option<JointId>, Placement<f64>)> {
+        let placement = match parent_from_joint {
+            Some(value) => placement::placement(value, "parent_from_joint")?,
+            None => Placement::identity(),
+        };
+        Ok((self.parent(parent)?, placement))
+    }
+}
+
+/// Ranges as limits.
+fn room<const N: usize>(room: Option<[(f64, f64); N]>) -> [Limits; N] {
+    let free = [Limits::UNBOUNDED; N];
+    room.map_or(free, |room| {
+        room.map(|(lower, upper)| Limits::new(lower, upper))
+    })
 }
 
 #[pymethods]
@@ -332,13 +458,11 @@ impl ModelBuilder {
                 )));
             }
         };
+        let mut inner = kinopt::Model::builder(name);
+        inner.length_unit(unit);
         Ok(Self {
-            numbering: kinopt::Model::builder(""),
-            name,
-            unit,
+            inner,
             joints: Vec::new(),
-            frames: Vec::new(),
-            ids: Vec::new(),
         })
     }
 
@@ -377,21 +501,106 @@ impl ModelBuilder {
             .into_iter()
             .find(|known| known.name() == kind)
             .ok_or_else(|| kinopt::model::UnknownName::new("joint kind", kind, names));
-        let placement = match parent_from_joint {
-            Some(value) => placement::placement(value, "parent_from_joint")?,
-            None => Placement::identity(),
-        };
-        let parent = self.parent(parent)?;
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
         let joint = kinopt::model::Joint::new(
-            name,
+            name.as_str(),
             parent,
             placement,
             kind.or_raise()?,
             axis,
             Limits::new(lower, upper),
         );
-        self.ids.push(self.numbering.joint(joint.clone()));
-        self.joints.push(joint);
+        let id = self.inner.joint(joint);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a ball joint, which turns any way about one point: in a configuration its unit quaternion w, x,
+    /// y, z.
+    ///
+    /// With `swing` (radians, at most pi) it tips its `axis` within a cone of that half angle, or within an
+    /// elliptic one of two half angles, about `about` and about what is across that and the axis; `twist` is
+    /// the range, (lower, upper) in radians, that it may turn about its axis. `parent` and
+    /// `parent_from_joint` are as of `joint`.
+    ///
+    /// Raises `UnknownNameError` for a parent that does not exist, `InvalidValueError` for a placement of
+    /// another shape; what does not go together is said by `build`.
+    #[pyo3(signature = (
+        name, parent = None, parent_from_joint = None, axis = [1.0, 0.0, 0.0], *, swing = None,
+        twist = None, about = None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn ball(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        axis: [f64; 3],
+        swing: Option<Swing>,
+        twist: Option<(f64, f64)>,
+        about: Option<[f64; 3]>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let [twist_range] = room(twist.map(|twist| [twist]));
+        let limited = swing.is_some() || twist.is_some();
+        let swing = match swing {
+            None => [std::f64::consts::PI; 2],
+            Some(Swing::Cone(half)) => [half; 2],
+            Some(Swing::Ellipse(halves)) => halves,
+        };
+        let mut limits = BallLimits::cone(swing[0], twist_range);
+        limits.swing = swing;
+        limits.about = about.map(Into::into);
+        let limits = limited.then_some(limits);
+        let id = self
+            .inner
+            .ball(name.as_str(), parent, placement, axis, limits);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a joint that moves and turns any way: `NAME/x`, `NAME/y` and `NAME/z`, which slide within `room`
+    /// ((lower, upper) three times, metres), and the ball `NAME/rotation`. In a configuration it is x, y, z,
+    /// w, x, y, z. Others stand on it by its name.
+    ///
+    /// Raises as `ball`.
+    #[pyo3(signature = (name, parent = None, parent_from_joint = None, *, room = None))]
+    fn free(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        room: Option<[(f64, f64); 3]>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let room = self::room(room);
+        let id = self.inner.free(name.as_str(), parent, placement, room);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a joint that moves in the plane across `normal`: `NAME/x` and `NAME/y`, which slide within `room`
+    /// ((lower, upper) twice, metres), and `NAME/yaw`, which turns within `yaw` (radians). Others stand on it by
+    /// its name.
+    ///
+    /// Raises as `ball`.
+    #[pyo3(signature = (
+        name, parent = None, parent_from_joint = None, normal = [0.0, 0.0, 1.0], *, room = None, yaw = None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn planar(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        normal: [f64; 3],
+        room: Option<[(f64, f64); 2]>,
+        yaw: Option<(f64, f64)>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let (room, [yaw]) = (self::room(room), self::room(yaw.map(|yaw| [yaw])));
+        let id = (self.inner).planar(name.as_str(), parent, placement, normal, room, yaw);
+        self.joints.push((name, id));
         Ok(())
     }
 
@@ -411,7 +620,7 @@ impl ModelBuilder {
             None => Placement::identity(),
         };
         let joint = self.parent(joint)?;
-        self.frames.push((name, joint, placement));
+        self.inner.frame(name, joint, placement);
         Ok(())
     }
 
@@ -420,22 +629,17 @@ impl ModelBuilder {
     /// Raises `InvalidValueError`, which names the joint or frame: names given twice, limits that leave
     /// nothing, axes without a direction, placements that are no rigid motions.
     fn build(&self) -> PyResult<Model> {
-        let mut builder = kinopt::Model::builder(self.name.as_str());
-        builder.length_unit(self.unit);
-        for joint in &self.joints {
-            builder.joint(joint.clone());
-        }
-        for (name, joint, placement) in &self.frames {
-            builder.frame(name.as_str(), *joint, *placement);
-        }
-        builder.build().or_raise().map(Model::from)
+        self.inner.clone().build().or_raise().map(Model::from)
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "ModelBuilder({:?}, {} joints)",
-            self.name,
-            self.joints.len()
-        )
+        format!("ModelBuilder({} joints)", self.joints.len())
     }
+}
+
+/// One half angle of a cone, or two of an elliptic one.
+#[derive(FromPyObject)]
+enum Swing {
+    Cone(f64),
+    Ellipse([f64; 2]),
 }

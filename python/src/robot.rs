@@ -3,13 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use kinopt::model::Limits;
+use kinopt::robot::BaseJoint;
 use kinopt::spatial::Placement;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
 use crate::arrays;
-use crate::error::{Kind, OrRaise, raise};
+use crate::error::{Kind, OrRaise, invalid, raise};
 use crate::model::Model;
 use crate::pickling;
 use crate::placement;
@@ -32,7 +34,61 @@ struct Source {
     file: String,
     lenient: bool,
     soft_limits: bool,
+    base: Base,
     tools: Vec<(String, String, Placement<f64>)>,
+}
+
+/// What its root moves on: a name, and ranges by axis.
+#[derive(Clone, Default)]
+struct Base {
+    joint: Option<String>,
+    room: Vec<(String, (f64, f64))>,
+}
+
+impl Base {
+    fn new(joint: Option<String>, room: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let room = room.map_or_else(Vec::new, |room| room.iter().collect());
+        let ranges = room.into_iter().map(|(axis, range)| {
+            let range = range.extract::<(f64, f64)>();
+            let axis = arrays::name(&axis, "an axis of base_room")?;
+            range
+                .map(|range| (axis, range))
+                .map_err(|_| invalid("base_room must be a dict of (lower, upper) by axis"))
+        });
+        Ok(Self {
+            joint,
+            room: ranges.collect::<PyResult<_>>()?,
+        })
+    }
+
+    fn joint(&self) -> PyResult<BaseJoint> {
+        const KINDS: [&str; 6] = ["fixed", "free", "planar", "slide-x", "slide-y", "slide-z"];
+        const AXES: [&str; 4] = ["x", "y", "z", "yaw"];
+        let kind = self.joint.as_deref().unwrap_or("fixed");
+        let kind = KINDS
+            .iter()
+            .position(|known| *known == kind)
+            .ok_or_else(|| kinopt::model::UnknownName::new("base joint", kind, KINDS));
+        let kind = kind.or_raise()?;
+        let moves: &[usize] = [&[][..], &[0, 1, 2], &[0, 1, 3], &[0], &[1], &[2]][kind];
+        let mut ranges = [Limits::UNBOUNDED; 4];
+        for (axis, (lower, upper)) in &self.room {
+            let known = moves.iter().find(|&&known| AXES[known] == axis);
+            let valid = moves.iter().map(|&known| AXES[known]);
+            let unknown = || kinopt::model::UnknownName::new("axis of this base", axis, valid);
+            ranges[*known.ok_or_else(unknown).or_raise()?] = Limits::new(*lower, *upper);
+        }
+        let [x, y, z, yaw] = ranges;
+        Ok(match kind {
+            0 => BaseJoint::Fixed,
+            1 => BaseJoint::Free { room: [x, y, z] },
+            2 => BaseJoint::Planar { room: [x, y], yaw },
+            slide => BaseJoint::Sliding {
+                axis: kinopt::spatial::Vector3::UNITS[slide - 3],
+                limits: ranges[slide - 3],
+            },
+        })
+    }
 }
 
 impl Robot {
@@ -46,6 +102,7 @@ impl Robot {
         if source.soft_limits {
             robot = robot.with_soft_limits().or_raise()?;
         }
+        robot = robot.with_base_joint(source.base.joint()?).or_raise()?;
         for (name, link, tool) in &source.tools {
             robot = robot.with_tool(name, link, tool).or_raise()?;
         }
@@ -70,6 +127,11 @@ impl Robot {
 impl Robot {
     /// Reads a URDF file.
     ///
+    /// With `base_joint` the robot moves as a whole: "free" any way (a configuration begins with x, y, z and
+    /// the quaternion w, x, y, z), "planar" over the ground (x, y and a turn about z), "slide-x", "slide-y" or
+    /// "slide-z" along an axis; "fixed", as without, not at all. `base_room` says where it may stand: a dict of
+    /// (lower, upper) for "x", "y" and "z" in metres and, of a planar base, "yaw" in radians.
+    ///
     /// With `lenient` what can be mended in one way only is mended, and listed in `repairs`. With
     /// `soft_limits` every joint also keeps within its safety controller's limits. Files of meshes are not
     /// opened.
@@ -77,10 +139,12 @@ impl Robot {
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.
     #[classmethod]
-    #[pyo3(signature = (path, *, lenient = false, soft_limits = false))]
+    #[pyo3(signature = (path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false))]
     fn from_urdf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
+        base_joint: Option<String>,
+        base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
     ) -> PyResult<Self> {
@@ -94,19 +158,24 @@ impl Robot {
             file,
             lenient,
             soft_limits,
+            base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
         })
     }
 
-    /// Reads a URDF document from a string; `name` is what messages call it.
+    /// Reads a URDF document from a string; `name` is what messages call it, the rest is as of `from_urdf`.
     ///
     /// Raises `InvalidFileError`, which names the element, for what is wrong in it.
     #[classmethod]
-    #[pyo3(signature = (text, name = "robot.urdf", *, lenient = false, soft_limits = false))]
+    #[pyo3(signature = (
+        text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false
+    ))]
     fn from_urdf_text(
         _class: &Bound<'_, PyType>,
         text: &str,
         name: &str,
+        base_joint: Option<String>,
+        base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
     ) -> PyResult<Self> {
@@ -115,6 +184,7 @@ impl Robot {
             file: name.to_owned(),
             lenient,
             soft_limits,
+            base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
         })
     }
@@ -169,10 +239,22 @@ impl Robot {
             .collect()
     }
 
-    /// How many numbers a configuration has.
+    /// How many numbers a configuration has, nq: four for a ball joint, one for any other.
+    #[getter]
+    fn configuration_len(&self) -> usize {
+        self.model.configuration_len()
+    }
+
+    /// How many numbers a velocity has, nv: three for a ball joint, one for any other.
     #[getter]
     fn degrees_of_freedom(&self) -> usize {
-        self.model.configuration_len()
+        self.model.degrees_of_freedom()
+    }
+
+    /// Names of the numbers of a configuration: see `Model.coordinate_names`.
+    #[getter]
+    fn coordinate_names(&self) -> Vec<String> {
+        self.model().coordinate_names()
     }
 
     /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
@@ -315,6 +397,74 @@ impl Robot {
         self.model().random_configuration(py, seed, n)
     }
 
+    /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
+    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), or (N, nq)
+    /// and (N, nv); radians and metres, a ball's and a free joint's in their own moved axes, linear first.
+    ///
+    /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
+    fn integrate<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.model().integrate(q, v)
+    }
+
+    /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes
+    /// (nq,) twice, or (N, nq) twice.
+    ///
+    /// Raises `InvalidValueError` as `integrate`.
+    fn difference<'py>(
+        &self,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.model().difference(q0, q1)
+    }
+
+    /// The configuration at a share of the way from `q0` to `q1`. Shapes (nq,) twice, or (N, nq) twice.
+    ///
+    /// Raises `InvalidValueError` as `integrate`, and for a share that is not finite.
+    fn interpolate<'py>(
+        &self,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+        share: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.model().interpolate(q0, q1, share)
+    }
+
+    /// The configuration with quaternions of unit length, shape (nq,).
+    ///
+    /// Raises `InvalidValueError` as `integrate`.
+    fn normalise<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.model().normalise(q)
+    }
+
+    /// Whether a configuration, shape (nq,), is within all limits, cones included.
+    ///
+    /// Raises `InvalidValueError` for another shape.
+    fn is_within_limits(&self, q: &Bound<'_, PyAny>) -> PyResult<bool> {
+        self.model().is_within_limits(q)
+    }
+
+    /// The Jacobian of a frame at a configuration, shape (6, nv): the velocity of its origin (m/s), then its
+    /// angular velocity (rad/s), in world axes, for velocities as of `integrate`: Pinocchio's
+    /// `LOCAL_WORLD_ALIGNED`. `kinopt.Jacobian` does the same for several frames and many configurations.
+    ///
+    /// Raises `UnknownNameError` for a frame that there is not, `InvalidValueError` as `integrate`.
+    fn frame_jacobian<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        frame: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let id = self.model.frame(frame).or_raise()?;
+        let q_list = arrays::vector_of(q, "q", self.model.configuration_len())?;
+        let jacobian = kinopt::kinematics::frame_jacobian(&self.model, id, &q_list).or_raise()?;
+        let rows: Vec<f64> = jacobian.transpose().as_slice().to_vec();
+        arrays::list(q.py(), &rows).reshape([6, jacobian.ncols()])
+    }
+
     #[classmethod]
     #[allow(clippy::type_complexity, reason = "it is what `__reduce__` gives")]
     fn _rebuild(
@@ -323,6 +473,7 @@ impl Robot {
         file: String,
         lenient: bool,
         soft_limits: bool,
+        base: (Option<String>, Option<Bound<'_, PyDict>>),
         tools: Vec<(String, String, Bound<'_, PyAny>)>,
     ) -> PyResult<Self> {
         let tools = tools.into_iter().map(|(name, link, tool)| {
@@ -333,6 +484,7 @@ impl Robot {
             file,
             lenient,
             soft_limits,
+            base: Base::new(base.0, base.1)?,
             tools: tools.collect::<PyResult<_>>()?,
         })
     }
@@ -344,11 +496,16 @@ impl Robot {
         });
         let tools: Vec<(String, String, Bound<'py, PyArray2<f64>>)> =
             tools.collect::<PyResult<_>>()?;
+        let room = PyDict::new(py);
+        for (axis, range) in &source.base.room {
+            room.set_item(axis, *range)?;
+        }
         let arguments = (
             &*source.text,
             source.file.as_str(),
             source.lenient,
             source.soft_limits,
+            (source.base.joint.as_deref(), room),
             tools,
         );
         pickling::by_rebuild::<Self>(py, arguments)
@@ -358,7 +515,7 @@ impl Robot {
         format!(
             "Robot({:?}, {} degrees of freedom, {} links)",
             self.model.name(),
-            self.model.configuration_len(),
+            self.model.degrees_of_freedom(),
             self.model.frames().len()
         )
     }

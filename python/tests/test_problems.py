@@ -31,7 +31,7 @@ def hand(target, **about):
 
 def test_a_robots_mimic_joints_follow(robot, target):
     problem = kinopt.Problem(robot, [hand(target)])
-    assert problem.degrees_of_freedom == 9 and problem.variables == 8
+    assert problem.configuration_len == 9 and problem.variables == 8
     q = kinopt.Solver().solve(problem, robot.random_configuration(4)).q
     [(joint, (master, ratio, offset))] = robot.mimics.items()
     names = robot.joint_names

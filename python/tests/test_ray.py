@@ -171,7 +171,7 @@ def test_problems_are_answered_as_without_tables(problem):
     table[:, 0] += seeded.uniform(-0.1, 0.1, (count, 3))
     apart = seeded.uniform(0.4, 0.8, count)
     targets = {"hand": hand, "foot": foot, "chest": chest, "table": table, "apart": apart}
-    start = np.zeros(problem.degrees_of_freedom)
+    start = np.zeros(problem.configuration_len)
     want = kinopt.Solver(seed=5).solve_batch(problem, start, targets)
     columns = {name: f"to_{name}" for name in targets}
     asked = kr.table(number=np.arange(count), **{f"to_{name}": values for name, values in targets.items()})

@@ -1,7 +1,9 @@
 //! Forward kinematics: one pass from the root to the frames.
 
+use std::ops::Range;
+
 use super::Tree;
-use super::motion::{BallPart, Motion};
+use super::tree::{Ball, Node};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
@@ -32,7 +34,7 @@ impl<S: Scalar> TreeState<S> {
             values: vec![S::zero(); tree.nodes.len()],
             sines: vec![S::zero(); tree.nodes.len()],
             cosines: vec![S::one(); tree.nodes.len()],
-            ball_axes: vec![[Vector3::zero(); 3]; tree.charts.len()],
+            ball_axes: vec![[Vector3::zero(); 3]; tree.balls.len()],
         }
     }
 
@@ -42,36 +44,57 @@ impl<S: Scalar> TreeState<S> {
     }
 }
 
+impl Node {
+    /// Where a joint is at value 0, its parent being placed.
+    #[inline(always)]
+    fn before_motion<S: Scalar>(&self, placed: &[Placement<S>]) -> Placement<S> {
+        match self.parent {
+            Some(parent) => &placed[parent] * &self.parent_from_node,
+            None => &Placement::identity() * &self.parent_from_node,
+        }
+    }
+}
+
 impl Tree {
+    /// Places some nodes in a row, none of which turns as a ball does.
+    fn place<S: Scalar>(&self, nodes: Range<usize>, state: &mut TreeState<S>) {
+        let placed = &mut state.origin_from_node;
+        let trigonometry = state.sines[nodes.clone()]
+            .iter()
+            .zip(&state.cosines[nodes.clone()]);
+        let values = state.values[nodes.clone()].iter().zip(trigonometry);
+        let moved = self.nodes[nodes.clone()].iter().zip(values);
+        for (index, (node, (&q, (&sin, &cos)))) in nodes.zip(moved) {
+            // origin_from_node = origin_from_parent · parent_from_node · motion(q).
+            let before_motion = node.before_motion(placed);
+            placed[index] = node.motion.apply(before_motion, q, (sin, cos));
+        }
+    }
+
     /// Places every node and frame for the variables `x` (shape: [`variables`](Self::variables)).
     pub(crate) fn forward<S: Scalar>(&self, x: &[S], state: &mut TreeState<S>) {
         for (node, value) in self.nodes.iter().zip(&mut state.values) {
             *value = x[node.variable] * S::constant(node.ratio) + S::constant(node.offset);
         }
         S::sin_cos_all(&state.values, &mut state.sines, &mut state.cosines);
-        let trigonometry = state.sines.iter().zip(&state.cosines);
-        let moved = self.nodes.iter().zip(state.values.iter().zip(trigonometry));
-        for (index, (node, (&q, (&sin, &cos)))) in moved.enumerate() {
-            // origin_from_node = origin_from_parent · parent_from_node · motion(q).
-            let before_motion = match node.parent {
-                Some(parent) => &state.origin_from_node[parent] * &node.parent_from_node,
-                None => &Placement::identity() * &node.parent_from_node,
-            };
-            state.origin_from_node[index] = match node.motion {
-                Motion::Ball(BallPart { ball, part: 2 }) => {
-                    let x = [state.values[index - 2], state.values[index - 1], q];
-                    let Placement {
-                        rotation,
-                        translation,
-                    } = before_motion;
-                    let chart = &self.charts[ball];
-                    state.ball_axes[ball] = chart.axes(x).map(|axis| rotation * axis);
-                    let turned = rotation * chart.rotation(x).to_matrix();
-                    Placement::new(turned, translation)
-                }
-                motion => motion.apply(before_motion, q, (sin, cos)),
-            };
+        let mut placed = 0;
+        for (ball, Ball { last, chart }) in self.balls.iter().enumerate() {
+            // origin_from_ball = origin_from_parent · parent_from_ball · rotation(x).
+            let own = [last - 2, last - 1, *last];
+            self.place(placed..own[0], state);
+            let before_motion = self.nodes[own[0]].before_motion(&state.origin_from_node);
+            let Placement {
+                rotation,
+                translation,
+            } = before_motion;
+            let x = own.map(|node| state.values[node]);
+            state.origin_from_node[own[0]..*last].fill(before_motion);
+            state.ball_axes[ball] = chart.axes(x).map(|axis| rotation * axis);
+            let turned = rotation * chart.rotation(x).to_matrix();
+            state.origin_from_node[*last] = Placement::new(turned, translation);
+            placed = last + 1;
         }
+        self.place(placed..self.nodes.len(), state);
         let frames = state.world_from_frame.iter_mut();
         for (leaf, (frame, seen)) in self
             .leaves

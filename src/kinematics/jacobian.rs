@@ -45,6 +45,12 @@ impl Jacobian {
         self.kinematics.variables()
     }
 
+    /// How many columns J has: a model's degrees of freedom, or a map's variables.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.matrix.ncols()
+    }
+
     /// J at a configuration (radians and metres): 6 × frames rows, a column a degree of freedom, or a variable
     /// where the kinematics are [under](ForwardKinematics::under) a parameter map.
     ///

@@ -77,6 +77,14 @@ pub(super) struct Node {
     pub(super) offset: f64,
 }
 
+/// A ball joint: three nodes at one point, the last of which turns by the values of all.
+#[derive(Clone, Debug)]
+pub(super) struct Ball {
+    pub(super) last: usize,
+    /// What the three values mean.
+    pub(super) chart: RotationChart,
+}
+
 /// Where a requested frame hangs.
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
@@ -92,8 +100,7 @@ pub(super) struct Leaf {
 pub(crate) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Leaf>,
-    /// What the variables of each ball mean.
-    pub(super) charts: Vec<RotationChart>,
+    pub(super) balls: Vec<Ball>,
     frames: Vec<FrameId>,
     /// Where the first root joint stands in the world. Nodes are placed as seen from there, so
     /// that levers lose no digits in a model far from the world's origin.
@@ -117,7 +124,7 @@ impl Tree {
         let mut own = Self {
             nodes: Vec::new(),
             leaves: Vec::new(),
-            charts: Vec::new(),
+            balls: Vec::new(),
             frames: frames.to_vec(),
             origin: Vector3::zero(),
             variables: map.variables(),
@@ -133,7 +140,7 @@ impl Tree {
         let Self {
             nodes,
             leaves,
-            charts,
+            balls,
             frames,
             ..
         } = self;
@@ -149,7 +156,7 @@ impl Tree {
         }
 
         nodes.clear();
-        charts.clear();
+        balls.clear();
         carried.clear();
         carried.resize(joints.len(), (None, Placement::identity()));
         for (index, joint) in joints.iter().enumerate().filter(|(i, _)| needed[*i]) {
@@ -177,16 +184,18 @@ impl Tree {
                                     _ => FixedPlacement::Identity,
                                 },
                                 motion: Motion::Ball(BallPart {
-                                    ball: charts.len(),
-                                    part,
+                                    ball: balls.len() as u32,
+                                    part: part as u32,
                                 }),
                                 variable: ball.variable + part,
                                 ratio: 1.0,
                                 offset: 0.0,
                             });
                         }
-                        charts.push(ball.chart);
-                        (Some(nodes.len() - 1), Placement::identity())
+                        let last = nodes.len() - 1;
+                        let chart = ball.chart;
+                        balls.push(Ball { last, chart });
+                        (Some(last), Placement::identity())
                     }
                     None => {
                         let held = map.sources()[coordinate..].first_chunk::<4>();

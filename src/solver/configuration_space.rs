@@ -211,10 +211,21 @@ impl<'a> ConfigurationSpace<'a> {
         if let Some(out) = self.room_on_edge(x, component) {
             return (out == 0.0 && slope < -negligible).then_some(Side::Upper);
         }
-        let value = x[component];
-        if value <= self.lower[component] && slope > negligible {
+        self.bound_holding(x[component], component, slope, negligible)
+    }
+
+    /// Which bound holds a variable of its own.
+    #[inline(always)]
+    fn bound_holding(
+        &self,
+        value: f64,
+        variable: usize,
+        slope: f64,
+        negligible: f64,
+    ) -> Option<Side> {
+        if value <= self.lower[variable] && slope > negligible {
             Some(Side::Lower)
-        } else if value >= self.upper[component] && slope < -negligible {
+        } else if value >= self.upper[variable] && slope < -negligible {
             Some(Side::Upper)
         } else {
             None
@@ -232,11 +243,18 @@ impl<'a> ConfigurationSpace<'a> {
     /// outward. A full step over all variables, clamped, is no descent method (Bertsekas 1982,
     /// "Projected Newton methods for optimization problems with simple constraints").
     pub(super) fn list_free(&self, x: &[f64], gradient: &[f64], free: &mut Vec<usize>) {
+        let moves = |j: &usize| self.lower[*j] < self.upper[*j];
         free.clear();
-        free.extend(
-            (0..x.len())
-                .filter(|&j| self.lower[j] < self.upper[j] && !self.holds(x, j, gradient[j], 0.0)),
-        );
+        // What no edge can hold, a bound can: most models have no swings.
+        match self.rotations.swings.is_empty() {
+            true => {
+                free.extend((0..x.len()).filter(|&j| {
+                    moves(&j) && self.bound_holding(x[j], j, gradient[j], 0.0).is_none()
+                }))
+            }
+            false => free
+                .extend((0..x.len()).filter(|&j| moves(&j) && !self.holds(x, j, gradient[j], 0.0))),
+        }
     }
 
     /// ‖proj(x − g/c) − x‖∞ for a curvature c: zero exactly at the stationary points of the bounded

@@ -9,7 +9,7 @@ from typing_extensions import disjoint_base
 from . import animation as animation
 from . import io as io
 from . import skinning as skinning
-from ..types import Floats, HasModel, PlacementLike, PlacementsLike
+from ..types import BaseJoint, Floats, HasModel, PlacementLike, PlacementsLike
 from .animation import Armature, Clip, EulerClip, Pose, Poses
 from .skinning import MorphTargets, SkinWeights
 
@@ -34,6 +34,10 @@ class Joint:
     @property
     def coordinate(self) -> int | None: ...
     @property
+    def swing(self) -> list[float] | None: ...
+    @property
+    def twist(self) -> tuple[float, float] | None: ...
+    @property
     def parent_from_joint(self) -> Floats: ...
 
 @final
@@ -54,6 +58,10 @@ class Model:
     @property
     def frame_names(self) -> list[str]: ...
     @property
+    def coordinate_names(self) -> list[str]: ...
+    @property
+    def configuration_len(self) -> int: ...
+    @property
     def degrees_of_freedom(self) -> int: ...
     @property
     def lower(self) -> Floats: ...
@@ -71,6 +79,11 @@ class Model:
     def random_configuration(
         self, seed: int | np.random.Generator | None = None, n: int | None = None
     ) -> Floats: ...
+    def integrate(self, q: ArrayLike, v: ArrayLike) -> Floats: ...
+    def difference(self, q0: ArrayLike, q1: ArrayLike) -> Floats: ...
+    def interpolate(self, q0: ArrayLike, q1: ArrayLike, share: float) -> Floats: ...
+    def normalise(self, q: ArrayLike) -> Floats: ...
+    def is_within_limits(self, q: ArrayLike) -> bool: ...
     def to_json(self) -> str: ...
     @classmethod
     def from_json(cls, text: str) -> Model: ...
@@ -87,6 +100,35 @@ class ModelBuilder:
         axis: Sequence[float] = ...,
         lower: float = ...,
         upper: float = ...,
+    ) -> None: ...
+    def ball(
+        self,
+        name: str,
+        parent: str | None = None,
+        parent_from_joint: PlacementLike | None = None,
+        axis: Sequence[float] = ...,
+        *,
+        swing: float | Sequence[float] | None = None,
+        twist: tuple[float, float] | None = None,
+        about: Sequence[float] | None = None,
+    ) -> None: ...
+    def free(
+        self,
+        name: str,
+        parent: str | None = None,
+        parent_from_joint: PlacementLike | None = None,
+        *,
+        room: Sequence[tuple[float, float]] | None = None,
+    ) -> None: ...
+    def planar(
+        self,
+        name: str,
+        parent: str | None = None,
+        parent_from_joint: PlacementLike | None = None,
+        normal: Sequence[float] = ...,
+        *,
+        room: Sequence[tuple[float, float]] | None = None,
+        yaw: tuple[float, float] | None = None,
     ) -> None: ...
     def frame(
         self, name: str, joint: str | None = None, joint_from_frame: PlacementLike | None = None
@@ -108,11 +150,24 @@ class Shape:
 class Robot:
     @classmethod
     def from_urdf(
-        cls, path: str | PathLike[str], *, lenient: bool = False, soft_limits: bool = False
+        cls,
+        path: str | PathLike[str],
+        *,
+        base_joint: BaseJoint | None = None,
+        base_room: Mapping[str, tuple[float, float]] | None = None,
+        lenient: bool = False,
+        soft_limits: bool = False,
     ) -> Robot: ...
     @classmethod
     def from_urdf_text(
-        cls, text: str, name: str = "robot.urdf", *, lenient: bool = False, soft_limits: bool = False
+        cls,
+        text: str,
+        name: str = "robot.urdf",
+        *,
+        base_joint: BaseJoint | None = None,
+        base_room: Mapping[str, tuple[float, float]] | None = None,
+        lenient: bool = False,
+        soft_limits: bool = False,
     ) -> Robot: ...
     def with_tool(self, name: str, link: str, link_from_tool: PlacementLike) -> Robot: ...
     @property
@@ -123,6 +178,10 @@ class Robot:
     def joint_names(self) -> list[str]: ...
     @property
     def frame_names(self) -> list[str]: ...
+    @property
+    def coordinate_names(self) -> list[str]: ...
+    @property
+    def configuration_len(self) -> int: ...
     @property
     def degrees_of_freedom(self) -> int: ...
     @property
@@ -149,6 +208,12 @@ class Robot:
     def random_configuration(
         self, seed: int | np.random.Generator | None = None, n: int | None = None
     ) -> Floats: ...
+    def integrate(self, q: ArrayLike, v: ArrayLike) -> Floats: ...
+    def difference(self, q0: ArrayLike, q1: ArrayLike) -> Floats: ...
+    def interpolate(self, q0: ArrayLike, q1: ArrayLike, share: float) -> Floats: ...
+    def normalise(self, q: ArrayLike) -> Floats: ...
+    def is_within_limits(self, q: ArrayLike) -> bool: ...
+    def frame_jacobian(self, q: ArrayLike, frame: str) -> Floats: ...
 
 # Kinematics.
 
@@ -650,7 +715,7 @@ class Problem:
     @property
     def rows(self) -> int: ...
     @property
-    def degrees_of_freedom(self) -> int: ...
+    def configuration_len(self) -> int: ...
     @property
     def lower(self) -> Floats: ...
     @property

@@ -102,7 +102,7 @@ class SolveProblem:
         for name in self.targets:
             if name not in problem.task_names:
                 raise UnknownNameError(f"there is no task {name!r} among {problem.task_names}")
-        dof = problem.degrees_of_freedom
+        dof = problem.configuration_len
         if self.start is not None and not (self.start.shape == (dof,) and np.isfinite(self.start).all()):
             raise InvalidValueError(f"start must be {dof} finite numbers")
         self._shapes = {name: _target_shape(problem, name) for name in self.targets}
@@ -112,7 +112,7 @@ class SolveProblem:
         if self.start is not None:
             starts = np.tile(self.start, (targets.num_rows, 1))
         else:
-            starts = numbers(targets, str(self.starts), (self.problem.degrees_of_freedom,))
+            starts = numbers(targets, str(self.starts), (self.problem.configuration_len,))
         wanted = {
             name: numbers(targets, place, self._shapes[name]) for name, place in self.targets.items()
         }

@@ -28,8 +28,9 @@ class JointsPanel:
         kinds = {joint.name: joint.kind for joint in model.joints}
         own = [
             (index, name)
-            for index, name in enumerate(model.joint_names)
-            if name not in followers and model.lower[index] < model.upper[index]
+            for index, name in enumerate(model.coordinate_names)
+            # The parts of a quaternion move together.
+            if name in kinds and name not in followers and model.lower[index] < model.upper[index]
         ]
         self._sliders: dict[int, Any] = {}
         gui = page.scene.server.gui

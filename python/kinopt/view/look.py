@@ -36,7 +36,10 @@ class DrawnKinematics:
         self.frame_of_joint: dict[str | None, str] = {None: _free("world", taken)}
         for joint in model.joints:
             kind, parent, place = joint.kind, joint.parent, joint.parent_from_joint
-            builder.joint(joint.name, kind, parent, place, joint.axis, joint.lower, joint.upper)
+            if kind == "ball":
+                builder.ball(joint.name, parent, place, joint.axis)
+            else:
+                builder.joint(joint.name, kind, parent, place, joint.axis, joint.lower, joint.upper)
             self.frame_of_joint[joint.name] = _free(f"joint/{joint.name}", taken)
         for frame in model.frames:
             builder.frame(frame.name, frame.joint, frame.joint_from_frame)
@@ -45,8 +48,8 @@ class DrawnKinematics:
         drawn = builder.build()
         self._kinematics = kinopt.ForwardKinematics(drawn)
         # A skeleton's angles come in another order than its joints.
-        names = model.joint_names
-        self._order = [names.index(joint) for joint in drawn.joint_names]
+        names = model.coordinate_names
+        self._order = [names.index(name) for name in drawn.coordinate_names]
         #: The places of frames in what `place` gives, by name.
         self.index = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
 

@@ -115,7 +115,7 @@ class Posing:
         """The body with one joint at a value, and the goals met by the others as far as they can."""
         self.body.standing()
         q = self.body.q
-        moving = self.body.model.joint_names
+        moving = self.body.model.coordinate_names
         q[moving.index(joint)] = value
         follows = kinopt.ParameterMap(self.body.thing)
         q = follows.expand(follows.reduce(q))

@@ -29,7 +29,7 @@ def pose_json(body: Body) -> str:
     document = {
         "model": body.model.name,
         "q": body.q.tolist(),
-        "joints": dict(zip(body.model.joint_names, body.q.tolist(), strict=True)),
+        "joints": dict(zip(body.model.coordinate_names, body.q.tolist(), strict=True)),
         "frames": frames,
     }
     return json.dumps(document, indent=1)

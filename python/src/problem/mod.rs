@@ -159,7 +159,7 @@ impl Problem {
 
     /// How many numbers a configuration has.
     #[getter]
-    fn degrees_of_freedom(&self) -> usize {
+    fn configuration_len(&self) -> usize {
         self.inner.configuration_len()
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kinopt::model::{JointId, Limits, ParameterMapBuilder};
+use kinopt::model::{JointId, JointKind, Limits, ParameterMapBuilder};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -18,7 +18,7 @@ use crate::robot::Robot;
 /// narrowed.
 ///
 /// A robot's mimic joints follow as its file says. Everything is given by joint names:
-/// `lock={"finger": 0.04}` holds joints at values (radians or metres),
+/// `lock={"finger": 0.04}` holds joints at values (radians or metres; of a ball joint a quaternion w, x, y, z),
 /// `couple={"left": ("right", ratio, offset)}` lets a joint follow another (ratio * master + offset),
 /// `narrow={"elbow": (lower, upper)}` leaves only the values that these limits allow too, and
 /// `only=["a", "b"]` frees these joints alone: the others that were free are locked at their values in `at`
@@ -55,10 +55,12 @@ impl ParameterMap {
         };
         let mut builder = start(model, &own);
         for (name, value) in items(lock, "lock")? {
-            builder = builder.lock(
-                joint(&name)?,
-                arrays::number(&value, &format!("the locked value of {name}"))?,
-            );
+            let what = format!("the locked value of {name}");
+            let id = joint(&name)?;
+            builder = match own.joints()[id.index()].kind {
+                JointKind::Ball => builder.lock_ball(id, arrays::array(&value, &what)?),
+                _ => builder.lock(id, arrays::number(&value, &what)?),
+            };
         }
         for (name, follows) in items(couple, "couple")? {
             let (master, ratio, offset): (String, f64, f64) = follows.extract().map_err(|_| {

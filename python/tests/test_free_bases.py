@@ -1,0 +1,179 @@
+"""Robots on free bases and models with ball joints: configurations as Pinocchio has them, solved within their limits."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt import tasks
+from kinopt.errors import InvalidValueError, UnknownNameError
+
+UR5E = Path(__file__).parents[2] / "models" / "universal_ur5e.urdf"
+
+
+def matrix(q: np.ndarray) -> np.ndarray:
+    """The pose of x, y, z, w, x, y, z."""
+    w, x, y, z = q[3:7]
+    out = np.eye(4)
+    out[:3, 3] = q[:3]
+    out[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return out
+
+
+def exponential(twist: np.ndarray) -> np.ndarray:
+    """exp of a 4 x 4 matrix by its series, scaled and squared."""
+    vx, vy, vz, a, b, c = twist
+    m = np.array([[0, -c, b, vx], [c, 0, -a, vy], [-b, a, 0, vz], [0, 0, 0, 0]]) / 2**10
+    term, total = np.eye(4), np.eye(4)
+    for k in range(1, 12):
+        term = term @ m / k
+        total = total + term
+    for _ in range(10):
+        total = total @ total
+    return total
+
+
+@pytest.fixture(scope="module")
+def free() -> kinopt.Robot:
+    return kinopt.Robot.from_urdf(UR5E, base_joint="free")
+
+
+def test_a_configuration_begins_with_place_and_quaternion(free: kinopt.Robot) -> None:
+    fixed = kinopt.Robot.from_urdf(UR5E)
+    assert (free.configuration_len, free.degrees_of_freedom) == (13, 12)
+    assert free.lower.shape == free.upper.shape == free.neutral().shape == (13,)
+    assert free.joint_names == [
+        "root_joint/x",
+        "root_joint/y",
+        "root_joint/z",
+        "root_joint/rotation",
+        *fixed.joint_names,
+    ]
+    assert free.coordinate_names[3:7] == [f"root_joint/rotation {part}" for part in "wxyz"]
+    q = free.random_configuration(3)
+    assert free.is_within_limits(q)
+    flange = kinopt.frame_placement(free, "flange", q)
+    assert np.allclose(flange, matrix(q) @ kinopt.frame_placement(fixed, "flange", q[7:]), atol=1e-13)
+
+
+def test_integrate_and_difference_are_exp_and_log(free: kinopt.Robot) -> None:
+    rng = np.random.default_rng(1)
+    q = np.array([free.random_configuration(seed) for seed in range(20)])
+    v = rng.uniform(-1.5, 1.5, (20, 12))
+    moved = free.integrate(q, v)
+    assert moved.shape == (20, 13)
+    for before, velocity, after in zip(q, v, moved, strict=True):
+        assert np.allclose(matrix(after), matrix(before) @ exponential(velocity[:6]), atol=1e-12)
+        assert np.allclose(free.integrate(before, velocity), after, atol=0)
+    assert np.allclose(free.difference(q, moved), v, atol=1e-12)
+    half = free.interpolate(q, moved, 0.5)
+    assert np.allclose(free.difference(q, half), v / 2, atol=1e-12)
+    longer = q[0].copy()
+    longer[3:7] *= 2
+    assert np.allclose(free.normalise(longer), q[0], atol=1e-15)
+
+
+def test_the_jacobian_is_what_moving_along_a_velocity_does(free: kinopt.Robot) -> None:
+    q = free.random_configuration(5)
+    jacobian = free.frame_jacobian(q, "flange")
+    assert jacobian.shape == (6, 12)
+    assert np.array_equal(jacobian, kinopt.frame_jacobian(free, "flange", q))
+    many = kinopt.Jacobian(free, ["flange"]).at(np.array([q, q]))
+    assert many.shape == (2, 6, 12) and np.array_equal(many[1], jacobian)
+    step = 1e-6
+    for column in range(12):
+        v = np.zeros(12)
+        v[column] = step
+        ahead, behind = (kinopt.frame_placement(free, "flange", free.integrate(q, s * v)) for s in (1, -1))
+        linear = (ahead[:3, 3] - behind[:3, 3]) / (2 * step)
+        skew = (ahead[:3, :3] @ behind[:3, :3].T - behind[:3, :3] @ ahead[:3, :3].T) / 2
+        angular = np.array([skew[2, 1], skew[0, 2], skew[1, 0]]) / (2 * step)
+        assert np.allclose(jacobian[:, column], np.concatenate([linear, angular]), atol=1e-8)
+
+
+def test_a_base_keeps_to_its_room_and_everything_travels() -> None:
+    room = {"x": (-0.1, 0.2), "y": (-1.0, 1.0)}
+    robot = kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_room=room)
+    for same in (pickle.loads(pickle.dumps(robot)), copy.deepcopy(robot)):
+        assert same.joint_names == robot.joint_names and np.array_equal(same.upper, robot.upper)
+    problem = kinopt.Problem(robot, [tasks.Point("flange", [3.0, -2.0, 1.5])])
+    solution = kinopt.Solver().solve(problem, robot.neutral())
+    assert not solution.reached and robot.is_within_limits(solution.q)
+    assert {"root_joint/x", "root_joint/y"} <= {limit.joint for limit in solution.active_limits}
+
+
+def test_a_free_robot_reaches_what_its_arm_does_not(free: kinopt.Robot) -> None:
+    goal = kinopt.frame_placement(free, "flange", free.random_configuration(9))
+    goal[:3, 3] += [4.0, 5.0, 6.0]
+    problem = kinopt.Problem(free, [tasks.Pose("flange", goal)])
+    solution = kinopt.Solver().solve(problem, free.neutral())
+    assert solution.reached and abs(np.linalg.norm(solution.q[3:7]) - 1) < 1e-12
+    assert np.allclose(kinopt.frame_placement(free, "flange", solution.q), goal, atol=1e-5)
+    with pytest.raises(InvalidValueError, match="ball joint"):
+        kinopt.Arm(in_the_world(), "anchor", "flange")
+
+
+def in_the_world() -> kinopt.Robot:
+    """A robot whose way from a frame in the world passes a floating joint."""
+    text = UR5E.read_text()
+    begin = text.index("<link")
+    joint = """<link name="anchor"/><joint name="float" type="floating"><parent link="anchor"/>
+        <child link="base"/></joint>"""
+    return kinopt.Robot.from_urdf_text(text[:begin] + joint + text[begin:])
+
+
+def shoulder() -> kinopt.Model:
+    builder = kinopt.ModelBuilder("arm")
+    builder.ball("shoulder", axis=[1, 0, 0], swing=1.0, twist=(-0.5, 0.5))
+    hand = np.eye(4)
+    hand[0, 3] = 1.0
+    builder.frame("hand", "shoulder", hand)
+    return builder.build()
+
+
+def test_a_cone_is_never_left_and_told_by_name() -> None:
+    model = shoulder()
+    joint = model.joints[0]
+    assert (joint.kind, joint.swing, joint.twist) == ("ball", [1.0, 1.0], (-0.5, 0.5))
+    problem = kinopt.Problem(model, [tasks.Point("hand", [0.0, 1.0, 0.0])])
+    solution = kinopt.Solver().solve(problem, model.neutral())
+    assert [limit.joint for limit in solution.active_limits] == ["shoulder swing"]
+    assert solution.active_limits[0].value == pytest.approx(1.0, abs=1e-9)
+    hand = kinopt.frame_placement(model, "hand", solution.q)[:3, 3]
+    assert math.acos(hand[0]) == pytest.approx(1.0, abs=1e-9)
+    assert model.is_within_limits(solution.q)
+    held = kinopt.ParameterMap(model, lock={"shoulder": [1.0, 0.0, 0.0, 0.0]})
+    assert held.variables == 0
+
+
+def test_what_is_wrong_is_named(free: kinopt.Robot) -> None:
+    q, v = free.neutral(), np.zeros(12)
+    none = q.copy()
+    none[3:7] = 0
+    for wrong in (lambda: free.integrate(q[1:], v), lambda: free.integrate(q, q), lambda: free.integrate([q], v)):
+        with pytest.raises(InvalidValueError):
+            wrong()
+    with pytest.raises(InvalidValueError, match="root_joint/rotation"):
+        free.integrate(none, v)
+    with pytest.raises(InvalidValueError):
+        free.interpolate(q, q, math.nan)
+    with pytest.raises(UnknownNameError, match="planar"):
+        kinopt.Robot.from_urdf(UR5E, base_joint="hovering")  # type: ignore[arg-type]
+    with pytest.raises(UnknownNameError, match="x, y, yaw"):
+        kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_room={"z": (0.0, 1.0)})
+    with pytest.raises(InvalidValueError, match="root_joint/x"):
+        kinopt.Robot.from_urdf(UR5E, base_joint="free", base_room={"x": (1.0, 0.0)})
+    builder = kinopt.ModelBuilder("arm")
+    builder.ball("shoulder", swing=4.0)
+    with pytest.raises(InvalidValueError, match="shoulder"):
+        builder.build()
