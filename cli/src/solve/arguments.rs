@@ -7,6 +7,7 @@ use clap::{ArgGroup, Args};
 use kinopt::skinning::SkinningMethod;
 
 use super::arm_arguments::ArmArguments;
+use super::balance::BalanceArguments;
 use super::chain_arguments::ChainArguments;
 use super::out_file::OutFile;
 use super::weights::FrameWeight;
@@ -30,6 +31,9 @@ Examples:
         for the tip of a drill that long on it, with a joint held
   kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0 --interval z=0..0.05,rz=free
         up to 5 cm further along the target's z axis, and turned about it at will
+  kinopt solve humanoid.urdf --base-joint free --hold left_foot --hold right_foot \\
+        --balance left_foot --balance right_foot --target left_hand=0.5,0.2,0.9
+        a whole body on a free base: feet stay, the centre of mass over them, a hand reaches
   kinopt solve robot.urdf --tip tool --targets poses.json --search first --json
         many poses, each on its own (see --targets)
   kinopt solve robot.urdf --tip tool --targets path.json --track
@@ -72,7 +76,7 @@ which), 2 wrong usage, 3 a target was missed and --fail-on-miss was given.";
 #[command(
     after_help = "kinopt solve --help lists all options, with defaults, examples and exit codes.",
     after_long_help = EXAMPLES,
-    group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file"])
+    group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file", "center_of_mass", "balance"])
 )]
 pub(crate) struct Arguments {
     /// The model: a robot's .urdf, a rig's .json, a scene's .glb or .gltf or a motion capture's .bvh file.
@@ -83,8 +87,8 @@ pub(crate) struct Arguments {
     ///
     /// Default: none. Three numbers are a point; with a quaternion w,x,y,z it is a whole pose. In a robot a frame
     /// is a link. In a rig `bone/3` or a bone's name is that bone's tip; `bone/3/tip` and
-    /// `bone/3/tail` say it outright. Repeat it for several. At least one --target, --ray or
-    /// --targets is needed.
+    /// `bone/3/tail` say it outright. Repeat it for several. At least one --target, --ray, --targets,
+    /// --center-of-mass or --balance is needed.
     #[arg(long = "target", value_name = "FRAME=x,y,z[,qw,qx,qy,qz]", value_parser = Target::parse,
           help_heading = TARGETS)]
     pub(super) targets: Vec<Target>,
@@ -142,6 +146,9 @@ pub(crate) struct Arguments {
           value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = TARGETS,
           hide_short_help = true)]
     pub(super) threads: Option<u16>,
+
+    #[command(flatten)]
+    pub(super) balance: BalanceArguments,
 
     #[command(flatten)]
     pub(super) arm: ArmArguments,

@@ -11,6 +11,7 @@ use kinopt::{Problem, Workspace};
 
 use super::arguments::Arguments;
 use super::backend::{QueryBackend, microseconds};
+use super::balance::Balance;
 use super::base::{Base, TargetTask};
 use super::goals::Goals;
 use super::held::Held;
@@ -35,6 +36,8 @@ pub(super) struct GeneralBackend<'a> {
     room: Option<Room>,
     held: Held,
     weights: Weights,
+    /// What is asked of the centre of mass.
+    balance: Option<Balance>,
     tasks: Vec<TaskName>,
     idle: Vec<usize>,
 }
@@ -70,8 +73,13 @@ impl<'a> GeneralBackend<'a> {
             let held = k >= named.len();
             TaskName { frame, held }
         });
-        let tasks = tasks.collect();
+        let balance = Balance::of(loaded, &arguments.balance)?;
+        let asked = balance.iter();
+        let tasks = tasks
+            .chain(asked.clone().flat_map(Balance::names))
+            .collect();
         let moved = frames.iter().copied().chain(base.moving_frame());
+        let moved = moved.chain(asked.flat_map(Balance::frames));
         let idle = loaded.idle_coordinates(moved);
         Ok(Self {
             loaded,
@@ -83,6 +91,7 @@ impl<'a> GeneralBackend<'a> {
             room: Room::asked(arguments, goals)?,
             held,
             weights,
+            balance,
             tasks,
             idle,
         })
@@ -127,6 +136,9 @@ impl<'a> GeneralBackend<'a> {
             (*frame, task)
         });
         let held = held.collect();
+        if let Some(balance) = &self.balance {
+            balance.add(&mut builder);
+        }
         // After what was asked for, in whose order the answer is given.
         for posture in self.held.posture(self.loaded, start) {
             builder.add(posture);

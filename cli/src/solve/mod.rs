@@ -4,6 +4,7 @@ mod arguments;
 mod arm_arguments;
 mod arm_backend;
 mod backend;
+mod balance;
 pub(crate) mod base;
 mod chain_arguments;
 mod general_backend;

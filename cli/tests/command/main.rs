@@ -5,6 +5,7 @@
 mod forked_rig;
 
 mod animated_meshes;
+mod balance;
 mod base_joints;
 mod exit_codes_and_errors;
 mod figures_settle;

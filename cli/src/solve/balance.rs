@@ -1,0 +1,277 @@
+//! `--center-of-mass` and `--balance`: where the mass of a whole body should be.
+
+use clap::{Args, ValueEnum};
+use kinopt::model::{FrameId, Masses};
+use kinopt::problem::ProblemBuilder;
+use kinopt::robot::{Geometry, Shape};
+use kinopt::spatial::Vector3;
+use kinopt::task::{Axis, CentreOfMass, SupportPolygon, Task};
+
+use super::query::TaskName;
+use crate::failure::Outcome;
+use crate::frame_name::BareName;
+use crate::help_headings::TARGETS;
+use crate::loaded_model::LoadedModel;
+use crate::number_list::{not_negative, number, parse_exactly};
+
+/// Of the bodies of figures, in kilograms a cubic unit; the centre is the same for any.
+const DENSITY: f64 = 1000.0;
+
+/// Options about the centre of mass.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct BalanceArguments {
+    /// Where the centre of mass should be, in metres (rigs: their own unit).
+    ///
+    /// Default: anywhere. Two numbers are a place seen from above, at any height; of three, x,y,z, each may be `free`.
+    /// Masses are those of a robot's file, but for links that stand in the world; a rig's bones have the volume of
+    /// its mesh that goes with them.
+    #[arg(long, value_name = "x,y[,z]", allow_hyphen_values = true, value_parser = Centre::parse,
+          help_heading = TARGETS)]
+    center_of_mass: Option<Centre>,
+
+    /// Keep the centre of mass over a foot, seen from above.
+    ///
+    /// Default: off. With a point of the frame, metres, that is a corner of the foot's sole; without one a robot's link
+    /// stands on its collision shapes (files of meshes are not opened: then on its origin). Repeat it for all
+    /// corners and feet: the body balances over the hull of them all. Feet stay where they are by --hold.
+    #[arg(long, value_name = "FRAME[=x,y,z]", value_parser = Foot::parse, help_heading = TARGETS)]
+    balance: Vec<Foot>,
+
+    /// With --balance: how far from the edges of that hull to stay, in metres. Default: 0.
+    #[arg(long, value_name = "M", requires = "balance", value_parser = not_negative, help_heading = TARGETS,
+          hide_short_help = true)]
+    balance_margin: Option<f64>,
+
+    /// Which axis of the world is up. Default: y for scenes and captures, else z.
+    #[arg(long, value_enum, value_name = "AXIS", help_heading = TARGETS, hide_short_help = true)]
+    up: Option<Up>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Up {
+    X,
+    Y,
+    Z,
+}
+
+/// The place of a centre of mass as it is typed.
+#[derive(Clone, Debug, PartialEq)]
+enum Centre {
+    Above([f64; 2]),
+    At([Option<f64>; 3]),
+}
+
+impl Centre {
+    fn parse(text: &str) -> Result<Self, String> {
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        let part = |text: &str| match text {
+            "free" => Ok(None),
+            text => number(text).map(Some),
+        };
+        match *parts.as_slice() {
+            [x, y] => Ok(Self::Above([number(x)?, number(y)?])),
+            ["free", "free", "free"] => Err("something of it must not be free".to_owned()),
+            [x, y, z] => Ok(Self::At([part(x)?, part(y)?, part(z)?])),
+            _ => Err(format!(
+                "expected x,y or x,y,z, not {} numbers",
+                parts.len()
+            )),
+        }
+    }
+}
+
+/// A frame to stand on, and a point of it.
+#[derive(Clone, Debug, PartialEq)]
+struct Foot {
+    frame: String,
+    at: Option<[f64; 3]>,
+}
+
+impl Foot {
+    fn parse(text: &str) -> Result<Self, String> {
+        let (frame, at) = match text.rsplit_once('=') {
+            Some((frame, at)) => (frame, Some(parse_exactly(at, "the point")?)),
+            None => (text, None),
+        };
+        match frame.trim() {
+            "" => Err("expected FRAME or FRAME=x,y,z".to_owned()),
+            frame => Ok(Self {
+                frame: frame.to_owned(),
+                at,
+            }),
+        }
+    }
+}
+
+impl BalanceArguments {
+    /// Whether anything is asked of the centre of mass.
+    pub(super) fn given(&self) -> bool {
+        self.center_of_mass.is_some() || !self.balance.is_empty()
+    }
+}
+
+/// What is asked of the centre of mass.
+#[derive(Clone, Debug)]
+pub(super) struct Balance {
+    masses: Masses,
+    centre: Option<CentreOfMass>,
+    polygon: Option<SupportPolygon>,
+}
+
+impl Balance {
+    /// As the options say, if they do.
+    ///
+    /// # Errors
+    /// A model without masses, a frame that it does not have.
+    pub(super) fn of(loaded: &LoadedModel, arguments: &BalanceArguments) -> Outcome<Option<Self>> {
+        if !arguments.given() {
+            return Ok(None);
+        }
+        let masses = match (&loaded.robot, &loaded.rig) {
+            (Some(robot), _) => robot.masses(),
+            (None, Some(rig)) => rig.masses(DENSITY),
+            (None, None) => Masses::new(&loaded.model, []),
+        };
+        let masses = masses.map_err(|error| failure!("{}: {error}", loaded.file))?;
+        let up = match arguments.up {
+            Some(up) => up as usize,
+            None if loaded.is_bare_figure() => 1,
+            None => 2,
+        };
+        let centre = arguments.center_of_mass.as_ref();
+        let centre = centre.map(|centre| centre.task(&masses, up));
+        let polygon = match arguments.balance.as_slice() {
+            [] => None,
+            feet => {
+                let margin = arguments.balance_margin.unwrap_or(0.0);
+                let mut polygon = SupportPolygon::new(&masses)
+                    .with_up(Vector3::UNITS[up])
+                    .with_margin(margin);
+                for foot in feet {
+                    let frame = loaded.frame(&foot.frame, BareName::Tip)?;
+                    polygon = polygon.with_points_on(frame, foot.points(loaded, frame));
+                }
+                Some(polygon)
+            }
+        };
+        Ok(Some(Self {
+            masses,
+            centre,
+            polygon,
+        }))
+    }
+
+    /// The frames that what is asked depends on.
+    pub(super) fn frames(&self) -> impl Iterator<Item = FrameId> + '_ {
+        self.masses.points().iter().map(|point| point.frame)
+    }
+
+    /// What the tasks are called, in their order.
+    pub(super) fn names(&self) -> impl Iterator<Item = TaskName> {
+        let centre = self.centre.iter().map(|_| "center of mass");
+        let names = centre.chain(self.polygon.iter().map(|_| "balance"));
+        names.map(|name| TaskName {
+            frame: name.to_owned(),
+            held: false,
+        })
+    }
+
+    /// Adds the tasks.
+    pub(super) fn add(&self, builder: &mut ProblemBuilder<'_>) {
+        if let Some(centre) = &self.centre {
+            builder.add(Task::new(centre.clone()).named("center of mass"));
+        }
+        if let Some(polygon) = &self.polygon {
+            builder.add(Task::new(polygon.clone()).named("balance"));
+        }
+    }
+}
+
+impl Centre {
+    fn task(&self, masses: &Masses, up: usize) -> CentreOfMass {
+        let mut place = [None; 3];
+        match *self {
+            Self::At(at) => place = at,
+            Self::Above(at) => {
+                let across = (0..3).filter(|&axis| axis != up);
+                for (axis, value) in across.zip(at) {
+                    place[axis] = Some(value);
+                }
+            }
+        }
+        let task = CentreOfMass::new(masses, place.map(Option::unwrap_or_default));
+        let axes = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(place);
+        axes.fold(task, |task, (axis, place)| match place {
+            None => task.free_along(axis),
+            Some(_) => task,
+        })
+    }
+}
+
+impl Foot {
+    /// The points that it stands on, in its frame.
+    fn points(&self, loaded: &LoadedModel, frame: FrameId) -> Vec<Vector3<f64>> {
+        if let Some(at) = self.at {
+            return vec![at.into()];
+        }
+        let link = loaded.robot.as_ref().and_then(|robot| robot.link(frame));
+        let shapes = link.map_or(&[][..], |link| &link.collisions);
+        let points: Vec<_> = shapes.iter().flat_map(extent).collect();
+        match points.is_empty() {
+            true => vec![Vector3::zero()],
+            false => points,
+        }
+    }
+}
+
+/// Points around a shape: corners, a rim, ends or a middle; of a mesh none.
+fn extent(shape: &Shape) -> Vec<Vector3<f64>> {
+    let box_of = |[x, y, z]: [f64; 3]| {
+        let sides = [-0.5, 0.5];
+        let corners = sides.into_iter().flat_map(|i| sides.map(|j| (i, j)));
+        let corners = corners.flat_map(|(i, j)| sides.map(|k| [i * x, j * y, k * z]));
+        corners.collect()
+    };
+    let points: Vec<[f64; 3]> = match shape.geometry {
+        Geometry::Box { size } => box_of(size),
+        // The square within its rim.
+        Geometry::Cylinder { radius, length } => {
+            let side = radius * std::f64::consts::SQRT_2;
+            box_of([side, side, length])
+        }
+        Geometry::Capsule { length, .. } => {
+            vec![[0.0, 0.0, -0.5 * length], [0.0, 0.0, 0.5 * length]]
+        }
+        Geometry::Sphere { .. } => vec![[0.0; 3]],
+        _ => Vec::new(),
+    };
+    let placed = points.into_iter();
+    placed
+        .map(|point| shape.link_from_shape.apply(point.into()))
+        .collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_feet() {
+        assert_eq!(Centre::parse("1,-2"), Ok(Centre::Above([1.0, -2.0])));
+        let at = [Some(0.5), None, Some(2.0)];
+        assert_eq!(Centre::parse("0.5, free,2"), Ok(Centre::At(at)));
+        for bad in ["1", "1,2,3,4", "free,free,free", "a,b", "free,1"] {
+            assert!(Centre::parse(bad).is_err(), "{bad}");
+        }
+        let foot = |at| Foot {
+            frame: "foot".to_owned(),
+            at,
+        };
+        assert_eq!(Foot::parse("foot"), Ok(foot(None)));
+        assert_eq!(Foot::parse("foot=1,2,3"), Ok(foot(Some([1.0, 2.0, 3.0]))));
+        for bad in ["", "=1,2,3", "foot=1,2"] {
+            assert!(Foot::parse(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Promise: `--center-of-mass` puts a body's mass where it is asked for, and `--balance` keeps it over the feet, for
+//! robots that have masses and for rigs that have a mesh.
+
+use crate::forked_rig::*;
+use serde_json::Value;
+
+const LEANING: &str = "../tests/kinematics/leaning.urdf";
+
+/// Where the robot's masses are, by their places in the file and the command's own kinematics.
+fn centre(q: &[f64]) -> [f64; 3] {
+    let masses = [
+        ("shank", [0.01, -0.02, 0.18], 3.2),
+        ("motor", [0.0, 0.05, 0.02], 1.1),
+        ("thigh", [-0.03, 0.0, 0.2], 5.5),
+        ("trunk", [0.02, 0.01, 0.25], 17.25),
+        ("slider", [0.1, 0.0, 0.0], 0.75),
+    ];
+    let placed = answer!("fk {LEANING} --q={}", commas(q));
+    let mut sum = [0.0; 3];
+    for (link, at, mass) in masses {
+        let frame = &placed["frames"][link];
+        let (place, turn) = (numbers(&frame["position"]), numbers(&frame["quaternion"]));
+        // v + 2 w (u × v) + 2 u × (u × v)
+        let u = [turn[1], turn[2], turn[3]];
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [
+                a[1] * b[2] - a[2] * b[1],
+                a[2] * b[0] - a[0] * b[2],
+                a[0] * b[1] - a[1] * b[0],
+            ]
+        };
+        let once = cross(u, at);
+        let twice = cross(u, once);
+        for k in 0..3 {
+            let along = at[k] + 2.0 * (turn[0] * once[k] + twice[k]);
+            sum[k] += mass / 27.8 * (place[k] + along);
+        }
+    }
+    sum
+}
+
+fn task<'a>(answer: &'a Value, name: &str) -> &'a Value {
+    let tasks = list(&answer["tasks"]).iter();
+    tasks.clone().find(|task| task["name"] == name).unwrap()
+}
+
+#[test]
+fn the_centre_of_mass_goes_where_it_is_asked_to() {
+    let above = answer!("solve {LEANING} --center-of-mass 0.05,0.12");
+    assert_eq!(above["reached"], true);
+    let [x, y, _] = centre(&numbers(&above["q"]));
+    assert!(
+        (x - 0.05).abs() < 2e-6 && (y - 0.12).abs() < 2e-6,
+        "{x} {y}"
+    );
+    assert_eq!(task(&above, "center of mass")["reached"], true);
+
+    let high = answer!("solve {LEANING} --center-of-mass=-0.02,free,0.66");
+    let [x, _, z] = centre(&numbers(&high["q"]));
+    assert!(
+        (x + 0.02).abs() < 2e-6 && (z - 0.66).abs() < 2e-6,
+        "{x} {z}"
+    );
+    let far = answer!("solve {LEANING} --center-of-mass 3,0");
+    assert_eq!(far["reached"], false);
+}
+
+#[test]
+fn a_body_stays_over_its_feet() {
+    // A sole of 20 by 20 cm beside the ankle.
+    let corners = [[-0.1, 0.0], [0.1, 0.0], [0.1, 0.2], [-0.1, 0.2]];
+    let sole: Vec<String> = (corners.iter())
+        .map(|[x, y]| format!("--balance plate={x},{y},0"))
+        .collect();
+    let sole = sole.join(" ");
+    let reach = format!("solve {LEANING} --target trunk=0.35,0.1,0.7 {sole}");
+    let answer = answer!("{reach} --balance-margin 0.02");
+    let [x, y, _] = centre(&numbers(&answer["q"]));
+    assert_eq!(task(&answer, "balance")["reached"], answer["reached"]);
+    if answer["reached"] == true {
+        assert!(x < 0.08 + 2e-6 && y < 0.18 + 2e-6, "{x} {y}");
+    }
+    // Where it stands anyway nothing moves.
+    let still = answer!("solve {LEANING} {sole}");
+    assert_eq!(still["reached"], true);
+    assert_eq!(numbers(&still["q"]), [0.0; 4]);
+    let text = text!("solve {LEANING} {sole}");
+    assert!(text.contains("balance"), "{text}");
+}
+
+#[test]
+fn a_rig_balances_by_the_volume_of_its_mesh() {
+    let rig = "../models/humanoid/humanoid.json";
+    let answer = answer!("solve {rig} --free --center-of-mass 0.05,0");
+    assert_eq!(answer["reached"], true);
+    let feet = "--balance left_toes --balance right_toes --balance left_foot/tail --balance right_foot/tail";
+    let answer = answer!("solve {rig} {feet} --target left_hand=0.4,0.3,1.1");
+    assert_eq!(task(&answer, "balance")["reached"], true);
+}
+
+#[test]
+fn what_has_no_mass_and_makes_no_sense_is_refused() {
+    let arm = "../models/franka_panda.urdf";
+    refused!("solve {arm} --center-of-mass 0,0" => 1, "no centre of mass");
+    refused!("solve {arm} --balance link0" => 1, "no centre of mass");
+    refused!("solve {LEANING} --balance foot" => 1, "`foot` | shank");
+    refused!("solve {LEANING} --center-of-mass 1" => 2, "x,y");
+    refused!("solve {LEANING} --center-of-mass free,free,free" => 2, "free");
+    refused!("solve {LEANING} --center-of-mass 0,0 --balance-margin 0.1" => 2, "--balance");
+    refused!("solve {LEANING} --balance plate=1,2" => 2, "the point");
+    refused!("solve {LEANING}" => 2, "--center-of-mass");
+}
