@@ -160,13 +160,17 @@ impl<S: Scalar> Sums<S> {
             translation,
         } = joint;
         let axis = rotation * Vector3::constant(hinge.axis);
-        match (hinge.kind, values) {
-            (JointKind::Fixed, _) => joint,
-            (JointKind::Prismatic, &[value]) => {
+        match *values {
+            [value] if hinge.kind.slides() => {
                 self.add(axis, Vector3::zero());
                 Placement::new(rotation, axis.mul_add(value, translation))
             }
-            (JointKind::Ball, &[w, x, y, z]) => {
+            [value] => {
+                self.add(translation.cross(axis), axis);
+                let turn = Matrix3::rotation(Vector3::constant(hinge.axis), value.sin_cos());
+                Placement::new(rotation * turn, translation)
+            }
+            [w, x, y, z] => {
                 for axis in [rotation.x, rotation.y, rotation.z] {
                     self.add(translation.cross(axis), axis);
                 }
@@ -174,12 +178,8 @@ impl<S: Scalar> Sums<S> {
                 let turned = rotation * Quaternion { w, v }.to_matrix();
                 Placement::new(turned, translation)
             }
-            (_, values) => {
-                self.add(translation.cross(axis), axis);
-                let value = values.first().copied().unwrap_or_else(S::zero);
-                let turn = Matrix3::rotation(Vector3::constant(hinge.axis), value.sin_cos());
-                Placement::new(rotation * turn, translation)
-            }
+            // It does not move.
+            _ => joint,
         }
     }
 

@@ -1,6 +1,6 @@
 //! A frame should have an orientation.
 
-use super::residual::{frame_and_base, in_base, not_finite};
+use super::residual::{add_base, frame_and_base, in_base, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -96,11 +96,8 @@ impl Residual for Orientation {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        if self.base.is_some() {
-            // Two frames move: left to dual numbers.
-            return false;
-        }
-        Self::differentiate_miss(self.target, frames[0].rotation, 0, jacobian);
+        Self::differentiate_miss(self.target, in_base(frames).rotation, 0, jacobian);
+        add_base(frames, jacobian);
         true
     }
 

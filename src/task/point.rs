@@ -1,6 +1,6 @@
 //! A point of a frame should be at a place.
 
-use super::residual::{frame_and_base, in_base, not_finite};
+use super::residual::{add_base, frame_and_base, in_base, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -76,20 +76,17 @@ impl Residual for Point {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        if self.base.is_some() {
-            // Two frames move: left to dual numbers.
-            return false;
-        }
         for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
             *row = unit;
         }
         if self.offset != Vector3::zero() {
             // e · (ω × l) = ω · (l × e)
-            let lever = frames[0].rotation * self.offset;
+            let lever = in_base(frames).rotation * self.offset;
             for (row, unit) in jacobian.angular_mut(0).iter_mut().zip(Vector3::UNITS) {
                 *row = lever.cross(unit);
             }
         }
+        add_base(frames, jacobian);
         true
     }
 

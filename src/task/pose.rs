@@ -2,7 +2,7 @@
 
 use super::goal::Goal;
 use super::orientation::check_rotation;
-use super::residual::{frame_and_base, in_base, not_finite};
+use super::residual::{add_base, frame_and_base, in_base, not_finite};
 use super::within::beyond;
 use super::{LocalJacobian, Orientation, Quantity, Residual, Rows};
 use crate::model::FrameId;
@@ -214,15 +214,12 @@ impl Residual for Pose {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        if self.base.is_some() {
-            // Two frames move: left to dual numbers.
-            return false;
-        }
         let placed = self.base_from_tool(frames);
         let tool = self.frame_from_tool.map(|tool| tool.translation);
-        let lever = tool.map(|tool| frames[0].rotation * tool);
+        let lever = tool.map(|tool| in_base(frames).rotation * tool);
         if let Some(goal) = &self.goal {
             self.differentiate_goal(goal, &placed, lever, jacobian);
+            add_base(frames, jacobian);
             return true;
         }
         for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
@@ -235,6 +232,7 @@ impl Residual for Pose {
                 *row = lever.cross(unit);
             }
         }
+        add_base(frames, jacobian);
         true
     }
 

@@ -3,7 +3,7 @@
 use super::{LocalJacobian, Rows};
 use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
-use crate::spatial::Placement;
+use crate::spatial::{Placement, Vector3};
 
 /// Whether a task must be met or is only preferred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -111,6 +111,25 @@ pub(super) fn in_base<S: Scalar>(frames: &[Placement<S>]) -> Placement<S> {
     match frames {
         [placed, world_from_base, ..] => world_from_base.inverse() * *placed,
         _ => frames[0],
+    }
+}
+
+/// Completes derivatives by the first frame's motion, in the axes of a base that stands still, to those by both,
+/// in world axes: what moves against the base is the frame's motion less the base's own.
+pub(super) fn add_base(frames: &[Placement<f64>], jacobian: &mut LocalJacobian) {
+    let [frame, base, ..] = frames else { return };
+    let away = frame.translation - base.translation;
+    for row in 0..jacobian.rows() {
+        let linear = base.rotation * jacobian.linear(0)[row];
+        let angular = jacobian.angular(0).get(row).map(|own| base.rotation * *own);
+        jacobian.linear_mut(0)[row] = linear;
+        if let Some(angular) = angular {
+            jacobian.angular_mut(0)[row] = angular;
+        }
+        jacobian.linear_mut(1)[row] = -linear;
+        // v · (ω × d) = ω · (d × v)
+        let turned = angular.unwrap_or(Vector3::zero()) + away.cross(linear);
+        jacobian.angular_mut(1)[row] = -turned;
     }
 }
 
