@@ -17,7 +17,10 @@ use crate::robot_options::RobotOptions;
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
 const SUPPORTED: &str =
-    ".urdf (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)";
+    ".urdf and .xml (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)";
+
+/// URDF, and MuJoCo's MJCF: which of them it is the document's own element says.
+const ROBOTS: [&str; 3] = ["urdf", "xml", "mjcf"];
 
 /// Rigs count as reached within this share of their size; an angle within as many radians.
 const RIG_TOLERANCE: f64 = 1e-9;
@@ -87,7 +90,8 @@ impl LoadedModel {
     ) -> Outcome<Self> {
         let file = path.display().to_string();
         let extension = extension(path);
-        if extension != "urdf" {
+        let is_robot = ROBOTS.contains(&extension.as_str());
+        if !is_robot {
             options.refuse(&file)?;
         }
         if AnimatedArmature::is_at(path) {
@@ -106,7 +110,7 @@ impl LoadedModel {
                 }
                 Ok(Self::of_rig(file, rig))
             }
-            "urdf" => Ok(Self::of_robot(file, options.read(path)?)),
+            _ if is_robot => Ok(Self::of_robot(file, options.read(path)?)),
             "" => Err(failure!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
             )),

@@ -65,7 +65,7 @@ impl RobotOptions {
         ];
         let given = given.into_iter().find(|(given, _)| *given);
         match given.map(|(_, option)| option).or(self.base.given()) {
-            Some(option) => Err(usage!("{file}: {option} is for robots (.urdf)")),
+            Some(option) => Err(usage!("{file}: {option} is for robots (.urdf, .xml)")),
             None => Ok(()),
         }
     }

@@ -1,4 +1,4 @@
-//! Robots from URDF.
+//! Robots from URDF and MJCF.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kinopt::model::Limits;
 use kinopt::robot::BaseJoint;
 use kinopt::spatial::Placement;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
@@ -163,6 +163,37 @@ impl Robot {
         })
     }
 
+    /// Reads an MJCF file, as MuJoCo's models are written in, with the files that it includes.
+    ///
+    /// Bodies and sites are frames under their names (unnamed ones: `body/ID`, `BODY/site`; the world's is
+    /// `world`), and a configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a
+    /// ball's quaternion, `ref` counted in. Joints that a linear `equality` couples follow; `connect` and `weld`
+    /// are `closures`. What is left out is in `repairs`. Files of meshes are not opened. `base_joint` and
+    /// `base_room` are as of `from_urdf`.
+    ///
+    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
+    /// wrong in it.
+    #[classmethod]
+    #[pyo3(signature = (path, *, base_joint = None, base_room = None))]
+    fn from_mjcf(
+        _class: &Bound<'_, PyType>,
+        path: PathBuf,
+        base_joint: Option<String>,
+        base_room: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        // Faults are told by the lines of the file, which the text of all files together has not.
+        kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
+        let text = kinopt::robot::mjcf_with_includes(&path).or_raise()?;
+        Self::build(Source {
+            text: text.into(),
+            file: path.display().to_string(),
+            lenient: false,
+            soft_limits: false,
+            base: Base::new(base_joint, base_room)?,
+            tools: Vec::new(),
+        })
+    }
+
     /// Reads a URDF document from a string; `name` is what messages call it, the rest is as of `from_urdf`.
     ///
     /// Raises `InvalidFileError`, which names the element, for what is wrong in it.
@@ -311,6 +342,35 @@ impl Robot {
             mimics.set_item(name(mimic.joint), follows)?;
         }
         Ok(mimics)
+    }
+
+    /// Loops that the file closes (MJCF's `connect` and `weld`), which no joint knows of: a list of (name or None,
+    /// "connect" or "weld", the two frames' names, where on them, shape (2, 4, 4): frame_from_place).
+    #[getter]
+    #[allow(clippy::type_complexity, reason = "a tuple a loop")]
+    fn closures<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<
+        Vec<(
+            Option<String>,
+            &'static str,
+            [String; 2],
+            Bound<'py, PyArray3<f64>>,
+        )>,
+    > {
+        let loops = self.inner.closures().iter().map(|closure| {
+            let kind = match closure.kind {
+                kinopt::robot::ClosureKind::Connect => "connect",
+                _ => "weld",
+            };
+            let frames = closure
+                .frames
+                .map(|id| self.model.frames()[id.index()].name.clone());
+            let places = placement::to_arrays(py, &closure.frame_from_place)?;
+            Ok((closure.name.clone(), kind, frames, places))
+        });
+        loops.collect()
     }
 
     /// Names of the moving joints between two frames, from base to tip.

@@ -220,6 +220,8 @@ impl Model {
     /// turn; for slides the reach, or their travel where that is of the reach's order.
     pub(crate) fn sampling_spread(&self, joint: &Joint, reach: f64) -> f64 {
         const SAME_ORDER: f64 = 100.0;
+        // Files may say lengths whose sum is no number any more; what is drawn must be one.
+        let reach = reach.min(f64::MAX / 100.0);
         match travel(joint) {
             _ if !joint.kind.slides() => std::f64::consts::PI,
             travel if travel <= SAME_ORDER * reach => travel.max(reach),

@@ -8,6 +8,8 @@ mod link;
 mod masses;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+#[cfg(feature = "xml")]
+mod srdf;
 #[cfg(feature = "urdf")]
 mod urdf;
 #[cfg(feature = "xml")]
@@ -16,6 +18,10 @@ mod xml;
 pub use base_joint::BaseJoint;
 pub use closure::{Closure, ClosureKind};
 pub use link::{Geometry, Inertial, Link, Shape};
+#[cfg(feature = "mjcf")]
+pub use mjcf::mjcf_with_includes;
+#[cfg(feature = "xml")]
+pub use srdf::{DisabledPair, EndEffector, Group, GroupState, Srdf, VirtualJoint};
 #[cfg(feature = "urdf")]
 pub use urdf::UrdfReader;
 #[cfg(feature = "xml")]

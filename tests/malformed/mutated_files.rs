@@ -13,7 +13,9 @@ use std::cell::Cell;
 use kinopt::io::bvh;
 use kinopt::io::dmat::{self, DmatEncoding};
 use kinopt::io::ply::{self, PlyEncoding};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::mesh::TriangleMesh;
+use kinopt::robot::{Robot, Srdf};
 use support::small_rig::SmallRig;
 
 /// Counts the bytes this thread holds and the most it held.
@@ -364,4 +366,82 @@ fn gltf_cut_off_anywhere() {
             assert!(!reads_gltf(&file[..length]), "{length}");
         }
     }
+}
+
+/// What was read holds together: placements are rigid and finite wherever the robot may stand.
+fn check_robot(robot: &Robot) {
+    let model = robot.model();
+    let mut kinematics = ForwardKinematics::new(model);
+    for seed in 0..2 {
+        let q = model.random_configuration(seed);
+        assert!(model.is_within_limits(&q), "{q:?}");
+        for placement in kinematics.place(&q).unwrap() {
+            assert!(placement.translation.to_array().iter().all(|c| !c.is_nan()));
+        }
+    }
+    for closure in robot.closures() {
+        for frame in closure.frames {
+            assert!(frame.index() < model.frames().len());
+        }
+    }
+}
+
+#[test]
+fn damaged_mjcf() {
+    // What it includes is not there: the damage is in one document.
+    let walker = include_str!("../mjcf/files/walker.xml");
+    let gripper = kinopt::robot::mjcf_with_includes(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/mjcf/files/gripper.xml"
+    ));
+    for (seed, good) in [(11, walker), (12, &gripper.unwrap())] {
+        bombard(seed, 3000, good.as_bytes(), |bytes| {
+            let Ok(text) = std::str::from_utf8(bytes) else {
+                return false;
+            };
+            let read = Robot::parse_mjcf(text, "damaged.xml");
+            if let Err(error) = &read {
+                assert!(error.to_string().contains("damaged.xml"), "{error}");
+            }
+            read.inspect(check_robot).is_ok()
+        });
+    }
+}
+
+const SRDF: &str = r#"<robot name="ur5e">
+<virtual_joint name="fix" type="fixed" parent_frame="world" child_link="base"/>
+<group name="arm"><chain base_link="base" tip_link="flange"/></group>
+<group name="wrist"><joint name="joint5"/><link name="flange"/></group>
+<group name="all"><group name="arm"/><group name="wrist"/></group>
+<group_state name="up" group="all"><joint name="joint2" value="-1.5"/><joint name="joint4" value="0.25"/></group_state>
+<end_effector name="hand" group="wrist" parent_link="flange" parent_group="arm"/>
+<passive_joint name="joint6"/>
+<disable_collisions link1="base" link2="flange" reason="Never"/>
+</robot>"#;
+
+#[test]
+fn damaged_srdf() {
+    let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/models/universal_ur5e.urdf");
+    let robot = Robot::read(robot).unwrap();
+    let q = robot.model().neutral();
+    bombard(13, 4000, SRDF.as_bytes(), |bytes| {
+        let Ok(text) = std::str::from_utf8(bytes) else {
+            return false;
+        };
+        let read = Srdf::parse(text, "damaged.srdf", &robot);
+        if let Err(error) = &read {
+            assert!(error.to_string().contains("damaged.srdf"), "{error}");
+        }
+        read.inspect(|srdf| {
+            for state in &srdf.states {
+                let configuration = srdf.state(&state.name, &q).unwrap();
+                assert!(configuration.iter().all(|value| value.is_finite()));
+            }
+            for group in &srdf.groups {
+                srdf.only(&robot, &group.name, &q).unwrap().build().unwrap();
+            }
+            srdf.driven(&robot, &q).build().unwrap();
+        })
+        .is_ok()
+    });
 }

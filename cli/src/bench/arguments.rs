@@ -29,7 +29,7 @@ Interrupt it (Ctrl-C) when you have seen enough: what is done is written.";
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf or a rig's .json file.
+    /// The model: a robot's .urdf or MJCF .xml or a rig's .json file.
     #[arg(value_name = "MODEL")]
     pub(super) model: PathBuf,
 

@@ -32,7 +32,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
+    /// The model: a robot's .urdf or MJCF .xml, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 

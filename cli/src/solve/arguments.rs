@@ -79,7 +79,7 @@ which), 2 wrong usage, 3 a target was missed and --fail-on-miss was given.";
     group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file", "center_of_mass", "balance"])
 )]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf, a rig's .json, a scene's .glb or .gltf or a motion capture's .bvh file.
+    /// The model: a robot's .urdf or MJCF .xml, a rig's .json, a scene's .glb or .gltf or a motion capture's .bvh file.
     #[arg(value_name = "MODEL")]
     pub(super) model: PathBuf,
 

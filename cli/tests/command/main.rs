@@ -13,6 +13,7 @@ mod held_joints;
 mod holds;
 mod json_output;
 mod many_targets;
+mod mjcf;
 mod motion_capture;
 mod posed_mesh;
 mod robot_files;

@@ -23,7 +23,7 @@ STRETCHED = 0.03
 #: How far joints are bent from a stretched pose, radians at most.
 BEND = 1.2
 #: What files there are pages for.
-SUPPORTED = ".urdf (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)"
+SUPPORTED = ".urdf and .xml (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)"
 
 
 @dataclass
@@ -54,6 +54,9 @@ def open_model(path: str | Path) -> Opened:
                 robot = kinopt.Robot.from_urdf(path)
             except kinopt.InvalidFileError:
                 robot = kinopt.Robot.from_urdf(path, lenient=True)
+            return Opened(robot, turns=True, notes=list(robot.repairs))
+        case ".xml" | ".mjcf":
+            robot = kinopt.Robot.from_mjcf(path)
             return Opened(robot, turns=True, notes=list(robot.repairs))
         case ".json":
             rig = kinopt.Rig.read(path)

@@ -19,3 +19,5 @@ mod reader;
 mod segment;
 mod solid;
 mod tree;
+
+pub use reader::mjcf_with_includes;

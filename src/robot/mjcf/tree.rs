@@ -64,6 +64,31 @@ impl Tree {
         }
     }
 
+    /// The document as one text, with what it includes put in.
+    pub(super) fn text(&self) -> String {
+        enum Part<'a> {
+            Element(Tag<'a>),
+            End(&'a str),
+        }
+        let mut text = String::new();
+        let mut waiting = vec![Part::Element(self.root())];
+        while let Some(part) = waiting.pop() {
+            match part {
+                Part::End(name) => text.extend(["</", name, ">\n"]),
+                Part::Element(tag) => {
+                    text.extend(["<", tag.name()]);
+                    for (name, value) in &tag.stored().attributes {
+                        text.extend([" ", name, "=\"", &escaped(value), "\""]);
+                    }
+                    text.push_str(">\n");
+                    waiting.push(Part::End(tag.name()));
+                    waiting.extend(tag.children().rev().map(Part::Element));
+                }
+            }
+        }
+        text
+    }
+
     /// The name of the main file.
     pub(super) fn file(&self) -> &str {
         self.files.first().map_or("", String::as_str)
@@ -217,6 +242,14 @@ impl<'a> Tag<'a> {
             fault,
         }
     }
+}
+
+/// As it may stand between quotation marks.
+fn escaped(value: &str) -> String {
+    value
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;")
 }
 
 fn text_of(path: &Path) -> Result<String, ReadError> {

@@ -234,8 +234,20 @@ pub enum Fault {
         /// The joint.
         joint: String,
     },
-    /// A mesh that no file holds, or whose own frame and scale do not go with a plain placement.
-    #[error("the mesh is in no file, or its refquat and an uneven scale do not go together")]
+    /// Two groups of one name.
+    #[error("group `{group}` is given twice")]
+    RepeatedGroup {
+        /// The group.
+        group: String,
+    },
+    /// A group that contains itself.
+    #[error("group `{group}` is within itself")]
+    GroupWithinItself {
+        /// The group.
+        group: String,
+    },
+    /// A mesh whose own frame and scale do not go with a plain placement.
+    #[error("the mesh's refquat and an uneven scale do not go together")]
     UnsupportedMesh,
 }
 

@@ -1,0 +1,53 @@
+"""Robots from MJCF: MuJoCo's placements, its `qpos`, copies that need no file, faults by name."""
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+FOLDER = Path(__file__).parents[2] / "tests" / "mjcf"
+REFERENCE = json.loads((FOLDER / "mujoco_placements.json").read_text())
+
+
+@pytest.mark.parametrize("reference", REFERENCE["files"], ids=lambda reference: reference["file"])
+def test_bodies_stand_where_mujoco_places_them_and_in_copies_too(reference):
+    robot = kinopt.Robot.from_mjcf(FOLDER / "files" / reference["file"])
+    for model in (robot.model, pickle.loads(pickle.dumps(robot)).model):
+        kinematics = kinopt.ForwardKinematics(model)
+        for case in reference["configurations"]:
+            placed = np.asarray(kinematics.place(case["q"]))
+            for i, (name, numbers) in enumerate(case["bodies"]):
+                assert name in (None, model.frame_names[i])
+                np.testing.assert_allclose(placed[i][:3, 3], numbers[:3], atol=1e-12)
+                np.testing.assert_allclose(placed[i][:3, :3].ravel(), numbers[3:], atol=1e-12)
+
+
+def test_loops_and_followers_are_told():
+    robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "gripper.xml")
+    assert robot.mimics["right"] == ("left", -1.5, pytest.approx(0.1))
+    names = [(name, kind) for name, kind, _, _ in robot.closures]
+    assert names[:3] == [("bar", "connect"), (None, "connect"), ("hold", "weld")]
+    _, _, frames, places = robot.closures[0]
+    assert frames == ["left_tip", "right_tip"]
+    np.testing.assert_allclose(places[0][:3, 3], [0.01, 0.02, 0.03], atol=0)
+
+
+def test_a_base_may_be_put_under_it():
+    robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "gripper.xml", base_joint="free")
+    assert len(robot.neutral()) == 7 + 6
+
+
+def test_faults_are_told_by_file_and_line(tmp_path):
+    path = tmp_path / "robot.xml"
+    with pytest.raises(kinopt.FileError):
+        kinopt.Robot.from_mjcf(path)
+    path.write_text('<mujoco>\n<worldbody><body quat="0 0 0 0"/></worldbody></mujoco>')
+    with pytest.raises(kinopt.InvalidFileError, match=r"robot.xml:2: .*quat"):
+        kinopt.Robot.from_mjcf(path)
+    path.write_text("<robot/>")
+    with pytest.raises(kinopt.InvalidFileError, match="<mujoco>"):
+        kinopt.Robot.from_mjcf(path)

@@ -1,0 +1,100 @@
+//! `<group>`: joints by their names, those of links, of chains and of other groups.
+
+use std::collections::{BTreeSet, HashMap};
+
+use crate::model::{JointId, UnknownName};
+use crate::robot::Robot;
+use crate::robot::xml::{Element, Fault, RobotFileError, is};
+
+/// Joints that are used together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Group {
+    /// Its name.
+    pub name: String,
+    /// The joints that move, from its own list, its links, chains and groups, parents before children.
+    pub joints: Vec<JointId>,
+}
+
+/// A group whose own groups are still names.
+struct Part {
+    joints: BTreeSet<JointId>,
+    groups: Vec<String>,
+}
+
+/// Reads all groups of a document.
+pub(super) fn read_all(
+    elements: &[Element<'_>],
+    robot: &Robot,
+    virtual_joints: &[&str],
+) -> Result<Vec<Group>, RobotFileError> {
+    let mut names: Vec<String> = Vec::new();
+    let mut parts: HashMap<String, Part> = HashMap::new();
+    for element in elements {
+        let name = element.name("name")?;
+        let part = read(element, robot, virtual_joints)?;
+        if parts.insert(name.clone(), part).is_some() {
+            return Err(element.fault(Fault::RepeatedGroup { group: name }));
+        }
+        names.push(name);
+    }
+    let mut groups = Vec::with_capacity(names.len());
+    for (element, name) in elements.iter().zip(&names) {
+        // Every group within it once; one that it stands in itself is a ring.
+        let mut joints = BTreeSet::new();
+        let mut seen = BTreeSet::new();
+        let mut waiting: Vec<&String> = vec![name];
+        while let Some(inner) = waiting.pop() {
+            let Some(part) = parts.get(inner) else {
+                let valid = names.iter().map(String::as_str);
+                return Err(element.fault(UnknownName::new("group", inner, valid).into()));
+            };
+            joints.extend(&part.joints);
+            if part.groups.contains(name) {
+                let group = name.clone();
+                return Err(element.fault(Fault::GroupWithinItself { group }));
+            }
+            let new = part
+                .groups
+                .iter()
+                .filter(|group| seen.insert(group.as_str()));
+            waiting.extend(new);
+        }
+        groups.push(Group {
+            name: name.clone(),
+            joints: joints.into_iter().collect(),
+        });
+    }
+    Ok(groups)
+}
+
+fn read(
+    group: &Element<'_>,
+    robot: &Robot,
+    virtual_joints: &[&str],
+) -> Result<Part, RobotFileError> {
+    let model = robot.model();
+    let mut joints = BTreeSet::new();
+    let mut groups = Vec::new();
+    for node in group.node.children().filter(|node| node.is_element()) {
+        let part = group.part(node);
+        let unknown = |error: UnknownName| part.fault(error.into());
+        if is(node, "joint") {
+            let name = part.name("name")?;
+            if !virtual_joints.contains(&name.as_str()) {
+                let joint = model.joint(&name).map_err(unknown)?;
+                joints.extend(model.coordinate(joint).map(|_| joint));
+            }
+        } else if is(node, "link") {
+            let frame = model.frame(&part.name("name")?).map_err(unknown)?;
+            let joint = model.frames()[frame.index()].joint;
+            joints.extend(joint.filter(|joint| model.coordinate(*joint).is_some()));
+        } else if is(node, "chain") {
+            let (base, tip) = (part.name("base_link")?, part.name("tip_link")?);
+            joints.extend(robot.chain(base.as_str(), tip.as_str()).map_err(unknown)?);
+        } else if is(node, "group") {
+            groups.push(part.name("name")?);
+        }
+    }
+    Ok(Part { joints, groups })
+}

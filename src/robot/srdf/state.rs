@@ -1,0 +1,127 @@
+//! `<group_state>`: named values of joints.
+
+use super::Srdf;
+use crate::model::{JointId, JointKind, Model, UnknownName};
+use crate::robot::Robot;
+use crate::robot::xml::{Element, Fault, RobotFileError, is};
+
+/// What Pinocchio calls the joint that moves a whole robot, whether or not it has one.
+const BASE: &str = "root_joint";
+
+/// Values of some joints under a name.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct GroupState {
+    /// Its name, which states of other groups may have too.
+    pub name: String,
+    /// The group that it is of.
+    pub group: String,
+    /// Coordinates of a configuration and their values: radians, metres, parts of unit quaternions.
+    pub values: Vec<(usize, f64)>,
+}
+
+impl Srdf {
+    /// A state as a whole configuration: its values, and those of `q` for all other joints. Followers are not
+    /// looked at.
+    ///
+    /// # Errors
+    /// An unknown state; the error lists the valid ones.
+    pub fn state(&self, name: &str, q: &[f64]) -> Result<Vec<f64>, UnknownName> {
+        let names = self.states.iter().map(|state| state.name.as_str());
+        let found = self.states.iter().find(|state| state.name == name);
+        let state = found.ok_or_else(|| UnknownName::new("group state", name, names))?;
+        let mut configuration = q.to_vec();
+        for &(coordinate, value) in &state.values {
+            if let Some(slot) = configuration.get_mut(coordinate) {
+                *slot = value;
+            }
+        }
+        Ok(configuration)
+    }
+}
+
+pub(super) fn read(
+    element: &Element<'_>,
+    robot: &Robot,
+    groups: &[&str],
+    virtual_joints: &[&str],
+) -> Result<GroupState, RobotFileError> {
+    let (name, group) = (element.name("name")?, element.name("group")?);
+    if !groups.contains(&group.as_str()) {
+        let unknown = UnknownName::new("group", &group, groups.iter().copied());
+        return Err(element.fault(unknown.into()));
+    }
+    let mut values = Vec::new();
+    for node in element.node.children().filter(|node| is(*node, "joint")) {
+        let part = element.part(node);
+        let name = part.name("name")?;
+        let Some(coordinates) = coordinates(robot.model(), &name) else {
+            // A robot that stands still has no use for where its base is.
+            if name == BASE || virtual_joints.contains(&name.as_str()) {
+                continue;
+            }
+            return match robot.model().joint(&name) {
+                // A fixed joint has no value.
+                Ok(_) => continue,
+                Err(unknown) => Err(part.fault(unknown.into())),
+            };
+        };
+        values.extend(
+            coordinates
+                .iter()
+                .copied()
+                .zip(numbers(&part, coordinates.len())?),
+        );
+    }
+    Ok(GroupState {
+        name,
+        group,
+        values,
+    })
+}
+
+/// The coordinates of a joint that moves, in the order of its values in a file: quaternions are x, y, z, w there.
+fn coordinates(model: &Model, name: &str) -> Option<Vec<usize>> {
+    let of = |name: &str| -> Option<(JointKind, usize)> {
+        let joint: JointId = model.joint(name).ok()?;
+        let kind = model.joints()[joint.index()].kind;
+        Some((kind, model.coordinate(joint)?))
+    };
+    let ball = |at: usize| [at + 1, at + 2, at + 3, at];
+    if let Some((kind, at)) = of(name) {
+        return Some(match kind {
+            JointKind::Ball => ball(at).to_vec(),
+            _ => vec![at],
+        });
+    }
+    // A free or planar joint is a chain.
+    let part = |part: &str| of(&format!("{name}/{part}")).map(|(_, at)| at);
+    let (x, y) = (part("x")?, part("y")?);
+    match (part("z"), part("rotation"), part("yaw")) {
+        (Some(z), Some(rotation), _) => Some([&[x, y, z][..], &ball(rotation)].concat()),
+        (_, _, Some(yaw)) => Some(vec![x, y, yaw]),
+        _ => None,
+    }
+}
+
+fn numbers(part: &Element<'_>, count: usize) -> Result<Vec<f64>, RobotFileError> {
+    let attribute = "value";
+    let text = part.name(attribute)?;
+    let words = text.split_whitespace();
+    let numbers = words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    // The quaternion of four or seven numbers has a length.
+    let turns = |numbers: &[f64]| match count {
+        4 | 7 => numbers[count - 4..].iter().any(|part| *part != 0.0),
+        _ => true,
+    };
+    match numbers {
+        Some(numbers) if numbers.len() == count && turns(&numbers) => Ok(numbers),
+        Some(numbers) if numbers.len() == count => Err(part.fault(Fault::ZeroLength { attribute })),
+        _ => Err(part.fault(Fault::BadNumbers {
+            attribute,
+            count,
+            text,
+        })),
+    }
+}

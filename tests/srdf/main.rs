@@ -1,0 +1,4 @@
+//! SRDF: groups, states, passive joints and disabled pairs of a robot.
+
+mod malformed;
+mod semantics;

@@ -1,0 +1,116 @@
+//! Promise: a group is its joints, those of its links, chains and groups; states are configurations; a map of what is
+//! driven holds the passive joints, a map of a group the others.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::robot::{BaseJoint, Robot, Srdf};
+
+const PANDA: &str = r#"<?xml version="1.0"?>
+<robot name="franka_panda">
+  <virtual_joint name="stand" type="fixed" parent_frame="world" child_link="base"/>
+  <group name="arm"><chain base_link="base" tip_link="link7"/></group>
+  <group name="wrist"><joint name="joint6"/><joint name="joint7"/><joint name="flange_mount"/><joint name="stand"/></group>
+  <group name="hand"><link name="finger_left"/><link name="finger_right"/></group>
+  <group name="all"><group name="both"/><joint name="joint1"/></group>
+  <group name="both"><group name="arm"/><group name="hand"/></group>
+  <group_state name="ready" group="arm"><joint name="joint2" value="-0.5"/><joint name="root_joint" value="1 2 3 0 0 0.6 0.8"/>
+    <joint name="joint4" value=" -2.0 "/><joint name="flange_mount" value="0"/></group_state>
+  <end_effector name="gripper" parent_link="flange" group="hand" parent_group="arm"/>
+  <passive_joint name="joint7"/><passive_joint name="finger_right_slide"/>
+  <disable_collisions link1="link1" link2="link2" reason="Adjacent"/>
+  <link_sphere_approximation link="link1"/>
+</robot>"#;
+
+fn panda() -> Robot {
+    Robot::read(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/models/franka_panda.urdf"
+    ))
+    .unwrap()
+}
+
+#[test]
+fn groups_are_joints_links_chains_and_groups_together() {
+    let robot = panda();
+    let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
+    let names = |group: &str| -> Vec<&str> {
+        let joints = srdf.group(group).unwrap().joints.iter();
+        joints
+            .map(|id| robot.model().joints()[id.index()].name.as_str())
+            .collect()
+    };
+    let arm = [
+        "joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7",
+    ];
+    assert_eq!(names("arm"), arm);
+    assert_eq!(names("wrist"), ["joint6", "joint7"]);
+    assert_eq!(names("hand"), ["finger_left_slide", "finger_right_slide"]);
+    assert_eq!(
+        names("both"),
+        [&arm[..], &["finger_left_slide", "finger_right_slide"]].concat()
+    );
+    assert_eq!(names("all"), names("both"));
+    assert!(srdf.group("leg").unwrap_err().to_string().contains("wrist"));
+    let [end] = &srdf.end_effectors[..] else {
+        unreachable!()
+    };
+    assert_eq!(
+        (end.group.as_str(), end.parent_group.as_deref()),
+        ("hand", Some("arm"))
+    );
+    let [pair] = &srdf.disabled_pairs[..] else {
+        unreachable!()
+    };
+    let links = pair
+        .links
+        .map(|id| robot.model().frames()[id.index()].name.as_str());
+    assert_eq!(
+        (links, pair.reason.as_str()),
+        (["link1", "link2"], "Adjacent")
+    );
+    assert_eq!(srdf.virtual_joints[0].kind, "fixed");
+}
+
+#[test]
+fn maps_hold_passive_joints_and_what_is_outside_a_group() {
+    let robot = panda();
+    let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
+    let q = robot.model().random_configuration(3);
+    // Seven joints and a finger; the other finger follows and is no variable of its own.
+    let driven = srdf.driven(&robot, &q).build().unwrap();
+    assert_eq!(driven.variables(), 7);
+    let mut expanded = vec![0.0; 9];
+    driven.expand(&[0.1; 7], &mut expanded).unwrap();
+    assert_eq!(expanded[6], q[6]);
+    let wrist = srdf.only(&robot, "wrist", &q).unwrap().build().unwrap();
+    assert_eq!(wrist.variables(), 2);
+    wrist.expand(&[0.25, 0.5], &mut expanded).unwrap();
+    assert_eq!(expanded[..7], [&q[..5], &[0.25, 0.5]].concat());
+    assert!(srdf.only(&robot, "leg", &q).is_err());
+    assert!(srdf.driven(&robot, &q[..3]).build().is_err());
+}
+
+#[test]
+fn states_are_configurations_also_of_a_free_base() {
+    let robot = panda();
+    let q = robot.model().neutral();
+    let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
+    let ready = srdf.state("ready", &q).unwrap();
+    let changed: Vec<(usize, f64)> = (0..9)
+        .filter(|&at| ready[at] != q[at])
+        .map(|at| (at, ready[at]))
+        .collect();
+    assert_eq!(changed, [(1, -0.5), (3, -2.0)]);
+    assert!(
+        srdf.state("steady", &q)
+            .unwrap_err()
+            .to_string()
+            .contains("ready")
+    );
+
+    let robot = panda().with_base_joint(BaseJoint::FREE).unwrap();
+    let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
+    let ready = srdf.state("ready", &robot.model().neutral()).unwrap();
+    // The file's quaternion is x, y, z, w.
+    assert_eq!(ready[..7], [1.0, 2.0, 3.0, 0.8, 0.0, 0.0, 0.6]);
+    assert_eq!(ready[8], -0.5);
+}
