@@ -309,7 +309,7 @@ class Posture(Task):
     """Joints should be near ``reference``: one row a joint, in joint units. A preference unless told otherwise.
 
     The reference is a configuration, shape (dof,), or a dict of some joints' values, radians or metres.
-    ``joint_weights`` multiplies the rows of each joint by a number of at least 0: shape (joints,), or a dict of
+    ``joint_weights`` multiplies the rows of each joint by a number of at least 0: one for each of ``joint_names``, or a dict of
     some joints', the others 1, or ``"by range"``, which counts each joint in half its range, so that all give the
     same share of theirs.
 

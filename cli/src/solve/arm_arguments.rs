@@ -47,17 +47,17 @@ pub(crate) struct ArmArguments {
     pub(super) posture: Option<Numbers>,
 
     /// An axis of the target's frame about which its frame may turn freely (a drill, a suction cup).
-    /// Default: none.
+    /// Default: none. Of several targets each that has an orientation.
     #[arg(long, value_name = "AXIS", value_enum, conflicts_with = "position_only",
           help_heading = TARGETS, hide_short_help = true)]
     pub(super) free_axis: Option<FreeAxis>,
 
     /// Room on axes of the target's frame, separated by commas: in metres along x, y, z, in radians
-    /// (--degrees) about them as rx, ry, rz. For one --target, or for --targets. Default: none.
+    /// (--degrees) about them as rx, ry, rz. Default: none.
     ///
     /// `x=0.01` is 1 cm either way, `x=-0.01..0.03` from 1 cm before the target to 3 cm beyond it,
     /// `x=free` anywhere. Turns are either way: `rz=0.5`, `rz=free`. A target without an orientation
-    /// has the axes of --base.
+    /// has the axes of --base. Of several targets each has this room, in turns those with an orientation.
     #[arg(long = "interval", value_name = "AXIS=WIDTH,…", value_delimiter = ',',
           allow_hyphen_values = true, value_parser = Interval::parse,
           help_heading = TARGETS, hide_short_help = true)]

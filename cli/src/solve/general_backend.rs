@@ -32,8 +32,8 @@ pub(super) struct GeneralBackend<'a> {
     base: Base,
     /// Those with targets, then those with rays.
     frames: Vec<FrameId>,
-    /// Of the one target, if it has any.
-    room: Option<Room>,
+    /// Of every target, if it has any.
+    rooms: Vec<Option<Room>>,
     held: Held,
     weights: Weights,
     /// What is asked of the centre of mass.
@@ -88,7 +88,7 @@ impl<'a> GeneralBackend<'a> {
             finder: PoseFinder::new(loaded, arguments),
             base,
             frames,
-            room: Room::asked(arguments, goals)?,
+            rooms: Room::asked(arguments, goals)?,
             held,
             weights,
             balance,
@@ -97,10 +97,13 @@ impl<'a> GeneralBackend<'a> {
         })
     }
 
-    /// Moves a target, the room about it even.
-    fn aim(&self, body: &mut Drag, task: TargetTask, target: Placement<f64>) -> Outcome<()> {
-        let target = self.room.map_or(target, |room| room.middle(target));
-        Ok(self.base.aim(body, task, target)?)
+    /// Moves the targets of a query, the room about each even.
+    fn aim(&self, body: &mut Drag, tasks: &[TargetTask], query: &Query) -> Outcome<()> {
+        for ((&task, &target), room) in tasks.iter().zip(&query.targets).zip(&self.rooms) {
+            let target = room.map_or(target, |room| room.middle(target));
+            self.base.aim(body, task, target)?;
+        }
+        Ok(())
     }
 
     /// The problem for queries that start at `start`, where what is held still stays. Targets and held
@@ -114,11 +117,12 @@ impl<'a> GeneralBackend<'a> {
             .tolerance(Quantity::Metres, length)
             .tolerance(Quantity::Radians, angle);
         let mut frames = self.frames.iter().copied();
-        let targets = self.goals.targets.iter().zip(frames.by_ref());
-        let targets = targets.map(|(target, frame)| {
+        let targets = self.goals.targets.iter().zip(&self.rooms);
+        let targets = targets.zip(frames.by_ref());
+        let targets = targets.map(|((target, room), frame)| {
             let name = format!("target {}", target.name);
             let (named, anywhere) = ((name, self.weights.weight(frame)), Placement::identity());
-            let counts = (target.turns, self.room.map(|room| room.goal));
+            let counts = (target.turns, room.map(|room| room.goal));
             self.base
                 .add_target(&mut builder, frame, anywhere, counts, named)
         });
@@ -155,9 +159,7 @@ impl<'a> GeneralBackend<'a> {
 impl Statement {
     /// Aims at the targets of a query, and holds tips where its start has them.
     fn aim(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
-        for (&task, &target) in self.targets.iter().zip(&query.targets) {
-            backend.aim(&mut self.body, task, target)?;
-        }
+        backend.aim(&mut self.body, &self.targets, query)?;
         if self.held.is_empty() {
             return Ok(());
         }
@@ -204,9 +206,7 @@ impl QueryBackend for GeneralBackend<'_> {
         let joints = self.loaded.joint_names();
         for (step, query) in queries.iter().enumerate() {
             let before = body.q().to_vec();
-            for (&task, &target) in statement.targets.iter().zip(&query.targets) {
-                self.aim(&mut body, task, target)?;
-            }
+            self.aim(&mut body, &statement.targets, query)?;
             let started = Instant::now();
             let solution = self.finder.follow(&mut body).clone();
             let micros = microseconds(started);

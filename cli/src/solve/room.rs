@@ -19,9 +19,31 @@ pub(super) struct Room {
 impl Room {
     /// As the options say of a target with an orientation that counts, or of one without.
     pub(super) fn of(arguments: &Arguments, turns: bool) -> Outcome<Self> {
+        Self::beside(arguments, turns, turns)
+    }
+
+    /// Of every target, where an option gives them room: turns to those whose orientation counts.
+    pub(super) fn asked(arguments: &Arguments, goals: &Goals) -> Outcome<Vec<Option<Self>>> {
+        let targets = goals.targets.iter();
+        if arguments.arm.free_axis.is_none() && arguments.arm.intervals.is_empty() {
+            return Ok(vec![None; targets.len()]);
+        }
+        if targets.len() == 0 {
+            return Err(usage!(
+                "--interval and --free-axis give targets room, of which there are none"
+            ));
+        }
+        let some_turn = targets.clone().any(|target| target.turns);
+        targets
+            .map(|target| Self::beside(arguments, target.turns, some_turn).map(Some))
+            .collect()
+    }
+
+    /// Of a target beside others, of which some may turn.
+    fn beside(arguments: &Arguments, turns: bool, some_turn: bool) -> Outcome<Self> {
         let options = &arguments.arm;
         let only_turning = match options.free_axis {
-            _ if turns => None,
+            _ if some_turn => None,
             _ if options.intervals.iter().any(Interval::turns) => Some("--interval of a turn"),
             free_axis => free_axis.map(|_| "--free-axis"),
         };
@@ -35,27 +57,20 @@ impl Room {
             Some(axis) => Goal::free_about(axis.into()),
             None => Goal::pose(),
         };
-        let (intervals, degrees) = (&options.intervals, arguments.degrees);
-        Ok(Self::within(goal.half_widths(), intervals, degrees))
+        let counts = |interval: &&Interval| turns || !interval.turns();
+        let intervals = options.intervals.iter().filter(counts);
+        Ok(Self::within(
+            goal.half_widths(),
+            intervals,
+            arguments.degrees,
+        ))
     }
 
-    /// Of the one target, where an option gives it room.
-    pub(super) fn asked(arguments: &Arguments, goals: &Goals) -> Outcome<Option<Self>> {
-        let option = match (arguments.arm.free_axis, arguments.arm.intervals.as_slice()) {
-            (Some(_), _) => "--free-axis",
-            (None, [_, ..]) => "--interval",
-            (None, []) => return Ok(None),
-        };
-        match goals.targets.as_slice() {
-            [target] => Self::of(arguments, target.turns).map(Some),
-            targets => Err(usage!(
-                "{option} is for one --target or for --targets, not for {} targets at once",
-                targets.len()
-            )),
-        }
-    }
-
-    fn within(mut half_widths: [f64; 6], intervals: &[Interval], degrees: bool) -> Self {
+    fn within<'i>(
+        mut half_widths: [f64; 6],
+        intervals: impl IntoIterator<Item = &'i Interval>,
+        degrees: bool,
+    ) -> Self {
         let mut middle = [0.0; 3];
         for interval in intervals {
             let half = match interval.high.is_finite() {

@@ -68,8 +68,22 @@ fn room_beyond_arms() {
             assert_eq!(solution(line)["reached"], reached, "{line} {solver}");
         }
     }
-    let two = "--target=bone/2=-2.5,0.5,0 --target=bone/4=2.5,0.5,0";
-    refused!("solve {rig} {two} --interval=x=1" => 2, "--interval is for one --target | 2 targets");
+    // Each of several targets has room; a turn is that of those with an orientation.
+    let two = format!("{turned} --target=bone/4=3.1,0,0");
+    for (room, reached) in [
+        ("", [false, false]),
+        ("--interval=x=-0.2..0.2", [false, true]),
+        ("--free-axis=x", [true, false]),
+        ("--free-axis=x --interval=x=-0.2..0.2", [true, true]),
+    ] {
+        let solution = answer!("solve {rig} {two} {room}");
+        let tasks = [0, 1].map(|task| solution["tasks"][task]["reached"] == true);
+        assert_eq!(tasks, reached, "{room}");
+    }
+    let points = "--target=bone/2=-2.5,0.5,0 --target=bone/4=2.5,0.5,0";
+    refused!("solve {rig} {points} --interval=rz=1" => 2, "orientation");
+    let ray = "--ray=bone/2=0,0,5:1,0,0";
+    refused!("solve {rig} {ray} --interval=x=1" => 2, "--interval | there are none");
     refused!("solve {rig} --target=bone/2=-3,0,0 --free-axis=x" => 2, "orientation");
 
     let panda = Seeded::panda();
