@@ -1,7 +1,10 @@
 //! Which joints may move, and what is on the tip: for every solver.
 
+use std::path::{Path, PathBuf};
+
 use clap::Args;
 use kinopt::model::{FrameId, JointId, ModelBuilder, ParameterMap, UnknownName};
+use kinopt::robot::Srdf;
 use kinopt::spatial::Placement;
 
 use crate::failure::Outcome;
@@ -27,6 +30,18 @@ pub(crate) struct ChainArguments {
     /// has it, whatever a file's starts say. Default: all move.
     #[arg(long = "only", value_name = "JOINT,…", value_delimiter = ',', help_heading = MODEL)]
     only: Vec<String>,
+
+    /// A robot's SRDF file: its passive joints are held where --start has them.
+    ///
+    /// Its names must be the robot's. Default: none.
+    #[arg(long, value_name = "FILE", help_heading = MODEL)]
+    srdf: Option<PathBuf>,
+
+    /// Let only the joints of a group of the SRDF file move.
+    ///
+    /// As --only with the joints that it names, by links, chains and groups. Default: all move.
+    #[arg(long, value_name = "GROUP", requires = "srdf", help_heading = MODEL)]
+    group: Option<String>,
 
     /// A tool on the frame that the target is for.
     ///
@@ -63,7 +78,7 @@ impl Lock {
 impl ChainArguments {
     /// Whether some joint is to be held.
     pub(super) fn holds(&self) -> bool {
-        !(self.lock.is_empty() && self.only.is_empty())
+        !(self.lock.is_empty() && self.only.is_empty() && self.srdf.is_none())
     }
 
     /// Resolves the names; `start` is where joints without a value are held, and `degrees` what values
@@ -110,6 +125,10 @@ impl ChainArguments {
             }
         }
 
+        if let Some(file) = &self.srdf {
+            self.take_srdf(file, loaded, start, (&mut locked, &mut only))?;
+        }
+
         let mut builder = match &loaded.robot {
             Some(robot) => robot.parameters(),
             None => ParameterMap::builder(model),
@@ -125,6 +144,39 @@ impl ChainArguments {
             locked,
             only: (!only.is_empty()).then(|| (only, start.to_vec())),
         })
+    }
+}
+
+impl ChainArguments {
+    /// Holds what nothing drives, and frees a group, as far as neither follows another.
+    fn take_srdf(
+        &self,
+        file: &Path,
+        loaded: &LoadedModel,
+        start: &[f64],
+        (locked, only): (&mut Vec<(JointId, f64)>, &mut Vec<JointId>),
+    ) -> Outcome<()> {
+        let Some(robot) = &loaded.robot else {
+            return Err(usage!("{}: --srdf is for robots", loaded.file));
+        };
+        let srdf = Srdf::read(file, robot).map_err(|error| failure!("{error}"))?;
+        let follows = |joint: JointId| robot.mimics().iter().any(|mimic| mimic.joint == joint);
+        for &joint in &srdf.passive_joints {
+            let given = locked.iter().any(|(held, _)| *held == joint) || only.contains(&joint);
+            let at = loaded.model.coordinate(joint).and_then(|at| start.get(at));
+            if let (false, Some(value)) = (given || follows(joint), at) {
+                locked.push((joint, *value));
+            }
+        }
+        if let Some(group) = &self.group {
+            let joints = srdf.group(group)?.joints.iter().copied();
+            let is_held = |joint: JointId| locked.iter().any(|(held, _)| *held == joint);
+            only.extend(joints.filter(|&joint| !follows(joint) && !is_held(joint)));
+            if only.is_empty() {
+                return Err(failure!("group `{group}` has no joint that may move"));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -1,4 +1,5 @@
-//! Promise: MuJoCo's MJCF files are robots to the command as URDF is, told by the document's own element.
+//! Promise: MuJoCo's MJCF files are robots to the command as URDF is, told by the document's own element; an SRDF
+//! file's passive joints are held and one of its groups moves alone.
 
 use crate::forked_rig::*;
 use serde_json::json;
@@ -24,4 +25,25 @@ fn info_fk_and_solve_take_mjcf() {
     let solved = numbers(&solution["q"]);
     assert!((solved[4] - (0.1 - 1.5 * solved[2])).abs() < 1e-12);
     assert!((solved[1] - 0.55).abs() < 1e-12);
+}
+
+#[test]
+fn an_srdf_file_holds_passive_joints_and_frees_a_group() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let file = folder.join("panda.srdf");
+    let text = r#"<robot name="panda"><group name="arm"><chain base_link="base" tip_link="flange"/></group>
+        <group name="front"><chain base_link="link3" tip_link="flange"/></group><passive_joint name="joint5"/></robot>"#;
+    std::fs::write(&file, text).unwrap();
+    let start = [0.1, -0.4, 0.2, -1.5, 0.3, 1.5, 0.4, 0.01, 0.01];
+    let typed = start.map(|value: f64| value.to_string()).join(",");
+    let ask = format!(
+        "solve ../models/franka_panda.urdf --target flange=0.45,0.05,0.55 --start={typed} --srdf {}",
+        file.display()
+    );
+    let all = numbers(&answer!("{ask}")["q"]);
+    assert_eq!((all[4], all[0] == 0.1), (0.3, false));
+    let front = numbers(&answer!("{ask} --group front")["q"]);
+    assert_eq!(front[..3], start[..3]);
+    assert_eq!(front[4], 0.3);
+    assert_ne!(front[3], start[3]);
 }
