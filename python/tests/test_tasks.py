@@ -424,3 +424,24 @@ def test_inside_its_room_a_one_sided_task_costs_nothing():
     for limit, left in ((height + 0.1, 0.0), (height - 0.1, 0.1)):
         problem = kinopt.Problem(robot, [tasks.Within.at_most(low, limit)])
         assert np.allclose(problem.residual(q), left, atol=1e-12)
+
+
+def test_bodies_on_free_bases_balance_and_share():
+    robot = kinopt.Robot.from_urdf(LEANING, base_joint="free")
+    q = np.asarray(robot.random_configuration(4))
+    # The plate is no longer the world's.
+    assert robot.mass == pytest.approx(67.8) and len(q) == 11
+    assert robot.center_of_mass_jacobian(q).shape == (3, 10)
+    weights = np.linspace(0.5, 2.0, len(robot.joint_names))
+    posture = tasks.Posture(q, joint_weights=weights, name="posture")
+    problem = kinopt.Problem(robot, [tasks.CenterOfMass([0.1, 0.2, 0.7], name="centre"), posture])
+    solution = kinopt.Solver().solve(problem, q)
+    assert solution.reached, solution.explain()
+    assert np.allclose(robot.center_of_mass(solution.q), [0.1, 0.2, 0.7], atol=2e-6)
+    other = np.asarray(robot.random_configuration(5))
+    targets = {"posture": other, "centre": robot.center_of_mass(other)}
+    moved = kinopt.Solver().solve(problem, q, targets=targets)
+    # Both are met where the new reference is.
+    assert moved.reached and max(abs(robot.difference(moved.q, other))) < 1e-3
+    with pytest.raises(kinopt.InvalidValueError, match=r"shape \(9,\), expected \(11,\)"):
+        kinopt.Solver().solve(problem, q, targets={"posture": other[:9]})

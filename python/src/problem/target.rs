@@ -60,14 +60,14 @@ targets! {
     Manipulability, f64, arrays::number, |own, least| own.set_least(*least);
 }
 
-/// A value for each joint, none missing.
-fn of_joints(joints: usize, given: &[f64]) -> Result<(), String> {
-    match given.len() == joints {
-        true => Ok(()),
-        false => Err(format!(
-            "has shape ({},), expected ({joints},)",
+/// Every number of the joints that a task reads, none missing.
+fn of_joints(task: &impl Residual, given: &[f64]) -> Result<(), String> {
+    match task.joint_values() {
+        Some(values) if given.len() != values => Err(format!(
+            "has shape ({},), expected ({values},)",
             given.len()
         )),
+        _ => Ok(()),
     }
 }
 
@@ -79,7 +79,7 @@ impl Target for Posture {
     }
 
     fn aim(&mut self, reference: &Vec<f64>) -> Result<(), String> {
-        of_joints(self.joints().len(), reference)?;
+        of_joints(self, reference)?;
         self.set_reference(reference);
         Ok(())
     }
@@ -93,7 +93,7 @@ impl Target for Smoothness {
     }
 
     fn aim(&mut self, previous: &Vec<f64>) -> Result<(), String> {
-        of_joints(self.joints().len(), previous)?;
+        of_joints(self, previous)?;
         self.set_previous(previous);
         Ok(())
     }
