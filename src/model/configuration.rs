@@ -194,6 +194,15 @@ impl Model {
         }
     }
 
+    /// The coordinates of each free joint.
+    pub(crate) fn free_coordinates(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let free = self
+            .segments
+            .iter()
+            .filter(|own| own.kind == SegmentKind::Free);
+        free.map(|own| own.coordinate..own.coordinate + own.kind.coordinates())
+    }
+
     /// The balls, also those of free joints, and where their quaternions begin.
     pub(crate) fn balls(&self) -> impl Iterator<Item = (&Segment, usize)> {
         self.segments.iter().filter_map(|segment| {

@@ -172,6 +172,7 @@ impl<'m> ProblemBuilder<'m> {
             .clone()
             .map(|variable| model.sampling_spread(leading_joint(variable), reach))
             .collect();
+        let floating = floating(model, &map);
         let mut rotations = RotationSets::NONE;
         for ball in map.balls() {
             match ball.swing {
@@ -218,6 +219,7 @@ impl<'m> ProblemBuilder<'m> {
             rows_of_goals,
             preferences: self.preferences,
             rotations,
+            floating,
             spread,
             reach,
             derivatives: self.derivatives,
@@ -226,6 +228,19 @@ impl<'m> ProblemBuilder<'m> {
         problem.mark_moving();
         problem.choose_sweeps();
         Ok(problem)
+    }
+}
+
+/// Which variables move a free joint; empty where there is none.
+fn floating(model: &Model, map: &ParameterMap) -> Vec<bool> {
+    let free: Vec<usize> = model.free_coordinates().flatten().collect();
+    match free.is_empty() {
+        true => Vec::new(),
+        false => map
+            .leaders()
+            .iter()
+            .map(|leader| free.contains(leader))
+            .collect(),
     }
 }
 

@@ -85,6 +85,8 @@ pub struct Problem {
     upper: Vec<f64>,
     /// Which variables turn ball joints.
     rotations: RotationSets,
+    /// Which variables move a free joint; empty where there is none.
+    floating: Vec<bool>,
     /// How far around the start an unbounded variable is drawn at random: π or the reach.
     spread: Vec<f64>,
     /// Whether any task depends on each variable.
@@ -265,6 +267,11 @@ impl Problem {
         if !marked.contains(&true) {
             marked.copy_from_slice(&self.moving);
         }
+    }
+
+    /// Whether a variable moves a free joint, and with it the whole of a body.
+    pub(crate) fn floats(&self, variable: usize) -> bool {
+        self.floating.get(variable).is_some_and(|floats| *floats)
     }
 
     /// How far a variable may go for its joint to turn by no more than one radian: less than that for the

@@ -14,6 +14,9 @@ const NUDGE: f64 = 0.15;
 /// How many attempts after the first leave alone what already is where it should be.
 const LOCAL_ATTEMPTS: usize = 2;
 
+/// Every so many attempts a free base, too, goes anywhere; in the others it is nudged.
+const FAR_BASE_EVERY: usize = 4;
+
 /// How often to try again, and from where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -88,6 +91,11 @@ impl Restarts {
         for (j, value) in x.iter_mut().enumerate() {
             let (low, high) = question.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
+            // What a body stands on most often says more of where it can be than chance does.
+            let share = match question.problem.floats(j) && !index.is_multiple_of(FAR_BASE_EVERY) {
+                true => NUDGE * share,
+                false => share,
+            };
             if local[j] || (index > LOCAL_ATTEMPTS && question.problem.moves_a_task(j)) {
                 *value = start[j] + share * (drawn - start[j]);
             }
