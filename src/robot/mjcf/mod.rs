@@ -6,6 +6,7 @@
 
 mod attributes;
 mod body;
+mod build;
 mod compiler;
 mod defaults;
 mod equality;

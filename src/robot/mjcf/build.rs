@@ -1,0 +1,189 @@
+//! Bodies, joints and sites of a document as a model.
+
+use std::collections::HashSet;
+
+use super::attributes::Attributes;
+use super::body::Body;
+use super::equality::{self, Coupling};
+use super::joint::{JointElement, Kind};
+use super::names::{self, FreshNames, Names, WORLD};
+use super::orientation::direction;
+use crate::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
+use crate::robot::xml::{Fault, Mended, Repair, RobotFileError, clean_sin_cos};
+use crate::robot::{Drive, Mimic};
+use crate::scalar::elementary;
+use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
+
+/// A model as it grows, and what goes with it.
+pub(super) struct Build<'a> {
+    pub(super) builder: ModelBuilder,
+    pub(super) names: Names<'a>,
+    /// The configuration in which the file draws the robot: MuJoCo's `qpos0`.
+    pub(super) drawn: Vec<f64>,
+    pub(super) drives: Vec<Drive>,
+    pub(super) repairs: Vec<Repair>,
+}
+
+/// What something stands on, and where.
+type Stand = (Option<JointId>, Placement<f64>);
+
+impl<'a> Build<'a> {
+    pub(super) fn new(name: &str) -> Self {
+        Self {
+            builder: Model::builder(name),
+            names: Names::default(),
+            drawn: Vec::new(),
+            drives: Vec::new(),
+            repairs: Vec::new(),
+        }
+    }
+
+    /// Adds bodies, their joints and sites: the frames of bodies first, as links are counted by them.
+    pub(super) fn add(&mut self, bodies: &[Body<'a>]) -> Result<(), RobotFileError> {
+        let [mut joint_names, mut frame_names] = names::given(bodies)?;
+        let mut stands: Vec<Stand> = Vec::with_capacity(bodies.len());
+        let mut called: Vec<String> = Vec::with_capacity(bodies.len());
+        for (index, body) in bodies.iter().enumerate() {
+            let parent = body.parent.and_then(|parent| stands.get(parent).copied());
+            let (carrier, at) = parent.unwrap_or((None, Placement::identity()));
+            let name = match (index, body.tag.text("name")) {
+                (0, _) => WORLD.to_owned(),
+                (_, Some(name)) => name.to_owned(),
+                (index, None) => frame_names.fresh(format!("body/{index}")),
+            };
+            let mut stand = (carrier, at * body.parent_from_body);
+            for joint in &body.joints {
+                stand = self.joint(joint, stand, &name, &mut joint_names);
+            }
+            let frame = self.builder.frame(name.as_str(), stand.0, stand.1);
+            self.names.add_body(body.tag, frame);
+            stands.push(stand);
+            called.push(name);
+        }
+        let of_bodies: HashSet<&str> = called.iter().map(String::as_str).collect();
+        for ((body, (carrier, at)), on) in bodies.iter().zip(&stands).zip(&called) {
+            for site in &body.sites {
+                let name = match site.tag.text("name") {
+                    Some(name) if of_bodies.contains(name) => {
+                        frame_names.fresh(format!("site/{name}"))
+                    }
+                    Some(name) => name.to_owned(),
+                    None => frame_names.fresh(format!("{on}/site")),
+                };
+                let frame: FrameId = self
+                    .builder
+                    .frame(name, *carrier, *at * site.body_from_site);
+                self.names.add_site(site.tag, frame);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a joint of a body that stands where the ones before it leave it.
+    fn joint(
+        &mut self,
+        element: &JointElement<'a>,
+        (carrier, at): Stand,
+        body: &str,
+        joint_names: &mut FreshNames,
+    ) -> Stand {
+        let name = match element.tag.text("name") {
+            Some(name) => name.to_owned(),
+            None => joint_names.fresh(format!("{body}/{}", element.kind.name())),
+        };
+        let anchored = at * Placement::translation(element.anchor);
+        let axis = element.axis;
+        let id = match element.kind {
+            // MuJoCo has it where its numbers say; where the file draws it is how it begins.
+            Kind::Free => {
+                let Vector3 { x, y, z } = at.translation;
+                let Quaternion { w, v } = Quaternion::from_matrix(&at.rotation);
+                self.drawn.extend([x, y, z, w, v.x, v.y, v.z]);
+                let room = [Limits::UNBOUNDED; 3];
+                self.builder.free(name, None, Placement::identity(), room)
+            }
+            Kind::Ball => {
+                self.drawn.extend([1.0, 0.0, 0.0, 0.0]);
+                let limits = element
+                    .range
+                    .and_then(|range| self.cone(element, range.upper));
+                self.builder.ball(name, carrier, anchored, axis, limits)
+            }
+            Kind::Slide | Kind::Hinge => {
+                self.drawn.push(element.reference);
+                let slides = element.kind == Kind::Slide;
+                let unit = direction(axis).unwrap_or(axis);
+                let turn = clean_sin_cos(-element.reference);
+                let back = match slides {
+                    true => Placement::translation(unit * -element.reference),
+                    false => Placement::new(Matrix3::rotation(unit, turn), Vector3::zero()),
+                };
+                let at = anchored * back;
+                match (slides, element.range) {
+                    (true, range) => {
+                        let limits = range.unwrap_or(Limits::UNBOUNDED);
+                        self.builder.prismatic(name, carrier, at, axis, limits)
+                    }
+                    (false, Some(limits)) => self.builder.revolute(name, carrier, at, axis, limits),
+                    (false, None) => self.builder.continuous(name, carrier, at, axis),
+                }
+            }
+        };
+        self.names.add_joint(element, id);
+        self.drives.resize(id.index(), Drive::default());
+        self.drives.push(Drive {
+            effort: element.effort,
+            ..Drive::default()
+        });
+        match element.kind {
+            Kind::Free => (Some(id), Placement::identity()),
+            _ => (Some(id), Placement::translation(-element.anchor)),
+        }
+    }
+
+    /// A cone and a twist that together stay within a whole angle: cos ½angle = cos ½swing · cos ½twist.
+    fn cone(&mut self, element: &JointElement<'_>, angle: f64) -> Option<BallLimits> {
+        if angle >= std::f64::consts::PI {
+            return None;
+        }
+        let cone = 2.0 * elementary::acos(elementary::cos(angle / 2.0).sqrt());
+        self.repairs.push(Repair {
+            line: element.tag.line(),
+            element: element.tag.label(),
+            mended: Mended::ConeWithin { angle, cone },
+        });
+        Some(BallLimits::cone(cone, Limits::new(-cone, cone)))
+    }
+
+    /// The joints that follow others; what couples them otherwise is left out.
+    pub(super) fn couple(
+        &mut self,
+        equalities: &[Attributes<'_>],
+        left_out: &mut Vec<RobotFileError>,
+    ) -> Result<Vec<Mimic>, RobotFileError> {
+        let mut mimics = Vec::new();
+        for equality in equalities {
+            match equality.tag.name() {
+                "joint" => {}
+                "connect" | "weld" => continue,
+                other => {
+                    let element = other.to_owned();
+                    left_out.push(equality.fault(Fault::UnsupportedElement { element }));
+                    continue;
+                }
+            }
+            let coupling: Result<Coupling, _> = equality::coupling(equality, &self.names);
+            let taken = coupling.and_then(|coupling| {
+                equality::take(equality, coupling, &mut mimics, &mut self.builder)
+            });
+            match taken {
+                Err(RobotFileError::Element {
+                    fault: Fault::NotLinear | Fault::FollowsAlready { .. },
+                    ..
+                }) => left_out.extend(taken.err()),
+                other => other?,
+            }
+        }
+        Ok(mimics)
+    }
+}
