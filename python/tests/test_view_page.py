@@ -27,8 +27,8 @@ PANDA = MODELS / "franka_panda.urdf"
 def opened():
     pages = []
 
-    def open_one(path):
-        pages.append(open_page(path, port=8220))
+    def open_one(path, **options):
+        pages.append(open_page(path, port=8220, **options))
         return pages[-1]
 
     yield open_one
@@ -59,6 +59,20 @@ def drag(page, frame, way, moves=20):
 
 def off(page, frame):
     return np.linalg.norm(page.body.frame(frame)[:3, 3] - page.targets[frame].placement[:3, 3])
+
+
+def test_a_robot_on_a_free_base_is_dragged_as_a_whole(opened):
+    page = opened(MODELS / "universal_ur5e.urdf", base_joint="free")
+    before = page.body.q.copy()
+    # Farther than the arm is long: the base follows.
+    drag(page, "flange", [2.0, 0.0, 0.0], moves=60)
+    assert off(page, "flange") < 1e-4
+    assert abs(np.linalg.norm(page.body.q[3:7]) - 1.0) < 1e-12
+    assert np.linalg.norm(page.body.q[:3] - before[:3]) > 0.5
+    sliders = [page.body.model.coordinate_names[index] for index in page.joints._sliders]
+    assert "root_joint/x" in sliders and not any(name.endswith(" w") for name in sliders)
+    with pytest.raises(kinopt.InvalidValueError, match="for robots"):
+        open_page(HUMANOID, base_joint="free")
 
 
 def test_every_solver_of_a_robot_follows(opened):

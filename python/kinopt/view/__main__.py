@@ -6,9 +6,11 @@ import argparse
 import sys
 import webbrowser
 from collections.abc import Sequence
+from typing import get_args
 
 import kinopt
 
+from ..types import BaseJoint
 from .opening import SUPPORTED, open_page
 from .stage import Up
 
@@ -29,6 +31,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--up", choices=("y", "z"), help="the way up; z for robots and rigs, y for scenes and captures"
     )
+    parser.add_argument(
+        "--base-joint",
+        choices=get_args(BaseJoint),
+        metavar="KIND",
+        help=f"what a robot's root moves on: {', '.join(get_args(BaseJoint))}",
+    )
     parser.add_argument("--no-browser", action="store_true", help="print the address and open no browser")
     options = parser.parse_args(arguments)
     try:
@@ -39,6 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             packages=options.package,
             capsules=options.capsules,
             up=UPS.get(options.up),
+            base_joint=options.base_joint,
         )
     except kinopt.KinoptError as error:
         print(error, file=sys.stderr)

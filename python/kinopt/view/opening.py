@@ -11,6 +11,7 @@ import numpy as np
 
 import kinopt
 
+from ..types import BaseJoint
 from .look import extent
 from .page import Page
 from .scene import Scene
@@ -40,20 +41,22 @@ class Opened:
     notes: list[str] = field(default_factory=list)
 
 
-def open_model(path: str | Path) -> Opened:
-    """Reads a model, told apart by its file's extension.
+def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
+    """Reads a model, told apart by its file's extension; a URDF's root moves on a `base_joint`, if one is given.
 
     A URDF that is not in order is mended where that can be done in one way, which the notes tell. Raises
     `FileError` where it cannot be read, `InvalidFileError` for what it says, `InvalidValueError` for files
     of other kinds.
     """
     path = Path(path)
+    if base_joint is not None and path.suffix.lower() != ".urdf":
+        raise kinopt.InvalidValueError(f"{path}: a base joint is for robots (.urdf)")
     match path.suffix.lower():
         case ".urdf":
             try:
-                robot = kinopt.Robot.from_urdf(path)
+                robot = kinopt.Robot.from_urdf(path, base_joint=base_joint)
             except kinopt.InvalidFileError:
-                robot = kinopt.Robot.from_urdf(path, lenient=True)
+                robot = kinopt.Robot.from_urdf(path, base_joint=base_joint, lenient=True)
             return Opened(robot, turns=True, notes=list(robot.repairs))
         case ".xml" | ".mjcf":
             robot = kinopt.Robot.from_mjcf(path)
@@ -79,6 +82,9 @@ def opening_pose(robot: Any) -> Any:
     """
     model, tips = robot.model, robot.tips
     rest = model.neutral()
+    if model.configuration_len > model.degrees_of_freedom:
+        # A body on a free base stands as it is; nor has a quaternion a middle.
+        return rest
     arms = [robot.chain(robot.frame_names[0], tip) for tip in tips[:1]]
     followed = set(robot.mimics) | {joint for tip in tips for joint in robot.chain(robot.frame_names[0], tip)}
     if not arms or len(arms[0]) < 3 or len(followed - set(arms[0])) > 2:
@@ -119,10 +125,11 @@ def open_page(
     packages: Iterable[str | Path] = (),
     capsules: bool = False,
     up: Up | None = None,
+    base_joint: BaseJoint | None = None,
 ) -> Page:
     """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model`."""
     path = Path(path)
-    opened = open_model(path)
+    opened = open_model(path, base_joint)
     scene = Scene(host=host, port=port, up=up or opened.up, title=path.name)
     body = scene.add(
         opened.thing,
