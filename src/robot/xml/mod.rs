@@ -9,11 +9,14 @@ mod parse;
 #[cfg_attr(not(feature = "urdf"), allow(dead_code))]
 mod reading;
 mod repair;
+#[cfg(any(feature = "mjcf", feature = "urdf"))]
 mod rotation;
 
+#[cfg(feature = "urdf")]
+pub(super) use element::Named;
 #[cfg(feature = "mjcf")]
 pub(super) use element::exactly;
-pub(super) use element::{Element, Named, is};
+pub(super) use element::{Element, is};
 pub use error::{Fault, RobotFileError};
 #[cfg(feature = "urdf")]
 pub(super) use parse::mended;
