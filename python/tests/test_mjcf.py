@@ -36,6 +36,13 @@ def test_loops_and_followers_are_told():
     np.testing.assert_allclose(places[0][:3, 3], [0.01, 0.02, 0.03], atol=0)
 
 
+def test_what_was_taken_otherwise_is_told_by_the_files_own_lines():
+    robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "walker.xml")
+    lines = (FOLDER / "files" / "walker.xml").read_text().splitlines()
+    line = int(robot.repairs[0].split(":")[0])
+    assert 'name="hip"' in lines[line - 1] and "`hip`" in robot.repairs[0]
+
+
 def test_a_base_may_be_put_under_it():
     robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "gripper.xml", base_joint="free")
     assert len(robot.neutral()) == 7 + 6

@@ -65,12 +65,12 @@ impl Robot {
 }
 
 /// An MJCF file as one document, with the files that it includes put in: what [`Robot::parse_mjcf`] needs no other
-/// file for. Lines are no longer the file's.
+/// file for. Lines are no longer the file's where it includes any.
 ///
 /// # Errors
 /// A file that cannot be read, is no XML, or includes itself.
 pub fn mjcf_with_includes(path: impl AsRef<Path>) -> Result<String, RobotFileError> {
-    Ok(Tree::read(path.as_ref())?.text())
+    Tree::text_with_includes(path.as_ref())
 }
 
 fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {

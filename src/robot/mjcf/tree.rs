@@ -64,8 +64,18 @@ impl Tree {
         }
     }
 
+    /// A file as one document: as it is where it includes nothing.
+    pub(super) fn text_with_includes(path: &Path) -> Result<String, RobotFileError> {
+        let text = text_of(path)?;
+        let tree = Self::parse(&text, &path.display().to_string())?;
+        Ok(match tree.files.len() {
+            1 => text,
+            _ => tree.text(),
+        })
+    }
+
     /// The document as one text, with what it includes put in.
-    pub(super) fn text(&self) -> String {
+    fn text(&self) -> String {
         enum Part<'a> {
             Element(Tag<'a>),
             End(&'a str),
