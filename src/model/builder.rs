@@ -3,9 +3,7 @@
 use std::collections::HashMap;
 
 use super::segment::segments;
-use super::{
-    BallLimits, Frame, FrameId, Joint, JointId, JointKind, LengthUnit, Limits, Model, ModelError,
-};
+use super::{Frame, FrameId, Joint, JointId, JointKind, LengthUnit, Limits, Model, ModelError};
 use crate::spatial::{Placement, Vector3};
 
 /// How far RᵀR of a placement may stand from the identity, entry by entry.
@@ -38,7 +36,7 @@ pub struct ModelBuilder {
     frames: Vec<Frame>,
     configuration_order: Option<Vec<JointId>>,
     /// The first slide of each free joint.
-    free: Vec<JointId>,
+    pub(super) free: Vec<JointId>,
 }
 
 impl ModelBuilder {
@@ -160,96 +158,6 @@ impl ModelBuilder {
     ) -> JointId {
         let (at, kind) = (parent_from_joint, JointKind::Prismatic);
         self.joint(Joint::new(name, parent, at, kind, axis, limits))
-    }
-
-    /// Adds a joint that turns any way about one point, within a cone about `axis` (own frame) and a range of
-    /// twist if there are limits.
-    pub fn ball(
-        &mut self,
-        name: impl Into<String>,
-        parent: Option<JointId>,
-        parent_from_joint: impl Into<Placement<f64>>,
-        axis: impl Into<Vector3<f64>>,
-        limits: Option<BallLimits>,
-    ) -> JointId {
-        let (at, kind, endless) = (parent_from_joint, JointKind::Ball, Limits::UNBOUNDED);
-        let mut joint = Joint::new(name, parent, at, kind, axis, endless);
-        joint.ball = limits;
-        self.joint(joint)
-    }
-
-    /// Adds a joint that moves and turns any way: slides along its own x, y and z within `room` (metres), named
-    /// `NAME/x`, `NAME/y` and `NAME/z`, and then a ball `NAME/rotation`, which is what it returns and what
-    /// carries the rest. In a configuration it is x, y, z, w, x, y, z; a velocity of it, in
-    /// [`Model::integrate`] and Jacobians, is linear and angular in the moved frame's own axes, as
-    /// Pinocchio's free flyer has it.
-    pub fn free(
-        &mut self,
-        name: impl Into<String>,
-        parent: Option<JointId>,
-        parent_from_joint: impl Into<Placement<f64>>,
-        room: [Limits; 3],
-    ) -> JointId {
-        let name = name.into();
-        let [x, y, z] = Vector3::UNITS;
-        let mut slide = |part, parent, at: Placement<f64>, axis, limits| {
-            self.prismatic(format!("{name}/{part}"), parent, at, axis, limits)
-        };
-        let at_parent = Placement::identity();
-        let along_x = slide("x", parent, parent_from_joint.into(), x, room[0]);
-        let along_y = slide("y", Some(along_x), at_parent, y, room[1]);
-        let along_z = slide("z", Some(along_y), at_parent, z, room[2]);
-        self.free.push(along_x);
-        let named = format!("{name}/rotation");
-        self.ball(named, Some(along_z), at_parent, x, None)
-    }
-
-    /// Adds a joint that moves in a plane: slides `NAME/x` and `NAME/y` within `room` (metres) across `normal` (own
-    /// frame), and then a turn about it, `NAME/yaw`, within `yaw` (radians), which is what it returns. For a normal
-    /// z the slides are along x and y.
-    pub fn planar(
-        &mut self,
-        name: impl Into<String>,
-        parent: Option<JointId>,
-        parent_from_joint: impl Into<Placement<f64>>,
-        normal: impl Into<Vector3<f64>>,
-        room: [Limits; 2],
-        yaw: Limits,
-    ) -> JointId {
-        let name = name.into();
-        let z: Vector3<f64> = normal.into();
-        // The coordinate axis after the one that the normal is nearest to lies most across it.
-        let [along_x, along_y, along_z] = [z.x.abs(), z.y.abs(), z.z.abs()];
-        let next = match (along_z >= along_x && along_z >= along_y, along_x >= along_y) {
-            (true, _) => Vector3::UNITS[0],
-            (false, true) => Vector3::UNITS[1],
-            (false, false) => Vector3::UNITS[2],
-        };
-        let x = next * z.norm_squared() - z * z.dot(next);
-        let y = z.cross(x);
-        let at_parent = Placement::identity();
-        let along_x = self.prismatic(format!("{name}/x"), parent, parent_from_joint, x, room[0]);
-        let along_y = self.prismatic(format!("{name}/y"), Some(along_x), at_parent, y, room[1]);
-        let (named, kind) = (format!("{name}/yaw"), JointKind::Continuous.within(&yaw));
-        self.joint(Joint::new(named, Some(along_y), at_parent, kind, z, yaw))
-    }
-
-    /// Adds a universal joint: a turn about `first`, `NAME/first`, and then one about `second` as the first has
-    /// turned it, `NAME/second`, which is what it returns; limits in radians.
-    pub fn universal(
-        &mut self,
-        name: impl Into<String>,
-        parent: Option<JointId>,
-        parent_from_joint: impl Into<Placement<f64>>,
-        [first, second]: [Vector3<f64>; 2],
-        limits: [Limits; 2],
-    ) -> JointId {
-        let name = name.into();
-        let at_parent = Placement::identity();
-        let named = format!("{name}/first");
-        let turned = self.revolute(named, parent, parent_from_joint, first, limits[0]);
-        let named = format!("{name}/second");
-        self.revolute(named, Some(turned), at_parent, second, limits[1])
     }
 
     /// Adds a joint that does not move.

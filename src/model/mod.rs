@@ -1,11 +1,13 @@
 //! The articulated model: joints, frames and limits, immutable once built.
 
 mod ball;
+mod ball_variables;
 mod builder;
 mod configuration;
 mod error;
 mod id;
 mod joint;
+mod joint_chains;
 mod length_unit;
 mod masses;
 mod parameter_map;
@@ -21,13 +23,13 @@ mod unknown_name;
 use std::collections::HashMap;
 
 pub use ball::BallLimits;
+pub(crate) use ball_variables::BallVariables;
 pub use builder::ModelBuilder;
 pub use error::ModelError;
 pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
 pub use length_unit::LengthUnit;
 pub use masses::{MassError, Masses, PointMass};
-pub(crate) use parameter_map::BallVariables;
 pub use parameter_map::{ParameterMap, Source};
 pub use parameter_map_builder::ParameterMapBuilder;
 pub use reference::{FrameRef, JointRef, Reference};

@@ -5,7 +5,7 @@
 //! bounds stay boxes; but for ball joints, whose four depend on three (see [`RotationChart`]).
 
 use super::{
-    BallLimits, Joint, JointKind, Limits, Model, ModelError, ParameterMapBuilder, RotationChart,
+    BallVariables, Joint, JointKind, Limits, Model, ModelError, ParameterMapBuilder, RotationChart,
     quaternion_at,
 };
 use crate::scalar::Scalar;
@@ -63,53 +63,6 @@ impl Source {
             Self::Variable {
                 variable, ratio, ..
             } => Some((variable, ratio)),
-        }
-    }
-}
-
-/// The three variables of a ball joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct BallVariables {
-    /// Where its quaternion begins in a configuration.
-    pub(crate) coordinate: usize,
-    /// The first of the three.
-    pub(crate) variable: usize,
-    /// What they mean.
-    pub(crate) chart: RotationChart,
-    /// The half axes of the ellipse that the first two stay in, in radians.
-    pub(crate) swing: Option<[f64; 2]>,
-}
-
-impl BallVariables {
-    /// Its part of x.
-    pub(crate) fn of<S: Copy>(&self, x: &[S]) -> Option<[S; 3]> {
-        x.get(self.variable..)?.first_chunk().copied()
-    }
-
-    /// The derivatives of w, x, y and z by each variable: ½ ω q for the angular velocity ω that goes with
-    /// its rate.
-    fn slopes(&self, x: [f64; 3]) -> [[f64; 3]; 4] {
-        let rotation = self.chart.rotation(x);
-        let mut slopes = [[0.0; 3]; 4];
-        for (k, omega) in self.chart.axes(x).into_iter().enumerate() {
-            let half = Quaternion {
-                w: 0.0,
-                v: omega * 0.5,
-            };
-            let Quaternion { w, v } = half * rotation;
-            for (slopes, part) in slopes.iter_mut().zip([w, v.x, v.y, v.z]) {
-                slopes[k] = part;
-            }
-        }
-        slopes
-    }
-
-    /// Bounds of the three.
-    fn bounds(&self, limits: Option<&BallLimits>) -> [Limits; 3] {
-        match (self.swing, limits) {
-            (Some([a, b]), Some(limits)) => [Limits::new(-a, a), Limits::new(-b, b), limits.twist],
-            _ => [Limits::UNBOUNDED; 3],
         }
     }
 }
