@@ -168,7 +168,7 @@ fn floating_and_planar_joints_move_and_are_not_turned_fixed() {
         Robot::parse(&changed, "loose.urdf").unwrap()
     };
     let planar = Arm::new(&read("planar"), "base", "tool").unwrap();
-    assert_eq!(planar.degrees_of_freedom(), 6 + 3);
+    assert_eq!(planar.joint_count(), 6 + 3);
     // An arm's joints have one number each: a ball is refused by its name.
     let floating = read("floating");
     assert_eq!(floating.model().degrees_of_freedom(), 8 + 6);

@@ -1,0 +1,229 @@
+//! SRDF: what a robot's description does not say.
+
+use std::path::PathBuf;
+
+use kinopt::model::JointId;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+
+use crate::arrays;
+use crate::error::{Kind, OrRaise, raise};
+use crate::pickling;
+use crate::problem::ParameterMap;
+use crate::robot::Robot;
+
+/// What an SRDF file says of a robot: groups of joints, states, joints that nothing drives, links that need not be
+/// kept apart. Made by `read` and `parse`.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Srdf {
+    inner: kinopt::robot::Srdf,
+    robot: Py<Robot>,
+    text: String,
+    file: String,
+}
+
+impl Srdf {
+    fn joint_names(&self, joints: &[JointId]) -> Vec<String> {
+        let model = &self.robot.get().model;
+        let name = |id: &JointId| model.joints()[id.index()].name.clone();
+        joints.iter().map(name).collect()
+    }
+
+    fn frame_name(&self, frame: kinopt::model::FrameId) -> &str {
+        &self.robot.get().model.frames()[frame.index()].name
+    }
+
+    /// The numbers of a configuration, or of neutral.
+    fn configuration(&self, q: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
+        let model = &self.robot.get().model;
+        match q {
+            None => Ok(model.neutral()),
+            Some(q) => Ok(arrays::vector_of(q, "at", model.configuration_len())?.to_vec()),
+        }
+    }
+
+    /// The joints that do not follow others.
+    fn leading(&self, joints: &[JointId]) -> Vec<JointId> {
+        let mimics = self.robot.get().inner.mimics();
+        let follows = |joint: &JointId| mimics.iter().any(|mimic| mimic.joint == *joint);
+        joints
+            .iter()
+            .copied()
+            .filter(|joint| !follows(joint))
+            .collect()
+    }
+}
+
+#[pymethods]
+impl Srdf {
+    /// Reads a file that speaks of a robot.
+    ///
+    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is wrong in
+    /// it: joints, links and groups that there are not, groups that contain themselves, values that are no numbers.
+    #[classmethod]
+    fn read(class: &Bound<'_, PyType>, path: PathBuf, robot: Py<Robot>) -> PyResult<Self> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
+        Self::parse(class, text, robot, &file)
+    }
+
+    /// Reads a document from a string; `name` is what messages call it.
+    ///
+    /// Raises `InvalidFileError` as `read`.
+    #[classmethod]
+    #[pyo3(signature = (text, robot, name = "robot.srdf"))]
+    fn parse(
+        _class: &Bound<'_, PyType>,
+        text: String,
+        robot: Py<Robot>,
+        name: &str,
+    ) -> PyResult<Self> {
+        let inner = kinopt::robot::Srdf::parse(&text, name, &robot.get().inner).or_raise()?;
+        let file = name.to_owned();
+        Ok(Self {
+            inner,
+            robot,
+            text,
+            file,
+        })
+    }
+
+    /// The joints that move of each group, parents before children, by the group's name.
+    #[getter]
+    fn groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let groups = PyDict::new(py);
+        for group in &self.inner.groups {
+            groups.set_item(&group.name, self.joint_names(&group.joints))?;
+        }
+        Ok(groups)
+    }
+
+    /// The names of the states, each with the group that it is of.
+    #[getter]
+    fn states(&self) -> Vec<(&str, &str)> {
+        let states = self.inner.states.iter();
+        states.map(|state| (&*state.name, &*state.group)).collect()
+    }
+
+    /// A state as a whole configuration, shape (nq,): its values, and those of `at` (neutral's without it) for all
+    /// other joints; radians and metres.
+    ///
+    /// Raises `UnknownNameError` for a state that there is not, `InvalidValueError` for an `at` of another shape.
+    #[pyo3(signature = (name, at = None))]
+    fn state<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        at: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let q = self.configuration(at)?;
+        let state = self.inner.state(name, &q).or_raise()?;
+        Ok(arrays::list(py, &state))
+    }
+
+    /// Joints that nothing drives, which move.
+    #[getter]
+    fn passive_joints(&self) -> Vec<String> {
+        self.joint_names(&self.inner.passive_joints)
+    }
+
+    /// Grippers, tools and feet: (name, its group, the link it is fixed to, the group that carries it or None).
+    #[getter]
+    fn end_effectors(&self) -> Vec<(&str, &str, &str, Option<&str>)> {
+        let ends = self.inner.end_effectors.iter();
+        ends.map(|end| {
+            let link = self.frame_name(end.parent_link);
+            (&*end.name, &*end.group, link, end.parent_group.as_deref())
+        })
+        .collect()
+    }
+
+    /// How the robot stands in the world, which `from_urdf(base_joint=)` does: (name, "fixed", "floating" or
+    /// "planar", the frame it stands on, the robot's link).
+    #[getter]
+    fn virtual_joints(&self) -> Vec<(&str, &str, &str, &str)> {
+        let joints = self.inner.virtual_joints.iter();
+        joints
+            .map(|joint| {
+                let link = self.frame_name(joint.child_link);
+                (&*joint.name, &*joint.kind, &*joint.parent_frame, link)
+            })
+            .collect()
+    }
+
+    /// Links that collision checks may leave out: (link, link, reason).
+    #[getter]
+    fn disabled_pairs(&self) -> Vec<(&str, &str, &str)> {
+        let pairs = self.inner.disabled_pairs.iter();
+        pairs
+            .map(|pair| {
+                let [one, other] = pair.links.map(|link| self.frame_name(link));
+                (one, other, &*pair.reason)
+            })
+            .collect()
+    }
+
+    /// The parameter map in which only a group's joints move, the others held as `at`, shape (nq,), has them
+    /// (neutral without it).
+    ///
+    /// Raises `UnknownNameError` for a group that there is not, `InvalidValueError` for an `at` of another shape.
+    #[pyo3(signature = (group, at = None))]
+    fn only<'py>(
+        &self,
+        py: Python<'py>,
+        group: &str,
+        at: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let joints = &self.inner.group(group).or_raise()?.joints;
+        let options = PyDict::new(py);
+        options.set_item("only", self.joint_names(&self.leading(joints)))?;
+        options.set_item("at", arrays::list(py, &self.configuration(at)?))?;
+        let class = py.get_type::<ParameterMap>();
+        class.call((self.robot.bind(py),), Some(&options))
+    }
+
+    /// The parameter map in which joints that nothing drives are held as `at`, shape (nq,), has them (neutral
+    /// without it), but those that follow others.
+    ///
+    /// Raises `InvalidValueError` for an `at` of another shape.
+    #[pyo3(signature = (at = None))]
+    fn driven<'py>(
+        &self,
+        py: Python<'py>,
+        at: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (q, model) = (self.configuration(at)?, &self.robot.get().model);
+        let lock = PyDict::new(py);
+        for joint in self.leading(&self.inner.passive_joints) {
+            let own = &model.joints()[joint.index()];
+            let Some(first) = model.coordinate(joint) else {
+                continue;
+            };
+            match &q[first..first + own.kind.coordinates()] {
+                [value] => lock.set_item(&own.name, *value)?,
+                quaternion => lock.set_item(&own.name, quaternion.to_vec())?,
+            }
+        }
+        let options = PyDict::new(py);
+        options.set_item("lock", lock)?;
+        let class = py.get_type::<ParameterMap>();
+        class.call((self.robot.bind(py),), Some(&options))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let class = py.get_type::<Self>();
+        let arguments = (&*self.text, self.robot.bind(py), &*self.file);
+        pickling::by_method(class.as_any(), "parse", arguments)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Srdf({} groups, {} states, {} passive joints)",
+            self.inner.groups.len(),
+            self.inner.states.len(),
+            self.inner.passive_joints.len()
+        )
+    }
+}
