@@ -33,6 +33,7 @@ mod skeleton;
 mod skinning;
 mod solution;
 mod solver;
+mod srdf;
 mod threads;
 mod transforms;
 mod vertices;
@@ -72,6 +73,8 @@ mod _kinopt {
     use super::solution::{ActiveLimit, Counts, RowsReport, Solution, TaskReport};
     #[pymodule_export]
     use super::solver::{Drag, Iteration, Leap, Solutions, Solver};
+    #[pymodule_export]
+    use super::srdf::Srdf;
 
     use super::*;
 

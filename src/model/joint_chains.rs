@@ -23,7 +23,7 @@ impl ModelBuilder {
     /// Adds a joint that moves and turns any way: slides along its own x, y and z within `room` (metres), named
     /// `NAME/x`, `NAME/y` and `NAME/z`, and then a ball `NAME/rotation`, which is what it returns and what
     /// carries the rest. In a configuration it is x, y, z, w, x, y, z; a velocity of it, in
-    /// [`Model::integrate`] and Jacobians, is linear and angular in the moved frame's own axes, as
+    /// [`Model::integrate`](super::Model::integrate) and Jacobians, is linear and angular in the moved frame's own axes, as
     /// Pinocchio's free flyer has it.
     pub fn free(
         &mut self,

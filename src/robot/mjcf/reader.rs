@@ -49,7 +49,7 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// What is wrong with the file, with line and name: see [`RobotFileError`] and [`Fault`](super::Fault).
+    /// What is wrong with the file, with line and name: see [`RobotFileError`] and [`Fault`].
     pub fn read_mjcf(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         robot(&Tree::read(path.as_ref())?)
     }

@@ -23,7 +23,7 @@ pub struct UrdfReader {
 
 impl UrdfReader {
     /// Mends what can be mended in one way only, and lists each repair: see
-    /// [`Robot::repairs`] and [`Mended`](super::Mended).
+    /// [`Robot::repairs`] and [`Mended`](crate::robot::Mended).
     ///
     /// Limits out of order are exchanged; a joint that needs `<limit>` and has none is held at 0; of
     /// an element that stands twice the first counts; commas between numbers are blanks; misspelt
@@ -198,7 +198,7 @@ impl Robot {
     ///
     /// # Errors
     /// What is wrong with the file, with line and name: see [`RobotFileError`] and
-    /// [`Fault`](super::Fault). Xacro files are not expanded.
+    /// [`Fault`](crate::robot::Fault). Xacro files are not expanded.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         Self::reader().read(path)
     }
