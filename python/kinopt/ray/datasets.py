@@ -42,6 +42,9 @@ def solve(
     as without Ray, with any number of workers and any batch size; the order of rows is Ray's, which keeps
     it where ``ray.data.DataContext``'s ``execution_options.preserve_order`` is set, so let a column number them.
     Ray starts a worker again that dies and solves again what it had; an exception in a worker ends the job.
+
+    Raises what Ray's ``map_batches`` does for options that it does not know, and, where the dataset is computed, Ray's
+    ``RayTaskError`` around what ``solver`` raised.
     """
     fewest, most = workers if isinstance(workers, tuple) else (workers or 1, workers or cores())
     # With a whole core for each worker of as many as there are, nothing could be read for them.

@@ -26,7 +26,10 @@ def table(**columns: ArrayLike) -> pa.Table:
 
 
 def column(values: ArrayLike) -> pa.Array:
-    """A column of an array of shape (N, ...): what follows the first axis becomes a row's list."""
+    """A column of an array of shape (N, ...): what follows the first axis becomes a row's list.
+
+    Raises Arrow's own ``ArrowInvalid`` for values that no column can hold.
+    """
     array = np.asarray(values)
     if array.ndim == 1:
         return pa.array(array)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,10 @@ def drag(shown, frame, way, points=100, back=False):
         go(end, start)
     mouse.up()
     shown.settle(1.0)
+    # A busy machine takes longer to come to rest.
+    deadline = time.monotonic() + 20.0
+    while shown.page.scene.loop._tickers and time.monotonic() < deadline:
+        shown.settle(0.1)
     return texts
 
 
