@@ -381,7 +381,7 @@ pub(super) fn check_length(
     }
 }
 
-fn check_numbers(what: &'static str, numbers: &[f64]) -> Result<(), ModelError> {
+pub(super) fn check_numbers(what: &'static str, numbers: &[f64]) -> Result<(), ModelError> {
     match numbers.iter().position(|number| !number.is_finite()) {
         None => Ok(()),
         Some(index) => Err(ModelError::BadNumber {

@@ -162,6 +162,9 @@ fn a_wrong_number_or_quaternion_is_named() {
     assert_eq!(model.integrate(&none, &v, &mut to), Err(named.clone()));
     assert_eq!(model.normalise(&mut none.clone()), Err(named));
     assert!(model.integrate(&q, &v[1..], &mut to).is_err());
+    let mut lost = v.clone();
+    lost[2] = f64::NAN;
+    assert!(model.integrate(&q, &lost, &mut to).is_err());
     assert!(model.interpolate(&q, &q, f64::NAN, &mut to).is_err());
     assert!(!model.is_within_limits(&q[1..]));
     let mut kinematics = ForwardKinematics::<f64>::of_frames(&model, &frames).unwrap();
