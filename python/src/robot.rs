@@ -168,7 +168,7 @@ impl Robot {
     /// Bodies and sites are frames under their names (unnamed ones: `body/ID`, `BODY/site`; the world's is
     /// `world`), and a configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a
     /// ball's quaternion, `ref` counted in. Joints that a linear `equality` couples follow; `connect` and `weld`
-    /// are `closures`. What is left out is in `repairs`. Files of meshes are not opened. `base_joint` and
+    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened. `base_joint` and
     /// `base_room` are as of `from_urdf`.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
@@ -344,31 +344,19 @@ impl Robot {
         Ok(mimics)
     }
 
-    /// Loops that the file closes (MJCF's `connect` and `weld`), which no joint knows of: a list of (name or None,
+    /// Loops of the model (of an MJCF file its `connect` and `weld`), which every problem closes: a list of (name,
     /// "connect" or "weld", the two frames' names, where on them, shape (2, 4, 4): frame_from_place).
     #[getter]
     #[allow(clippy::type_complexity, reason = "a tuple a loop")]
-    fn closures<'py>(
+    fn loops<'py>(
         &self,
         py: Python<'py>,
-    ) -> PyResult<
-        Vec<(
-            Option<String>,
-            &'static str,
-            [String; 2],
-            Bound<'py, PyArray3<f64>>,
-        )>,
-    > {
-        let loops = self.inner.closures().iter().map(|closure| {
-            let kind = match closure.kind {
-                kinopt::robot::ClosureKind::Connect => "connect",
-                _ => "weld",
-            };
-            let frames = closure
-                .frames
-                .map(|id| self.model.frames()[id.index()].name.clone());
-            let places = placement::to_arrays(py, &closure.frame_from_place)?;
-            Ok((closure.name.clone(), kind, frames, places))
+    ) -> PyResult<Vec<(String, &'static str, [String; 2], Bound<'py, PyArray3<f64>>)>> {
+        let loops = self.inner.model().loops().iter().map(|closed| {
+            let name = |id: kinopt::model::FrameId| self.model.frames()[id.index()].name.clone();
+            let places = placement::to_arrays(py, &closed.frame_from_place)?;
+            let frames = closed.frames.map(name);
+            Ok((closed.name.clone(), closed.kind.name(), frames, places))
         });
         loops.collect()
     }

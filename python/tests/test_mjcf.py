@@ -29,9 +29,9 @@ def test_bodies_stand_where_mujoco_places_them_and_in_copies_too(reference):
 def test_loops_and_followers_are_told():
     robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "gripper.xml")
     assert robot.mimics["right"] == ("left", -1.5, pytest.approx(0.1))
-    names = [(name, kind) for name, kind, _, _ in robot.closures]
-    assert names[:3] == [("bar", "connect"), (None, "connect"), ("hold", "weld")]
-    _, _, frames, places = robot.closures[0]
+    names = [(name, kind) for name, kind, _, _ in robot.loops]
+    assert names[:3] == [("bar", "connect"), ("left/connect", "connect"), ("hold", "weld")]
+    _, _, frames, places = robot.loops[0]
     assert frames == ["left_tip", "right_tip"]
     np.testing.assert_allclose(places[0][:3, 3], [0.01, 0.02, 0.03], atol=0)
 

@@ -229,12 +229,13 @@ impl ArmBuilder<'_> {
     ///
     /// # Errors
     /// An unknown frame or joint, with the valid names; the first option out of its range, by name;
-    /// locked values outside limits; no free joint.
+    /// locked values outside limits; no free joint; a joint that moves a loop of the model.
     pub fn build(self) -> Result<Arm, ArmError> {
         let (parts, name) = self.way()?;
         check_tool(&self.tip_from_tool)?;
         let full = self.parameters()?;
         let serial = Serial::new(self.model, &full, &parts, self.tip_from_tool, name)?;
+        self.check_loops(&full, &serial)?;
         let coordinates = Coordinates::new(self.model, &full, &parts, &serial);
         let options = self.options(&serial)?;
         let lanes = match &serial.chain {
@@ -251,6 +252,25 @@ impl ArmBuilder<'_> {
         let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
         let name = (base.map_or("world", frame), frame(tip));
         Ok((kinematic_path::parts(self.model, base, tip), name))
+    }
+
+    /// Refuses joints that would open a loop, be it by those that follow them.
+    fn check_loops(&self, full: &ParameterMap, serial: &Serial) -> Result<(), ArmError> {
+        for closed in self.model.loops() {
+            for id in self.model.loop_joints(closed) {
+                let coordinate = self.model.coordinate(id);
+                let slope = coordinate.and_then(|c| source_of(full, c).slope());
+                let Some((variable, _)) = slope else { continue };
+                let leader = self.model.moving_joints()[full.leaders()[variable]];
+                if serial.joints.contains(&leader) {
+                    return Err(ArmError::InLoop {
+                        joint: self.model.joints()[leader.index()].name.clone(),
+                        closed: closed.name.clone(),
+                    });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The velocity limit of each free joint: its own, and those of the joints that follow it.

@@ -33,6 +33,17 @@ pub enum ArmError {
         /// The joint.
         joint: String,
     },
+    /// A joint of the arm that moves a loop of the model, which an arm does not close.
+    #[error(
+        "joint `{joint}` moves loop `{closed}`, which an arm does not close: a `Problem` on the model does \
+         (or lock the joint)"
+    )]
+    InLoop {
+        /// The joint.
+        joint: String,
+        /// The loop.
+        closed: String,
+    },
     /// An option out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),

@@ -9,7 +9,7 @@ mod solver;
 mod workspace;
 
 pub use crate::search::{
-    ActiveLimit, BoundKind, Restarts, RowsReport, Side, Solution, SolveError, TaskReport,
+    ActiveLimit, BoundKind, OpenLoop, Restarts, RowsReport, Side, Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, Leap};
 pub(crate) use minimiser::Minimiser;

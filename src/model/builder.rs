@@ -1,9 +1,11 @@
 //! Builds a model and checks it once.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::segment::segments;
-use super::{Frame, FrameId, Joint, JointId, JointKind, LengthUnit, Limits, Model, ModelError};
+use super::{
+    Frame, FrameId, Joint, JointId, JointKind, LengthUnit, Limits, Loop, Model, ModelError,
+};
 use crate::spatial::{Placement, Vector3};
 
 /// How far RᵀR of a placement may stand from the identity, entry by entry.
@@ -34,6 +36,7 @@ pub struct ModelBuilder {
     length_unit: LengthUnit,
     joints: Vec<Joint>,
     frames: Vec<Frame>,
+    loops: Vec<Loop>,
     configuration_order: Option<Vec<JointId>>,
     /// The first slide of each free joint.
     pub(super) free: Vec<JointId>,
@@ -48,6 +51,7 @@ impl ModelBuilder {
             length_unit: LengthUnit::default(),
             joints: Vec::new(),
             frames: Vec::new(),
+            loops: Vec::new(),
             configuration_order: None,
             free: Vec::new(),
         }
@@ -62,6 +66,7 @@ impl ModelBuilder {
             length_unit: model.length_unit,
             joints: model.joints.clone(),
             frames: model.frames.clone(),
+            loops: model.loops.clone(),
             configuration_order: Some(model.configuration_order()),
             free: model.free.clone(),
         }
@@ -87,6 +92,7 @@ impl ModelBuilder {
             joint: frame.joint.map(moved).or(base),
             ..frame.clone()
         }));
+        own.loops.clone_from(&model.loops);
         own
     }
 
@@ -186,13 +192,19 @@ impl ModelBuilder {
         FrameId::new(self.frames.len() - 1)
     }
 
+    /// Adds a loop: two places that every problem on the model holds together.
+    pub fn close(&mut self, closed: Loop) {
+        self.loops.push(closed);
+    }
+
     /// Checks everything and freezes the model.
     ///
     /// # Errors
     /// The first joint or frame that is wrong, by name: duplicate names, parents that are not in
     /// the model or come later, limits that are no interval, axes without direction, placements
     /// that are not rigid (RᵀR must be the identity within 1e-6; a rotation that is off by more than
-    /// rounding is replaced by the one next to it).
+    /// rounding is replaced by the one next to it), loops of frames that are not in the model or that no
+    /// configuration closes (told where one link is longer than all others of the loop together).
     ///
     /// Ids are positions: one of another model is found out only where it is out of range.
     pub fn build(mut self) -> Result<Model, ModelError> {
@@ -246,18 +258,37 @@ impl ModelBuilder {
             }
         }
 
-        Ok(Model {
+        let mut loop_names = HashSet::with_capacity(self.loops.len());
+        for closed in &mut self.loops {
+            let name = closed.name.as_str();
+            if !loop_names.insert(name.to_owned()) {
+                return Err(duplicate("loop", name));
+            }
+            if closed.frames.iter().any(|f| f.index() >= self.frames.len()) {
+                let name = name.to_owned();
+                return Err(ModelError::ForeignLoop { name });
+            }
+            for place in &mut closed.frame_from_place {
+                check_placement("loop", &closed.name, place)?;
+            }
+        }
+
+        let model = Model {
             name: self.name,
             length_unit: self.length_unit,
             joints: self.joints,
             frames: self.frames,
+            loops: self.loops,
             moving: joint_of,
             coordinates,
             segments,
             free: self.free,
             joint_by_name,
             frame_by_name,
-        })
+        };
+        let mut loops = model.loops.iter();
+        loops.try_for_each(|closed| model.check_closes(closed))?;
+        Ok(model)
     }
 }
 

@@ -11,7 +11,7 @@ pub enum ModelError {
     /// Two things of one kind share a name.
     #[error("{kind} name `{name}` is used twice")]
     DuplicateName {
-        /// "joint" or "frame".
+        /// "joint", "frame" or "loop".
         kind: &'static str,
         /// The name.
         name: String,
@@ -86,12 +86,29 @@ pub enum ModelError {
     /// A placement that is not finite or whose rotation is not orthonormal with determinant +1.
     #[error("{kind} `{name}`: its placement is not a rigid motion ({problem})")]
     BadPlacement {
-        /// "joint" or "frame".
+        /// "joint", "frame" or "loop".
         kind: &'static str,
         /// Its name.
         name: String,
         /// What is wrong with it.
         problem: RigidDefect,
+    },
+    /// A loop of a frame that the model does not have.
+    #[error("loop `{name}` joins a frame that is not in this model")]
+    ForeignLoop {
+        /// The loop.
+        name: String,
+    },
+    /// A loop that no configuration closes: a link longer than all others together, or places that no joint
+    /// moves against each other.
+    #[error("loop `{name}` cannot close: its places stay at least {gap} {unit} apart")]
+    LoopCannotClose {
+        /// The loop.
+        name: String,
+        /// How near its places can come.
+        gap: f64,
+        /// What that is counted in.
+        unit: &'static str,
     },
     /// A configuration order that does not name every moving joint once.
     #[error(

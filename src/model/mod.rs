@@ -3,6 +3,7 @@
 mod ball;
 mod ball_variables;
 mod builder;
+mod closed_loop;
 mod configuration;
 mod error;
 mod id;
@@ -25,6 +26,7 @@ use std::collections::HashMap;
 pub use ball::BallLimits;
 pub(crate) use ball_variables::BallVariables;
 pub use builder::ModelBuilder;
+pub use closed_loop::{Loop, LoopKind};
 pub use error::ModelError;
 pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
@@ -69,6 +71,7 @@ pub struct Model {
     length_unit: LengthUnit,
     joints: Vec<Joint>,
     frames: Vec<Frame>,
+    loops: Vec<Loop>,
     /// Coordinate k of a configuration is joint `moving[k]`'s.
     moving: Vec<JointId>,
     /// The first coordinate of each joint.
@@ -97,6 +100,8 @@ impl Model {
         pub fn joints(&self) -> &[Joint] = &self.joints;
         /// All frames.
         pub fn frames(&self) -> &[Frame] = &self.frames;
+        /// The loops that every problem on the model closes; a configuration may leave them open.
+        pub fn loops(&self) -> &[Loop] = &self.loops;
         /// How many numbers a configuration has: four for a ball joint, one for any other that moves.
         pub fn configuration_len(&self) -> usize = self.moving.len();
         /// The joint that each coordinate of a configuration is of: four times the same for a ball.

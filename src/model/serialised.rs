@@ -2,7 +2,7 @@
 
 use super::parameter_map::Source;
 use super::{
-    BallVariables, Frame, Joint, JointId, LengthUnit, Limits, Model, ModelError, ParameterMap,
+    BallVariables, Frame, Joint, JointId, LengthUnit, Limits, Loop, Model, ModelError, ParameterMap,
 };
 
 /// How far what is built may be from what was written for that to count as the same number.
@@ -14,6 +14,8 @@ pub(super) struct Parts {
     length_unit: LengthUnit,
     joints: Vec<Joint>,
     frames: Vec<Frame>,
+    #[serde(default)]
+    loops: Vec<Loop>,
     configuration_order: Vec<JointId>,
     /// The first slide of each free joint.
     #[serde(default)]
@@ -28,6 +30,7 @@ impl From<Model> for Parts {
             length_unit: model.length_unit,
             joints: model.joints,
             frames: model.frames,
+            loops: model.loops,
             free_joints: model.free,
         }
     }
@@ -45,6 +48,9 @@ impl TryFrom<Parts> for Model {
         }
         for frame in parts.frames {
             builder.frame(frame.name, frame.joint, frame.joint_from_frame);
+        }
+        for closed in parts.loops {
+            builder.close(closed);
         }
         builder.configuration_order(parts.configuration_order);
         builder.free_joints(parts.free_joints);

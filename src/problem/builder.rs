@@ -19,9 +19,11 @@ const DEFAULT_TOLERANCE_PIXELS: f64 = 1e-3;
 
 /// A task before its rows are placed.
 #[derive(Clone, Debug)]
-struct PendingTask {
+pub(super) struct PendingTask {
     name: Option<String>,
     kind: &'static str,
+    /// Whether it closes a loop of the model: no task of the user's, and before all of them.
+    pub(super) is_loop: bool,
     role: Role,
     weights: Vec<(Quantity, f64)>,
     factor: f64,
@@ -30,6 +32,24 @@ struct PendingTask {
     joints: Vec<JointId>,
     rows: Vec<Rows>,
     residual: Box<dyn ErasedResidual>,
+}
+
+impl PendingTask {
+    pub(super) fn new<R: Residual>(task: Task<R>) -> Self {
+        Self {
+            name: task.name,
+            kind: task.residual.kind(),
+            is_loop: false,
+            role: task.role,
+            weights: task.weights,
+            factor: task.factor,
+            tolerances: task.tolerances,
+            frames: task.residual.frames(),
+            joints: task.residual.joints(),
+            rows: task.residual.rows(),
+            residual: Box::new(task.residual),
+        }
+    }
 }
 
 /// Collects tasks, bounds and settings; [`build`](Self::build) checks them.
@@ -68,19 +88,7 @@ impl<'m> ProblemBuilder<'m> {
     /// Default weights are 1 per metre, pixel and joint unit, and a quarter of the model's reach
     /// per radian, so that answers do not depend on the unit of length.
     pub fn add<R: Residual>(&mut self, task: impl Into<Task<R>>) -> TaskId<R> {
-        let task = task.into();
-        self.tasks.push(PendingTask {
-            name: task.name,
-            kind: task.residual.kind(),
-            role: task.role,
-            weights: task.weights,
-            factor: task.factor,
-            tolerances: task.tolerances,
-            frames: task.residual.frames(),
-            joints: task.residual.joints(),
-            rows: task.residual.rows(),
-            residual: Box::new(task.residual),
-        });
+        self.tasks.push(PendingTask::new(task.into()));
         TaskId::new(self.tasks.len() - 1)
     }
 
@@ -111,12 +119,13 @@ impl<'m> ProblemBuilder<'m> {
         self
     }
 
-    /// Checks everything and compiles the kinematics.
+    /// Checks everything and compiles the kinematics. The model's [loops](Model::loops) become goals after the
+    /// tasks that were added, to be closed within [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE).
     ///
     /// # Errors
     /// The first thing that is wrong, by name: no task, no free joint, ids beyond the model's,
     /// targets that are not finite, weights or tolerances out of range, bounds that leave nothing.
-    pub fn build(self) -> Result<Problem, ProblemError> {
+    pub fn build(mut self) -> Result<Problem, ProblemError> {
         let model = self.model;
         let mut map = match self.map {
             Some(map) => map,
@@ -134,6 +143,7 @@ impl<'m> ProblemBuilder<'m> {
                 model: model.name().to_owned(),
             });
         }
+        self.tasks.extend(super::loops::tasks(model));
         if self.tasks.is_empty() {
             return Err(ProblemError::NoTasks {
                 model: model.name().to_owned(),
@@ -200,6 +210,7 @@ impl<'m> ProblemBuilder<'m> {
             variables: variables.clone().map(name_of).collect(),
             variable_is_angle: variables.map(|v| !leading_joint(v).kind.slides()).collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
+            loops: model.loops().iter().map(|own| own.name.clone()).collect(),
             task_frames: (first_frames.iter())
                 .map(|frame| frame.map(|f| model.frames()[f.index()].name.clone()))
                 .collect(),
@@ -347,6 +358,7 @@ fn compile_task(
     }
     Ok(CompiledTask {
         name,
+        is_loop: pending.is_loop,
         role: pending.role,
         binds: pending.role == Role::Goal && blocks.iter().any(Block::can_miss),
         blocks,

@@ -37,6 +37,8 @@ impl Block {
 #[derive(Clone, Debug)]
 pub(crate) struct CompiledTask {
     pub(crate) name: String,
+    /// Whether it closes a loop of the model.
+    pub(crate) is_loop: bool,
     pub(crate) role: Role,
     pub(crate) blocks: Vec<Block>,
     /// All rows, of the whole problem.

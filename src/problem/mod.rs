@@ -8,6 +8,7 @@ mod dual_jacobian;
 mod error;
 mod evaluation;
 mod finite_differences;
+mod loops;
 mod names;
 mod preferences;
 mod question;
@@ -136,7 +137,7 @@ impl Problem {
         pub fn upper(&self) -> &[f64] = &self.upper;
         /// The model's own length scale in metres.
         pub fn reach(&self) -> f64 = self.reach;
-        /// How many tasks there are.
+        /// How many tasks there are, those that close the model's loops included.
         pub fn tasks(&self) -> usize = self.tasks.len();
         /// Which derivative route is taken.
         pub fn derivatives(&self) -> Derivatives = self.derivatives;
@@ -257,7 +258,9 @@ impl Problem {
             for (index, task) in self.tasks.iter().enumerate() {
                 let mut blocks = self.errors(share, r).filter(|block| block.task == index);
                 let missed = blocks.any(|block| !block.reached);
-                if task.role == Role::Goal && missed != pass_reached {
+                // A closed loop holds nothing still: its joints may move anywhere and close it again.
+                let counts = task.role == Role::Goal && !(pass_reached && task.is_loop);
+                if counts && missed != pass_reached {
                     for variable in self.variables_moving(task) {
                         marked[variable] = missed;
                     }

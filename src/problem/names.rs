@@ -14,6 +14,9 @@ pub(crate) struct ReportNames {
     /// Whether that joint turns, rather than slides.
     pub(crate) variable_is_angle: Vec<bool>,
     pub(crate) tasks: Vec<String>,
+    /// The model's loops, which the last tasks close.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) loops: Vec<String>,
     /// The first frame each task looks at, if any.
     pub(crate) task_frames: Vec<Option<String>>,
     /// Where the chain of that frame begins, if it is of finite length.

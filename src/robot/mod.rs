@@ -2,7 +2,6 @@
 
 mod base_joint;
 mod chain;
-mod closure;
 mod drive;
 mod link;
 mod masses;
@@ -16,7 +15,6 @@ mod urdf;
 mod xml;
 
 pub use base_joint::BaseJoint;
-pub use closure::{Closure, ClosureKind};
 pub use link::{Geometry, Inertial, Link, Shape};
 #[cfg(feature = "mjcf")]
 pub use mjcf::mjcf_with_includes;
@@ -30,8 +28,8 @@ pub use xml::{Fault, Mended, Repair, RobotFileError};
 use drive::Drive;
 
 use crate::model::{
-    FrameId, FrameRef, JointId, Model, ModelBuilder, ModelError, ParameterMap, ParameterMapBuilder,
-    UnknownName,
+    FrameId, FrameRef, JointId, Loop, Model, ModelBuilder, ModelError, ParameterMap,
+    ParameterMapBuilder, UnknownName,
 };
 use crate::spatial::Placement;
 
@@ -63,7 +61,6 @@ pub struct Robot {
     drives: Vec<Drive>,
     /// By frame index; frames beyond are no links.
     links: Vec<Link>,
-    closures: Vec<Closure>,
     #[cfg(feature = "xml")]
     repairs: Vec<Repair>,
 }
@@ -82,7 +79,6 @@ impl Robot {
             map,
             drives: Vec::new(),
             links: Vec::new(),
-            closures: Vec::new(),
             #[cfg(feature = "xml")]
             repairs: Vec::new(),
         })
@@ -182,6 +178,22 @@ impl Robot {
         let (joint, joint_from_tool) = (link.joint, link.joint_from_frame * link_from_tool.into());
         let mut builder = ModelBuilder::from_model(&self.model);
         builder.frame(name, joint, joint_from_tool);
+        Ok(Self {
+            model: builder.build()?,
+            ..self
+        })
+    }
+}
+
+impl Robot {
+    /// The same robot with a loop that its file does not know of, as URDF has none: see [`Loop`].
+    ///
+    /// # Errors
+    /// A loop's name that is taken, a frame that the robot does not have, places that are not rigid, or a
+    /// loop that no configuration closes.
+    pub fn with_loop(self, closed: Loop) -> Result<Self, ModelError> {
+        let mut builder = ModelBuilder::from_model(&self.model);
+        builder.close(closed);
         Ok(Self {
             model: builder.build()?,
             ..self

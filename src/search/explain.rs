@@ -96,7 +96,12 @@ impl Solution {
 
     fn write_misses(&self, text: &mut String) -> std::fmt::Result {
         for task in self.tasks().filter(|t| t.role == Role::Goal && !t.reached) {
-            write!(text, "  {} misses by ", task.name)?;
+            let verb = if task.is_loop {
+                "is open by"
+            } else {
+                "misses by"
+            };
+            write!(text, "  {} {verb} ", task.name)?;
             let misses = task.rows.iter().filter(|rows| !rows.reached);
             for (k, rows) in misses.enumerate() {
                 let joiner = if k > 0 { " and " } else { "" };

@@ -16,6 +16,7 @@ mod keeper;
 mod measure;
 #[cfg(feature = "serde")]
 mod non_finite;
+mod open_loops;
 mod pulling;
 mod restarts;
 mod schedule;
@@ -27,6 +28,7 @@ pub(crate) use attempts::{Attempts, Engine, run};
 pub(crate) use check_start::{check_start, variables_at};
 pub use error::SolveError;
 pub(crate) use measure::End;
+pub use open_loops::OpenLoop;
 pub(crate) use pulling::Pulls;
 pub use restarts::Restarts;
 pub(crate) use schedule::Schedule;

@@ -77,6 +77,8 @@ pub struct TaskReport<'a> {
     pub frame: Option<&'a str>,
     /// Goal or preference.
     pub role: Role,
+    /// Whether it closes a loop of the model: no one added it.
+    pub is_loop: bool,
     /// Whether all its rows that have a weight are within tolerance.
     pub reached: bool,
     /// Its errors, quantity by quantity.
@@ -183,7 +185,7 @@ impl Solution {
         self.counts = found.counts;
     }
 
-    /// Every task's outcome, in the order in which the tasks were added.
+    /// Every task's outcome, in the order in which the tasks were added; after them the model's loops.
     pub fn tasks(&self) -> impl Iterator<Item = TaskReport<'_>> {
         let groups = self.rows.chunk_by(|a, b| a.task == b.task);
         groups.filter_map(|rows| {
@@ -192,6 +194,7 @@ impl Solution {
                 name: names.tasks.get(first.task)?,
                 frame: names.task_frames.get(first.task)?.as_deref(),
                 role: first.role,
+                is_loop: first.task + names.loops.len() >= names.tasks.len(),
                 reached: rows.iter().all(|r| r.reached),
                 rows,
             })

@@ -23,11 +23,11 @@ macro_rules! each {
 each! { value:
     Model, model::ModelBuilder, model::Joint, model::JointKind, model::Frame, model::FrameId,
     model::JointId, model::Limits, model::LengthUnit, model::ParameterMap, model::Source,
-    model::ParameterMapBuilder<'static>, model::Masses, model::PointMass, model::BallLimits,
+    model::ParameterMapBuilder<'static>, model::Masses, model::PointMass, model::BallLimits, model::Loop, model::LoopKind,
     Skeleton, skeleton::SkeletonBuilder, skeleton::Bone, skeleton::BoneId, skeleton::Posing,
     skeleton::BonePlacements, skeleton::Holds,
     robot::Robot, robot::Mimic, robot::Link, robot::Shape, robot::Geometry, robot::Inertial,
-    robot::UrdfReader, robot::Repair, robot::Mended, robot::Closure, robot::ClosureKind, robot::Srdf,
+    robot::UrdfReader, robot::Repair, robot::Mended, robot::Srdf,
     kinematics::ForwardKinematics, kinematics::ForwardKinematics<Dual<6>>,
     spatial::Matrix3<f64>, spatial::Placement<f64>, spatial::Quaternion<f64>,
     spatial::Vector3<f64>, Dual<6>,
@@ -75,7 +75,7 @@ each! { value:
 each! { value:
     Problem, Solution, Solver, Workspace, problem::Derivatives, problem::Preferences,
     problem::ProblemBuilder<'static>, problem::Scratch, problem::Targets,
-    problem::TaskId<task::Pose>, ik::ActiveLimit, ik::Restarts, ik::TaskReport,
+    problem::TaskId<task::Pose>, ik::ActiveLimit, ik::Restarts, ik::TaskReport, ik::OpenLoop,
     solver::GaussNewton, solver::LevenbergMarquardt, solver::ProjectedGradient,
     solver::Stopping, solver::Termination, geometric::Ccd, geometric::Elbow, geometric::Fabrik,
     geometric::TwoBone, task::Camera, task::CentreOfMass, task::Distance, task::FrameVelocity,

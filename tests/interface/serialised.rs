@@ -14,7 +14,7 @@ use kinopt::animation::{
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::lanes::LaneOptions;
-use kinopt::model::{Limits, Model, ParameterMap};
+use kinopt::model::{Limits, Loop, Model, ModelBuilder, ParameterMap};
 use kinopt::robot::Robot;
 use kinopt::skinning::{AutomaticWeights, HeatWeights};
 use kinopt::solver::Stopping;
@@ -41,6 +41,7 @@ fn same_model(model: &Model) {
     let read = again(model);
     assert_eq!(read.joints(), model.joints());
     assert_eq!(read.frames(), model.frames());
+    assert_eq!(read.loops(), model.loops());
     assert_eq!(read.moving_joints(), model.moving_joints());
     assert_eq!(
         (read.name(), read.length_unit()),
@@ -67,6 +68,14 @@ fn models_and_skeletons() {
         same_model(skeleton.model());
     }
     same_model(Robot::read("models/franka_panda.urdf").unwrap().model());
+    let held = RandomTree::new(20, 9).model;
+    let mut builder = ModelBuilder::from_model(&held);
+    let (frame, place) = (
+        held.frame_ids().last().unwrap(),
+        held.frames()[1].joint_from_frame,
+    );
+    builder.close(Loop::weld("closed", [frame; 2]).at([place; 2]));
+    same_model(&builder.build().unwrap());
     same(&Limits::UNBOUNDED);
     same(&Limits::new(f64::NEG_INFINITY, 0.1 + 0.2));
 }

@@ -379,8 +379,8 @@ fn check_robot(robot: &Robot) {
             assert!(placement.translation.to_array().iter().all(|c| !c.is_nan()));
         }
     }
-    for closure in robot.closures() {
-        for frame in closure.frames {
+    for closed in model.loops() {
+        for frame in closed.frames {
             assert!(frame.index() < model.frames().len());
         }
     }

@@ -1,8 +1,9 @@
 //! Promise: joints that a linear equality couples follow, whatever their `ref`s; others are left out with a note;
-//! loops are listed unless they are inactive.
+//! loops are the model's unless they are inactive or to a mocap body.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use kinopt::robot::{ClosureKind, Robot};
+use kinopt::model::LoopKind;
+use kinopt::robot::Robot;
 
 /// Three hinges in a row and these equalities.
 fn robot(equalities: &str) -> Robot {
@@ -76,22 +77,30 @@ fn what_is_not_linear_or_follows_two_is_left_out_with_a_note() {
 }
 
 #[test]
-fn loops_are_listed_with_their_names_unless_they_are_inactive() {
+fn loops_are_the_models_with_their_names_unless_they_are_inactive() {
     let robot = robot(
-        r#"<connect name="bar" body1="a" body2="c" anchor="1 0 0"/><weld name="held" body1="c"/>
+        r#"<connect name="bar" body1="a" body2="c" anchor="1 0 0"/><weld body1="c"/><weld body1="c" body2="a"/>
         <connect body1="a" body2="b" anchor="0 0 0" active="false"/><weld class="off" body1="a" body2="b"/>
         <joint class="off" joint1="a" joint2="b"/>"#,
     );
-    let closures = robot.closures();
-    let names: Vec<_> = closures
-        .iter()
-        .map(|closure| closure.name.as_deref())
-        .collect();
-    assert_eq!(names, [Some("bar"), Some("held")]);
+    let loops = robot.model().loops();
+    let names: Vec<_> = loops.iter().map(|closed| closed.name.as_str()).collect();
+    assert_eq!(names, ["bar", "c/weld", "c/weld/2"]);
     let name = |frame: kinopt::model::FrameId| robot.model().frames()[frame.index()].name.as_str();
-    assert_eq!(closures[0].frames.map(name), ["a", "c"]);
-    assert_eq!(closures[1].frames.map(name), ["c", "world"]);
-    assert_eq!(closures[0].kind, ClosureKind::Connect);
-    assert_eq!(closures[1].kind, ClosureKind::Weld);
+    assert_eq!(loops[0].frames.map(name), ["a", "c"]);
+    assert_eq!(loops[1].frames.map(name), ["c", "world"]);
+    assert_eq!(loops[0].kind, LoopKind::Connect);
+    assert_eq!(loops[1].kind, LoopKind::Weld);
     assert!(robot.mimics().is_empty() && robot.repairs().is_empty());
+}
+
+#[test]
+fn what_is_held_to_a_mocap_body_is_no_loop() {
+    let text = r#"<mujoco><worldbody><body name="hand"><freejoint/><site name="palm"/></body>
+      <body name="mouse" mocap="true"><site name="pointer"/></body></worldbody>
+      <equality><weld body1="mouse" body2="hand"/><connect site1="palm" site2="pointer"/></equality></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "teleoperated.xml").unwrap();
+    assert!(robot.model().loops().is_empty());
+    assert_eq!(robot.repairs().len(), 2);
+    assert!(robot.repairs()[0].to_string().contains("mocap"));
 }

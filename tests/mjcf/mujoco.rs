@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::JointKind;
-use kinopt::robot::{ClosureKind, Inertial, Robot};
+use kinopt::model::LoopKind;
+use kinopt::robot::{Inertial, Robot};
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use nalgebra::Matrix3;
 use serde::Deserialize;
@@ -195,9 +196,9 @@ fn masses_are_those_of_inertials_and_else_of_geoms() {
 fn loops_join_the_places_that_mujoco_joins() {
     let mut compared = 0;
     for (robot, file) in reference() {
-        assert_eq!(robot.closures().len(), file.loops.len());
-        for (own, expected) in robot.closures().iter().zip(&file.loops) {
-            assert_eq!(own.kind == ClosureKind::Weld, expected.weld);
+        assert_eq!(robot.model().loops().len(), file.loops.len());
+        for (own, expected) in robot.model().loops().iter().zip(&file.loops) {
+            assert_eq!(own.kind == LoopKind::Weld, expected.weld);
             let [first, second] = own.frame_from_place;
             let data = expected.data;
             let vector = |at: usize| Vector3::new(data[at], data[at + 1], data[at + 2]);

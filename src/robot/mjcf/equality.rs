@@ -1,15 +1,12 @@
-//! `<equality>`: joints that follow others, and loops.
+//! `<equality>`: its active elements, and joints that follow others.
 
 use super::attributes::Attributes;
 use super::defaults::Defaults;
 use super::names::Names;
 use super::tree::Tag;
-use crate::kinematics::ForwardKinematics;
-use crate::model::{FrameId, JointId, Limits, Model, ModelBuilder};
+use crate::model::{JointId, Limits, ModelBuilder};
 use crate::robot::Mimic;
-use crate::robot::closure::{Closure, ClosureKind};
-use crate::robot::xml::{Fault, RobotFileError, rotation_of_wxyz};
-use crate::spatial::{Placement, Vector3};
+use crate::robot::xml::{Fault, RobotFileError};
 
 /// The active equalities of a document.
 pub(super) fn read_all<'a>(
@@ -99,73 +96,4 @@ pub(super) fn take(
         }
     }
     Ok(())
-}
-
-/// Where frames stand in the configuration that the file draws the robot in.
-pub(super) fn as_drawn(model: &Model, q: &[f64]) -> Vec<Placement<f64>> {
-    let mut kinematics = ForwardKinematics::new(model);
-    match kinematics.place(q) {
-        Ok(placements) => placements.to_vec(),
-        // A model that is sound, and a configuration of its length, of finite numbers.
-        Err(_) => vec![Placement::identity(); model.frames().len()],
-    }
-}
-
-/// A `connect` or `weld`.
-pub(super) fn closure(
-    equality: &Attributes<'_>,
-    kind: ClosureKind,
-    names: &Names<'_>,
-    drawn: &[Placement<f64>],
-) -> Result<Closure, RobotFileError> {
-    let at = |frame: FrameId| {
-        drawn
-            .get(frame.index())
-            .copied()
-            .unwrap_or(Placement::identity())
-    };
-    let same = Placement::identity();
-    let name = equality.tag.text("name").map(str::to_owned);
-    let between = |frames, frame_from_place| Closure {
-        name: name.clone(),
-        kind,
-        frames,
-        frame_from_place,
-    };
-    if let (Some(first), Some(second)) = (equality.text("site1"), equality.text("site2")) {
-        let frames = [names.site(equality, first)?, names.site(equality, second)?];
-        return Ok(between(frames, [same; 2]));
-    }
-    let attribute = "body1";
-    let missing = || equality.fault(Fault::MissingAttribute { attribute });
-    let first = names.body(equality, equality.text(attribute).ok_or_else(missing)?)?;
-    let second = names.body(equality, equality.text("body2").unwrap_or("world"))?;
-    let frames = [first, second];
-    let anchor = equality.numbers::<3>("anchor")?;
-    let second_from_first = at(second).inverse() * at(first);
-    match kind {
-        ClosureKind::Connect => {
-            let attribute = "anchor";
-            let missing = || equality.fault(Fault::MissingAttribute { attribute });
-            let anchor = Vector3::from(anchor.ok_or_else(missing)?);
-            let here = Placement::translation(anchor);
-            let there = Placement::translation(second_from_first.apply(anchor));
-            Ok(between(frames, [here, there]))
-        }
-        ClosureKind::Weld => {
-            let anchor = Placement::translation(Vector3::from(anchor.unwrap_or_default()));
-            let relative = equality.numbers::<7>("relpose")?;
-            let first_from_second = match relative {
-                Some([x, y, z, w, i, j, k]) if [w, i, j, k] != [0.0; 4] => {
-                    let attribute = "relpose";
-                    let zero = || equality.fault(Fault::ZeroLength { attribute });
-                    let rotation = rotation_of_wxyz([w, i, j, k]).ok_or_else(zero)?;
-                    Placement::new(rotation, Vector3::new(x, y, z))
-                }
-                // As both are drawn.
-                _ => second_from_first.inverse(),
-            };
-            Ok(between(frames, [first_from_second * anchor, anchor]))
-        }
-    }
 }

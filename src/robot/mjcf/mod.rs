@@ -13,6 +13,7 @@ mod equality;
 mod geom;
 mod inertial;
 mod joint;
+mod loops;
 mod mesh;
 mod names;
 mod orientation;

@@ -53,6 +53,14 @@ impl<'a> Names<'a> {
         self.sites.extend(name.map(|name| (name, id)));
     }
 
+    /// The frames of a body and its sites, as far as the file names them.
+    pub(super) fn frames_of(&self, body: &Body<'_>) -> Vec<FrameId> {
+        let sites = body.sites.iter().filter_map(|site| site.tag.text("name"));
+        let sites = sites.filter_map(|name| self.sites.get(name));
+        let own = body.tag.text("name").and_then(|name| self.bodies.get(name));
+        own.into_iter().chain(sites).copied().collect()
+    }
+
     pub(super) fn joint(
         &self,
         by: &Attributes<'_>,
@@ -104,7 +112,8 @@ impl FreshNames {
         fresh
     }
 
-    fn take(&mut self, name: &str) {
+    /// Keeps a name from being made.
+    pub(super) fn take(&mut self, name: &str) {
         self.taken.insert(name.to_owned(), 0);
     }
 }

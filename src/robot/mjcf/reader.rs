@@ -8,10 +8,10 @@ use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::equality;
 use super::inertial::of_geoms;
+use super::loops;
 use super::mesh;
 use super::tree::Tree;
-use crate::model::{Model, ModelError};
-use crate::robot::closure::ClosureKind;
+use crate::model::ModelBuilder;
 use crate::robot::xml::{Fault, Repair, RobotFileError};
 use crate::robot::{Link, Robot};
 
@@ -29,8 +29,9 @@ impl Robot {
     /// angle, of which a cone about z and a twist of the same size are taken that together stay within it, with a
     /// note in [`repairs`](Self::repairs).
     ///
-    /// Joints that an active linear `equality` couples follow; `connect` and `weld` are in
-    /// [`closures`](Self::closures); others are left out with a note. `inertial`s, or the masses of geoms that
+    /// Joints that an active linear `equality` couples follow; `connect` and `weld` are
+    /// [`loops`](crate::model::Model::loops) of the model, unnamed ones BODY/connect and BODY/weld by their first body;
+    /// those to a `mocap` body, which is a target, and other relations are left out with a note. `inertial`s, or the masses of geoms that
     /// need no mesh's file, are kept with the geoms ([`link`](Self::link)): those of groups 0 to 2 as visuals, those
     /// with a contact type as collisions, planes, height fields and ellipsoids not at all. `actuatorfrcrange` is
     /// the [`effort_limit`](Self::effort_limit). Masses are as they stand: `settotalmass`, `boundmass` and
@@ -108,20 +109,14 @@ fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {
         file: tree.file().to_owned(),
         source,
     };
-    let model: Result<Model, ModelError> = builder.build();
-    let mut robot = model
-        .and_then(|model| Robot::new(model, mimics))
-        .map_err(unsound)?;
-    let placements = equality::as_drawn(&robot.model, &drawn);
-    for equality in &equalities {
-        let kind = match equality.tag.name() {
-            "connect" => ClosureKind::Connect,
-            "weld" => ClosureKind::Weld,
-            _ => continue,
-        };
-        let closure = equality::closure(equality, kind, &names, &placements)?;
-        robot.closures.push(closure);
+    let mut model = builder.build().map_err(unsound)?;
+    let loops = loops::read_all(&equalities, &bodies, &names, &model, &drawn, &mut left_out)?;
+    if !loops.is_empty() {
+        let mut builder = ModelBuilder::from_model(&model);
+        loops.into_iter().for_each(|closed| builder.close(closed));
+        model = builder.build().map_err(unsound)?;
     }
+    let mut robot = Robot::new(model, mimics).map_err(unsound)?;
     robot.drives = drives;
     robot.links = bodies
         .into_iter()

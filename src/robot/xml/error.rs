@@ -228,6 +228,9 @@ pub enum Fault {
     /// What is no relation y = offset + ratio · x between two joints that turn or slide.
     #[error("it is no linear relation between two joints that turn about or slide along one axis")]
     NotLinear,
+    /// A loop to a body that is moved from outside.
+    #[error("it holds a body to a mocap body, which a program moves: ask for that by a task")]
+    HeldFromOutside,
     /// A relation that would let a joint follow two others, or itself.
     #[error("joint `{joint}` already follows another, or this one follows it")]
     FollowsAlready {

@@ -1,0 +1,70 @@
+//! Promise: a four-bar linkage is closed wherever its crank stands, as Freudenstein's equation has it; its pen is
+//! put where it can be, and only there.
+
+use std::f64::consts::TAU;
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::ParameterMap;
+use kinopt::task::Point;
+use kinopt::{Problem, Solver};
+
+use crate::mechanisms::FourBar;
+
+#[test]
+fn the_rocker_follows_a_crank_that_is_held() {
+    let linkage = FourBar::CRANK_ROCKER;
+    let model = linkage.model();
+    for k in 0..24 {
+        let angle = TAU * f64::from(k) / 24.0 - 3.1;
+        let map = ParameterMap::builder(&model).lock(model.joint("crank").unwrap(), angle);
+        let mut problem = Problem::builder(&model);
+        problem.parameters(map.build().unwrap());
+        // No task but the loop.
+        let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.0, 0.5, 1.5]);
+        let solution = solution.unwrap();
+        assert!(solution.reached, "{}", solution.explain());
+        assert!(solution.loops_closed());
+        let [crank, coupler, rocker] = solution.q[..] else {
+            panic!("three joints")
+        };
+        assert_eq!(crank, angle);
+        let off = linkage.freudenstein(crank, rocker);
+        assert!(off.abs() < 1e-8, "{off:e} at {angle}");
+        // The coupler's direction, from the two ends that Freudenstein's equation leaves out.
+        let (x, y) = (
+            linkage.ground + linkage.rocker * rocker.cos() - linkage.crank * crank.cos(),
+            linkage.rocker * rocker.sin() - linkage.crank * crank.sin(),
+        );
+        let turned = (y.atan2(x) - crank - coupler).sin();
+        assert!(turned.abs() < 1e-7, "{turned:e}");
+    }
+}
+
+#[test]
+fn the_pen_goes_where_the_linkage_takes_it() {
+    let linkage = FourBar::CRANK_ROCKER;
+    let model = linkage.model();
+    let pen = model.frame("pen").unwrap();
+    let mut kinematics = ForwardKinematics::new(&model);
+    for k in 0..40 {
+        // A place that the coupler comes through: the crank anywhere, the coupler by the half-angle formula.
+        let crank = TAU * (f64::from(k) + 0.3) / 40.0;
+        let (x, y) = (
+            linkage.ground - linkage.crank * crank.cos(),
+            -linkage.crank * crank.sin(),
+        );
+        let (diagonal, b, c) = (x.hypot(y), linkage.coupler, linkage.rocker);
+        let beside = (b * b + diagonal * diagonal - c * c) / (2.0 * b * diagonal);
+        let coupler = y.atan2(x) + beside.acos() - crank;
+        let placed = kinematics.place(&[crank, coupler, 0.0]).unwrap();
+        let target = placed[pen.index()].translation;
+
+        let mut problem = Problem::builder(&model);
+        problem.add(Point::new(pen, target));
+        let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.5, 0.5, 1.5]);
+        let solution = solution.unwrap();
+        assert!(solution.reached, "{k}: {}", solution.explain());
+        let off = linkage.freudenstein(solution.q[0], solution.q[2]);
+        assert!(off.abs() < 1e-8, "{off:e}");
+    }
+}

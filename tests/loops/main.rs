@@ -1,0 +1,7 @@
+//! Models whose joints close loops.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod four_bars;
+mod mechanisms;
+mod truth;
+mod wrong_loops;

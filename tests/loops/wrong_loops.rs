@@ -1,0 +1,154 @@
+//! Promise: a loop that is wrong, or that nothing closes, is an error that names it when the model is built.
+
+use kinopt::Arm;
+use kinopt::Problem;
+use kinopt::arm::{ArmError, Base};
+use kinopt::geometric::{Ccd, Geometric, GeometricError};
+use kinopt::model::{FrameId, Limits, Loop, Model, ModelBuilder, ModelError};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+
+use crate::mechanisms::{FourBar, TURNS, along_x};
+
+const Z: Vector3<f64> = Vector3 {
+    x: 0.0,
+    y: 0.0,
+    z: 1.0,
+};
+
+/// A hinge with a tip 1 m off, another 3 m away with a tip as far off, and a slide at the second tip.
+fn apart(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
+    let mut builder = Model::builder("two hinges");
+    let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
+    let two = builder.revolute("two", None, along_x(3.0), Z, TURNS);
+    let slide = builder.prismatic(
+        "slide",
+        Some(two),
+        along_x(1.0),
+        Z,
+        Limits::new(0.0, travel),
+    );
+    let ends = [
+        builder.frame("one's end", Some(one), along_x(1.0)),
+        builder.frame("two's end", Some(slide), Placement::identity()),
+    ];
+    (builder, ends)
+}
+
+#[test]
+fn a_link_longer_than_all_others_together() {
+    let (mut builder, ends) = apart(0.5);
+    builder.close(Loop::connect("far", ends));
+    let error = builder.build().unwrap_err();
+    let ModelError::LoopCannotClose { name, gap, unit } = &error else {
+        panic!("{error}")
+    };
+    assert_eq!((name.as_str(), *unit), ("far", "m"));
+    assert!((gap - 0.5).abs() < 1e-12, "{gap}");
+    assert!(error.to_string().contains("loop `far` cannot close"));
+    // A slide that goes far enough takes the doubt away.
+    let (mut builder, ends) = apart(1.5);
+    builder.close(Loop::connect("far", ends));
+    assert!(builder.build().is_ok());
+}
+
+#[test]
+fn places_that_no_joint_moves_apart() {
+    let turned = Placement::new(Matrix3::rotation(Z, (0.6, 0.8)), Vector3::zero());
+    type Kind = fn(&'static str, [FrameId; 2]) -> Loop;
+    let (connect, weld): (Kind, Kind) = (Loop::connect, Loop::weld);
+    for (at, own, fine) in [
+        (along_x(0.0), weld, true),
+        (along_x(1e-6), connect, false),
+        (turned, connect, true),
+        (turned, weld, false),
+    ] {
+        let (mut builder, ends) = apart(1.0);
+        let own = own("stiff", [ends[0]; 2]);
+        builder.close(own.at([Placement::identity(), at]));
+        match builder.build() {
+            Ok(_) => assert!(fine),
+            Err(ModelError::LoopCannotClose { .. }) => assert!(!fine),
+            Err(error) => panic!("{error}"),
+        }
+    }
+}
+
+#[test]
+fn names_frames_and_places() {
+    let built = |loops: &[Loop]| {
+        let mut builder = Model::builder("four-bar");
+        FourBar::CRANK_ROCKER.add_to(&mut builder, None);
+        loops.iter().for_each(|own| builder.close(own.clone()));
+        builder.build().unwrap_err().to_string()
+    };
+    let frame = |k| FourBar::CRANK_ROCKER.model().frame_ids().nth(k).unwrap();
+    let ends = [frame(0), frame(1)];
+    assert!(built(&[Loop::connect("pin", ends)]).contains("loop name `pin` is used twice"));
+    let (mut foreign, _) = apart(1.0);
+    let beyond = (0..9).map(|k| foreign.frame(format!("{k}"), None, Placement::identity()));
+    let beyond = beyond.last().unwrap();
+    let own = Loop::weld("other", [ends[0], beyond]);
+    assert!(built(&[own]).contains("loop `other` joins a frame that is not in this model"));
+    for bad in [f64::NAN, f64::INFINITY] {
+        let places = [along_x(0.0), along_x(bad)];
+        let told = built(&[Loop::connect("nowhere", ends).at(places)]);
+        assert!(
+            told.contains("loop `nowhere`") && told.contains("not finite"),
+            "{told}"
+        );
+    }
+    let mirrored = Placement::new(
+        Matrix3::from_columns(Z * -1.0, Vector3::UNITS[1], Vector3::UNITS[0] * -1.0),
+        Vector3::zero(),
+    );
+    let told = built(&[Loop::weld("mirror", ends).at([mirrored, along_x(0.0)])]);
+    assert!(told.contains("loop `mirror`"), "{told}");
+}
+
+#[test]
+fn what_closes_no_loops_refuses_them_by_name() {
+    let mut builder = Model::builder("four-bar on an arm");
+    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
+    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
+    let hand = builder.frame("hand", Some(elbow), along_x(1.0));
+    FourBar::CRANK_ROCKER.add_to(&mut builder, Some(elbow));
+    let model = builder.build().unwrap();
+    // Above the loop an arm is an arm.
+    assert!(Arm::new(&model, Base::World, hand).is_ok());
+    let error = Arm::new(&model, Base::World, "pen").unwrap_err();
+    assert!(
+        matches!(&error, ArmError::InLoop { joint, closed } if joint == "coupler" && closed == "pin")
+    );
+    let held = Arm::builder(&model, Base::World, "pen")
+        .with_locked("crank", 0.3)
+        .with_locked("coupler", 0.5);
+    assert!(held.build().is_ok());
+
+    let problem = Problem::builder(&model).build().unwrap();
+    let error = Ccd::default().solve(&problem, &[0.0; 5]).unwrap_err();
+    assert!(matches!(&error, GeometricError::UnsupportedTask { task, .. } if task == "loop `pin`"));
+}
+
+#[test]
+fn robots_take_loops_that_their_files_do_not_know() {
+    let model = FourBar::CRANK_ROCKER.model();
+    let ends = model.loops()[0].frames;
+    let robot = Robot::new(model, Vec::new()).unwrap();
+    let error = robot
+        .clone()
+        .with_loop(Loop::weld("pin", ends))
+        .unwrap_err();
+    assert!(error.to_string().contains("`pin` is used twice"));
+    let robot = robot.with_loop(Loop::weld("another", ends)).unwrap();
+    let based = robot
+        .with_base_joint(kinopt::robot::BaseJoint::FREE)
+        .unwrap();
+    let names: Vec<_> = based
+        .model()
+        .loops()
+        .iter()
+        .map(|own| own.name.as_str())
+        .collect();
+    assert_eq!(names, ["pin", "another"]);
+}
