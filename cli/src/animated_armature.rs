@@ -27,6 +27,8 @@ pub(crate) struct AnimatedArmature {
     pub(crate) frames: Option<CapturedFrames>,
     /// What reading changed or left out.
     pub(crate) notes: Vec<String>,
+    /// The bones that a figure turns.
+    pub(crate) turning: BTreeSet<BoneId>,
     /// The meshes of a scene, with the same armature and clips.
     pub(crate) scene: Option<Box<Scene>>,
 }
@@ -57,6 +59,7 @@ impl AnimatedArmature {
     }
 
     fn of_capture(file: String, capture: MotionCapture) -> Self {
+        let turning = capture.turning_bones();
         let MotionCapture {
             armature,
             clip,
@@ -76,6 +79,7 @@ impl AnimatedArmature {
                 time: frame_time,
                 channels,
             }),
+            turning,
             scene: None,
         }
     }
@@ -88,24 +92,9 @@ impl AnimatedArmature {
             armature: scene.armature.clone(),
             clips: scene.clips.clone(),
             frames: None,
+            turning: scene.turning_bones(),
             scene: Some(Box::new(scene)),
         }
-    }
-
-    /// The bones that may turn: a capture's with channels, the joints of a scene's skins, all where
-    /// nothing is said.
-    pub(crate) fn turning_bones(&self) -> BTreeSet<BoneId> {
-        let skins = self.scene.iter().flat_map(|scene| &scene.meshes);
-        let joints = skins.filter_map(|mesh| mesh.skin.as_ref());
-        let mut turning: BTreeSet<BoneId> = joints.flat_map(|s| &s.joints).copied().collect();
-        let channels = self.frames.iter().flat_map(|frames| &frames.channels);
-        let turns = |own: &Vec<BvhChannel>| own.iter().any(|channel| channel.is_rotation());
-        let turned = channels.enumerate().filter(|(_, own)| turns(own));
-        turning.extend(turned.filter_map(|(bone, _)| self.armature.bone_at(bone)));
-        if turning.is_empty() {
-            turning.extend((0..self.armature.bones()).filter_map(|b| self.armature.bone_at(b)));
-        }
-        turning
     }
 
     /// The clip of a name, or the first.

@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 use kinopt::model::Limits;
 use kinopt::robot::{BaseJoint, Robot};
+use kinopt::skeleton::SkeletonRoot;
 use kinopt::spatial::Vector3;
 
 use crate::failure::Outcome;
@@ -63,13 +64,29 @@ impl BaseJointOptions {
         self.base_joint.map(|_| "--base-joint")
     }
 
+    /// Where the base may stand along an axis.
+    fn along(&self, axis: usize) -> Limits {
+        let rooms = self.base_room.iter().filter(|room| room.axis == axis);
+        let whole = Limits::UNBOUNDED;
+        rooms.fold(whole, |limits, room| limits.intersection(&room.limits))
+    }
+
+    /// How the root of a figure stands, whose room counts from rest.
+    pub(crate) fn root(&self) -> Outcome<SkeletonRoot> {
+        let room = [0, 1, 2].map(|axis| self.along(axis));
+        match self.base_joint {
+            Some(BaseKind::Free) => Ok(SkeletonRoot::Free { room }),
+            None | Some(BaseKind::Fixed) if self.base_room.is_empty() => Ok(SkeletonRoot::Fixed),
+            None | Some(BaseKind::Fixed) => Err(usage!("--base-room: this root does not move")),
+            Some(_) => Err(usage!(
+                "--base-joint of a figure is free or fixed; the others are for robots"
+            )),
+        }
+    }
+
     /// The robot on its base.
     pub(crate) fn put_under(&self, robot: Robot, file: &str) -> Outcome<Robot> {
-        let along = |axis: usize| {
-            let rooms = self.base_room.iter().filter(|room| room.axis == axis);
-            let whole = Limits::UNBOUNDED;
-            rooms.fold(whole, |limits, room| limits.intersection(&room.limits))
-        };
+        let along = |axis: usize| self.along(axis);
         let sliding = |axis: usize| BaseJoint::Sliding {
             axis: Vector3::UNITS[axis],
             limits: along(axis),

@@ -84,6 +84,12 @@ impl LoadedModel {
     /// The rig's keyframes; `option` is what needs them. Says on standard error which bones have
     /// tracks without keys.
     pub(crate) fn keyframes(&self, option: &str) -> Outcome<&EulerClip> {
+        if self.balls.is_some() {
+            let file = &self.file;
+            return Err(usage!(
+                "{file}: {option} reads angles of keyframes, which ball joints have not"
+            ));
+        }
         let clip = self.rig.as_ref().map(|rig| &rig.clip);
         let keyless = self.rig.iter().flat_map(|rig| {
             let bones = rig.clip.keyless().iter();
@@ -112,8 +118,10 @@ impl LoadedModel {
             return Ok(());
         }
         let shape = match &self.rig {
-            Some(_) => format!("{expected}: 3 for each of {} bones", expected / 3),
-            None => format!("{expected}: {}", self.joint_names().join(", ")),
+            Some(_) if self.balls.is_none() => {
+                format!("{expected}: 3 for each of {} bones", expected / 3)
+            }
+            _ => format!("{expected}: {}", self.coordinate_names().join(", ")),
         };
         Err(failure!(
             "{source}: {} numbers given, but a configuration has {shape} (kinopt info {} lists them)",

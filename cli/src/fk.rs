@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use kinopt::animation::PoseTurns;
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
@@ -10,10 +11,10 @@ use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
+use crate::model_options::ModelOptions;
 use crate::number_format::LengthFormat;
 use crate::number_list::{self, Numbers};
 use crate::output;
-use crate::robot_options::RobotOptions;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,7 +24,9 @@ Examples:
   kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes after 1.5 s, one bone
   kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed
   kinopt fk fox.glb --clip Run --time 0.2         a scene's clip after 0.2 s, every node
-  kinopt fk walk.bvh --time 1.5 --frame Head/tip  a capture after 1.5 s, the top of the head";
+  kinopt fk walk.bvh --time 1.5 --frame Head/tip  a capture after 1.5 s, the top of the head
+  kinopt fk walk.bvh --joints ball --base-joint free --time 1.5 --json
+                                                  the same pose as a configuration q of ball joints";
 
 /// Where the frames stand for a configuration (forward kinematics).
 ///
@@ -97,7 +100,7 @@ pub(crate) struct Arguments {
     degrees: bool,
 
     #[command(flatten)]
-    robot: RobotOptions,
+    model_options: ModelOptions,
 }
 
 #[derive(Serialize)]
@@ -118,14 +121,16 @@ struct AnimatedDocument<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    if AnimatedArmature::is_at(&arguments.model) {
+    if AnimatedArmature::is_at(&arguments.model) && !arguments.model_options.makes_figure() {
         arguments
-            .robot
+            .model_options
             .refuse(&arguments.model.display().to_string())?;
         return run_animated(arguments, json);
     }
-    let mut loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
-    loaded.refuse_clip(arguments.clip.as_deref())?;
+    let mut loaded = LoadedModel::read(&arguments.model, &arguments.model_options)?;
+    if !AnimatedArmature::is_at(&arguments.model) {
+        loaded.refuse_clip(arguments.clip.as_deref())?;
+    }
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let q = configuration(&loaded, arguments)?;
     let frames = loaded.frame_report(&arguments.frames, arguments.base.as_deref(), &q)?;
@@ -178,8 +183,16 @@ fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64
     if let Some(path) = &arguments.q_file {
         return loaded.configuration_file(path);
     }
-    match arguments.time {
-        Some(time) => loaded.keyframes_at(time, playback(arguments.looped)),
-        None => Ok(loaded.rest()),
+    match (arguments.time, &loaded.balls) {
+        (Some(time), Some(balls)) if AnimatedArmature::is_at(&arguments.model) => {
+            let animated = AnimatedArmature::read(&arguments.model)?;
+            let clip = animated.clip(arguments.clip.as_deref())?;
+            let pose = animated.pose_at(clip, time, playback(arguments.looped))?;
+            let mut q = Vec::new();
+            PoseTurns::new(&animated.armature, balls).configuration_of(&pose, &mut q);
+            Ok(q)
+        }
+        (Some(time), _) => loaded.keyframes_at(time, playback(arguments.looped)),
+        (None, _) => Ok(loaded.rest()),
     }
 }

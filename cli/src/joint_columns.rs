@@ -19,24 +19,26 @@ pub(crate) struct JointColumns {
 }
 
 impl LoadedModel {
-    /// Columns for the named joints, in any order.
+    /// Columns for the named joints, in any order; a ball has four, one after the other.
     ///
     /// # Errors
     /// A name twice, of a fixed joint, or unknown (the valid ones are listed), in words.
     pub(crate) fn joint_columns(&self, names: &[impl AsRef<str>]) -> Result<JointColumns, String> {
-        let mut coordinates = Vec::with_capacity(names.len());
+        let mut coordinates: Vec<usize> = Vec::with_capacity(names.len());
         for name in names {
             let name = name.as_ref();
             let joint = self.model.joint(name);
             let joint = joint.map_err(|_| {
                 UnknownName::new("moving joint", name, self.joint_names()).to_string()
             })?;
-            let coordinate = self.model.coordinate(joint);
-            let coordinate = coordinate.ok_or_else(|| format!("joint `{name}` is fixed"))?;
-            if coordinates.contains(&coordinate) {
-                return Err(format!("joint `{name}` is named twice"));
-            }
-            coordinates.push(coordinate);
+            let first = self.model.coordinate(joint);
+            let first = first.ok_or_else(|| format!("joint `{name}` is fixed"))?;
+            let own = self.model.joints().get(joint.index());
+            let own = first..first + own.map_or(1, |joint| joint.kind.coordinates());
+            let mut left = own.filter(|coordinate| !coordinates.contains(coordinate));
+            let coordinate = left.next();
+            let twice = || format!("joint `{name}` is named twice");
+            coordinates.push(coordinate.ok_or_else(twice)?);
         }
         Ok(self.columns_of(coordinates))
     }

@@ -8,12 +8,12 @@ use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointId, JointKind, Limits, ParameterMap, Source};
 use kinopt::robot::Robot;
-use kinopt::skeleton::{BoneId, Skeleton};
+use kinopt::skeleton::{BallSkeleton, BoneId, Skeleton};
 
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::Outcome;
+use crate::model_options::ModelOptions;
 use crate::output;
-use crate::robot_options::RobotOptions;
 
 /// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
 const SUPPORTED: &str =
@@ -36,6 +36,8 @@ pub(crate) struct LoadedModel {
     pub(crate) model: Model,
     /// The rest of a rig, or a scene's bones as one; `None` for a robot.
     pub(crate) rig: Option<Box<Rig>>,
+    /// The same bones on ball joints, where those are asked for.
+    pub(crate) balls: Option<Box<BallSkeleton>>,
     /// The meshes of a scene.
     pub(crate) scene: Option<Box<Scene>>,
     /// The bones of motion capture.
@@ -53,6 +55,8 @@ pub(crate) struct LoadedModel {
 pub(crate) struct HeldJoints {
     /// Joints, each at a value in radians or metres.
     pub(crate) locked: Vec<(JointId, f64)>,
+    /// Balls, each at a quaternion w, x, y, z.
+    pub(crate) turned: Vec<(JointId, [f64; 4])>,
     /// The joints that alone may move, and a configuration that holds the others.
     pub(crate) only: Option<(Vec<JointId>, Vec<f64>)>,
     pub(crate) map: ParameterMap,
@@ -78,24 +82,24 @@ pub(crate) struct Moment<'a> {
 
 impl LoadedModel {
     /// Reads any supported file, told apart by its extension.
-    pub(crate) fn read(path: &Path, options: &RobotOptions) -> Outcome<Self> {
+    pub(crate) fn read(path: &Path, options: &ModelOptions) -> Outcome<Self> {
         Self::read_at(path, options, None)
     }
 
     /// As [`read`](Self::read), a scene or a capture at a moment of a clip.
     pub(crate) fn read_at(
         path: &Path,
-        options: &RobotOptions,
+        options: &ModelOptions,
         moment: Option<Moment<'_>>,
     ) -> Outcome<Self> {
         let file = path.display().to_string();
         let extension = extension(path);
         let is_robot = ROBOTS.contains(&extension.as_str());
-        if !is_robot {
-            options.refuse(&file)?;
+        if is_robot {
+            options.refuse_of_figures(&file)?;
         }
         if AnimatedArmature::is_at(path) {
-            return Self::of_animated(AnimatedArmature::read(path)?, moment);
+            return options.figure(Self::of_animated(AnimatedArmature::read(path)?, moment)?);
         }
         if moment.is_some() {
             return Err(usage!(
@@ -108,7 +112,7 @@ impl LoadedModel {
                 for note in &rig.notes {
                     output::message(&format!("{file}: {note}"));
                 }
-                Ok(Self::of_rig(file, rig))
+                options.figure(Self::of_rig(file, rig))
             }
             _ if is_robot => Ok(Self::of_robot(file, options.read(path)?)),
             "" => Err(failure!(
@@ -127,13 +131,13 @@ impl LoadedModel {
             animated.pose_at(animated.clip(clip)?, time, Playback::Hold)
         });
         let pose = pose.transpose()?;
-        let turns = animated.turning_bones();
         let AnimatedArmature {
             file,
             mut armature,
             frames,
             notes,
             mut scene,
+            turning,
             ..
         } = animated;
         if let Some(pose) = &pose {
@@ -142,7 +146,7 @@ impl LoadedModel {
         if let Some(scene) = &mut scene {
             scene.armature = armature.clone();
         }
-        let limits = |bone: BoneId| match turns.contains(&bone) {
+        let limits = |bone: BoneId| match turning.contains(&bone) {
             true => [Limits::UNBOUNDED; 3],
             false => [Limits::new(0.0, 0.0); 3],
         };
@@ -196,6 +200,7 @@ impl LoadedModel {
             file,
             model,
             rig: None,
+            balls: None,
             scene: None,
             capture: None,
             robot: None,
@@ -361,7 +366,8 @@ impl LoadedModel {
     /// As [`joint_names`](Self::joint_names), for documents: a rig's angles are known by their
     /// bones.
     pub(crate) fn documented_joints(&self) -> Option<Vec<&str>> {
-        self.robot.as_ref().map(|_| self.joint_names())
+        let named = self.robot.is_some() || self.balls.is_some();
+        named.then(|| self.joint_names())
     }
 
     /// Which coordinates of a configuration a solver may change.
@@ -422,12 +428,25 @@ impl LoadedModel {
 
     /// Which coordinates of a configuration are angles; the others are lengths and parts of quaternions.
     pub(crate) fn is_angle(&self) -> impl Iterator<Item = bool> + '_ {
-        let joints = self.model.joints();
+        let kinds = self.kinds();
+        kinds.map(|kind| kind.turns() && kind != JointKind::Ball)
+    }
+
+    /// Which coordinates of a configuration are parts of quaternions.
+    pub(crate) fn is_of_ball(&self) -> impl Iterator<Item = bool> + '_ {
+        self.kinds().map(|kind| kind == JointKind::Ball)
+    }
+
+    /// Whether some joint slides.
+    pub(crate) fn slides(&self) -> bool {
+        self.kinds().any(JointKind::slides)
+    }
+
+    /// What the joint of each coordinate is.
+    fn kinds(&self) -> impl Iterator<Item = JointKind> + '_ {
         let moving = self.model.moving_joints().iter();
-        moving.map(|id| {
-            let joint = joints.get(id.index());
-            joint.is_none_or(|joint| joint.kind.turns() && joint.kind != JointKind::Ball)
-        })
+        let joints = moving.filter_map(|id| self.model.joints().get(id.index()));
+        joints.map(|joint| joint.kind)
     }
 }
 

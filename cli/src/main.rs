@@ -8,6 +8,7 @@ mod failure;
 
 mod animate;
 mod animated_armature;
+mod ball_figure;
 mod base_joint;
 #[cfg(feature = "bench")]
 mod bench;
@@ -25,12 +26,12 @@ mod json_file;
 mod loaded_model;
 mod mesh_output;
 mod method_choice;
+mod model_options;
 mod number_format;
 mod number_list;
 mod output;
 mod placed_frames;
 mod progress;
-mod robot_options;
 mod skin_report;
 mod skinning_choice;
 mod solve;

@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
-use kinopt::animation::PoseAngles;
 use kinopt::io::gltf::{Scene, ScenePosing};
 use kinopt::io::ply::PlyEncoding;
 use kinopt::io::{gltf, obj, ply};
 use kinopt::mesh::TriangleMesh;
-use kinopt::skeleton::Skeleton;
+use kinopt::skeleton::{BallSkeleton, Skeleton};
 use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
 
 use crate::animated_armature::extension;
+use crate::ball_figure::PoseBridge;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::output;
@@ -77,6 +77,8 @@ impl MeshFile {
 pub(crate) enum Skin<'a> {
     Rig {
         skeleton: &'a Skeleton,
+        /// The same bones, where they turn on balls.
+        balls: Option<&'a BallSkeleton>,
         mesh: &'a TriangleMesh,
         weights: Box<MeshWeights>,
         /// What was made up.
@@ -84,7 +86,7 @@ pub(crate) enum Skin<'a> {
     },
     Scene {
         scene: &'a Scene,
-        bridge: PoseAngles,
+        bridge: PoseBridge,
     },
 }
 
@@ -97,7 +99,7 @@ impl LoadedModel {
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
         if self.scene.is_some() {
             let scene = with_meshes(self.scene.as_deref(), (file, kind), choice)?;
-            let bridge = PoseAngles::new(&rig.skeleton);
+            let bridge = PoseBridge::of(self, &scene.armature).ok_or_else(lacks)?;
             return Ok(Skin::Scene { scene, bridge });
         }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;
@@ -119,6 +121,7 @@ impl LoadedModel {
         };
         Ok(Skin::Rig {
             skeleton: &rig.skeleton,
+            balls: self.balls.as_deref(),
             mesh,
             weights: Box::new(weights.into()),
             note,
@@ -153,16 +156,20 @@ impl Skin<'_> {
         }
     }
 
-    /// The mesh for the stacked angles `q`, in radians.
+    /// The mesh in a configuration: stacked angles in radians, or the quaternions of balls.
     pub(crate) fn posed(&self, q: &[f64], method: SkinningMethod) -> Outcome<TriangleMesh> {
         match self {
             Self::Rig {
                 skeleton,
+                balls,
                 mesh,
                 weights,
                 ..
             } => {
-                let pose = skeleton.pose(q)?;
+                let pose = match balls {
+                    Some(balls) => balls.pose(q)?,
+                    None => skeleton.pose(q)?,
+                };
                 let transforms = pose.skinning_transforms(skeleton);
                 let transforms = transforms.map(|t| single_precision_transform(&t));
                 let transforms: Vec<_> = transforms.collect();

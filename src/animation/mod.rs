@@ -69,7 +69,7 @@ pub use curve::easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerInterpolation, EulerKey, EulerTrack, SampleError};
 pub use ik_layer::{
     Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseAngles,
-    ReachError, ReachLayer,
+    PoseTurns, ReachError, ReachLayer,
 };
 pub use pose::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose};
 pub use state_machine::{

@@ -1,4 +1,4 @@
-//! Files: meshes (PLY, OBJ), matrices (DMAT), rigs and animation state machines (JSON),
+//! Files: meshes (PLY, OBJ), matrices (DMAT), rigs, animation state machines and cones of bones (JSON),
 //! motion capture (BVH), and with feature `gltf` scenes (glTF 2.0).
 //!
 //! Every reader has a core that takes bytes and a name for messages, and a `read` that takes a
@@ -6,6 +6,7 @@
 //! allocated for it.
 
 pub mod bvh;
+pub mod cones;
 pub mod dmat;
 #[cfg(feature = "gltf")]
 pub mod gltf;

@@ -134,7 +134,7 @@ impl<S: Scalar> ForwardKinematics<S> {
         Ok(Self::compile(model, map, frames))
     }
 
-    fn of_configurations(model: &Model, frames: &[FrameId]) -> Self {
+    pub(crate) fn of_configurations(model: &Model, frames: &[FrameId]) -> Self {
         let map = ParameterMap::identity(model);
         let mut own = Self::compile(model, &map, frames);
         if !map.balls().is_empty() {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::model::ModelError;
+use crate::model::{ModelError, UnknownName};
 use crate::spatial::RigidDefect;
 
 /// Why bones do not make a skeleton.
@@ -65,6 +65,21 @@ pub enum SkeletonError {
         /// The name.
         name: String,
     },
+    /// A cone of a bone that does not turn.
+    #[error("bone `{bone}` does not turn, so a cone means nothing to it")]
+    ConeOfStillBone {
+        /// The bone.
+        bone: String,
+    },
+    /// A cone of the bone that a free root turns.
+    #[error("bone `{bone}` is a free root, which turns any way: it has no cone")]
+    ConeOfFreeBone {
+        /// The bone.
+        bone: String,
+    },
+    /// A cone of a bone that there is not.
+    #[error(transparent)]
+    UnknownBone(#[from] UnknownName),
     /// A name clash or an overflow that only shows in the compiled model.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -5,19 +5,25 @@
 //! top of its parent's pose. In the model a bone is three revolute joints at one point, and a
 //! configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃, θ₂₁, …) in radians, bone by bone.
 //!
+//! A [`BallSkeleton`] has the same bones on ball joints within cones.
+//!
 //! Bones name their parent and stand after it, so one pass in the order of the list has every
 //! parent's transform before its children's; tips of leaves are the usual end effectors.
 
+mod ball_skeleton;
 mod bone;
 mod builder;
+mod cone;
 mod error;
 mod holds;
 mod pose;
 
 use std::collections::{HashMap, HashSet};
 
+pub use ball_skeleton::{BallSkeleton, SkeletonRoot};
 pub use bone::{Bone, BoneId};
 pub use builder::SkeletonBuilder;
+pub use cone::{BoneCone, Cones};
 pub use error::SkeletonError;
 pub use holds::Holds;
 pub use pose::{BonePlacements, Posing};

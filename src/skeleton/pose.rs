@@ -2,7 +2,7 @@
 
 use super::{BoneId, Skeleton, SkeletonError};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
-use crate::model::{FrameId, ParameterMap};
+use crate::model::{FrameId, Model};
 use crate::spatial::{Placement, Vector3};
 
 /// Where every bone of a skeleton stands in one pose.
@@ -70,9 +70,16 @@ impl Posing {
     /// Memory for posing `skeleton`. Every angle is read, also one whose limits lock it.
     #[must_use]
     pub fn new(skeleton: &Skeleton) -> Self {
-        let map = ParameterMap::identity(skeleton.model());
-        let frames: Vec<FrameId> = skeleton.bone_ids().map(|b| skeleton.tail(b)).collect();
-        let kinematics = ForwardKinematics::compile(skeleton.model(), &map, &frames);
+        Self::of_model(
+            skeleton.model(),
+            skeleton.bone_ids().map(|b| skeleton.tail(b)),
+        )
+    }
+
+    /// The same for the tails of the bones of another model.
+    pub(super) fn of_model(model: &Model, tails: impl Iterator<Item = FrameId>) -> Self {
+        let frames: Vec<FrameId> = tails.collect();
+        let kinematics = ForwardKinematics::of_configurations(model, &frames);
         let placements = BonePlacements {
             model_from_bone: kinematics.placements().to_vec(),
         };
@@ -82,10 +89,10 @@ impl Posing {
         }
     }
 
-    /// Where the bones stand for the stacked angles `q`, in radians.
+    /// Where the bones stand for the stacked angles `q`, in radians, or the configuration of balls.
     ///
     /// # Errors
-    /// Another number of angles than the skeleton has, or one that is not finite.
+    /// Another number of them than the skeleton has, or one that is not finite.
     pub fn pose(&mut self, q: &[f64]) -> Result<&BonePlacements, KinematicsError> {
         let placed = self.kinematics.place(q)?;
         self.placements.model_from_bone.copy_from_slice(placed);

@@ -17,8 +17,8 @@ use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{self, MeshFile, MeshFormat};
+use crate::model_options::ModelOptions;
 use crate::progress::Countdown;
-use crate::robot_options::RobotOptions;
 use crate::weights_choice::WeightsChoice;
 use crate::{number_list, output, skinning_choice};
 
@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 }
 
 fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let mut loaded = LoadedModel::read(&arguments.model, &RobotOptions::default())?;
+    let mut loaded = LoadedModel::read(&arguments.model, &ModelOptions::default())?;
     loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let clip = loaded.keyframes("animate")?;

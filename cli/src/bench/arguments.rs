@@ -6,8 +6,8 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use kinopt_harness::{Budget, contenders};
 
+use crate::model_options::ModelOptions;
 use crate::number_list;
-use crate::robot_options::RobotOptions;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -91,7 +91,7 @@ pub(crate) struct Arguments {
     pub(super) bones: usize,
 
     #[command(flatten)]
-    pub(super) robot: RobotOptions,
+    pub(super) model_options: ModelOptions,
 }
 
 /// `--start`.

@@ -18,7 +18,7 @@ use crate::table::Table;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let interrupt = Interrupt::listen()?;
-    let loaded = LoadedModel::read(&arguments.model, &arguments.robot)?;
+    let loaded = LoadedModel::read(&arguments.model, &arguments.model_options)?;
     let set = problems::problems(&loaded, arguments)?;
     if arguments.problem >= set.cases().len() {
         return Err(usage!(

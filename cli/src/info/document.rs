@@ -35,9 +35,23 @@ pub(super) struct JointDocument<'a> {
     /// Radians or metres; none where there is no limit.
     pub(super) lower: Option<f64>,
     pub(super) upper: Option<f64>,
+    /// How far a ball may go; none where it turns any way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) cone: Option<ConeDocument>,
     /// Only in robots.
     #[serde(flatten)]
     pub(super) place: Option<PlaceDocument<'a>>,
+}
+
+/// In radians.
+#[derive(Serialize)]
+pub(super) struct ConeDocument {
+    pub(super) axis: [f64; 3],
+    pub(super) swing: [f64; 2],
+    /// The first axis of the two swings; none where they are the same.
+    pub(super) about: Option<[f64; 3]>,
+    /// None where there is no limit.
+    pub(super) twist: [Option<f64>; 2],
 }
 
 #[derive(Serialize)]
@@ -128,6 +142,12 @@ fn joint_document<'a>(
         free,
         lower: finite(joint.limits.lower).filter(|_| limited),
         upper: finite(joint.limits.upper).filter(|_| limited),
+        cone: joint.ball.map(|limits| ConeDocument {
+            axis: joint.axis.to_array(),
+            swing: limits.swing,
+            about: limits.about.map(|about| about.to_array()),
+            twist: [limits.twist.lower, limits.twist.upper].map(finite),
+        }),
         place: robot.map(|robot| robot::place(robot, id, joint)),
     }
 }

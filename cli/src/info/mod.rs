@@ -12,8 +12,8 @@ use clap::Args;
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
+use crate::model_options::ModelOptions;
 use crate::output;
-use crate::robot_options::RobotOptions;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,18 +37,21 @@ pub(crate) struct Arguments {
     model: PathBuf,
 
     #[command(flatten)]
-    robot: RobotOptions,
+    model_options: ModelOptions,
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let Arguments { model, robot } = arguments;
-    if AnimatedArmature::is_at(model) {
-        robot.refuse(&model.display().to_string())?;
+    let Arguments {
+        model,
+        model_options,
+    } = arguments;
+    if AnimatedArmature::is_at(model) && !model_options.makes_figure() {
+        model_options.refuse(&model.display().to_string())?;
         let animated = AnimatedArmature::read(model)?;
         let document = animation::document(&animated)?;
         return output::result(json, || &document, || animation::text(&document));
     }
-    let loaded = LoadedModel::read(model, robot)?;
+    let loaded = LoadedModel::read(model, model_options)?;
     let document = document::document(&loaded);
     output::result(json, || &document, || text::text(&loaded, &document))
 }

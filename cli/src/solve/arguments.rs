@@ -13,8 +13,8 @@ use super::out_file::OutFile;
 use super::weights::FrameWeight;
 use crate::help_headings::{FOLLOWING, LIMITS, MESHES, MODEL, OUTPUT, SEARCH, TARGETS};
 use crate::method_choice::{self, JacobianRoute};
+use crate::model_options::ModelOptions;
 use crate::number_list;
-use crate::robot_options::RobotOptions;
 use crate::skinning_choice;
 use crate::target::{RayTarget, Start, Target};
 use crate::weights_choice::WeightsChoice;
@@ -272,5 +272,5 @@ pub(crate) struct Arguments {
     pub(super) skinning: SkinningMethod,
 
     #[command(flatten)]
-    pub(super) robot: RobotOptions,
+    pub(super) model_options: ModelOptions,
 }

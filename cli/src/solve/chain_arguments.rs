@@ -3,7 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use kinopt::model::{FrameId, JointId, ModelBuilder, ParameterMap, UnknownName};
+use kinopt::model::{
+    FrameId, JointId, JointKind, Model, ModelBuilder, ParameterMap, ParameterMapBuilder,
+    UnknownName,
+};
 use kinopt::robot::Srdf;
 use kinopt::spatial::Placement;
 
@@ -20,7 +23,7 @@ pub(crate) struct ChainArguments {
     /// Hold a joint: at a value, or where the start has it.
     ///
     /// Values are in radians (--degrees) or metres. Joints are named as `kinopt info` lists them; in a rig or scene a bone's name stands for all
-    /// its angles, and then takes no value. Repeat it for several. Default: none.
+    /// its angles, and then takes no value; nor does a ball. Repeat it for several. Default: none.
     #[arg(long = "lock", value_name = "JOINT[=VALUE]", value_parser = Lock::parse, help_heading = MODEL)]
     lock: Vec<Lock>,
 
@@ -91,7 +94,7 @@ impl ChainArguments {
     ) -> Outcome<HeldJoints> {
         let model = &loaded.model;
         let is_angle: Vec<bool> = loaded.is_angle().collect();
-        let mut locked = Vec::new();
+        let (mut locked, mut turned) = (Vec::new(), Vec::new());
         for lock in &self.lock {
             let joints = joints(loaded, &lock.joint)?;
             if let (Some(_), [_, _, ..]) = (lock.value, joints.as_slice()) {
@@ -104,6 +107,17 @@ impl ChainArguments {
             }
             for joint in joints {
                 let coordinate = model.coordinate(joint);
+                if let Some(first) = coordinate.filter(|_| is_ball(model, joint)) {
+                    if lock.value.is_some() {
+                        return Err(usage!(
+                            "--lock: joint `{}` is a ball, which is held where the start has it",
+                            lock.joint
+                        ));
+                    }
+                    let own = start.get(first..).and_then(<[f64]>::first_chunk);
+                    turned.push((joint, own.copied().unwrap_or([1.0, 0.0, 0.0, 0.0])));
+                    continue;
+                }
                 let at = |list: &[f64]| coordinate.and_then(|c| list.get(c).copied());
                 let turns = coordinate.and_then(|c| is_angle.get(c).copied());
                 let value = match lock.value {
@@ -117,7 +131,8 @@ impl ChainArguments {
         let mut only = Vec::new();
         for wanted in &self.only {
             for joint in joints(loaded, wanted.trim())? {
-                if locked.iter().any(|(held, _)| *held == joint) {
+                let turned = turned.iter().any(|(held, _)| *held == joint);
+                if turned || locked.iter().any(|(held, _)| *held == joint) {
                     let name = loaded.joint_name(joint);
                     return Err(usage!("joint `{name}` is in --lock and in --only"));
                 }
@@ -129,22 +144,44 @@ impl ChainArguments {
             self.take_srdf(file, loaded, start, (&mut locked, &mut only))?;
         }
 
-        let mut builder = match &loaded.robot {
+        let builder = match &loaded.robot {
             Some(robot) => robot.parameters(),
             None => ParameterMap::builder(model),
         };
-        for &(joint, value) in &locked {
+        let mut held = HeldJoints {
+            map: loaded.own_parameters(),
+            locked,
+            turned,
+            only: (!only.is_empty()).then(|| (only, start.to_vec())),
+        };
+        held.map = held.say(builder, &[]).build()?;
+        Ok(held)
+    }
+}
+
+impl HeldJoints {
+    /// Says in a map what is held, but for what it holds already.
+    pub(super) fn say<'m>(
+        &self,
+        mut builder: ParameterMapBuilder<'m>,
+        already: &[JointId],
+    ) -> ParameterMapBuilder<'m> {
+        for &(joint, value) in self.locked.iter().filter(|(id, _)| !already.contains(id)) {
             builder = builder.lock(joint, value);
         }
-        if !only.is_empty() {
-            builder = builder.only(&only, start);
+        for &(joint, rotation) in self.turned.iter().filter(|(id, _)| !already.contains(id)) {
+            builder = builder.lock_ball(joint, rotation);
         }
-        Ok(HeldJoints {
-            map: builder.build()?,
-            locked,
-            only: (!only.is_empty()).then(|| (only, start.to_vec())),
-        })
+        match &self.only {
+            Some((only, start)) => builder.only(only, start),
+            None => builder,
+        }
     }
+}
+
+fn is_ball(model: &Model, joint: JointId) -> bool {
+    let joint = model.joints().get(joint.index());
+    joint.is_some_and(|joint| joint.kind == JointKind::Ball)
 }
 
 impl ChainArguments {
@@ -185,6 +222,9 @@ fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
     let model = &loaded.model;
     if let Some(rig) = &loaded.rig {
         if let Some(bone) = frame_name::bone(rig, wanted) {
+            if let Some(balls) = &loaded.balls {
+                return Ok(balls.joints(bone));
+            }
             let ids = rig.skeleton.joints(bone).into_iter();
             let free = ids.filter(|&id| {
                 let limits = model.joints().get(id.index()).map(|joint| joint.limits);

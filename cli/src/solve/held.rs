@@ -1,6 +1,6 @@
 //! What is held where it is while other frames go to their targets.
 
-use kinopt::model::{FrameId, ModelError, ParameterMap, Source};
+use kinopt::model::{FrameId, ModelError, ParameterMap};
 use kinopt::skeleton::{BoneId, Holds};
 use kinopt::task::{Posture, Task};
 
@@ -103,27 +103,33 @@ impl Held {
             return Ok(loaded.parameters());
         };
         let builder = ParameterMap::builder(&loaded.model);
-        let mut builder = self.holds.narrow(builder, &rig.skeleton, start);
-        if let Some(held) = &loaded.held {
-            let trunk = self.holds.trunk.iter();
-            let trunk: Vec<_> = trunk.flat_map(|&b| rig.skeleton.joints(b)).collect();
-            let joints = loaded.model.moving_joints().iter();
-            for (&joint, source) in joints.zip(held.map.sources()) {
-                if let Source::Constant(value) = *source {
-                    if !trunk.contains(&joint) {
-                        builder = builder.lock(joint, value);
-                    }
-                }
+        let trunk = self.holds.trunk.iter();
+        let (builder, trunk): (_, Vec<_>) = match &loaded.balls {
+            Some(balls) => {
+                let held = balls.hold(builder, &self.holds, start);
+                (held, trunk.flat_map(|&bone| balls.joints(bone)).collect())
             }
+            None => {
+                let held = self.holds.narrow(builder, &rig.skeleton, start);
+                let joints = trunk.flat_map(|&bone| rig.skeleton.joints(bone));
+                (held, joints.collect())
+            }
+        };
+        match &loaded.held {
+            Some(held) => held.say(builder, &trunk).build(),
+            None => builder.build(),
         }
-        builder.build()
     }
 
     /// What keeps a figure that says nothing of itself near the posture it starts in, where the targets
     /// leave room, its back more than its limbs: none for the others.
     pub(super) fn posture(&self, loaded: &LoadedModel, start: &[f64]) -> Vec<Task<Posture>> {
-        let rig = loaded.rig.as_ref().filter(|_| self.keeps_posture);
-        rig.map_or_else(Vec::new, |rig| self.holds.postures(&rig.skeleton, start))
+        match (&loaded.rig, &loaded.balls) {
+            _ if !self.keeps_posture => Vec::new(),
+            (_, Some(balls)) => vec![self.holds.posture_of_balls(balls, start)],
+            (Some(rig), None) => self.holds.postures(&rig.skeleton, start),
+            (None, None) => Vec::new(),
+        }
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use kinopt::animation::PoseAngles;
 use kinopt::io::bvh;
 use kinopt::skinning::SkinningMethod;
 
 use crate::animated_armature::extension;
+use crate::ball_figure::PoseBridge;
 use crate::failure::Outcome;
 use crate::loaded_model::{Capture, LoadedModel};
 use crate::mesh_output::{MeshFile, Skin};
@@ -22,7 +22,7 @@ pub(super) enum OutFile {
 /// What goes into the file, made ready before the search.
 pub(super) enum Written<'a> {
     Mesh(&'a MeshFile, Box<Skin<'a>>),
-    Capture(&'a Path, &'a Capture, PoseAngles),
+    Capture(&'a Path, &'a Capture, PoseBridge),
 }
 
 impl OutFile {
@@ -45,13 +45,13 @@ impl OutFile {
         loaded: &'a LoadedModel,
         weights: Option<WeightsChoice>,
     ) -> Outcome<Written<'a>> {
-        match (self, &loaded.capture, &loaded.rig) {
+        let capture = loaded.capture.as_ref();
+        let bridge = capture.and_then(|own| PoseBridge::of(loaded, &own.armature));
+        match (self, capture, bridge) {
             (Self::Mesh(file), ..) => Ok(Written::Mesh(file, Box::new(loaded.skin(weights)?))),
-            (Self::Capture(path), Some(capture), Some(rig)) => Ok(Written::Capture(
-                path,
-                capture,
-                PoseAngles::new(&rig.skeleton),
-            )),
+            (Self::Capture(path), Some(capture), Some(bridge)) => {
+                Ok(Written::Capture(path, capture, bridge))
+            }
             (Self::Capture(_), ..) => Err(usage!(
                 "{}: a .bvh is written of motion capture; this is a {}",
                 loaded.file,
@@ -70,7 +70,7 @@ impl Written<'_> {
         }
     }
 
-    /// Writes it for the stacked angles `q`, in radians; where.
+    /// Writes it for a configuration; where.
     pub(super) fn write(&self, q: &[f64], method: SkinningMethod) -> Outcome<&Path> {
         match self {
             Self::Mesh(file, skin) => {

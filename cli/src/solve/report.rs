@@ -224,8 +224,11 @@ impl<'a> Report<'a> {
     fn joint_table(&self, degrees: bool) -> String {
         let unit = if degrees { "degrees" } else { "radians" };
         // Lengths stay lengths, so only a model that slides needs the second unit.
-        let slides = self.loaded.is_angle().any(|is_angle| !is_angle);
+        let slides = self.loaded.slides();
         let or_metres = if slides { " or metres" } else { "" };
+        let balls: Vec<bool> = self.loaded.is_of_ball().collect();
+        let all_balls = !balls.is_empty() && balls.iter().all(|&ball| ball);
+        let unit = if all_balls { "quaternion" } else { unit };
         let mut table = Table::new(&format!("joint | >{unit}{or_metres} | "));
         let (loaded, q) = (self.loaded, &self.answer.q);
         let values = q.iter().zip(loaded.shown(q, degrees));
@@ -234,12 +237,17 @@ impl<'a> Report<'a> {
             .into_iter()
             .zip(loaded.model.limits());
         let shown = self.shown().into_iter().zip(loaded.held_coordinates());
-        for (((joint, limits), (&value, number)), (shown, held)) in joints.zip(values).zip(shown) {
+        let shown = shown.zip(balls);
+        let rows = joints.zip(values).zip(shown);
+        for (((joint, limits), (&value, number)), ((shown, held), ball)) in rows {
             if !shown {
                 continue;
             }
             let note = if held {
                 "held"
+            } else if ball {
+                // The ends of a quaternion's parts are no limits.
+                ""
             } else if value <= limits.lower {
                 "at its lower limit"
             } else if value >= limits.upper {

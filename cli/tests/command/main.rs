@@ -6,6 +6,7 @@ mod forked_rig;
 
 mod animated_meshes;
 mod balance;
+mod ball_figures;
 mod base_joints;
 mod exit_codes_and_errors;
 mod figures_settle;

@@ -4,7 +4,7 @@
 use crate::forked_rig::*;
 use serde_json::json;
 
-const WAVE: &str = "HIERARCHY
+pub(crate) const WAVE: &str = "HIERARCHY
 ROOT Hips
 {
   OFFSET 0 0 0

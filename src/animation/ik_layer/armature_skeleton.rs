@@ -1,6 +1,6 @@
 //! An armature as a skeleton, so that the optimiser can pose characters from files of animation.
 
-use glam::{Affine3A, DMat3, DQuat};
+use glam::{DAffine3, DMat3, DQuat};
 
 use crate::animation::Armature;
 use crate::animation::pose::scales_evenly;
@@ -24,7 +24,7 @@ impl Armature {
         name: impl Into<String>,
         limits: impl Fn(BoneId) -> [Limits; ANGLES_PER_BONE],
     ) -> Result<Skeleton, SkeletonError> {
-        let mut placed: Vec<(Affine3A, DQuat)> = Vec::with_capacity(self.bones());
+        let mut placed: Vec<(DAffine3, DQuat)> = Vec::with_capacity(self.bones());
         let mut bones = Vec::with_capacity(self.bones());
         for (index, name) in self.names().iter().enumerate() {
             let bone = BoneId::new(index);
@@ -32,7 +32,7 @@ impl Armature {
             let parent = self.parent(bone);
             let (above, turned) = parent
                 .and_then(|parent| placed.get(parent.index()).copied())
-                .unwrap_or((Affine3A::IDENTITY, DQuat::IDENTITY));
+                .unwrap_or((DAffine3::IDENTITY, DQuat::IDENTITY));
             if let Some(parent) =
                 parent.filter(|parent| !scales_evenly(self.rest().local_of(*parent).scale))
             {
@@ -44,13 +44,19 @@ impl Armature {
                         .unwrap_or_default(),
                 });
             }
-            let model_from_bone = above * local.to_affine();
-            let rotation = (turned * local.rotation.as_dquat()).normalize();
+            let own = local.rotation.as_dquat().normalize();
+            let model_from_bone = above
+                * DAffine3::from_scale_rotation_translation(
+                    local.scale.as_dvec3(),
+                    own,
+                    local.translation.as_dvec3(),
+                );
+            let rotation = (turned * own).normalize();
             placed.push((model_from_bone, rotation));
             let columns = DMat3::from_quat(rotation)
                 .to_cols_array_2d()
                 .map(Vector3::from);
-            let origin = model_from_bone.translation.as_dvec3().to_array();
+            let origin = model_from_bone.translation.to_array();
             bones.push(Bone {
                 name: name.clone(),
                 parent,

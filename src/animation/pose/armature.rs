@@ -220,6 +220,11 @@ impl Armature {
         find("morph target", &self.morph_targets, name)
     }
 
+    /// All bone ids in order.
+    pub fn bone_ids(&self) -> impl Iterator<Item = BoneId> + use<> {
+        (0..self.bones()).map(BoneId::new)
+    }
+
     /// The bone at a position.
     #[must_use]
     pub fn bone_at(&self, index: usize) -> Option<BoneId> {

@@ -44,11 +44,13 @@ pub use error::BvhError;
 pub use note::BvhNote;
 pub use write::{poses_to_text, to_text, write, write_poses};
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use self::lexer::Lexer;
 use super::{ReadError, read_with};
 use crate::animation::{Armature, Clip};
+use crate::skeleton::BoneId;
 
 /// The longest BVH file that is read.
 const LENGTH_LIMIT: u64 = 1 << 30;
@@ -71,6 +73,23 @@ pub struct MotionCapture {
     pub channels: Vec<Vec<BvhChannel>>,
     /// What reading left out.
     pub notes: Vec<BvhNote>,
+}
+
+impl MotionCapture {
+    /// The bones that a figure of this capture turns, in their order: those with channels of rotation, or all where
+    /// there is none.
+    #[must_use]
+    pub fn turning_bones(&self) -> BTreeSet<BoneId> {
+        let bones = self.armature.bone_ids().zip(&self.channels);
+        let turns = |own: &Vec<BvhChannel>| own.iter().any(|channel| channel.is_rotation());
+        let turning: BTreeSet<BoneId> = bones
+            .filter_map(|(bone, own)| turns(own).then_some(bone))
+            .collect();
+        match turning.is_empty() {
+            true => self.armature.bone_ids().collect(),
+            false => turning,
+        }
+    }
 }
 
 /// Reads motion capture from the bytes of a BVH file; `name` is for messages and the clip.

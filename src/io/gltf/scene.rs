@@ -1,5 +1,7 @@
 //! What a glTF file holds that can be posed.
 
+use std::collections::BTreeSet;
+
 use glam::{Affine3A, Vec4};
 
 use super::Note;
@@ -22,6 +24,20 @@ pub struct Scene {
     pub clips: Vec<Clip>,
     /// What reading changed or left out; not looked at by writing.
     pub notes: Vec<Note>,
+}
+
+impl Scene {
+    /// The bones that a figure of this scene turns, in their order: the joints of its skins, or all bones where there
+    /// is no skin.
+    #[must_use]
+    pub fn turning_bones(&self) -> BTreeSet<BoneId> {
+        let skins = self.meshes.iter().filter_map(|mesh| mesh.skin.as_ref());
+        let turning: BTreeSet<BoneId> = skins.flat_map(|skin| &skin.joints).copied().collect();
+        match turning.is_empty() {
+            true => self.armature.bone_ids().collect(),
+            false => turning,
+        }
+    }
 }
 
 /// A mesh on a bone.

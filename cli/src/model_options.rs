@@ -1,18 +1,20 @@
-//! How a robot's file is taken.
+//! How a model's file is taken.
 
 use std::path::Path;
 
 use clap::Args;
 use kinopt::robot::Robot;
 
+use crate::ball_figure::FigureOptions;
 use crate::base_joint::BaseJointOptions;
 use crate::failure::Outcome;
 use crate::help_headings::MODEL;
+use crate::loaded_model::LoadedModel;
 use crate::output;
 
-/// Options of every subcommand that takes a robot.
+/// Options of every subcommand that takes a model: of robots, and of figures.
 #[derive(Args, Debug, Default)]
-pub(crate) struct RobotOptions {
+pub(crate) struct ModelOptions {
     /// Mend a robot's damaged file where that needs no guess. Default: refuse it.
     ///
     /// Limits out of order are exchanged, a joint without <limit> is held at 0, of an element given
@@ -28,9 +30,12 @@ pub(crate) struct RobotOptions {
 
     #[command(flatten)]
     base: BaseJointOptions,
+
+    #[command(flatten)]
+    figure: FigureOptions,
 }
 
-impl RobotOptions {
+impl ModelOptions {
     /// Reads a robot, and tells what was taken where the file says nothing or cannot be right.
     pub(crate) fn read(&self, path: &Path) -> Outcome<Robot> {
         let reader = match self.lenient {
@@ -57,14 +62,54 @@ impl RobotOptions {
         self.base.put_under(robot, &file.to_string())
     }
 
+    /// Whether a scene or a capture is to be a model with joints.
+    pub(crate) fn makes_figure(&self) -> bool {
+        self.figure.given().is_some()
+    }
+
+    /// A figure as the options say.
+    pub(crate) fn figure(&self, loaded: LoadedModel) -> Outcome<LoadedModel> {
+        match self.figure.are_balls() {
+            true => {
+                self.refuse_of_robots(&loaded.file)?;
+                let root = self.base.root()?;
+                loaded.on_balls(&self.figure, root)
+            }
+            false => {
+                self.refuse(&loaded.file)?;
+                Ok(loaded)
+            }
+        }
+    }
+
+    /// Refuses what only figures have.
+    pub(crate) fn refuse_of_figures(&self, file: &str) -> Outcome<()> {
+        let refused = |option| usage!("{file}: {option} is for rigs, scenes and motion capture");
+        self.figure
+            .given()
+            .map_or(Ok(()), |option| Err(refused(option)))
+    }
+
     /// Refuses what only robots have.
     pub(crate) fn refuse(&self, file: &str) -> Outcome<()> {
+        self.refuse_of_robots(file)?;
+        let refused = |option| {
+            usage!(
+                "{file}: {option} is for robots (.urdf, .xml), and for figures with --joints ball"
+            )
+        };
+        self.base
+            .given()
+            .map_or(Ok(()), |option| Err(refused(option)))
+    }
+
+    fn refuse_of_robots(&self, file: &str) -> Outcome<()> {
         let given = [
             (self.lenient, "--lenient"),
             (self.soft_limits, "--soft-limits"),
         ];
         let given = given.into_iter().find(|(given, _)| *given);
-        match given.map(|(_, option)| option).or(self.base.given()) {
+        match given.map(|(_, option)| option) {
             Some(option) => Err(usage!("{file}: {option} is for robots (.urdf, .xml)")),
             None => Ok(()),
         }

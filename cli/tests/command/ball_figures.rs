@@ -1,0 +1,125 @@
+//! Promise: with `--joints ball` the bones of a figure turn on ball joints, within the cones of `--cones`, on a root that
+//! moves where `--base-joint free` says so; what comes out is the pose that the file's own tools make of it.
+
+use crate::forked_rig::*;
+use crate::motion_capture::WAVE;
+use serde_json::json;
+
+const HUMANOID: &str = "../models/humanoid/humanoid.json";
+
+fn close(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
+}
+
+#[test]
+fn a_captured_pose_is_a_configuration() {
+    let folder = Folder::new("ball-capture");
+    let file = folder.text("wave.bvh", WAVE);
+    let balls = format!("{file} --joints ball --base-joint free");
+    let posed = answer!("fk {balls} --time 0.25");
+    let half = 0.5_f64.sqrt();
+    // The hips turned about y, the arm about z.
+    let hips = [1.0, 2.0, 5.0, half, 0.0, half, 0.0];
+    let expected = [&hips[..], &[half, 0.0, 0.0, half]].concat();
+    let q = numbers(&posed["q"]);
+    assert!(close(&q, &expected), "{q:?}");
+    let names = ["Hips/x", "Hips/y", "Hips/z"]
+        .into_iter()
+        .map(str::to_owned);
+    let names = names.chain(vec!["Hips/rotation".to_owned(); 4]);
+    let names: Vec<String> = names.chain(vec!["Upper Arm".to_owned(); 4]).collect();
+    assert_eq!(posed["joints"], json!(names));
+    let tip = numbers(&posed["frames"]["Upper Arm/tip"]["position"]);
+    assert!(close(&tip, &[1.0, 9.0, 5.0]), "{tip:?}");
+    // The document is read again, names and all, and the plain command places it as well.
+    let saved = folder.text("q.json", &posed);
+    let again = answer!("fk {balls} --q-file {saved}");
+    assert_eq!(again["frames"], posed["frames"]);
+    let plain = answer!("fk {file} --time 0.25");
+    let plain = numbers(&plain["frames"]["Upper Arm/tip"]["position"]);
+    assert!(close(&plain, &tip));
+    // A root that is fixed turns where it stands.
+    let fixed = answer!("fk {file} --joints ball --time 0.25");
+    assert_eq!(list(&fixed["q"]).len(), 8);
+    let tip = numbers(&fixed["frames"]["Upper Arm/tip"]["position"]);
+    assert!(close(&tip, &[0.0, 7.0, 0.0]), "{tip:?}");
+}
+
+#[test]
+fn what_is_found_is_written_as_it_was_found() {
+    let folder = Folder::new("ball-written");
+    let file = folder.text("wave.bvh", WAVE);
+    let (out, target) = (folder.file("out.bvh"), "--target 'Upper Arm/tip=2,1,-4'");
+    let solved =
+        answer!("solve {file} --joints ball --base-joint free --hold none {target} --out {out}");
+    assert_eq!(solved["reached"], true);
+    let written = answer!("fk {out} --time 0");
+    let tip = numbers(&written["frames"]["Upper Arm/tip"]["position"]);
+    assert!(close(&tip, &[2.0, 1.0, -4.0]), "{tip:?}");
+    let mesh = folder.file("posed.obj");
+    let hand = "--target left_hand=0.35,0.45,1.5";
+    let solved = answer!("solve {HUMANOID} --joints ball --lock head {hand} --out {mesh}");
+    assert_eq!(solved["reached"], true);
+    assert!(std::fs::read_to_string(mesh).unwrap().contains("\nf "));
+}
+
+#[test]
+fn no_answer_leaves_its_cone() {
+    let folder = Folder::new("ball-cones");
+    let cones = json!({
+        "left_upper_arm": {"swing": 30, "twist": [-10, 10]},
+        "left_forearm": {"swing": 1, "axis": [0, 0, 1], "twist": [0, 120]},
+    });
+    let cones = folder.text("cones.json", &cones);
+    let info = answer!("info {HUMANOID} --cones {cones}");
+    let joints = list(&info["joints"]);
+    let arm = joints
+        .iter()
+        .find(|joint| joint["name"] == "left_upper_arm")
+        .unwrap();
+    let swing = 30f64.to_radians();
+    assert_eq!(arm["kind"], "ball");
+    has(&arm["cone"], json!({"swing": [swing, swing]}));
+    says(
+        &text!("info {HUMANOID} --cones {cones}"),
+        "a swing of 30.000, a twist of -10.000 to 10.000",
+    );
+    let ask = format!("solve {HUMANOID} --cones {cones} --free --only left_upper_arm,left_forearm");
+    let answer = answer!("{ask} --target left_hand=0.3,0.6,1.9");
+    let first = usize::try_from(arm["coordinate"].as_u64().unwrap()).unwrap();
+    let q = numbers(&answer["q"]);
+    let [w, x, y, z] = [0, 1, 2, 3].map(|part| q[first + part]);
+    // About the bone's own x: the swing is what is left of the turn without the twist about it.
+    let tipped = 2.0 * (y * y + z * z).sqrt().atan2((w * w + x * x).sqrt());
+    assert!(tipped <= swing + 1e-9 && tipped > swing - 1e-6, "{tipped}");
+    assert!(2.0 * x.atan2(w).abs() <= 10f64.to_radians() + 1e-9);
+    let limits: Vec<&str> = list(&answer["active_limits"])
+        .iter()
+        .map(|l| word(&l["joint"]))
+        .collect();
+    assert!(
+        limits.iter().any(|name| name.starts_with("left_upper_arm")),
+        "{limits:?}"
+    );
+}
+
+#[test]
+fn what_does_not_go_together_is_refused() {
+    let folder = Folder::new("ball-refused");
+    let file = folder.text("wave.bvh", WAVE);
+    let robot = "../models/universal_ur5e.urdf";
+    refused!("fk {robot} --joints ball" => 2, "--joints | rigs, scenes and motion capture");
+    refused!("fk {HUMANOID} --base-joint free" => 2, "--base-joint | --joints ball");
+    refused!("fk {file} --joints ball --base-joint planar" => 2, "free or fixed");
+    refused!("fk {file} --joints ball --lenient" => 2, "--lenient | robots");
+    let cones = folder.text("cones.json", "{\"Uper Arm\": {\"swing\": 30}}");
+    refused!("info {file} --cones {cones}" => 1, "cones.json | `Uper Arm` | Upper Arm");
+    refused!("info {file} --joints twist-bend-twist --cones {cones}" => 2, "--cones");
+    let cones = folder.text("wide.json", "{\"Hips\": {\"swing\": 300}}");
+    refused!("info {file} --cones {cones}" => 1, "wide.json | Hips.swing | 300");
+    let cones = folder.text("root.json", "{\"Hips\": {\"swing\": 30}}");
+    refused!("info {file} --cones {cones} --base-joint free" => 1, "`Hips` | free root");
+    refused!("fk {HUMANOID} --joints ball --time 1" => 2, "--time | ball joints");
+    refused!("solve {HUMANOID} --joints ball --lock head=1 --target left_hand=0,0,1" => 2,
+        "--lock | `head` | ball");
+}

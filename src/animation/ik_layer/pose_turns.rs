@@ -1,0 +1,141 @@
+//! Between a pose's local transforms (single precision) and the configurations of bones on ball joints.
+
+use glam::{DAffine3, DQuat, DVec3, Vec3A};
+
+use crate::Buffer;
+use crate::animation::{Armature, Pose};
+use crate::skeleton::{BallSkeleton, BoneId};
+
+/// Takes configurations of a [`BallSkeleton`] to poses of the armature that its bones are of, and back. Bones that do not
+/// turn, scales and all translations but a free root's are left as they are.
+#[derive(Clone, Debug)]
+pub struct PoseTurns {
+    figure: BallSkeleton,
+    /// Of each bone at rest: its local rotation.
+    rest: Vec<DQuat>,
+    /// Of the roots of a free figure.
+    roots: Vec<Root>,
+}
+
+/// A bone that a free root carries.
+#[derive(Clone, Debug)]
+struct Root {
+    bone: BoneId,
+    /// What it stands on at rest.
+    model_from_parent: DAffine3,
+    /// The same without its scale.
+    parent_turned: DQuat,
+    /// Where it is at rest in the model.
+    tail: DVec3,
+}
+
+impl PoseTurns {
+    /// For poses of `armature`, whose bones those of `figure` are: it was made of
+    /// [its skeleton](Armature::skeleton), or it is [of the skeleton](Armature::of_skeleton).
+    #[must_use]
+    pub fn new(armature: &Armature, figure: &BallSkeleton) -> Self {
+        let rest = armature.rest();
+        let local = |bone: BoneId| {
+            let local = rest.local_of(bone);
+            let rotation = local.rotation.as_dquat().normalize();
+            let (scale, at) = (local.scale.as_dvec3(), local.translation.as_dvec3());
+            let affine = DAffine3::from_scale_rotation_translation(scale, rotation, at);
+            (affine, rotation)
+        };
+        let ids = (0..armature.bones()).map(BoneId::new);
+        let roots = ids
+            .clone()
+            .filter(|&bone| figure.is_free(bone))
+            .map(|bone| {
+                let mut above = (DAffine3::IDENTITY, DQuat::IDENTITY);
+                let parent = |bone: &BoneId| armature.parent(*bone);
+                for carrier in std::iter::successors(parent(&bone), parent) {
+                    let (affine, rotation) = local(carrier);
+                    above = (affine * above.0, rotation * above.1);
+                }
+                let (model_from_parent, parent_turned) = above;
+                Root {
+                    bone,
+                    tail: (model_from_parent * local(bone).0).translation,
+                    model_from_parent,
+                    parent_turned,
+                }
+            });
+        Self {
+            roots: roots.collect(),
+            rest: ids.map(|bone| local(bone).1).collect(),
+            figure: figure.clone(),
+        }
+    }
+
+    /// Writes the configuration of a pose: how each bone is turned from rest, whatever its cone says, and where a
+    /// free root is. A `Vec` gets room for all of it.
+    pub fn configuration_of(&self, pose: &Pose, q: &mut (impl Buffer<f64> + ?Sized)) {
+        let model = self.figure.model();
+        let q = q.sized(model.configuration_len());
+        let bones = self.rest.iter().zip(pose.rotations()).enumerate();
+        for (index, (rest, rotation)) in bones {
+            let bone = BoneId::new(index);
+            let joint = self.figure.joint(bone);
+            let Some(at) = joint.and_then(|joint| model.coordinate(joint)) else {
+                continue;
+            };
+            let rotation = rotation.as_dquat().normalize();
+            let turned = match self.root(bone) {
+                Some(root) => {
+                    let own = pose.local_of(bone).translation.as_dvec3();
+                    let went = root.model_from_parent.transform_point3(own) - root.tail;
+                    let slides = at.checked_sub(3).and_then(|first| q.get_mut(first..at));
+                    if let Some(slides) = slides {
+                        slides.copy_from_slice(&went.to_array());
+                    }
+                    // As the model's axes have it: P r = t (P r₀).
+                    let carried = root.parent_turned;
+                    carried * rotation * rest.conjugate() * carried.conjugate()
+                }
+                None => rest.conjugate() * rotation,
+            };
+            let turned = turned.normalize();
+            // Of the two quaternions of a rotation the one nearer to rest.
+            let [x, y, z, w] = match turned.w < 0.0 {
+                true => -turned,
+                false => turned,
+            }
+            .to_array();
+            if let Some(own) = q.get_mut(at..at + 4) {
+                own.copy_from_slice(&[w, x, y, z]);
+            }
+        }
+    }
+
+    /// Writes the local rotations of a configuration into a pose, and where it has a free root.
+    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) {
+        for (index, rest) in self.rest.iter().enumerate() {
+            let bone = BoneId::new(index);
+            let Some((turned, went)) = self.figure.turned(bone, q) else {
+                continue;
+            };
+            let [x, y, z] = turned.v.to_array();
+            let turned = DQuat::from_xyzw(x, y, z, turned.w);
+            let rotation = match self.root(bone) {
+                Some(root) => {
+                    let place = root.tail + DVec3::from(went.to_array());
+                    let own = root.model_from_parent.inverse().transform_point3(place);
+                    if let Some(translation) = pose.translations.get_mut(index) {
+                        *translation = Vec3A::from(own.as_vec3());
+                    }
+                    let carried = root.parent_turned;
+                    carried.conjugate() * turned * carried * *rest
+                }
+                None => *rest * turned,
+            };
+            if let Some(own) = pose.rotations.get_mut(index) {
+                *own = rotation.normalize().as_quat().normalize();
+            }
+        }
+    }
+
+    fn root(&self, bone: BoneId) -> Option<&Root> {
+        self.roots.iter().find(|root| root.bone == bone)
+    }
+}

@@ -1,0 +1,177 @@
+//! How far the bones of a figure may turn, in JSON beside a file that does not say it.
+//!
+//! An object by the bones' names, angles in degrees:
+//!
+//! ```json
+//! {
+//!   "LeftArm":     {"swing": 90, "twist": [-60, 60]},
+//!   "LeftForeArm": {"axis": [0, 1, 0], "swing": 2, "twist": [-150, 0]},
+//!   "Neck":        {"swing": [45, 25], "about": [1, 0, 0], "twist": [-70, 70]}
+//! }
+//! ```
+//!
+//! - `swing`: how far the bone's axis may tip from where it is at rest, above 0 and at most 180; 180 unless said. Of two
+//!   numbers the first is about `about`, the second across that.
+//! - `twist`: from where to where it may turn about its axis, within -180 and 180; any way unless said.
+//! - `axis`: what it twists about, in the bone's own axes; along the bone unless said. So the second line is a hinge.
+//! - `about`: the first axis of a swing of two numbers, in the bone's own axes.
+//!
+//! A bone that is not named turns any way. Other keys, and a bone named twice, are errors.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+
+use super::{Place, ReadError, read_with};
+use crate::model::{BallLimits, Limits};
+use crate::skeleton::{BoneCone, Cones};
+use crate::spatial::Vector3;
+
+/// The longest file that is read.
+const LIMIT: u64 = 1 << 24;
+
+/// Half a turn, in degrees.
+const HALF: f64 = 180.0;
+
+/// Reads a file of cones.
+///
+/// # Errors
+/// A [`ReadError`] naming the file and a path in it such as `LeftArm.swing`: what is no JSON, a key that there is not, an
+/// angle out of its range, a swing of two numbers that does not say about what. Whether a figure has the bones is told by
+/// [`BallSkeleton::new`](crate::skeleton::BallSkeleton::new).
+pub fn read(path: impl AsRef<Path>) -> Result<Cones, ReadError> {
+    read_with(path.as_ref(), LIMIT, from_bytes)
+}
+
+/// Reads cones from the bytes of their file; `name` is for messages.
+///
+/// ```
+/// let cones = kinopt::io::cones::from_bytes(br#"{"Neck": {"swing": 40, "twist": [-70, 70]}}"#, "man.json")?;
+/// assert_eq!(cones["Neck"].limits.swing, [40f64.to_radians(); 2]);
+/// # Ok::<(), kinopt::io::ReadError>(())
+/// ```
+///
+/// # Errors
+/// As [`read`].
+pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
+    let Entries(entries) = super::json::parse(bytes, name)?;
+    let mut cones = Cones::new();
+    for (bone, entry) in entries {
+        let wrong = |(key, problem): (&str, String)| {
+            let path = if key.is_empty() {
+                bone.clone()
+            } else {
+                format!("{bone}.{key}")
+            };
+            ReadError::malformed(name, Place::Json(path), problem)
+        };
+        let cone = entry.cone().map_err(wrong)?;
+        if cones.insert(bone.clone(), cone).is_some() {
+            return Err(wrong(("", "the bone is named twice".to_owned())));
+        }
+    }
+    Ok(cones)
+}
+
+/// What stands under a bone's name.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    swing: Option<Swing>,
+    twist: Option<[f64; 2]>,
+    axis: Option<[f64; 3]>,
+    about: Option<[f64; 3]>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "expected degrees, or two of them in an array")]
+enum Swing {
+    Round(f64),
+    Elliptic([f64; 2]),
+}
+
+/// All of a file, in its order.
+#[derive(Debug)]
+struct Entries(Vec<(String, Entry)>);
+
+impl Entry {
+    /// What it says, or the key that is wrong and why.
+    fn cone(&self) -> Result<BoneCone, (&'static str, String)> {
+        let swing = match self.swing {
+            None => [HALF; 2],
+            Some(Swing::Round(swing)) => [swing; 2],
+            Some(Swing::Elliptic(swing)) => swing,
+        };
+        if let Some(bad) = swing
+            .iter()
+            .find(|swing| !(**swing > 0.0 && **swing <= HALF))
+        {
+            let problem = format!("{bad} degrees are not above 0 and at most 180");
+            return Err(("swing", problem));
+        }
+        let twist = self.twist.map_or(Limits::UNBOUNDED, |[lower, upper]| {
+            Limits::new(lower.to_radians(), upper.to_radians())
+        });
+        if let Some([lower, upper]) = self.twist {
+            if !(-HALF <= lower && lower <= upper && upper <= HALF) {
+                let problem =
+                    format!("{lower} to {upper} degrees are no range within -180 and 180");
+                return Err(("twist", problem));
+            }
+        }
+        let elliptic = matches!(self.swing, Some(Swing::Elliptic(_)));
+        if elliptic != self.about.is_some() {
+            let problem = match elliptic {
+                true => "of two numbers needs `about`, the axis of the first",
+                false => "is for a swing of two numbers",
+            };
+            let key = if elliptic { "swing" } else { "about" };
+            return Err((key, problem.to_owned()));
+        }
+        if self.swing.is_none() && self.twist.is_none() {
+            return Err(("", "neither `swing` nor `twist` is given".to_owned()));
+        }
+        for (key, axis) in [("axis", self.axis), ("about", self.about)] {
+            let length = axis.map(|axis| Vector3::from(axis).norm());
+            if length.is_some_and(|length| !(length > 0.0 && length.is_finite())) {
+                return Err((key, "has no direction".to_owned()));
+            }
+        }
+        let limits = BallLimits {
+            swing: swing.map(f64::to_radians),
+            twist,
+            about: self.about.map(Vector3::from),
+        };
+        let axis = self.axis.map(Vector3::from);
+        Ok(BoneCone { axis, limits })
+    }
+}
+
+impl<'de> Deserialize<'de> for Entries {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ByBone;
+
+        impl<'de> Visitor<'de> for ByBone {
+            type Value = Entries;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object with a cone for each bone's name")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries, A::Error> {
+                let mut entries: Vec<(String, Entry)> = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                // A figure without any needs no file.
+                match entries.is_empty() {
+                    true => Err(A::Error::custom("no bone has a cone in it")),
+                    false => Ok(Entries(entries)),
+                }
+            }
+        }
+        deserializer.deserialize_map(ByBone)
+    }
+}

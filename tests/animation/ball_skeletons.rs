@@ -1,0 +1,309 @@
+//! Promise: the bones of an armature on ball joints stand where the armature's own matrices put them, rest where it
+//! rests, go back to its poses, and stay within their cones.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+
+use glam::{DAffine3, DQuat, DVec3, EulerRot, Quat, Vec3A};
+use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose, PoseTurns};
+use kinopt::model::{BallLimits, Limits};
+use kinopt::skeleton::{BallSkeleton, BoneCone, Cones, SkeletonError, SkeletonRoot};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Problem, Solver, Workspace};
+use support::random::Random;
+
+/// The first stands still, as a scene's node above its hips does, and so do some further out.
+const BONES: usize = 14;
+const STILL: [usize; 3] = [0, 6, 13];
+
+fn turn(random: &mut Random, most: f64) -> Quat {
+    let [x, y, z] = [most, 0.5 * most, most].map(|most| random.within(-most, most) as f32);
+    Quat::from_euler(EulerRot::ZYX, x, y, z)
+}
+
+/// A tree whose bones are of many sizes, even along their axes.
+fn armature(random: &mut Random) -> Armature {
+    let bones = (0..BONES).map(|index| ArmatureBone {
+        name: format!("bone {index}"),
+        parent: index.checked_sub(1 + index % 3 / 2),
+        rest: LocalTransform {
+            translation: Vec3A::from_array([0; 3].map(|_| random.within(-1.0, 1.0) as f32)),
+            rotation: turn(random, 3.0),
+            scale: Vec3A::splat(random.within(0.7, 1.4) as f32),
+        },
+    });
+    Armature::new(bones.collect(), Vec::new()).unwrap()
+}
+
+fn figure(armature: &Armature, cones: &Cones, root: SkeletonRoot) -> BallSkeleton {
+    let limits = |still| match still {
+        true => [Limits::new(0.0, 0.0); 3],
+        false => [Limits::UNBOUNDED; 3],
+    };
+    let skeleton = armature.skeleton("one", |bone| limits(STILL.contains(&bone.index())));
+    BallSkeleton::new(skeleton.unwrap(), cones, root).unwrap()
+}
+
+/// Where a pose's bones are, by products of matrices in double precision.
+fn placed(armature: &Armature, pose: &Pose) -> Vec<(DAffine3, DQuat)> {
+    let mut placed: Vec<(DAffine3, DQuat)> = Vec::new();
+    for bone in armature.bone_ids() {
+        let local = pose.local(bone).unwrap();
+        let rotation = local.rotation.as_dquat().normalize();
+        let (scale, at) = (local.scale.as_dvec3(), local.translation.as_dvec3());
+        let own = DAffine3::from_scale_rotation_translation(scale, rotation, at);
+        let above = armature.parent(bone).map(|parent| placed[parent.index()]);
+        let (above, turned) = above.unwrap_or((DAffine3::IDENTITY, DQuat::IDENTITY));
+        placed.push((above * own, turned * rotation));
+    }
+    placed
+}
+
+/// The axes of a frame.
+fn axes(placed: &Placement<f64>) -> [DVec3; 3] {
+    let Matrix3 { x, y, z } = placed.rotation;
+    [x, y, z].map(|axis| DVec3::from(axis.to_array()))
+}
+
+/// The armature turned at random where it turns, and its root moved.
+fn any_pose(armature: &Armature, moved: bool, random: &mut Random) -> Pose {
+    let mut pose = armature.rest().clone();
+    for bone in armature
+        .bone_ids()
+        .filter(|bone| !STILL.contains(&bone.index()))
+    {
+        pose.set_rotation(bone, turn(random, 3.0)).unwrap();
+        let is_root = armature
+            .parent(bone)
+            .is_some_and(|parent| parent.index() == 0);
+        if moved && is_root {
+            let mut local = pose.local(bone).unwrap();
+            local.translation += Vec3A::from_array([0; 3].map(|_| random.within(-2.0, 2.0) as f32));
+            pose.set_local(bone, local).unwrap();
+        }
+    }
+    pose
+}
+
+#[test]
+fn kinematics_are_those_of_the_armature_s_own_matrices() {
+    let random = &mut Random::new(31);
+    for round in 0..20 {
+        let armature = armature(random);
+        for root in [SkeletonRoot::Fixed, SkeletonRoot::FREE] {
+            let figure = figure(&armature, &Cones::new(), root);
+            let bridge = PoseTurns::new(&armature, &figure);
+            let mut pose = any_pose(&armature, root != SkeletonRoot::Fixed, random);
+            if round == 0 {
+                pose = armature.rest().clone();
+            }
+            let mut q = Vec::new();
+            bridge.configuration_of(&pose, &mut q);
+            assert_eq!(q.len(), figure.model().configuration_len());
+            let ours = figure.pose(&q).unwrap();
+            for (bone, (affine, rotation)) in armature.bone_ids().zip(placed(&armature, &pose)) {
+                let own = ours.model_from_bone[bone.index()];
+                let at = DVec3::from(own.translation.to_array());
+                assert!(
+                    (affine.translation - at).length() < 1e-12 * 20.0,
+                    "{bone:?}"
+                );
+                for (axis, ours) in DVec3::AXES.into_iter().zip(axes(&own)) {
+                    assert!((rotation * axis - ours).length() < 1e-12, "{bone:?}");
+                }
+            }
+            // And back, to the rounding of single precision.
+            let mut back = armature.rest().clone();
+            bridge.pose_of(&q, &mut back);
+            for bone in armature.bone_ids() {
+                let (a, b) = (pose.local(bone).unwrap(), back.local(bone).unwrap());
+                assert!(a.translation.abs_diff_eq(b.translation, 1e-5));
+                assert!(a.rotation.dot(b.rotation).abs() > 1.0 - 1e-6);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_neutral_configuration_is_the_rest_pose() {
+    let random = &mut Random::new(32);
+    let armature = armature(random);
+    for root in [SkeletonRoot::Fixed, SkeletonRoot::FREE] {
+        let figure = figure(&armature, &Cones::new(), root);
+        let mut q = Vec::new();
+        PoseTurns::new(&armature, &figure).configuration_of(armature.rest(), &mut q);
+        for (ours, neutral) in q.iter().zip(figure.model().neutral()) {
+            assert!((ours - neutral).abs() < 1e-12);
+        }
+        let model = figure.model();
+        let turning = armature
+            .bone_ids()
+            .filter(|bone| !STILL.contains(&bone.index()));
+        let joints: BTreeSet<_> = turning.flat_map(|bone| figure.joints(bone)).collect();
+        let moving: BTreeSet<_> = model.moving_joints().iter().copied().collect();
+        assert_eq!(joints, moving);
+        // Frames are those of the skeleton on hinges, by their ids.
+        let names = |frames: &[kinopt::model::Frame]| -> Vec<String> {
+            frames.iter().map(|frame| frame.name.clone()).collect()
+        };
+        let hinged = figure.skeleton().model().frames();
+        assert_eq!(names(model.frames()), names(hinged));
+    }
+}
+
+/// A straight arm of three bones along x, which an armature says by where its bones begin.
+fn arm() -> Armature {
+    let bone = |name: &str, parent, x: f32| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation: Vec3A::new(x, 0.0, 0.0),
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let bones = vec![
+        bone("upper", None, 0.0),
+        bone("fore", Some(0), 1.0),
+        bone("hand", Some(1), 1.0),
+    ];
+    Armature::new(bones, Vec::new()).unwrap()
+}
+
+#[test]
+fn no_solution_leaves_a_cone() {
+    let armature = arm();
+    let skeleton = armature
+        .skeleton("arm", |_| [Limits::UNBOUNDED; 3])
+        .unwrap();
+    // The upper arm swings by 40 degrees and twists by 20, the elbow is a hinge about z that bends one way.
+    let (swing, twist) = (40f64.to_radians(), 20f64.to_radians());
+    let upper = BoneCone::new(BallLimits::cone(swing, Limits::new(-twist, twist)));
+    let hinge = BallLimits::cone(1e-3, Limits::new(0.0, 2.0));
+    let elbow = BoneCone::about([0.0, 0.0, 1.0], hinge);
+    let cones = Cones::from([("upper".to_owned(), upper), ("fore".to_owned(), elbow)]);
+    let figure = BallSkeleton::new(skeleton, &cones, SkeletonRoot::Fixed).unwrap();
+    let hand = figure.tail(figure.bone("hand").unwrap());
+    let mut problem = Problem::builder(figure.model());
+    let task = problem.add(Point::new(hand, [0.0; 3]));
+    let problem = problem.build().unwrap();
+    let mut targets = problem.targets();
+    let (solver, mut workspace) = (Solver::default(), Workspace::default());
+    let random = &mut Random::new(33);
+    let (mut reached, mut on_the_edge) = (0, 0);
+    for _ in 0..200 {
+        let target = [0; 3].map(|_| random.within(-1.8, 1.8));
+        targets.get_mut(task).unwrap().set_target(target);
+        let rest = figure.model().neutral();
+        let solution = solver
+            .solve(
+                problem.with_targets(&targets).unwrap(),
+                &rest,
+                &mut workspace,
+            )
+            .unwrap();
+        reached += usize::from(solution.reached);
+        let pose = figure.pose(&solution.q).unwrap();
+        let columns = |bone: usize| axes(&pose.model_from_bone[bone]);
+        let ([along, across, _], fore) = (columns(0), columns(1));
+        // How far x tips, and how far y turns about it beyond what the shortest arc does.
+        let tipped = along.dot(DVec3::X).clamp(-1.0, 1.0).acos();
+        assert!(tipped <= swing + 1e-9, "{tipped}");
+        on_the_edge += usize::from(tipped > swing - 1e-9);
+        let carried = DQuat::from_rotation_arc(DVec3::X, along) * DVec3::Y;
+        assert!(carried.angle_between(across) <= twist + 1e-7);
+        // The elbow's x stays where a turn about the upper arm's z has it, on one side.
+        let bent = along.cross(fore[0]).dot(columns(0)[2]);
+        assert!(bent > -2e-3 && fore[0].dot(columns(0)[2]).abs() < 2e-3);
+        let length: f64 = solution.q[..4].iter().map(|part| part * part).sum();
+        assert!((length - 1.0).abs() < 1e-12);
+    }
+    assert!(reached > 5 && on_the_edge > 50, "{reached} {on_the_edge}");
+}
+
+#[test]
+fn a_cone_is_about_the_bone_unless_it_says_otherwise() {
+    let axis_of = |armature: &Armature, name: &str| {
+        let skeleton = armature
+            .skeleton("one", |_| [Limits::UNBOUNDED; 3])
+            .unwrap();
+        let figure = BallSkeleton::new(skeleton, &Cones::new(), SkeletonRoot::Fixed).unwrap();
+        let joint = figure.joint(figure.bone(name).unwrap()).unwrap();
+        figure.model().joints()[joint.index()].axis
+    };
+    // To the child; where there is none, on from the parent.
+    for bone in ["upper", "fore", "hand"] {
+        assert!((axis_of(&arm(), bone) - Vector3::UNITS[0]).norm() < 1e-12);
+    }
+    // Between two children, in axes of its own.
+    let bone = |name: &str, parent, at: [f32; 3]| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation: Vec3A::from_array(at),
+            rotation: match parent {
+                None => Quat::from_rotation_z(std::f32::consts::FRAC_PI_2),
+                Some(_) => Quat::IDENTITY,
+            },
+            scale: Vec3A::ONE,
+        },
+    };
+    let bones = vec![
+        bone("chest", None, [0.0; 3]),
+        bone("left", Some(0), [0.0, 1.0, 1.0]),
+        bone("right", Some(0), [0.0, 1.0, -1.0]),
+    ];
+    let chest = Armature::new(bones, Vec::new()).unwrap();
+    assert!((axis_of(&chest, "chest") - Vector3::UNITS[1]).norm() < 1e-7);
+}
+
+#[test]
+fn cones_of_what_has_none_are_refused() {
+    let random = &mut Random::new(34);
+    let armature = armature(random);
+    let limits = |bone: kinopt::skeleton::BoneId| match STILL.contains(&bone.index()) {
+        true => [Limits::new(0.0, 0.0); 3],
+        false => [Limits::UNBOUNDED; 3],
+    };
+    let with = |name: &str, cone, root| {
+        let skeleton = armature.skeleton("one", limits).unwrap();
+        let cones = Cones::from([(name.to_owned(), cone)]);
+        BallSkeleton::new(skeleton, &cones, root).map(|_| ())
+    };
+    let fine = BoneCone::new(BallLimits::cone(1.0, Limits::UNBOUNDED));
+    assert!(with("bone 1", fine, SkeletonRoot::Fixed).is_ok());
+    let error = with("bone 1", fine, SkeletonRoot::FREE).unwrap_err();
+    assert!(matches!(error, SkeletonError::ConeOfFreeBone { bone } if bone == "bone 1"));
+    let error = with("bone 6", fine, SkeletonRoot::Fixed).unwrap_err();
+    assert!(matches!(error, SkeletonError::ConeOfStillBone { bone } if bone == "bone 6"));
+    let error = with("bone 99", fine, SkeletonRoot::Fixed)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`bone 99`") && error.contains("bone 9"),
+        "{error}"
+    );
+    let wide = BoneCone::new(BallLimits::cone(4.0, Limits::UNBOUNDED));
+    let error = with("bone 2", wide, SkeletonRoot::Fixed)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`bone 2`") && error.contains("swing"),
+        "{error}"
+    );
+    let nowhere = BoneCone {
+        axis: Some(Vector3::zero()),
+        ..fine
+    };
+    let error = with("bone 2", nowhere, SkeletonRoot::Fixed)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`bone 2`") && error.contains("axis"),
+        "{error}"
+    );
+    let room = SkeletonRoot::Free {
+        room: [Limits::new(1.0, -1.0); 3],
+    };
+    assert!(with("bone 2", fine, room).is_err());
+}

@@ -1,0 +1,98 @@
+//! Promise: a file of cones says in degrees what bones may do, and one that is wrong is refused by the place in it.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::io::cones;
+use kinopt::model::Limits;
+use kinopt::spatial::Vector3;
+
+#[test]
+fn degrees_become_radians() {
+    let text = r#"{
+        "whole":  {"swing": 180, "twist": [-180, 180]},
+        "ellipse": {"swing": [45, 30], "about": [0, 2, 0]},
+        "hinge":  {"axis": [0, 0, 1], "swing": 0.5, "twist": [0, 90]},
+        "turned": {"twist": [-10, -5]}
+    }"#;
+    let cones = cones::from_bytes(text.as_bytes(), "cones.json").unwrap();
+    let pi = std::f64::consts::PI;
+    assert_eq!(cones["whole"].limits.swing, [pi; 2]);
+    assert_eq!(cones["whole"].limits.twist, Limits::new(-pi, pi));
+    assert_eq!(
+        cones["ellipse"].limits.swing,
+        [pi / 4.0, 30f64.to_radians()]
+    );
+    assert_eq!(
+        cones["ellipse"].limits.about,
+        Some(Vector3::new(0.0, 2.0, 0.0))
+    );
+    assert_eq!(cones["ellipse"].limits.twist, Limits::UNBOUNDED);
+    assert_eq!(cones["hinge"].axis, Some(Vector3::UNITS[2]));
+    assert_eq!(cones["hinge"].limits.twist, Limits::new(0.0, pi / 2.0));
+    assert_eq!(
+        (cones["turned"].axis, cones["turned"].limits.about),
+        (None, None)
+    );
+    assert_eq!(cones["turned"].limits.swing, [pi; 2]);
+}
+
+#[test]
+fn what_is_wrong_is_told_by_its_place() {
+    for (text, place, reason) in [
+        (r#"{"a": {"swing": 0}}"#, "a.swing", "0 degrees"),
+        (r#"{"a": {"swing": 181}}"#, "a.swing", "181 degrees"),
+        (
+            r#"{"a": {"swing": [10, -1], "about": [1, 0, 0]}}"#,
+            "a.swing",
+            "-1 degrees",
+        ),
+        (r#"{"a": {"swing": [10, 20]}}"#, "a.swing", "`about`"),
+        (
+            r#"{"a": {"swing": 10, "about": [1, 0, 0]}}"#,
+            "a.about",
+            "two numbers",
+        ),
+        (
+            r#"{"a": {"swing": [10, 20], "about": [0, 0, 0]}}"#,
+            "a.about",
+            "no direction",
+        ),
+        (
+            r#"{"a": {"swing": 10, "axis": [0, 0, 0]}}"#,
+            "a.axis",
+            "no direction",
+        ),
+        (
+            r#"{"a": {"swing": 10, "twist": [5, -5]}}"#,
+            "a.twist",
+            "no range",
+        ),
+        (
+            r#"{"a": {"swing": 10, "twist": [-181, 0]}}"#,
+            "a.twist",
+            "no range",
+        ),
+        (r#"{"a": {"swing": "wide"}}"#, "a", "degrees"),
+        (r#"{"a": {"cone": 10}}"#, "a", "unknown field `cone`"),
+        (
+            r#"{"a": {"swing": 10, "swing": 20}}"#,
+            "a",
+            "duplicate field",
+        ),
+        (r#"{"a": {"swing": 10}, "a": {"swing": 20}}"#, "a", "twice"),
+        (r#"{"a": {}}"#, "a", "neither"),
+        (r#"{"a": 10}"#, "a", "expected struct"),
+        ("{}", "", "no bone"),
+        ("[]", "", "an object with a cone"),
+        (r#"{"a": {"swing": 10}"#, "", "EOF"),
+    ] {
+        let error = cones::from_bytes(text.as_bytes(), "man.json").unwrap_err();
+        let message = error.to_string();
+        let found = message.contains(place) && message.contains(reason);
+        assert!(
+            message.starts_with("man.json: ") && found,
+            "{text}: {message}"
+        );
+    }
+    let missing = cones::read("no such file.json").unwrap_err().to_string();
+    assert!(missing.contains("no such file.json"), "{missing}");
+}
