@@ -148,7 +148,7 @@ impl ParameterMap {
             coordinate,
             variable,
             chart: RotationChart::new(joint.axis, limits),
-            swing: limits.map(|limits| limits.swing),
+            swing: limits.map(|limits| limits.swing.map(|half| half.min(WIDEST_SWING))),
         };
         self.sources[coordinate..coordinate + 4].fill(Source::Rotation { variable });
         for (k, bounds) in ball.bounds(limits).into_iter().enumerate() {
@@ -362,6 +362,10 @@ pub(crate) fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ModelE
     check_length(CONFIGURATION, q.len(), model.configuration_len())?;
     check_numbers(CONFIGURATION, q)
 }
+
+/// An axis that is swung right round is so by any swing, each with another twist: a quaternion there does not tell
+/// which it was. So near to that none comes, in radians, that rounding leaves the direction to nine digits.
+const WIDEST_SWING: f64 = std::f64::consts::PI - 1e-7;
 
 const CONFIGURATION: &str = "a configuration of this model";
 const VARIABLES: &str = "the variables of this map";

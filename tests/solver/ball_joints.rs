@@ -285,3 +285,34 @@ fn a_ball_locked_where_it_stands_stays() {
         assert!((own - held).abs() < 1e-15);
     }
 }
+
+#[test]
+fn a_limb_swung_right_round_stays_in_a_narrow_cone_and_is_read_back_as_it_stands() {
+    // Skew, so that rounding blurs which way it was swung.
+    let axis = nalgebra::Vector3::new(1.0, 2.0, 3.0).normalize();
+    let about = axis.cross(&nalgebra::Vector3::x()).normalize();
+    let (along, up) = (support::vector(axis), support::vector(about));
+    for narrow in [0.3, 1.0, PI] {
+        let mut builder = Model::builder("arm");
+        let limits = BallLimits::elliptic(up, [PI, narrow], Limits::new(-0.4, 0.5));
+        let at = Placement::identity();
+        let shoulder = builder.ball("shoulder", None, at, along, Some(limits));
+        let hand = builder.frame("hand", Some(shoulder), Placement::translation(along));
+        let model = builder.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        // A little further round than half a turn, which it comes to from one side.
+        let target = axis * 3.3_f64.cos() + about.cross(&axis) * 3.3_f64.sin();
+        tasks.add(Point::new(hand, target));
+        let problem = tasks.build().unwrap();
+        let start = [1.0, about.x, about.y, about.z];
+        let once = Solver::default().with_restarts(Restarts::none());
+        let solution = once.solve_once(&problem, &start).unwrap();
+        let error = solution.position_error().unwrap();
+        assert!((error - 2.0 * f64::sin(0.5 * (3.3 - PI))).abs() < 1e-6);
+        assert!(model.is_within_limits(&solution.q), "{:?}", solution.q);
+        let again = once.solve_once(&problem, &solution.q).unwrap();
+        let mut moved = [0.0; 3];
+        model.difference(&solution.q, &again.q, &mut moved).unwrap();
+        assert!(moved.iter().all(|v| v.abs() < 1e-6), "moved by {moved:?}");
+    }
+}

@@ -4,6 +4,7 @@ mod asked_within_bounds;
 mod ball_joints;
 mod contradicting_targets;
 mod drags;
+mod every_kind_of_limit;
 mod first_steps;
 mod from_outside;
 mod invariance;

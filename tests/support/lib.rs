@@ -10,12 +10,14 @@
 
 pub mod armatures;
 pub mod arms;
+pub mod bodies;
 pub mod body_tasks;
 pub mod bones;
 pub mod classics;
 pub mod figures;
 pub mod follower_chains;
 pub mod gltf_text;
+pub mod kept_limits;
 pub mod lane_chains;
 pub mod limbs;
 pub mod lines;

@@ -1,0 +1,296 @@
+//! Random bodies of every kind of joint, with joints held and joints that follow others, and what their
+//! configurations may be.
+
+use std::f64::consts::PI;
+
+use kinopt::model::{
+    BallLimits, FrameId, JointId, Limits, Masses, Model, ModelBuilder, ParameterMap, PointMass,
+};
+use kinopt::spatial::Vector3;
+
+use super::kept_limits::{Cone, Role, Rule, cross, exponential};
+use super::random::Random;
+use super::{placement, vector};
+
+/// A model, which of its joints are free, and what its configurations may be.
+#[derive(Clone, Debug)]
+pub struct Body {
+    pub model: Model,
+    pub map: ParameterMap,
+    pub masses: Masses,
+    /// One on every joint that carries something.
+    pub frames: Vec<FrameId>,
+    /// By joint in configuration order.
+    pub rules: Vec<Rule>,
+    pub roles: Vec<Role>,
+}
+
+/// The joints of a body that is being put together.
+struct Parts {
+    builder: ModelBuilder,
+    /// The name and the rule of each joint that moves.
+    moving: Vec<(String, Rule)>,
+    /// Where the next may stand.
+    carriers: Vec<JointId>,
+}
+
+impl Body {
+    /// A tree of so many joints of every kind, in chains that branch; the first may be a base that moves.
+    pub fn new(random: &mut Random, joints: usize) -> Self {
+        let mut parts = Parts {
+            builder: Model::builder("body"),
+            moving: Vec::new(),
+            carriers: Vec::new(),
+        };
+        for index in 0..joints {
+            parts.add(random, index);
+        }
+        let Parts {
+            mut builder,
+            moving,
+            carriers,
+        } = parts;
+        let frames: Vec<FrameId> = (carriers.iter().enumerate())
+            .map(|(k, &joint)| {
+                let at = placement(&random.rigid(0.4));
+                builder.frame(format!("frame {k}"), Some(joint), at)
+            })
+            .collect();
+        let model = builder.build().unwrap();
+        let points = frames.iter().map(|&frame| PointMass {
+            frame,
+            at: vector(random.vector(0.2)),
+            mass: random.within(0.1, 5.0),
+        });
+        let masses = Masses::new(&model, points).unwrap();
+        let (map, roles) = roles(&model, &moving, random);
+        Self {
+            map,
+            masses,
+            frames,
+            rules: moving.into_iter().map(|(_, rule)| rule).collect(),
+            roles,
+            model,
+        }
+    }
+
+    /// What of a configuration is broken, if anything is.
+    pub fn broken(&self, q: &[f64]) -> Option<String> {
+        super::kept_limits::broken(&self.rules, &self.roles, q)
+    }
+
+    /// A configuration with everything on an edge: numbers at an end of their limits, balls on their cones, at
+    /// an end of their twist.
+    pub fn on_edges(&self, random: &mut Random) -> Vec<f64> {
+        let mut q = Vec::with_capacity(self.model.configuration_len());
+        for rule in &self.rules {
+            let end = random.below(2) as f64;
+            match rule {
+                Rule::Number(Limits { lower, upper }) => {
+                    let (lower, upper) = (lower.max(-3.0), upper.min(3.0));
+                    q.push(if end == 0.0 { lower } else { upper });
+                }
+                Rule::Ball(None) => {
+                    let half_a_turn = random.direction().into_inner() * PI;
+                    q.extend(exponential(half_a_turn.into()));
+                }
+                Rule::Ball(Some(cone)) => {
+                    let (sin, cos) = random.within(-PI, PI).sin_cos();
+                    q.extend(cone.at([cos, sin], end));
+                }
+            }
+        }
+        q
+    }
+
+    /// Numbers that have nothing to do with limits: quaternions of any length, values as large as `size`.
+    pub fn anywhere(&self, random: &mut Random, size: f64) -> Vec<f64> {
+        let count = self.model.configuration_len();
+        (0..count).map(|_| random.within(-size, size)).collect()
+    }
+}
+
+impl Parts {
+    fn add(&mut self, random: &mut Random, index: usize) {
+        let builder = &mut self.builder;
+        let last = self.carriers.len();
+        let parent = (last > 0).then(|| self.carriers[last - 1 - random.below(last.min(3))]);
+        let name = format!("joint {index}");
+        let at = placement(&random.rigid(0.4));
+        let direction = random.direction().into_inner();
+        let across = cross(direction.into(), random.direction().into_inner().into());
+        let across = nalgebra::Vector3::from(across).normalize();
+        let (axis, about) = (vector(direction), vector(across));
+        // The first moves for certain, and more often than others it is a base that goes anywhere.
+        let kind = match index {
+            0 => [2, 4, 8, 8][random.below(4)],
+            _ => random.below(9),
+        };
+        let own = name.clone();
+        let mut numbers = |part: &str, limits: Limits| {
+            let rule = Rule::Number(limits);
+            self.moving.push((format!("{own}{part}"), rule));
+        };
+        let carrier = match kind {
+            0 => builder.fixed(name, parent, at),
+            1 => {
+                let limits = range(random, 2.5);
+                let joint = builder.revolute(name, parent, at, axis, limits);
+                numbers("", limits);
+                joint
+            }
+            2 => {
+                let joint = builder.continuous(name, parent, at, axis);
+                numbers("", Limits::UNBOUNDED);
+                joint
+            }
+            3 => {
+                let limits = range(random, 0.6);
+                let joint = builder.prismatic(name, parent, at, axis, limits);
+                numbers("", limits);
+                joint
+            }
+            4 | 5 => {
+                let cone = (random.below(4) > 0).then(|| Cone {
+                    axis: direction.into(),
+                    about: across.into(),
+                    swing: swing(random),
+                    twist: twist(random),
+                });
+                let limits = cone
+                    .as_ref()
+                    .map(|cone| BallLimits::elliptic(about, cone.swing, cone.twist));
+                let joint = builder.ball(name, parent, at, axis, limits);
+                self.moving.push((own, Rule::Ball(cone)));
+                joint
+            }
+            6 => {
+                let limits = [range(random, 2.0), range(random, 2.0)];
+                let joint = builder.universal(name, parent, at, [axis, about], limits);
+                for (part, limits) in ["/first", "/second"].into_iter().zip(limits) {
+                    numbers(part, limits);
+                }
+                joint
+            }
+            7 => {
+                let room = [room(random), room(random)];
+                let yaw = range(random, 3.0);
+                let joint = builder.planar(name, parent, at, axis, room, yaw);
+                let parts = ["/x", "/y", "/yaw"].into_iter();
+                for (part, limits) in parts.zip([room[0], room[1], yaw]) {
+                    numbers(part, limits);
+                }
+                joint
+            }
+            _ => {
+                let room = [room(random), room(random), room(random)];
+                let joint = builder.free(name, parent, at, room);
+                for (part, limits) in ["/x", "/y", "/z"].into_iter().zip(room) {
+                    numbers(part, limits);
+                }
+                self.moving
+                    .push((format!("{own}/rotation"), Rule::Ball(None)));
+                joint
+            }
+        };
+        self.carriers.push(carrier);
+    }
+}
+
+/// A range around or beside zero; one in nine is a single value.
+fn range(random: &mut Random, size: f64) -> Limits {
+    let (a, b) = (random.within(-size, size), random.within(-size, size));
+    match random.below(9) {
+        0 => Limits::new(a, a),
+        1 => Limits::new(a, f64::INFINITY),
+        _ => Limits::new(a.min(b), a.max(b)),
+    }
+}
+
+/// Where a base may stand.
+fn room(random: &mut Random) -> Limits {
+    match random.below(3) {
+        0 => Limits::UNBOUNDED,
+        _ => range(random, 1.0),
+    }
+}
+
+/// Half angles of a cone: circular or not, needle-thin, wide, all that there is.
+fn swing(random: &mut Random) -> [f64; 2] {
+    let mut half = || match random.below(8) {
+        0 => random.within(1e-3, 0.05),
+        1 => PI,
+        2 => random.within(1.5, 3.1),
+        _ => random.within(0.1, 1.5),
+    };
+    let (a, b) = (half(), half());
+    match random.below(2) {
+        0 => [a, a],
+        _ => [a, b],
+    }
+}
+
+fn twist(random: &mut Random) -> Limits {
+    let (a, b) = (random.within(-PI, PI), random.within(-PI, PI));
+    match random.below(6) {
+        0 => Limits::UNBOUNDED,
+        1 => Limits::new(-PI, PI),
+        2 => Limits::new(a, a),
+        _ => Limits::new(a.min(b), a.max(b)),
+    }
+}
+
+/// Some joints held, some following another; what cannot be said of a body is not.
+fn roles(
+    model: &Model,
+    moving: &[(String, Rule)],
+    random: &mut Random,
+) -> (ParameterMap, Vec<Role>) {
+    let mut builder = ParameterMap::builder(model);
+    let mut roles = Vec::new();
+    let mut master = None;
+    for (name, rule) in moving {
+        let joint = model.joint(name).unwrap();
+        let at = model.coordinate(joint).unwrap();
+        match (rule, random.below(10)) {
+            (Rule::Number(limits), 0) => {
+                let value = limits.lower.max(-1.0).min(limits.upper);
+                builder = builder.lock(joint, value);
+                roles.push(Role::Held(at, vec![value]));
+            }
+            (Rule::Ball(_), 0) => {
+                let turned = exponential(random.vector(2.0).into());
+                builder = builder.lock_ball(joint, turned.map(|part| part * 3.0));
+                roles.push(Role::Held(at, turned.to_vec()));
+            }
+            (Rule::Number(limits), 1 | 2) => {
+                // Through the middles of both ranges, so that something is left.
+                let Some((other, middle)) = master else {
+                    master = Some((joint, in_the_middle(limits)));
+                    continue;
+                };
+                let ratio = random.within(-1.5, 1.5);
+                let offset = in_the_middle(limits) - ratio * middle;
+                builder = builder.couple(joint, other, ratio, offset);
+                let leads = model.coordinate(other).unwrap();
+                roles.push(Role::Follows(at, leads, ratio, offset));
+            }
+            _ => {}
+        }
+    }
+    match builder.build() {
+        Ok(map) if map.variables() > 0 => (map, roles),
+        // Rounding may leave a follower of a single value none.
+        _ => (ParameterMap::free(model), Vec::new()),
+    }
+}
+
+fn in_the_middle(limits: &Limits) -> f64 {
+    let (lower, upper) = (limits.lower.max(-2.0), limits.upper.min(2.0));
+    0.5 * (lower + upper)
+}
+
+/// A direction as the library takes it.
+pub fn direction(random: &mut Random) -> Vector3<f64> {
+    vector(random.direction().into_inner())
+}

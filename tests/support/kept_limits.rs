@@ -1,0 +1,196 @@
+//! What may be of a configuration, and a check of it in plain numbers: nothing here is the library's but the
+//! pairs of limits that it is told.
+
+use std::f64::consts::{PI, TAU};
+
+use kinopt::model::Limits;
+
+/// Quaternions are as long as 1 to this.
+const UNIT: f64 = 1e-12;
+/// Angles of a ball are within their limits to this, in radians and as a share of a cone.
+const ROUNDING: f64 = 1e-10;
+
+/// Limits of a ball joint.
+#[derive(Clone, Debug)]
+pub struct Cone {
+    /// Of unit length, as `about`, which is across it.
+    pub axis: [f64; 3],
+    pub about: [f64; 3],
+    pub swing: [f64; 2],
+    pub twist: Limits,
+}
+
+/// What one joint's numbers of a configuration may be.
+#[derive(Clone, Debug)]
+pub enum Rule {
+    /// A number within limits, to the bit.
+    Number(Limits),
+    /// A unit quaternion w, x, y, z.
+    Ball(Option<Cone>),
+}
+
+impl Rule {
+    pub fn coordinates(&self) -> usize {
+        match self {
+            Self::Number(_) => 1,
+            Self::Ball(_) => 4,
+        }
+    }
+}
+
+/// What the numbers of a configuration that are no joint's own may be.
+#[derive(Clone, Debug)]
+pub enum Role {
+    /// So many numbers from here on stand at these.
+    Held(usize, Vec<f64>),
+    /// One is `ratio` times another, and `offset`.
+    Follows(usize, usize, f64, f64),
+}
+
+/// What of a configuration is broken, if anything is.
+pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
+    let mut at = 0;
+    for (joint, rule) in rules.iter().enumerate() {
+        let own = &q[at..at + rule.coordinates()];
+        let held = |role: &Role| matches!(role, Role::Held(first, _) if *first == at);
+        let fault = match rule {
+            Rule::Number(limits) => {
+                let within = limits.lower <= own[0] && own[0] <= limits.upper;
+                (!within).then(|| format!("{:?} is outside {limits:?}", own[0]))
+            }
+            // Where a ball is held is not asked.
+            Rule::Ball(cone) => length_fault(own).or_else(|| {
+                let cone = cone.as_ref().filter(|_| !roles.iter().any(held));
+                cone.and_then(|cone| cone.fault(own))
+            }),
+        };
+        if let Some(fault) = fault {
+            return Some(format!("joint {joint} of the configuration: {fault}"));
+        }
+        at += rule.coordinates();
+    }
+    assert_eq!(at, q.len());
+    roles.iter().find_map(|role| {
+        let (first, wanted) = match role {
+            Role::Held(first, values) => (*first, values.clone()),
+            Role::Follows(own, master, ratio, offset) => (*own, vec![ratio * q[*master] + offset]),
+        };
+        let pairs = wanted.iter().zip(&q[first..]);
+        let off = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        (off > 1e-13).then(|| format!("number {first} is {off:e} from where it is tied to"))
+    })
+}
+
+fn length_fault(q: &[f64]) -> Option<String> {
+    let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let off = (length - 1.0).abs();
+    (off.is_nan() || off > UNIT).then(|| format!("a quaternion's length is off by {off:e}"))
+}
+
+impl Cone {
+    /// Swing and twist as they are defined: the swing is the shortest turn that takes the axis to where the
+    /// rotation takes it, and the twist what is left to turn about it.
+    pub fn fault(&self, q: &[f64]) -> Option<String> {
+        let (axis, about) = (self.axis, self.about);
+        let (tipped, turned) = (rotated(q, axis), rotated(q, about));
+        let across = cross(axis, tipped);
+        let (sin, cos) = (norm(across), dot(axis, tipped));
+        let angle = sin.atan2(cos);
+        // The direction of a small tip does not matter, that of almost half a turn is not sharp.
+        let direction = match sin > 0.0 {
+            true => across.map(|v| v / sin),
+            false => about,
+        };
+        let blur = match cos < 0.0 {
+            true => 4e-15 / sin.max(1e-15),
+            false => 0.0,
+        };
+        let swing = [about, cross(axis, about)].map(|along| angle * dot(direction, along));
+        let share = (swing[0] / self.swing[0]).hypot(swing[1] / self.swing[1]);
+        if share > 1.0 + ROUNDING + blur {
+            return Some(format!("swung to {share:?} of its cone"));
+        }
+        // Rodrigues' turn of what was across the axis; a frame of it and its twisted self.
+        let (s, c) = angle.sin_cos();
+        let along = (1.0 - c) * dot(direction, about);
+        let side = cross(direction, about);
+        let untwisted = [0, 1, 2].map(|k| c * about[k] + s * side[k] + along * direction[k]);
+        let twist = dot(tipped, cross(untwisted, turned)).atan2(dot(untwisted, turned));
+        let Limits { lower, upper } = self.twist;
+        let slack = ROUNDING + blur;
+        let out = [twist, twist - TAU, twist + TAU]
+            .iter()
+            .all(|twist| *twist < lower - slack || *twist > upper + slack);
+        (out && blur < 1.0).then(|| format!("twisted by {twist:?}, outside {:?}", self.twist))
+    }
+
+    /// A quaternion at these shares of its limits: of its swing by direction, and of its twist.
+    pub fn at(&self, [first, second]: [f64; 2], twist: f64) -> [f64; 4] {
+        let second_axis = cross(self.axis, self.about);
+        let swing = [0, 1, 2].map(|k| {
+            self.swing[0] * first * self.about[k] + self.swing[1] * second * second_axis[k]
+        });
+        let (lower, upper) = (self.twist.lower.max(-PI), self.twist.upper.min(PI));
+        let angle = lower + (upper - lower) * twist;
+        product(
+            exponential(swing),
+            exponential(self.axis.map(|a| a * angle)),
+        )
+    }
+}
+
+/// How far one rotation is from another, in radians.
+pub fn angle_between(a: &[f64], b: &[f64]) -> f64 {
+    let back = [a[0], -a[1], -a[2], -a[3]];
+    let [w, x, y, z] = product(back, [b[0], b[1], b[2], b[3]]);
+    2.0 * norm([x, y, z]).atan2(w.abs())
+}
+
+/// cos and sin of half the length, along it.
+pub fn exponential(v: [f64; 3]) -> [f64; 4] {
+    let angle = norm(v);
+    let along = match angle > 0.0 {
+        true => (0.5 * angle).sin() / angle,
+        false => 0.5,
+    };
+    [
+        (0.5 * angle).cos(),
+        v[0] * along,
+        v[1] * along,
+        v[2] * along,
+    ]
+}
+
+/// Hamilton's product.
+pub fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+}
+
+/// v + 2 u × (u × v + w v).
+fn rotated(q: &[f64], v: [f64; 3]) -> [f64; 3] {
+    let u = [q[1], q[2], q[3]];
+    let once = cross(u, v);
+    let twice = cross(u, [0, 1, 2].map(|k| once[k] + q[0] * v[k]));
+    [0, 1, 2].map(|k| v[k] + 2.0 * twice[k])
+}
+
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
