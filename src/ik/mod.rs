@@ -3,6 +3,8 @@
 mod drag;
 mod drag_to_rest;
 mod holding;
+mod loop_closure;
+mod loop_gap;
 mod minimiser;
 mod preferences_within_goals;
 mod solver;
@@ -12,6 +14,8 @@ pub use crate::search::{
     ActiveLimit, BoundKind, OpenLoop, Restarts, RowsReport, Side, Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, Leap};
+pub use loop_closure::LoopClosure;
+pub use loop_gap::{LoopClosureError, LoopGap};
 pub(crate) use minimiser::Minimiser;
 pub use solver::Solver;
 pub use workspace::Workspace;

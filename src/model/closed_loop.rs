@@ -115,6 +115,13 @@ impl Model {
         joints.filter(|id| self.coordinate(*id).is_some()).collect()
     }
 
+    /// Whether a joint moves the places of some loop against each other.
+    #[must_use]
+    pub fn moves_a_loop(&self, joint: JointId) -> bool {
+        let mut loops = self.loops.iter();
+        loops.any(|closed| self.loop_joints(closed).contains(&joint))
+    }
+
     /// Refuses a loop that no configuration closes, as far as lengths tell: where one link of it is longer than
     /// all others together, or no joint moves its places against each other.
     pub(super) fn check_closes(&self, own: &Loop) -> Result<(), ModelError> {

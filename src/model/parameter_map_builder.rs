@@ -28,6 +28,11 @@ impl<'m> ParameterMapBuilder<'m> {
         }
     }
 
+    getters! {
+        /// The model whose joints are given roles.
+        pub(crate) fn model(&self) -> &'m Model = self.model;
+    }
+
     /// Holds a joint at `value` (radians or metres).
     #[must_use]
     pub fn lock(mut self, joint: JointId, value: f64) -> Self {

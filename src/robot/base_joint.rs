@@ -94,11 +94,13 @@ impl Robot {
         let mut drives = vec![super::Drive::default(); added];
         drives.extend(self.drives);
         let map = super::coupled(&model, &mimics).build()?;
+        let passive = self.passive.iter().copied().map(moved).collect();
         Ok(Self {
             model,
             mimics,
             map,
             drives,
+            passive,
             ..self
         })
     }

@@ -28,7 +28,7 @@ pub use xml::{Fault, Mended, Repair, RobotFileError};
 use drive::Drive;
 
 use crate::model::{
-    FrameId, FrameRef, JointId, Loop, Model, ModelBuilder, ModelError, ParameterMap,
+    FrameId, FrameRef, JointId, JointRef, Loop, Model, ModelBuilder, ModelError, ParameterMap,
     ParameterMapBuilder, UnknownName,
 };
 use crate::spatial::Placement;
@@ -61,6 +61,7 @@ pub struct Robot {
     drives: Vec<Drive>,
     /// By frame index; frames beyond are no links.
     links: Vec<Link>,
+    passive: Vec<JointId>,
     #[cfg(feature = "xml")]
     repairs: Vec<Repair>,
 }
@@ -79,6 +80,7 @@ impl Robot {
             map,
             drives: Vec::new(),
             links: Vec::new(),
+            passive: Vec::new(),
             #[cfg(feature = "xml")]
             repairs: Vec::new(),
         })
@@ -111,6 +113,10 @@ impl Robot {
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
         pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics);
+        /// The joints that nothing drives: of an MJCF file with actuators those that none of them moves, by itself or
+        /// through a fixed tendon, and that follow no other; else those that were
+        /// [said to be](Self::with_passive_joints).
+        pub fn passive_joints(&self) -> &[JointId] = &self.passive;
         /// The frames on which nothing hangs: hands, tools, feet.
         pub fn tips(&self) -> Vec<FrameId> = chain::tips(&self.model);
     }
@@ -127,6 +133,23 @@ impl Robot {
     #[must_use]
     pub fn repairs(&self) -> &[Repair] {
         &self.repairs
+    }
+
+    /// The same robot with these as its [passive joints](Self::passive_joints), as an SRDF file names them
+    /// ([`Srdf::passive_joints`]).
+    ///
+    /// # Errors
+    /// The first joint that the robot does not have; the error lists the valid names.
+    pub fn with_passive_joints<'a, J: Into<JointRef<'a>>>(
+        mut self,
+        joints: impl IntoIterator<Item = J>,
+    ) -> Result<Self, UnknownName> {
+        let joints = joints.into_iter();
+        let resolved: Result<_, _> = joints
+            .map(|joint| joint.into().resolve(&self.model))
+            .collect();
+        self.passive = resolved?;
+        Ok(self)
     }
 
     /// Looks several joints up.

@@ -75,7 +75,7 @@ each! { value:
 each! { value:
     Problem, Solution, Solver, Workspace, problem::Derivatives, problem::Preferences,
     problem::ProblemBuilder<'static>, problem::Scratch, problem::Targets,
-    problem::TaskId<task::Pose>, ik::ActiveLimit, ik::Restarts, ik::TaskReport, ik::OpenLoop,
+    problem::TaskId<task::Pose>, ik::ActiveLimit, ik::Restarts, ik::TaskReport, ik::OpenLoop, ik::LoopClosure<'static>, ik::LoopGap,
     solver::GaussNewton, solver::LevenbergMarquardt, solver::ProjectedGradient,
     solver::Stopping, solver::Termination, geometric::Ccd, geometric::Elbow, geometric::Fabrik,
     geometric::TwoBone, task::Camera, task::CentreOfMass, task::Distance, task::FrameVelocity,

@@ -2,6 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod four_bars;
+mod grippers;
+mod knees;
 mod mechanisms;
+mod stewart_platforms;
 mod truth;
+mod two_hands;
 mod wrong_loops;

@@ -1,7 +1,8 @@
 //! Mechanisms with loops, and their closed forms.
 
-use kinopt::model::{JointId, Limits, Loop, Model, ModelBuilder};
-use kinopt::spatial::{Placement, Vector3};
+use kinopt::model::{FrameId, JointId, Limits, Loop, Model, ModelBuilder};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use support::random::Random;
 
 /// Any angle.
 pub(crate) const TURNS: Limits = Limits {
@@ -66,5 +67,131 @@ impl FourBar {
         let (k1, k2) = (g / a, g / c);
         let k3 = (a * a - b * b + c * c + g * g) / (2.0 * a * c);
         k1 * rocker.cos() - k2 * crank.cos() + k3 - (crank - rocker).cos()
+    }
+}
+
+/// A Stewart platform: six slides between a ground and a platform that is free to move, each on a universal joint
+/// below and a ball above.
+pub(crate) struct Stewart {
+    pub(crate) model: Model,
+    pub(crate) platform: FrameId,
+    pub(crate) slides: Vec<JointId>,
+    /// The universal joints' hinges.
+    pub(crate) hinges: Vec<JointId>,
+    /// Below and above.
+    pub(crate) anchors: Vec<[Vector3<f64>; 2]>,
+}
+
+impl Stewart {
+    pub(crate) fn new() -> Self {
+        let mut builder = Model::builder("stewart");
+        let base = builder.free("platform", None, along_x(0.0), [Limits::new(-2.0, 2.0); 3]);
+        let platform = builder.frame("platform", Some(base), along_x(0.0));
+        let on_circle = |radius: f64, degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            Vector3::new(radius * cos, radius * sin, 0.0)
+        };
+        let [x, y, z] = Vector3::UNITS;
+        let (mut slides, mut hinges, mut anchors) = (Vec::new(), Vec::new(), Vec::new());
+        for leg in 0..6 {
+            let pair = 120.0 * f64::from(leg / 2);
+            let side = if leg % 2 == 0 { -1.0 } else { 1.0 };
+            let below = on_circle(0.5, pair + side * 15.0);
+            let above = on_circle(0.3, pair + side * 45.0);
+            let tilt = Limits::new(-1.5, 1.5);
+            let at = Placement::translation(below);
+            let first = builder.revolute(format!("leg {leg}/x"), None, at, x, tilt);
+            let second =
+                builder.revolute(format!("leg {leg}/y"), Some(first), along_x(0.0), y, tilt);
+            let name = format!("leg {leg}");
+            let slide =
+                builder.prismatic(&name, Some(second), along_x(0.0), z, Limits::new(0.2, 1.5));
+            let ends = [
+                builder.frame(format!("{name}/end"), Some(slide), along_x(0.0)),
+                platform,
+            ];
+            let places = [along_x(0.0), Placement::translation(above)];
+            builder.close(Loop::connect(name, ends).at(places));
+            slides.push(slide);
+            hinges.extend([first, second]);
+            anchors.push([below, above]);
+        }
+        Self {
+            model: builder.build().unwrap(),
+            platform,
+            slides,
+            hinges,
+            anchors,
+        }
+    }
+
+    /// How long the legs are for a pose of the platform: the inverse kinematics in closed form.
+    pub(crate) fn lengths(&self, platform: &Placement<f64>) -> Vec<f64> {
+        let ends = self.anchors.iter();
+        ends.map(|[below, above]| (platform.apply(*above) - *below).norm())
+            .collect()
+    }
+
+    /// A pose well within the legs' range.
+    pub(crate) fn pose(random: &mut Random) -> Placement<f64> {
+        let mut within = |size: f64| random.within(-size, size);
+        let turn = Vector3::new(within(0.3), within(0.3), within(0.4));
+        let at = Vector3::new(within(0.12), within(0.12), 0.7 + within(0.15));
+        Placement::new(rotation_exp(turn), at)
+    }
+}
+
+/// A gripper without coupled joints: a slide pushes rods that turn a parallelogram on either side, whose coupler is
+/// the finger.
+pub(crate) struct Gripper;
+
+impl Gripper {
+    /// From where the arms turn to the middle, along them, between those of a side, of the rod's hole, and the rods.
+    pub(crate) const SIZES: [f64; 5] = [0.03, 0.06, 0.02, 0.025, 0.055];
+
+    pub(crate) fn model() -> Model {
+        let [out, arm, between, hole, rod] = Self::SIZES;
+        let mut builder = Model::builder("gripper");
+        let z = Vector3::new(0.0, 0.0, 1.0);
+        let at = |x: f64, y: f64| Placement::translation(Vector3::new(x, y, 0.0));
+        let push = builder.prismatic(
+            "push",
+            None,
+            at(0.0, 0.0),
+            Vector3::UNITS[1],
+            Limits::new(-0.1, 0.06),
+        );
+        for (side, s) in [("left", -1.0), ("right", 1.0)] {
+            // At zero the arms stand out sideways.
+            let turn = Limits::new(-1.4, 1.4);
+            let mut add = |name: &str, on, place| {
+                let axis = z * s;
+                builder.revolute(format!("{side} {name}"), on, place, axis, turn)
+            };
+            let crank = add("crank", None, at(s * out, 0.0));
+            let second = add("second", None, at(s * out, between));
+            let finger = add("finger", Some(crank), at(s * arm, 0.0));
+            let link = builder.revolute(
+                format!("{side} rod"),
+                Some(push),
+                at(0.0, 0.0),
+                z * s,
+                Limits::new(-3.0, 3.0),
+            );
+            let mut frame =
+                |name: &str, on, place| builder.frame(format!("{side} {name}"), Some(on), place);
+            let holes = [
+                frame("finger hole", finger, at(0.0, between)),
+                frame("second end", second, at(s * arm, 0.0)),
+            ];
+            let pins = [
+                frame("rod end", link, at(s * rod, 0.0)),
+                frame("crank hole", crank, at(s * hole, 0.0)),
+            ];
+            frame("tip", finger, at(0.0, 0.08));
+            builder.close(Loop::connect(format!("{side} parallelogram"), holes));
+            builder.close(Loop::connect(format!("{side} push"), pins));
+        }
+        builder.build().unwrap()
     }
 }

@@ -4,7 +4,8 @@ use kinopt::Arm;
 use kinopt::Problem;
 use kinopt::arm::{ArmError, Base};
 use kinopt::geometric::{Ccd, Geometric, GeometricError};
-use kinopt::model::{FrameId, Limits, Loop, Model, ModelBuilder, ModelError};
+use kinopt::ik::LoopClosure;
+use kinopt::model::{FrameId, Limits, Loop, Model, ModelBuilder, ModelError, ParameterMap};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
@@ -151,4 +152,42 @@ fn robots_take_loops_that_their_files_do_not_know() {
         .map(|own| own.name.as_str())
         .collect();
     assert_eq!(names, ["pin", "another"]);
+}
+
+#[test]
+fn what_cannot_be_closed_is_told_by_name() {
+    let model = FourBar::CRANK_ROCKER.model();
+    let joint = |name| model.joint(name).unwrap();
+    let parameters = || ParameterMap::builder(&model);
+    let none = LoopClosure::new(parameters(), &[]).unwrap_err().to_string();
+    assert!(
+        none.contains("name some of crank, coupler, rocker"),
+        "{none}"
+    );
+
+    let dependent = [joint("coupler"), joint("rocker")];
+    let closure = LoopClosure::new(parameters(), &dependent).unwrap();
+    for (q, told) in [
+        (vec![0.1, f64::NAN, 0.0], "not a finite number"),
+        (vec![0.1, 0.0], "has 3 numbers, 2 were given"),
+        (vec![4.1, 0.0, 0.0], "joint `crank` cannot be locked at 4.1"),
+    ] {
+        let mut given = q.clone();
+        let error = closure.close(&mut given).unwrap_err().to_string();
+        assert!(error.contains(told), "{error}");
+        assert_eq!(format!("{given:?}"), format!("{q:?}"));
+    }
+    assert!(closure.gaps(&[0.0; 2]).is_err() && closure.gaps(&[f64::NAN; 3]).is_err());
+
+    // The crank alone cannot close what coupler and rocker leave open.
+    let crank = LoopClosure::new(parameters(), &[joint("crank")]).unwrap();
+    let error = crank.close(&mut [0.0; 3]).unwrap_err().to_string();
+    assert!(
+        error.contains("loop `pin` is open by 2.300e-1 m: no values of crank"),
+        "{error}"
+    );
+    // Dependent joints may begin anywhere.
+    let mut q = [0.3, 90.0, -50.0];
+    closure.close(&mut q).unwrap();
+    assert!(closure.gaps(&q).unwrap()[0].is_closed() && q[0] == 0.3);
 }

@@ -17,6 +17,7 @@ mod loops;
 mod mesh;
 mod names;
 mod orientation;
+mod passive;
 mod reader;
 mod segment;
 mod solid;

@@ -53,6 +53,11 @@ impl<'a> Names<'a> {
         self.sites.extend(name.map(|name| (name, id)));
     }
 
+    /// A joint's id, if there is one of the name.
+    pub(super) fn joint_named(&self, name: &str) -> Option<JointId> {
+        self.joints.get(name).map(|joint| joint.id)
+    }
+
     /// The frames of a body and its sites, as far as the file names them.
     pub(super) fn frames_of(&self, body: &Body<'_>) -> Vec<FrameId> {
         let sites = body.sites.iter().filter_map(|site| site.tag.text("name"));

@@ -10,6 +10,7 @@ use super::equality;
 use super::inertial::of_geoms;
 use super::loops;
 use super::mesh;
+use super::passive;
 use super::tree::Tree;
 use crate::model::ModelBuilder;
 use crate::robot::xml::{Fault, Repair, RobotFileError};
@@ -117,6 +118,7 @@ fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {
         model = builder.build().map_err(unsound)?;
     }
     let mut robot = Robot::new(model, mimics).map_err(unsound)?;
+    robot.passive = passive::joints(root, &names, &robot);
     robot.drives = drives;
     robot.links = bodies
         .into_iter()

@@ -1,0 +1,42 @@
+//! Joints that nothing drives, where a file says what does.
+
+use std::collections::HashSet;
+
+use super::names::Names;
+use super::tree::Tag;
+use crate::model::JointId;
+use crate::robot::Robot;
+
+/// The moving joints that no actuator moves and that follow no other; none where there are no actuators.
+pub(super) fn joints(root: Tag<'_>, names: &Names<'_>, robot: &Robot) -> Vec<JointId> {
+    let sections = |name| root.children_named(name);
+    let actuators = sections("actuator").flat_map(|section| section.children());
+    let actuators: Vec<Tag<'_>> = actuators.collect();
+    if actuators.is_empty() {
+        return Vec::new();
+    }
+    let mut driven: HashSet<&str> = HashSet::new();
+    let mut pulled: HashSet<&str> = HashSet::new();
+    for actuator in &actuators {
+        driven.extend(actuator.text("joint"));
+        driven.extend(actuator.text("jointinparent"));
+        pulled.extend(actuator.text("tendon"));
+    }
+    let tendons = sections("tendon").flat_map(|section| section.children_named("fixed"));
+    for tendon in tendons.filter(|tag| tag.text("name").is_some_and(|name| pulled.contains(name))) {
+        driven.extend(
+            tendon
+                .children_named("joint")
+                .filter_map(|joint| joint.text("joint")),
+        );
+    }
+    let driven: HashSet<JointId> = driven
+        .iter()
+        .filter_map(|name| names.joint_named(name))
+        .collect();
+    let follows = |id: JointId| robot.mimics().iter().any(|mimic| mimic.joint == id);
+    let mut moving = robot.model().moving_joints().to_vec();
+    moving.dedup();
+    moving.retain(|id| !driven.contains(id) && !follows(*id));
+    moving
+}

@@ -1,0 +1,107 @@
+//! Promise: a Stewart platform's legs are as long as closed-form inverse kinematics has them wherever the platform is
+//! put, and a platform stands where legs of given lengths hold it.
+
+use kinopt::ik::LoopClosure;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{JointId, ParameterMap};
+use kinopt::spatial::Placement;
+use kinopt::task::Pose;
+use kinopt::{Problem, Solver};
+use support::random::Random;
+
+use crate::mechanisms::Stewart;
+
+/// Upright in the middle, the legs as good as there.
+fn begin(stewart: &Stewart) -> Vec<f64> {
+    let mut q = stewart.model.neutral();
+    q[2] = 0.7;
+    for slide in &stewart.slides {
+        q[stewart.model.coordinate(*slide).unwrap()] = 0.75;
+    }
+    q
+}
+
+fn values(stewart: &Stewart, q: &[f64], joints: &[JointId]) -> Vec<f64> {
+    let at = |joint: &JointId| q[stewart.model.coordinate(*joint).unwrap()];
+    joints.iter().map(at).collect()
+}
+
+fn platform(stewart: &Stewart, q: &[f64]) -> Placement<f64> {
+    let mut kinematics = ForwardKinematics::new(&stewart.model);
+    kinematics.place(q).unwrap()[stewart.platform.index()]
+}
+
+fn assert_lengths(stewart: &Stewart, q: &[f64]) {
+    let expected = stewart.lengths(&platform(stewart, q));
+    for (own, expected) in values(stewart, q, &stewart.slides).iter().zip(expected) {
+        assert!((own - expected).abs() < 2e-9, "{own} {expected}");
+    }
+}
+
+#[test]
+fn the_inverse() {
+    let stewart = Stewart::new();
+    let mut random = Random::new(5);
+    for _ in 0..30 {
+        let target = Stewart::pose(&mut random);
+        let mut problem = Problem::builder(&stewart.model);
+        problem.add(Pose::new(stewart.platform, target));
+        let solution = Solver::default()
+            .solve_once(&problem.build().unwrap(), &begin(&stewart))
+            .unwrap();
+        assert!(solution.reached, "{}", solution.explain());
+        assert_lengths(&stewart, &solution.q);
+        for (own, expected) in values(&stewart, &solution.q, &stewart.slides)
+            .iter()
+            .zip(stewart.lengths(&target))
+        {
+            assert!((own - expected).abs() < 2e-6, "{own} {expected}");
+        }
+    }
+}
+
+#[test]
+fn the_forward() {
+    let stewart = Stewart::new();
+    let model = &stewart.model;
+    // The platform hangs on its legs: its joint, three slides and a ball, and the hinges follow.
+    let moving = model.moving_joints().iter().copied();
+    let mut dependent: Vec<JointId> = moving.filter(|id| !stewart.slides.contains(id)).collect();
+    dependent.dedup();
+    let closure = LoopClosure::new(ParameterMap::builder(model), &dependent).unwrap();
+    let mut random = Random::new(6);
+    for _ in 0..30 {
+        let pose = Stewart::pose(&mut random);
+        let mut q = begin(&stewart);
+        let lengths = stewart.lengths(&pose);
+        for (slide, length) in stewart.slides.iter().zip(&lengths) {
+            q[model.coordinate(*slide).unwrap()] = *length;
+        }
+        closure.close(&mut q).unwrap();
+        assert_eq!(values(&stewart, &q, &stewart.slides), lengths);
+        assert_lengths(&stewart, &q);
+        // Of the platform's up to 40 places for these lengths it is the one that it came from.
+        let found = platform(&stewart, &q);
+        let off = (found.translation - pose.translation).norm();
+        assert!(off < 1e-7, "{off:e}");
+        assert!(closure.gaps(&q).unwrap().iter().all(|gap| gap.is_closed()));
+    }
+}
+
+#[test]
+fn legs_that_reach_nothing_are_named() {
+    let stewart = Stewart::new();
+    let moving = stewart.hinges.clone();
+    let closure = LoopClosure::new(ParameterMap::builder(&stewart.model), &moving).unwrap();
+    let mut q = begin(&stewart);
+    let before = q.clone();
+    // The platform and all lengths are given, which agree for no leg.
+    let error = closure.close(&mut q).unwrap_err().to_string();
+    assert_eq!(q, before);
+    for leg in 0..6 {
+        assert!(
+            error.contains(&format!("loop `leg {leg}` is open by")),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,74 @@
+//! Promise: two hands on one box are a loop like any other: wherever the box goes, both hold it where they did.
+#![cfg(feature = "urdf")]
+
+use kinopt::ik::LoopClosure;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Loop, Model};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};
+use kinopt::task::{Pose, Posture};
+use kinopt::{Problem, Solver};
+
+/// From each tool to the box's middle, 0.4 m wide, held from both sides.
+fn grips() -> [Placement<f64>; 2] {
+    [1.0, -1.0].map(|side| {
+        let turn = rotation_exp(Vector3::new(side * std::f64::consts::FRAC_PI_2, 0.0, 0.0));
+        Placement::new(turn, Vector3::new(0.0, 0.0, 0.2))
+    })
+}
+
+fn robot() -> Robot {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/models/rethink_baxter.urdf");
+    let robot = Robot::read(file).unwrap();
+    let tools = ["left_tool", "right_tool"].map(|name| robot.model().frame(name).unwrap());
+    robot
+        .with_loop(Loop::weld("box", tools).at(grips()))
+        .unwrap()
+}
+
+/// Both hands' places of the box, one in the other: how far off the identity, metres and radians.
+fn apart(model: &Model, q: &[f64]) -> [f64; 2] {
+    let mut kinematics = ForwardKinematics::new(model);
+    let placed = kinematics.place(q).unwrap();
+    let [left, right] = ["left_tool", "right_tool"].map(|name| model.frame(name).unwrap());
+    let [one, other] = grips();
+    let between = (placed[left.index()] * one).inverse() * (placed[right.index()] * other);
+    [
+        between.translation.norm(),
+        rotation_log(&between.rotation).norm(),
+    ]
+}
+
+#[test]
+fn the_box_goes_where_both_can_hold_it() {
+    let robot = robot();
+    let model = robot.model();
+    let closure = LoopClosure::new(robot.parameters(), &model.moving_joints()[..1]).unwrap();
+    let left = model.frame("left_tool").unwrap();
+    let mut kinematics = ForwardKinematics::new(model);
+    let mut reached = 0;
+    let start = closure.random_configuration(1000).unwrap();
+    for seed in 0..25 {
+        let drawn = closure.random_configuration(seed).unwrap();
+        let off = apart(model, &drawn);
+        assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
+        let target = kinematics.place(&drawn).unwrap()[left.index()] * grips()[0];
+        let mut problem = Problem::builder(model);
+        problem.add(Pose::new(left, target).with_tool(grips()[0]));
+        problem.add(Posture::new(model, &start));
+        let problem = problem.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &start).unwrap();
+        let off = apart(model, &solution.q);
+        if solution.reached {
+            assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
+            reached += 1;
+        } else {
+            assert_eq!(
+                solution.loops_closed(),
+                off.iter().all(|off| *off <= 1e-9),
+                "{off:?}"
+            );
+        }
+    }
+    assert!(reached >= 24, "{reached} of 25");
+}
