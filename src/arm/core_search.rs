@@ -123,7 +123,6 @@ impl Arm {
             .with_steps(steps)
             .with_agreeing(agreeing)
             .with_seed(options.seed);
-        let schedule = Schedule::of_searches(restarts, Stopping::default(), false);
         // Taken out and put back, so that nothing is allocated.
         let mut search = std::mem::take(&mut workspace.search);
         let question = workspace.question.ask();
@@ -132,6 +131,8 @@ impl Arm {
         let (method, mut silent) = (LevenbergMarquardt::default(), Silent);
         let mut engine = workspace.engine(&method, query.deadline, &mut silent);
         let question = engine.question;
+        let asked = (question, Share::All);
+        let schedule = Schedule::of_searches(asked, restarts, Stopping::default(), false);
         let deadline = query.deadline;
         let mut found = run(
             question,

@@ -66,7 +66,7 @@ pub(super) fn solve(
     search.fit(question, Share::All);
     let deadline = stopping.deadline();
     let mut sweeps = Sweeps::new(question, &search.start, method, observer, deadline);
-    let schedule = Schedule::of_sweeps(restarts, stopping);
+    let schedule = Schedule::of_sweeps(question, restarts, stopping);
     let found = run(
         question,
         Share::All,

@@ -125,7 +125,8 @@ impl Solver {
         let share = problem.search_share();
         // Where preferences are traded the minimum is the goal, and a stall is on the way to it.
         let patient = share == Share::All && problem.has_preferences();
-        let schedule = Schedule::of_searches(self.restarts, self.stopping, patient);
+        let asked = (question, share);
+        let schedule = Schedule::of_searches(asked, self.restarts, self.stopping, patient);
         let deadline = self.stopping.deadline();
         let mut engine = Minimiser {
             question,

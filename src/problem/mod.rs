@@ -277,6 +277,11 @@ impl Problem {
         self.floating.get(variable).is_some_and(|floats| *floats)
     }
 
+    /// Whether the whole of a body moves freely.
+    pub(crate) fn has_free_joint(&self) -> bool {
+        self.floating.contains(&true)
+    }
+
     /// How far a variable may go for its joint to turn by no more than one radian: less than that for the
     /// three of a ball, whose angle is at most the length of a rotation vector's change, or that of the swing's and the
     /// twist's together.

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::attempt::{Attempt, Found};
+use super::hops::Hops;
 use super::keeper::Keeper;
 use super::schedule::{Schedule, Trial};
 use crate::problem::{Question, Share};
@@ -30,6 +31,7 @@ pub(crate) struct Attempts {
     pub(crate) x: Vec<f64>,
     /// The variables that the first attempts beside the start may move.
     local: Vec<bool>,
+    hops: Hops,
 }
 
 impl Attempts {
@@ -39,6 +41,7 @@ impl Attempts {
         self.start.resize(variables, 0.0);
         self.x.resize(variables, 0.0);
         self.local.resize(variables, true);
+        self.hops.fit(variables);
         self.keeper.fit(variables, question.problem.rows_of(share));
     }
 }
@@ -59,8 +62,10 @@ pub(crate) fn run(
         keeper,
         x,
         local,
+        hops,
     } = search;
     keeper.begin(schedule);
+    hops.begin();
     for trial in schedule.trials() {
         if !keeper.wants(trial, schedule) {
             continue;
@@ -76,12 +81,17 @@ pub(crate) fn run(
                     question.problem.mark_local(share, residual, local);
                 }
                 let restarts = schedule.restarts();
-                restarts.start_of(index, start, local, question, x);
+                if !(schedule.hops() && hops.start_of(index, restarts.seed, question, x)) {
+                    restarts.start_of(index, start, local, question, x);
+                }
             }
             _ => x.copy_from_slice(keeper.start_of(trial)),
         }
         let attempt = engine.attempt(x, &schedule.stopping(trial));
         keeper.take(trial, &attempt, engine.end(), schedule);
+        if schedule.hops() {
+            hops.take(&attempt, engine.end().0);
+        }
         let cut = attempt.termination.is_cut();
         if cut && !attempt.reached {
             keeper.cut(attempt.termination);

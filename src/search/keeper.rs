@@ -46,7 +46,7 @@ impl Keeper {
         self.agreeing = 0;
         self.costs.clear();
         if schedule.tells_agreement() {
-            let attempts = schedule.restarts().attempts;
+            let attempts = schedule.attempts();
             self.costs.reserve(attempts.min(USUAL_ATTEMPTS));
             self.first_x.resize(self.x.len(), 0.0);
         }
@@ -62,8 +62,7 @@ impl Keeper {
             Trial::FinishBest => found.termination == Termination::Stalled,
             Trial::FinishFirst => !self.first_is_best && self.first_may_win,
             Trial::FinishAtLast => {
-                !schedule.settles(found.termination)
-                    && found.attempts != schedule.restarts().attempts
+                !schedule.settles(found.termination) && found.attempts != schedule.attempts()
             }
         }
     }

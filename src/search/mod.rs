@@ -12,6 +12,7 @@ mod beyond;
 mod check_start;
 mod error;
 mod explain;
+mod hops;
 mod keeper;
 mod measure;
 #[cfg(feature = "serde")]

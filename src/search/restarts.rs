@@ -1,10 +1,11 @@
 //! Numbered attempts: how many, and where each one starts.
 //!
 //! Attempt 0 is the caller's start. Attempt i > 0 is drawn from (seed, i) alone, so attempts could
-//! run in any order; the lowest index that succeeds wins.
+//! run in any order; the lowest index that succeeds wins. Later attempts of a body on a free base
+//! begin where an earlier one ended: see `hops.rs`.
 
 use crate::bad_option::{AT_LEAST_ONE, BadOption};
-use crate::problem::Question;
+use crate::problem::{Question, Share};
 use crate::random::RandomStream;
 
 /// How far a nudged start moves towards a random one. Rest poses of rigs are singular: with a bend
@@ -14,6 +15,13 @@ const NUDGE: f64 = 0.15;
 /// How many attempts after the first leave alone what already is where it should be.
 const LOCAL_ATTEMPTS: usize = 2;
 
+/// Attempts where no number is given.
+const USUAL: usize = 32;
+/// For a body on a free base that has fewer than so many variables more than its goals have rows: there are few
+/// solutions, each behind a branch of every limb.
+const TIGHT: usize = 4;
+const USUAL_WHERE_TIGHT: usize = 512;
+
 /// Every so many attempts a free base, too, goes anywhere; in the others it is nudged.
 const FAR_BASE_EVERY: usize = 4;
 
@@ -21,17 +29,20 @@ const FAR_BASE_EVERY: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Restarts {
-    pub(super) attempts: usize,
+    /// Unset, as many as the question wants.
+    attempts: Option<usize>,
     pub(super) seed: u64,
     pub(super) agreeing: Option<usize>,
     pub(super) steps: usize,
 }
 
 impl Default for Restarts {
-    /// Up to 32 attempts, all of which are made where none reaches, seed 0, and any number of steps.
+    /// Up to 32 attempts, all of which are made where none reaches, seed 0, and any number of steps; up to 512 for
+    /// a body on a free base whose variables outnumber its goals' rows by less than four (both feet and both hands
+    /// of a robot with short arms, say).
     fn default() -> Self {
         Self {
-            attempts: 32,
+            attempts: None,
             seed: 0,
             agreeing: None,
             steps: usize::MAX,
@@ -44,14 +55,14 @@ impl Restarts {
     #[must_use]
     pub fn none() -> Self {
         Self {
-            attempts: 1,
+            attempts: Some(1),
             ..Self::default()
         }
     }
 
     setters! {
         /// At most so many attempts, the caller's start included; at least 1.
-        pub fn with_attempts(mut self, attempts: usize) { self.attempts = attempts }
+        pub fn with_attempts(mut self, attempts: usize) { self.attempts = Some(attempts) }
         /// The seed that all random starts come from.
         pub fn with_seed(mut self, seed: u64) { self.seed = seed }
         /// Ends when so many attempts have stopped at the same lowest cost: the target is then most
@@ -67,8 +78,21 @@ impl Restarts {
     /// Whether both numbers of attempts are in their ranges.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         let agreeing = self.agreeing.unwrap_or(1);
-        BadOption::check("attempts", self.attempts as f64, AT_LEAST_ONE)?;
+        let attempts = self.attempts.unwrap_or(USUAL);
+        BadOption::check("attempts", attempts as f64, AT_LEAST_ONE)?;
         BadOption::check("agreeing", agreeing as f64, AT_LEAST_ONE)
+    }
+
+    /// How many attempts a question gets.
+    pub(super) fn attempts_for(&self, question: Question<'_>, share: Share) -> usize {
+        self.attempts.unwrap_or_else(|| {
+            let problem = question.problem;
+            let room = problem.rows_of(share) + TIGHT;
+            match problem.has_free_joint() && problem.variables() < room {
+                true => USUAL_WHERE_TIGHT,
+                false => USUAL,
+            }
+        })
     }
 
     /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random

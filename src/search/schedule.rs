@@ -5,6 +5,7 @@
 //! the same. So a miss costs a few times what one attempt costs that runs to its end.
 
 use super::Restarts;
+use crate::problem::{Question, Share};
 use crate::solver::{Stopping, Termination};
 
 /// Steps without halving the cost after which an attempt gives up. The caller's start is most often a
@@ -48,8 +49,10 @@ impl Trial {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Schedule {
     restarts: Restarts,
+    attempts: usize,
     stopping: Stopping,
     kind: Kind,
+    hops: bool,
 }
 
 /// What its attempts are.
@@ -64,13 +67,22 @@ enum Kind {
 }
 
 impl Schedule {
-    /// Of searches within these limits each; `patient` ones all run to their ends.
-    pub(crate) fn of_searches(restarts: Restarts, stopping: Stopping, patient: bool) -> Self {
+    /// Of searches for a share of a question within these limits each; `patient` ones all run to their ends.
+    pub(crate) fn of_searches(
+        (question, share): (Question<'_>, Share),
+        restarts: Restarts,
+        stopping: Stopping,
+        patient: bool,
+    ) -> Self {
         let kind = match patient {
             true => Kind::Patient,
             false => Kind::Quick,
         };
+        // What hops from a low place end at agrees with it by its start.
+        let hops = !patient && restarts.agreeing.is_none();
         Self {
+            attempts: restarts.attempts_for(question, share),
+            hops: hops && question.problem.has_free_joint(),
             restarts,
             stopping,
             kind,
@@ -78,22 +90,33 @@ impl Schedule {
     }
 
     /// Of sweeps within these limits each.
-    pub(crate) fn of_sweeps(restarts: Restarts, stopping: Stopping) -> Self {
+    pub(crate) fn of_sweeps(
+        question: Question<'_>,
+        restarts: Restarts,
+        stopping: Stopping,
+    ) -> Self {
         Self {
+            attempts: restarts.attempts_for(question, Share::All),
+            hops: false,
             restarts,
             stopping,
             kind: Kind::Sweeps,
         }
     }
 
-    pub(super) fn restarts(&self) -> &Restarts {
-        &self.restarts
+    getters! {
+        /// Where attempts start.
+        pub(super) fn restarts(&self) -> &Restarts = &self.restarts;
+        /// How many there are at most.
+        pub(super) fn attempts(&self) -> usize = self.attempts;
+        /// Whether later attempts begin at the end of an earlier one.
+        pub(super) fn hops(&self) -> bool = self.hops;
     }
 
     /// The runs, in order.
     pub(super) fn trials(&self) -> impl Iterator<Item = Trial> + use<> {
         let agreeing = self.restarts.agreeing;
-        let quick = match self.restarts.attempts {
+        let quick = match self.attempts {
             attempts if self.kind == Kind::Quick && attempts > 1 => attempts.min(QUICK_BEFORE_BEST),
             _ => 0,
         };
@@ -108,7 +131,7 @@ impl Schedule {
         (0..quick)
             .map(Trial::Quick)
             .chain(best)
-            .chain((quick..self.restarts.attempts).map(later))
+            .chain((quick..self.attempts).map(later))
             .chain(best)
             .chain(first)
             .chain(at_last)

@@ -26,6 +26,7 @@ mod stopping;
 mod success_rate;
 mod symmetric_questions;
 mod targets_apart;
+mod tight_bodies;
 mod told_misses;
 mod traded_preferences;
 mod unreachable_targets;

@@ -1,31 +1,27 @@
-//! How often and how fast a humanoid on a free base puts both hands where it can while its feet stay:
-//! `cargo run --release -p kinopt-benches --bin whole_body -- ROBOT.urdf LEFT_FOOT,RIGHT_FOOT LEFT_HAND,RIGHT_HAND [problems]`.
+//! How often and how fast a body on a free base puts its hands where it can while its feet stay and its centre
+//! of mass is over them: `cargo run --release -p kinopt-benches --bin whole_body -- CASE.json ROBOT.urdf [problems]
+//! [--attempts N] [--write FILE]`, with cases in `benches/whole_body/`.
 //!
-//! What it can: a configuration drawn at random within limits, whose feet the solver has put where they stand
-//! at neutral. Asked from neutral and from within 0.3 rad of that; beside it, in the same run, a figure of 22
-//! bones with five tips from within 0.3 rad.
+//! What it can: the hands of configurations that balance on the feet, drawn at random. Asked from standing and from
+//! within 0.3 rad of such a configuration; beside it, in the same run, a figure of 22 bones with five tips. Each
+//! time is the best of three rounds. `--write` leaves the problems and the answers for other people's solvers
+//! (`benches/rivals/python/whole_body.py`).
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
+use std::path::Path;
 
-use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{FrameId, Model};
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::ik::Restarts;
+use kinopt::model::Model;
+use kinopt::problem::Targets;
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Pose};
+use kinopt::task::Point;
 use kinopt::{Problem, Solver, Workspace};
-use kinopt_benches::{Sequence, ThreadTime, figure, random_targets};
+use kinopt_benches::{BodyCase, Sequence, ThreadTime, figure, random_targets};
+use serde_json::{Value, json};
 
 const NEAR: f64 = 0.3;
-
-/// Frames that should be at poses.
-fn problem(model: &Model, goals: &[(FrameId, Placement<f64>)]) -> Result<Problem, Box<dyn Error>> {
-    let mut builder = Problem::builder(model);
-    for &(frame, at) in goals {
-        builder.add(Pose::new(frame, at));
-    }
-    Ok(builder.build()?)
-}
+const ROUNDS: usize = 3;
 
 /// Every number of a velocity up to so far either way.
 fn beside(model: &Model, q: &[f64], sequence: &mut Sequence) -> Result<Vec<f64>, Box<dyn Error>> {
@@ -37,107 +33,204 @@ fn beside(model: &Model, q: &[f64], sequence: &mut Sequence) -> Result<Vec<f64>,
     Ok(moved)
 }
 
-/// Reached of all, median and 99th percentile in µs.
-fn told(name: &str, mut micros: Vec<f64>, reached: usize) -> f64 {
-    let all = micros.len();
-    micros.sort_by(f64::total_cmp);
-    let at = |share: f64| micros[((all - 1) as f64 * share) as usize];
-    let (median, p99) = (at(0.5), at(0.99));
-    let percent = 100.0 * reached as f64 / all as f64;
-    println!(
-        "{name:<34} {reached:>5} of {all} ({percent:.1} %), median {median:.1} us, p99 {p99:.1} us"
-    );
-    median
+/// What one question came to.
+struct Answer {
+    q: Vec<f64>,
+    reached: bool,
+    attempts: usize,
+    micros: f64,
 }
 
-fn bones(count: usize) -> Result<f64, Box<dyn Error>> {
-    let (skeleton, tips) = figure(2, 4);
-    let targets = random_targets(&skeleton, &tips, count, &mut Sequence::new(0.5));
-    let model = skeleton.model();
-    let (mut micros, mut reached) = (Vec::new(), 0);
-    let (mut workspace, solver) = (Workspace::new(), Solver::default());
-    let mut sequence = Sequence::new(0.25);
-    for target in &targets {
-        let mut builder = Problem::builder(model);
-        for (&tip, &at) in tips.iter().zip(target) {
-            builder.add(Point::new(skeleton.tip(tip), at));
+/// Asks every question from its start, in rounds of which the fastest counts.
+fn ask(
+    solver: &Solver,
+    problem: &Problem,
+    targets: &[Targets],
+    starts: &[&Vec<f64>],
+) -> Result<Vec<Answer>, Box<dyn Error>> {
+    let mut answers: Vec<Answer> = Vec::new();
+    let mut workspace = Workspace::new();
+    for round in 0..ROUNDS {
+        for (k, (targets, start)) in targets.iter().zip(starts).enumerate() {
+            let question = problem.with_targets(targets)?;
+            let begun = ThreadTime::now();
+            let solution = solver.solve(question, start, &mut workspace)?;
+            let micros = begun.micros();
+            if round == 0 {
+                answers.push(Answer {
+                    q: solution.q.clone(),
+                    reached: solution.reached,
+                    attempts: solution.attempts,
+                    micros,
+                });
+            }
+            answers[k].micros = answers[k].micros.min(micros);
         }
-        let problem = builder.build()?;
-        let there = solver
-            .solve(&problem, &model.neutral(), &mut workspace)?
-            .q
-            .clone();
-        let start = beside(model, &there, &mut sequence)?;
-        let begun = ThreadTime::now();
-        let solution = solver.solve(&problem, &start, &mut workspace)?;
-        micros.push(begun.micros());
-        reached += usize::from(solution.reached);
     }
-    Ok(told("22 bones, five tips, from near", micros, reached))
+    Ok(answers)
+}
+
+/// Prints a line and returns the median in µs.
+fn tell(name: &str, answers: &[Answer]) -> f64 {
+    let all = answers.len();
+    let reached = answers.iter().filter(|answer| answer.reached).count();
+    let mut micros: Vec<f64> = answers.iter().map(|answer| answer.micros).collect();
+    micros.sort_by(f64::total_cmp);
+    let at = |share: f64| micros[((all - 1) as f64 * share) as usize];
+    let attempts: usize = answers.iter().map(|answer| answer.attempts).sum();
+    println!(
+        "  {name:<32} {reached:>5} of {all} ({:.1} %), median {:.1} us, mean {:.1}, p99 {:.1}; {:.2} attempts",
+        100.0 * reached as f64 / all as f64,
+        at(0.5),
+        micros.iter().sum::<f64>() / all as f64,
+        at(0.99),
+        attempts as f64 / all as f64,
+    );
+    at(0.5)
+}
+
+/// The medians of the figure from near and from rest.
+fn bones(count: usize) -> Result<[f64; 2], Box<dyn Error>> {
+    let (skeleton, tips) = figure(2, 4);
+    let model = skeleton.model();
+    let mut builder = Problem::builder(model);
+    let tasks: Vec<_> = tips
+        .iter()
+        .map(|&tip| builder.add(Point::new(skeleton.tip(tip), [0.0; 3])))
+        .collect();
+    let problem = builder.build()?;
+    let mut asked = Vec::new();
+    for places in random_targets(&skeleton, &tips, count, &mut Sequence::new(0.5)) {
+        let mut targets = problem.targets();
+        for (&task, at) in tasks.iter().zip(places) {
+            targets.get_mut(task)?.set_target(at);
+        }
+        asked.push(targets);
+    }
+    let rest = model.neutral();
+    let solver = Solver::default();
+    let from_rest = ask(&solver, &problem, &asked, &vec![&rest; count])?;
+    let mut sequence = Sequence::new(0.25);
+    let near = from_rest
+        .iter()
+        .map(|there| beside(model, &there.q, &mut sequence));
+    let near = near.collect::<Result<Vec<_>, _>>()?;
+    let near: Vec<_> = near.iter().collect();
+    let near = ask(&solver, &problem, &asked, &near)?;
+    println!("22 bones, five tips:");
+    Ok([tell("from near", &near), tell("from rest", &from_rest)])
+}
+
+/// Rows of a placement's matrix.
+fn matrix(placement: &Placement<f64>) -> Value {
+    let Placement {
+        rotation,
+        translation: t,
+    } = placement;
+    let turned = rotation.transpose();
+    let [x, y, z] = [turned.x, turned.y, turned.z].map(|row| row.to_array());
+    json!([
+        [x[0], x[1], x[2], t.x],
+        [y[0], y[1], y[2], t.y],
+        [z[0], z[1], z[2], t.z],
+        [0.0, 0.0, 0.0, 1.0],
+    ])
+}
+
+fn document(
+    case: &BodyCase,
+    hands: &[Vec<Placement<f64>>],
+    asked: [(&[&Vec<f64>], &[Answer]); 2],
+) -> Value {
+    let model = case.robot.model();
+    let name = |frame: &kinopt::model::FrameId| &model.frames()[frame.index()].name;
+    let joints = model.moving_joints().iter().skip(7);
+    let joints: Vec<_> = joints
+        .map(|joint| &model.joints()[joint.index()].name)
+        .collect();
+    let feet: Vec<_> = case
+        .feet
+        .iter()
+        .map(|(foot, at)| json!([name(foot), matrix(at)]))
+        .collect();
+    let support: Vec<_> = case.support.iter().map(|at| at.to_array()).collect();
+    let told =
+        |(starts, answers): (&[&Vec<f64>], &[Answer])| -> Value {
+            let told = starts.iter().zip(answers);
+            told.map(|(start, answer)| json!({
+            "start": start, "q": answer.q, "reached": answer.reached, "micros": answer.micros,
+        }))
+        .collect()
+        };
+    let [near, standing] = asked.map(told);
+    json!({
+        "joints": joints,
+        "feet": feet,
+        "hands": case.hands.iter().map(name).collect::<Vec<_>>(),
+        "support": support,
+        "targets": hands.iter().map(|one| one.iter().map(matrix).collect::<Vec<_>>()).collect::<Vec<_>>(),
+        "near": near,
+        "standing": standing,
+    })
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [path, feet, hands, rest @ ..] = arguments.as_slice() else {
-        return Err("ROBOT.urdf LEFT_FOOT,RIGHT_FOOT LEFT_HAND,RIGHT_HAND [problems]".into());
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    let mut option = |name: &str| {
+        let at = arguments.iter().position(|word| word == name)?;
+        arguments.drain(at..(at + 2).min(arguments.len())).nth(1)
     };
-    let count: u64 = rest.first().map_or(Ok(200), |count| count.parse())?;
-    let robot = Robot::reader().lenient().read(path)?;
-    let robot = robot.with_base_joint(BaseJoint::FREE)?;
-    let model = robot.model();
-    let named = |names: &str| -> Result<Vec<FrameId>, Box<dyn Error>> {
-        names
-            .split(',')
-            .map(|name| Ok(model.frame(name)?))
-            .collect()
+    let (attempts, file) = (option("--attempts"), option("--write"));
+    let [case, robot, rest @ ..] = arguments.as_slice() else {
+        return Err("CASE.json ROBOT.urdf [problems] [--attempts N] [--write FILE]".into());
     };
-    let (feet, hands) = (named(feet)?, named(hands)?);
-    let neutral = model.neutral();
-    let mut kinematics = ForwardKinematics::new(model);
-    let standing = kinematics.place(&neutral)?.to_vec();
-    let stand: Vec<_> = feet
-        .iter()
-        .map(|&foot| (foot, standing[foot.index()]))
-        .collect();
-    let (mut workspace, solver) = (Workspace::new(), Solver::default());
-    let mut sequence = Sequence::new(0.75);
-    let [mut micros, mut reached] = [[Vec::new(), Vec::new()], [Vec::new(), Vec::new()]];
-    for seed in 0..count {
-        let mut drawn = model.random_configuration(seed);
-        drawn[..7].copy_from_slice(&neutral[..7]);
-        let on_feet = problem(model, &stand)?;
-        let solution = solver.solve(&on_feet, &drawn, &mut workspace)?;
-        if !solution.reached {
-            continue;
-        }
-        let there = solution.q.clone();
-        let placed = kinematics.place(&there)?.to_vec();
-        let mut goals = stand.clone();
-        goals.extend(hands.iter().map(|&hand| (hand, placed[hand.index()])));
-        let asked = problem(model, &goals)?;
-        let near = beside(model, &there, &mut sequence)?;
-        for (k, start) in [&near, &neutral].into_iter().enumerate() {
-            solver.solve(&asked, start, &mut workspace)?;
-            let begun = ThreadTime::now();
-            let solution = solver.solve(&asked, start, &mut workspace)?;
-            micros[k].push(begun.micros());
-            reached[k].push(f64::from(u8::from(solution.reached)));
-        }
+    let count: usize = rest.first().map_or(Ok(200), |count| count.parse())?;
+    let mut restarts = Restarts::default();
+    if let Some(attempts) = attempts {
+        restarts = restarts.with_attempts(attempts.parse()?);
     }
+    let solver = Solver::default().with_restarts(restarts);
+    let case = BodyCase::read(Path::new(case), Path::new(robot))?;
+    let model = case.robot.model();
+    let balanced = case.balanced(count)?;
+    let hands = case.hands_at(&balanced)?;
+    let body = case.problem()?;
+    let targets = hands.iter().map(|hands| body.targets(hands));
+    let targets = targets.collect::<Result<Vec<_>, _>>()?;
+    let mut sequence = Sequence::new(0.75);
+    let near = balanced.iter().map(|q| beside(model, q, &mut sequence));
+    let near = near.collect::<Result<Vec<_>, _>>()?;
+    let near: Vec<_> = near.iter().collect();
+    let standing = vec![&case.standing; count];
+    let from_near = ask(&solver, &body.problem, &targets, &near)?;
+    let from_standing = ask(&solver, &body.problem, &targets, &standing)?;
     println!(
-        "{}: {} degrees of freedom",
-        robot.name(),
-        model.degrees_of_freedom()
+        "{}: {} variables, {} rows",
+        case.robot.name(),
+        body.problem.variables(),
+        body.problem.rows()
     );
-    let [near, standing] = micros;
-    let sums = reached.map(|all| all.iter().sum::<f64>() as usize);
-    let near = told("hands and feet, from near", near, sums[0]);
-    let standing = told("hands and feet, from standing", standing, sums[1]);
-    let bones = bones(count as usize)?;
+    let own = [
+        tell("from near", &from_near),
+        tell("from standing", &from_standing),
+    ];
+    let [near_bones, rest_bones] = bones(count)?;
     println!(
-        "from near {:.2} times the bones, from standing {:.2} times",
-        near / bones,
-        standing / bones
+        "to the bones from near: near {:.2}, standing {:.2}; to the bones from rest: near {:.2}, standing {:.2}",
+        own[0] / near_bones,
+        own[1] / near_bones,
+        own[0] / rest_bones,
+        own[1] / rest_bones,
     );
+    if let Some(file) = file {
+        let asked = [
+            (&near[..], &from_near[..]),
+            (&standing[..], &from_standing[..]),
+        ];
+        std::fs::write(
+            file,
+            serde_json::to_string(&document(&case, &hands, asked))?,
+        )?;
+    }
     Ok(())
 }

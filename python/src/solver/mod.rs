@@ -27,9 +27,10 @@ use watch::Watch;
 /// "projected-gradient", "ccd", "fabrik". The limits of each attempt are `max_iterations` (200; 500 sweeps
 /// of the geometric methods), `gradient_tolerance` (1e-9), `step_tolerance` (1e-15) and `patience`, so many
 /// steps in which the cost must halve (none, inf; 60 of the geometric methods); `time_limit`, in seconds, is
-/// for all attempts together. `attempts` (32) are made where none reaches, the caller's start included, from
-/// places drawn by `seed` (0); they end when so many that `agreeing` says stopped at the same lowest cost, and
-/// after `restart_steps` of all together one more is made.
+/// for all attempts together. `attempts` (32; 512 for a body on a free base with hardly more variables than
+/// equations) are made where none reaches, the caller's start included, from places drawn by `seed` (0); they end
+/// when so many that `agreeing` says stopped at the same lowest cost, and after `restart_steps` of all together
+/// one more is made.
 ///
 /// The same question gets the same answer, bit for bit, on any machine, unless a time limit is set. Raises
 /// `InvalidValueError` for settings out of range.

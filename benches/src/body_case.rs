@@ -1,0 +1,192 @@
+//! Whole bodies that stand on their feet, balance, and put their hands somewhere: read from the files in
+//! `benches/whole_body/`, which the rivals read too.
+
+use std::error::Error;
+use std::path::Path;
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, Masses};
+use kinopt::problem::{Targets, TaskId};
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Pose, SupportPolygon};
+use kinopt::{Problem, Solver, Workspace};
+use serde_json::Value;
+
+/// Whether a frame is asked for a place or for an orientation too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Contact {
+    Point,
+    Pose,
+}
+
+/// What one hand is asked by.
+enum HandTask {
+    Point(TaskId<Point>),
+    Pose(TaskId<Pose>),
+}
+
+/// A robot on a free base, with feet that stay where they stand and hands that go elsewhere.
+pub struct BodyCase {
+    /// The robot.
+    pub robot: Robot,
+    /// How it stands.
+    pub standing: Vec<f64>,
+    /// Where its feet stand.
+    pub feet: Vec<(FrameId, Placement<f64>)>,
+    /// What goes elsewhere.
+    pub hands: Vec<FrameId>,
+    /// The corners of its soles in the world, where it stands.
+    pub support: Vec<Vector3<f64>>,
+    feet_as: Contact,
+    hands_as: Contact,
+    masses: Masses,
+}
+
+/// A problem of a body, whose hands' targets move.
+pub struct BodyProblem {
+    /// Feet, balance, hands.
+    pub problem: Problem,
+    hands: Vec<HandTask>,
+}
+
+impl BodyProblem {
+    /// The targets with the hands at these placements.
+    ///
+    /// # Errors
+    /// None.
+    pub fn targets(&self, hands: &[Placement<f64>]) -> Result<Targets, Box<dyn Error>> {
+        let mut targets = self.problem.targets();
+        for (hand, &at) in self.hands.iter().zip(hands) {
+            match *hand {
+                HandTask::Point(task) => targets.get_mut(task)?.set_target(at.translation),
+                HandTask::Pose(task) => targets.get_mut(task)?.set_target(at),
+            }
+        }
+        Ok(targets)
+    }
+}
+
+fn contact(document: &Value, key: &str) -> Result<Contact, Box<dyn Error>> {
+    match document[key].as_str() {
+        Some("point") => Ok(Contact::Point),
+        Some("pose") => Ok(Contact::Pose),
+        _ => Err(format!("`{key}` is neither \"point\" nor \"pose\"").into()),
+    }
+}
+
+impl BodyCase {
+    /// Reads a case and its robot.
+    ///
+    /// # Errors
+    /// Files that are not there or not what they should be, names that the robot does not have.
+    pub fn read(case: &Path, robot: &Path) -> Result<Self, Box<dyn Error>> {
+        let document: Value = serde_json::from_str(&std::fs::read_to_string(case)?)?;
+        let robot = Robot::reader().lenient().read(robot)?;
+        let robot = robot.with_base_joint(BaseJoint::FREE)?;
+        let model = robot.model();
+        let mut standing = model.neutral();
+        for (name, value) in document["standing"].as_object().into_iter().flatten() {
+            let at = model.coordinate(model.joint(name)?);
+            let at = at.ok_or("a joint of `standing` does not move")?;
+            standing[at] = value.as_f64().ok_or("`standing` holds numbers")?;
+        }
+        let mut kinematics = ForwardKinematics::new(model);
+        let placed = kinematics.place(&standing)?;
+        let (mut feet, mut support) = (Vec::new(), Vec::new());
+        for (name, corners) in document["feet"].as_object().ok_or("`feet` is an object")? {
+            let foot = model.frame(name)?;
+            let corners: Vec<[f64; 3]> = serde_json::from_value(corners.clone())?;
+            feet.push((foot, placed[foot.index()]));
+            support.extend(
+                corners
+                    .iter()
+                    .map(|&at| placed[foot.index()].apply(at.into())),
+            );
+        }
+        let hands: Vec<String> = serde_json::from_value(document["hands"].clone())?;
+        let hands = hands.iter().map(|name| model.frame(name));
+        Ok(Self {
+            hands: hands.collect::<Result<_, _>>()?,
+            feet_as: contact(&document, "feet_as")?,
+            hands_as: contact(&document, "hands_as")?,
+            masses: robot.masses()?,
+            standing,
+            feet,
+            support,
+            robot,
+        })
+    }
+
+    /// Feet where they stand, the centre of mass over them, and these frames somewhere.
+    fn problem_of(&self, hands: &[FrameId]) -> Result<BodyProblem, Box<dyn Error>> {
+        let mut builder = Problem::builder(self.robot.model());
+        builder.parameters(self.robot.map().clone());
+        for &(foot, at) in &self.feet {
+            match self.feet_as {
+                Contact::Point => {
+                    builder.add(Point::new(foot, at.translation));
+                }
+                Contact::Pose => {
+                    builder.add(Pose::new(foot, at));
+                }
+            }
+        }
+        builder.add(SupportPolygon::new(&self.masses).with_points(self.support.iter().copied()));
+        let at = Placement::identity();
+        let tasks = hands.iter().map(|&hand| match self.hands_as {
+            Contact::Point => HandTask::Point(builder.add(Point::new(hand, at.translation))),
+            Contact::Pose => HandTask::Pose(builder.add(Pose::new(hand, at))),
+        });
+        Ok(BodyProblem {
+            hands: tasks.collect(),
+            problem: builder.build()?,
+        })
+    }
+
+    /// Feet, balance and hands.
+    ///
+    /// # Errors
+    /// None for a case that was read.
+    pub fn problem(&self) -> Result<BodyProblem, Box<dyn Error>> {
+        self.problem_of(&self.hands)
+    }
+
+    /// Configurations that balance on the feet: from joints drawn at random within their limits, each from the
+    /// next seed, by putting the feet and the centre of mass where they belong.
+    ///
+    /// # Errors
+    /// None for a case that was read.
+    pub fn balanced(&self, count: usize) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
+        let model = self.robot.model();
+        let BodyProblem { problem, .. } = self.problem_of(&[])?;
+        let (mut workspace, solver) = (Workspace::new(), Solver::default());
+        let mut found = Vec::new();
+        for seed in 0.. {
+            if found.len() == count {
+                break;
+            }
+            let mut drawn = model.random_configuration(seed);
+            drawn[..7].copy_from_slice(&self.standing[..7]);
+            let solution = solver.solve(&problem, &drawn, &mut workspace)?;
+            if solution.reached {
+                found.push(solution.q.clone());
+            }
+        }
+        Ok(found)
+    }
+
+    /// Where the hands are at each of these configurations.
+    ///
+    /// # Errors
+    /// A configuration of another model.
+    pub fn hands_at(&self, all: &[Vec<f64>]) -> Result<Vec<Vec<Placement<f64>>>, Box<dyn Error>> {
+        let mut kinematics = ForwardKinematics::new(self.robot.model());
+        let mut placed = Vec::new();
+        for q in all {
+            let frames = kinematics.place(q)?;
+            placed.push(self.hands.iter().map(|hand| frames[hand.index()]).collect());
+        }
+        Ok(placed)
+    }
+}
