@@ -7,6 +7,7 @@ mod loop_closure;
 mod loop_gap;
 mod minimiser;
 mod preferences_within_goals;
+mod solution_derivative;
 mod solver;
 mod workspace;
 
@@ -17,5 +18,8 @@ pub use drag::{Drag, Leap};
 pub use loop_closure::LoopClosure;
 pub use loop_gap::{LoopClosureError, LoopGap};
 pub(crate) use minimiser::Minimiser;
+pub use solution_derivative::{
+    DerivativeError, DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative,
+};
 pub use solver::Solver;
 pub use workspace::Workspace;

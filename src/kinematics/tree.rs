@@ -262,6 +262,11 @@ impl Tree {
         self.variables
     }
 
+    /// Which of the model's frames a slot is.
+    pub(crate) fn frame(&self, slot: FrameSlot) -> FrameId {
+        self.frames[slot]
+    }
+
     /// The variables that move a frame, from the frame to the root; unknown slots have none.
     pub(crate) fn variables_moving(&self, slot: FrameSlot) -> impl Iterator<Item = usize> + '_ {
         let first = self.leaves.get(slot).and_then(|leaf| leaf.node);

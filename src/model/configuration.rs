@@ -191,6 +191,11 @@ impl Model {
         }
     }
 
+    /// What of a configuration moves as one, in its order.
+    pub(crate) fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
     /// The coordinates of each free joint.
     pub(crate) fn free_coordinates(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
         let free = self

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
-use super::{Derivatives, Preferences, Problem, ProblemError, ReportNames, Targets, TaskId};
+use super::{
+    Derivatives, Preferences, Problem, ProblemError, ReportNames, Tangent, Targets, TaskId,
+};
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};
 use crate::solver::{RotationSets, Swing};
@@ -229,6 +231,7 @@ impl<'m> ProblemBuilder<'m> {
             rows,
             rows_of_goals,
             preferences: self.preferences,
+            tangent: Tangent::new(model),
             rotations,
             floating,
             spread,

@@ -86,6 +86,21 @@ impl Scratch {
         self.at.fill(f64::NAN);
     }
 
+    /// What the task gathered last reads: its frames and its joints.
+    pub(super) fn placed(&self) -> (&[Placement<f64>], &[f64]) {
+        (&self.frames, &self.joints)
+    }
+
+    /// The derivatives of the task differentiated last, weighted.
+    pub(super) fn local(&self) -> &LocalJacobian {
+        &self.local
+    }
+
+    /// The configuration of the last forward pass.
+    pub(crate) fn q(&self) -> &[f64] {
+        &self.q
+    }
+
     /// Whether this memory was made for `problem`.
     pub(crate) fn fits(&self, problem: &Problem) -> bool {
         Arc::ptr_eq(&self.owner, &problem.names)
@@ -140,7 +155,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Runs the forward pass unless the last one was at the same x.
-    fn forward(&mut self, x: &[f64]) {
+    pub(super) fn forward(&mut self, x: &[f64]) {
         let scratch = &mut *self.scratch;
         if scratch.at != x {
             scratch.at.copy_from_slice(x);
@@ -150,7 +165,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Copies what a task reads side by side.
-    fn gather(scratch: &mut Scratch, task: &CompiledTask) {
+    pub(super) fn gather(scratch: &mut Scratch, task: &CompiledTask) {
         let all = scratch.state.frames();
         scratch.frames.clear();
         scratch
@@ -163,7 +178,11 @@ impl<'a> Evaluation<'a> {
     }
 
     /// The weighted local derivatives of one task at the last forward pass.
-    fn differentiate(scratch: &mut Scratch, task: &CompiledTask, residual: &dyn ErasedResidual) {
+    pub(super) fn differentiate(
+        scratch: &mut Scratch,
+        task: &CompiledTask,
+        residual: &dyn ErasedResidual,
+    ) {
         Self::gather(scratch, task);
         let Scratch {
             frames,
@@ -180,7 +199,8 @@ impl<'a> Evaluation<'a> {
     /// The rows of a task are W (Σ_k L_k Jv_k + A_k Jω_k + Σ_j ∂r/∂q_j ∂q_j/∂x): over its frames
     /// the local derivatives by velocity and angular velocity times the geometric Jacobian, and over its
     /// joints' coordinates those by value.
-    fn analytic_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+    /// By the variables themselves, not by the components of a step.
+    pub(crate) fn analytic_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
         // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
         jacobian.as_mut_slice().fill(0.0);
@@ -247,8 +267,9 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Jᵀ r, by one sweep over the tree from the frames to the root.
-    fn reverse_gradient(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
+    /// Jᵀ r, by one sweep over the tree from the frames to the root; by the variables themselves, not by the
+    /// components of a step.
+    pub(crate) fn reverse_gradient(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
         self.forward(x);
         gradient.fill(0.0);
         let (problem, tree) = (self.question.problem, self.question.tree());

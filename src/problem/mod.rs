@@ -2,6 +2,7 @@
 
 mod anchor;
 mod builder;
+mod by_parameters;
 mod compiled_task;
 mod derivatives;
 mod dual_jacobian;
@@ -10,21 +11,26 @@ mod evaluation;
 mod finite_differences;
 mod loops;
 mod names;
+mod parameter_vector;
 mod preferences;
 mod question;
+mod tangent;
 mod targets;
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
 pub use builder::ProblemBuilder;
+pub(crate) use by_parameters::ParameterScratch;
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
 pub(crate) use names::ReportNames;
+pub use parameter_vector::ParameterVector;
 pub use preferences::Preferences;
 pub(crate) use preferences::Share;
 pub use question::Question;
+pub(crate) use tangent::{Standing, Tangent};
 pub use targets::Targets;
 
 use std::sync::Arc;
@@ -84,6 +90,8 @@ pub struct Problem {
     preferences: Preferences,
     lower: Vec<f64>,
     upper: Vec<f64>,
+    /// How the variables move the model.
+    tangent: Tangent,
     /// Which variables turn ball joints.
     rotations: RotationSets,
     /// Which variables move a free joint; empty where there is none.
@@ -149,6 +157,8 @@ impl Problem {
         pub(crate) fn tree(&self) -> &Tree = &self.tree;
         /// The tasks in order.
         pub(crate) fn compiled_tasks(&self) -> &[CompiledTask] = &self.tasks;
+        /// How the variables move the model.
+        pub(crate) fn tangent(&self) -> &Tangent = &self.tangent;
         pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
     }
 

@@ -78,6 +78,21 @@ impl Swing {
         near.then_some([u / length, v / length])
     }
 
+    /// The outward normal of the edge and how much it bends (1 / radians) where it stands on it.
+    pub(crate) fn edge(&self, x: &[f64]) -> Option<([f64; 2], f64)> {
+        let normal = self.normal(x).filter(|_| self.is_on(x))?;
+        let [first, second] = self.of(x);
+        let [a, b] = self.half_angles.map(|a| 1.0 / (a * a));
+        // With c = ½(u²/a² + v²/b² − 1): tᵀ ∇²c t / |∇c| for the tangent t.
+        let [across, along] = normal;
+        let (u, v) = (first * a, second * b);
+        let steepness = (u * u + v * v).sqrt();
+        Some((
+            normal,
+            (along * along * a + across * across * b) / steepness,
+        ))
+    }
+
     /// Puts it into the ellipse and the box, both of which hold the box's centre: to the nearest point of the
     /// ellipse, or towards that centre where the box is the narrower.
     pub(super) fn project(&self, x: &mut [f64], lower: &[f64], upper: &[f64]) {

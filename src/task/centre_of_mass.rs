@@ -1,7 +1,7 @@
 //! A body's centre of mass should be at a place.
 
 use super::goal::Axis;
-use super::residual::not_finite;
+use super::residual::{moved, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::{FrameId, Masses};
 use crate::scalar::Scalar;
@@ -140,13 +140,27 @@ impl Residual for CentreOfMass {
         vec![Rows::new(Quantity::Metres, self.axes().count())]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let centre = self.body.centre(frames);
         let at = match (self.base, frames.last()) {
             (Some(_), Some(base)) => base.rotation.transpose_mul(centre - base.translation),
             _ => centre,
         };
-        let miss = (at - Vector3::constant(self.target)).to_array();
+        let miss = (at - moved(self.target, step)).to_array();
         for (row, axis) in residual.iter_mut().zip(self.axes()) {
             *row = miss[axis];
         }

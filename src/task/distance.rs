@@ -1,6 +1,6 @@
 //! Two frames should be a distance apart.
 
-use super::residual::{not_finite, refuse};
+use super::residual::{moved_by, not_finite, refuse};
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -42,7 +42,21 @@ impl Residual for Distance {
         vec![Rows::new(Quantity::Metres, 1)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        1
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let apart = frames[0].translation - frames[1].translation;
         let squared = apart.norm_squared();
         // Where the two coincide every direction is as good: take x, so that there is a derivative.
@@ -53,7 +67,7 @@ impl Residual for Distance {
             apart.dot(unit_x),
             S::select(together, S::one(), squared).sqrt(),
         );
-        residual[0] = length - S::constant(self.distance);
+        residual[0] = length - moved_by(self.distance, step);
     }
 
     fn validate(&self) -> Result<(), String> {

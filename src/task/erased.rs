@@ -20,6 +20,16 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         residual: &mut [Dual<CHUNK>],
     );
 
+    fn target_len(&self) -> usize;
+
+    fn evaluate_moved(
+        &self,
+        frames: &[Placement<Dual<CHUNK>>],
+        joints: &[Dual<CHUNK>],
+        step: &[Dual<CHUNK>],
+        residual: &mut [Dual<CHUNK>],
+    );
+
     /// Writes the exact local derivatives; `jacobian` has its shape and is zero.
     fn differentiate(
         &self,
@@ -69,6 +79,20 @@ impl<R: Residual> ErasedResidual for R {
         residual: &mut [Dual<CHUNK>],
     ) {
         Residual::evaluate(self, frames, joints, residual);
+    }
+
+    fn target_len(&self) -> usize {
+        Residual::target_len(self)
+    }
+
+    fn evaluate_moved(
+        &self,
+        frames: &[Placement<Dual<CHUNK>>],
+        joints: &[Dual<CHUNK>],
+        step: &[Dual<CHUNK>],
+        residual: &mut [Dual<CHUNK>],
+    ) {
+        Residual::evaluate_moved(self, frames, joints, step, residual);
     }
 
     fn differentiate(

@@ -1,7 +1,7 @@
 //! A frame should move at a velocity.
 
 use super::orientation::check_rotation;
-use super::residual::{not_finite, refuse};
+use super::residual::{moved, not_finite, refuse};
 use super::{Orientation, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -72,15 +72,29 @@ impl Residual for FrameVelocity {
         ]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        6
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let way = frames[0].translation - Vector3::constant(self.previous.translation);
         let turn = Vector3::from(Orientation::miss(
             self.previous.rotation,
             frames[0].rotation,
         ));
         let per_second = S::constant(1.0 / self.time_step_s);
-        let linear = way * per_second - Vector3::constant(self.linear);
-        let angular = turn * per_second - Vector3::constant(self.angular);
+        let linear = way * per_second - moved(self.linear, step);
+        let angular = turn * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
         residual[..3].copy_from_slice(&linear.to_array());
         residual[3..].copy_from_slice(&angular.to_array());
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::look_at::{line_of_sight, turn_onto};
-use super::residual::{not_finite, refuse};
+use super::residual::{moved, not_finite, refuse};
 use super::within::beyond;
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
@@ -105,11 +105,31 @@ impl Residual for Gaze {
         vec![Rows::new(Quantity::Radians, 1)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let axis = frames[0].rotation * Vector3::constant(self.axis * (1.0 / self.axis.norm()));
         let aim = match self.aim {
-            Aim::Along(direction) => Vector3::constant(direction * (1.0 / direction.norm())),
-            Aim::At(target) => line_of_sight(&frames[0], axis, target),
+            Aim::Along(direction) if step.is_empty() => {
+                Vector3::constant(direction * (1.0 / direction.norm()))
+            }
+            Aim::Along(direction) => {
+                let direction = moved(direction, step);
+                direction * (S::one() / direction.norm())
+            }
+            Aim::At(target) => line_of_sight(&frames[0], axis, moved(target, step)),
         };
         let squared = turn_onto(axis, aim).norm_squared();
         // Well within the cone, where the angle itself has no derivative.

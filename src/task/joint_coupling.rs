@@ -1,6 +1,6 @@
 //! Joints should keep a linear relation.
 
-use super::residual::{not_finite, refuse};
+use super::residual::{moved_by, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
@@ -93,11 +93,26 @@ impl Residual for JointCoupling {
         vec![Rows::new(self.quantity, 1)]
     }
 
-    fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        1
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        _frames: &[Placement<S>],
+        joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let terms = joints.iter().zip(&self.coefficients);
-        residual[0] = terms.fold(S::constant(-self.offset), |sum, (&value, &coefficient)| {
-            value.mul_add(S::constant(coefficient), sum)
-        });
+        residual[0] = terms.fold(
+            -moved_by(self.offset, step),
+            |sum, (&value, &coefficient)| value.mul_add(S::constant(coefficient), sum),
+        );
     }
 
     fn differentiate(

@@ -1,6 +1,6 @@
 //! An axis of a frame should point at a place.
 
-use super::residual::{not_finite, refuse};
+use super::residual::{moved, not_finite, refuse};
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -51,10 +51,24 @@ impl Residual for LookAt {
         vec![Rows::new(Quantity::Radians, 3)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let unit_axis = self.axis * (1.0 / self.axis.norm());
         let axis = frames[0].rotation * Vector3::constant(unit_axis);
-        let sight = line_of_sight(&frames[0], axis, self.target);
+        let sight = line_of_sight(&frames[0], axis, moved(self.target, step));
         residual.copy_from_slice(&turn_onto(axis, sight).to_array());
     }
 
@@ -72,9 +86,9 @@ impl Residual for LookAt {
 pub(super) fn line_of_sight<S: Scalar>(
     frame: &Placement<S>,
     blind: Vector3<S>,
-    target: Vector3<f64>,
+    target: Vector3<S>,
 ) -> Vector3<S> {
-    let sight = Vector3::constant(target) - frame.translation;
+    let sight = target - frame.translation;
     let squared = sight.norm_squared();
     let is_blind = squared.less_than(S::constant(f64::MIN_POSITIVE));
     let length = S::select(is_blind, S::one(), squared).sqrt();

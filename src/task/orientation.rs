@@ -1,6 +1,6 @@
 //! A frame should have an orientation.
 
-use super::residual::{add_base, frame_and_base, in_base, not_finite};
+use super::residual::{add_base, frame_and_base, in_base, not_finite, turned};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -47,8 +47,12 @@ impl Orientation {
 
     /// The rotation vector from the target to `rotation`.
     pub(super) fn miss<S: Scalar>(target: Matrix3<f64>, rotation: Matrix3<S>) -> [S; 3] {
-        let world_turn = rotation * Matrix3::constant(target.transpose());
-        rotation_log(&world_turn).to_array()
+        Self::miss_from(Matrix3::constant(target), rotation)
+    }
+
+    /// The same from a target that moves.
+    pub(super) fn miss_from<S: Scalar>(target: Matrix3<S>, rotation: Matrix3<S>) -> [S; 3] {
+        rotation_log(&(rotation * target.transpose())).to_array()
     }
 
     /// Writes ∂miss/∂ω into three rows of `jacobian`: J_l⁻¹(miss) (Chirikjian 2012, eq. 10.86, see
@@ -85,9 +89,24 @@ impl Residual for Orientation {
         vec![Rows::new(Quantity::Radians, 3)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let placed = in_base(frames);
-        residual.copy_from_slice(&Self::miss(self.target, placed.rotation));
+        let target = turned(self.target, step);
+        residual.copy_from_slice(&Self::miss_from(target, placed.rotation));
     }
 
     fn differentiate(

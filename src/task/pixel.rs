@@ -2,7 +2,7 @@
 
 use nalgebra as na;
 
-use super::residual::not_finite;
+use super::residual::{moved_by, not_finite};
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -103,10 +103,24 @@ impl Residual for Pixel {
         vec![Rows::new(Quantity::Pixels, 2)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        2
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let seen = self.camera.project(frames[0].translation);
-        for ((row, at), target) in residual.iter_mut().zip(seen).zip(self.target) {
-            *row = at - S::constant(target);
+        for (k, (row, at)) in residual.iter_mut().zip(seen).enumerate() {
+            *row = at - moved_by(self.target[k], step.get(k..).unwrap_or_default());
         }
     }
 

@@ -1,6 +1,6 @@
 //! A frame's origin should lie in a plane.
 
-use super::residual::{not_finite, refuse};
+use super::residual::{moved, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -53,8 +53,22 @@ impl Residual for Plane {
         vec![Rows::new(Quantity::Metres, 1)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
-        let from_plane = frames[0].translation - Vector3::constant(self.point);
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        let from_plane = frames[0].translation - moved(self.point, step);
         residual[0] = from_plane.dot(Vector3::constant(self.unit_normal()));
     }
 

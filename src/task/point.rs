@@ -1,6 +1,6 @@
 //! A point of a frame should be at a place.
 
-use super::residual::{add_base, frame_and_base, in_base, not_finite};
+use super::residual::{add_base, frame_and_base, in_base, moved, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -64,9 +64,23 @@ impl Residual for Point {
         vec![Rows::new(Quantity::Metres, 3)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let at = in_base(frames).apply(Vector3::constant(self.offset));
-        let miss = at - Vector3::constant(self.target);
+        let miss = at - moved(self.target, step);
         residual.copy_from_slice(&miss.to_array());
     }
 

@@ -2,7 +2,7 @@
 
 use super::goal::Goal;
 use super::orientation::check_rotation;
-use super::residual::{add_base, frame_and_base, in_base, not_finite};
+use super::residual::{add_base, frame_and_base, in_base, not_finite, turned};
 use super::within::beyond;
 use super::{LocalJacobian, Orientation, Quantity, Residual, Rows};
 use crate::model::FrameId;
@@ -112,15 +112,23 @@ impl Pose {
     }
 
     /// The turn from the target's axes to the tool's.
-    fn turn<S: Scalar>(&self, rotation: Matrix3<S>) -> Quaternion<S> {
-        let target = Matrix3::constant(self.target.rotation).transpose();
-        Quaternion::from_matrix(&(target * rotation))
+    fn turn<S: Scalar>(target: &Placement<S>, rotation: Matrix3<S>) -> Quaternion<S> {
+        Quaternion::from_matrix(&(target.rotation.transpose() * rotation))
     }
 
     /// From the target to the tool, in the target's axes.
-    fn offset<S: Scalar>(&self, placed: &Placement<S>) -> Vector3<S> {
-        let axes = Matrix3::constant(self.target.rotation).transpose();
-        axes * (placed.translation - Vector3::constant(self.target.translation))
+    fn offset<S: Scalar>(target: &Placement<S>, placed: &Placement<S>) -> Vector3<S> {
+        target.rotation.transpose() * (placed.translation - target.translation)
+    }
+
+    /// The target, moved along and about its own axes by a step of six numbers; as it is by none.
+    fn moved_target<S: Scalar>(&self, step: &[S]) -> Placement<S> {
+        let mut target = Placement::constant(&self.target);
+        if let [x, y, z, turn @ ..] = step {
+            target.translation += target.rotation * Vector3::new(*x, *y, *z);
+            target.rotation = turned(self.target.rotation, turn);
+        }
+        target
     }
 
     /// By hand, in the target's axes first: there the derivative of the rotation vector φ by the
@@ -134,7 +142,7 @@ impl Pose {
         jacobian: &mut LocalJacobian,
     ) {
         let target = &self.target.rotation;
-        let quaternion = self.turn(placed.rotation);
+        let quaternion = Self::turn(&self.target, placed.rotation);
         // By columns, one for each of the target's axes.
         let by_turning = if goal.is_full_pose() {
             rotation_log_jacobian(quaternion.log())
@@ -147,7 +155,7 @@ impl Pose {
         // columns of its transpose.
         let rows_in_world = *target * by_turning.transpose();
         let bands = goal.bands();
-        let offset = self.offset(placed).to_array();
+        let offset = Self::offset(&self.target, placed).to_array();
         let turn = (quaternion.v * 2.0).to_array();
         let counts = |value: f64, band: f64| band == 0.0 || value.abs() > band;
         for (k, axis) in [target.x, target.y, target.z].into_iter().enumerate() {
@@ -180,17 +188,32 @@ impl Residual for Pose {
         self.measures().to_vec()
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        6
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let placed = self.base_from_tool(frames);
+        let target = self.moved_target(step);
         if let Some(goal) = &self.goal {
-            let quaternion = self.turn(placed.rotation);
+            let quaternion = Self::turn(&target, placed.rotation);
             let turn = if goal.is_full_pose() {
                 quaternion.log()
             } else {
                 // Of q and −q either will do: rows of the other sign have the same slope.
                 quaternion.v * S::constant(2.0)
             };
-            let components = [self.offset(&placed), turn].map(Vector3::to_array);
+            let components = [Self::offset(&target, &placed), turn].map(Vector3::to_array);
             let components = components.into_iter().flatten().zip(goal.bands());
             for (row, (value, band)) in residual.iter_mut().zip(components) {
                 *row = match band {
@@ -201,8 +224,8 @@ impl Residual for Pose {
             }
             return;
         }
-        let miss = placed.translation - Vector3::constant(self.target.translation);
-        let turn = Orientation::miss(self.target.rotation, placed.rotation);
+        let miss = placed.translation - target.translation;
+        let turn = Orientation::miss_from(target.rotation, placed.rotation);
         let (position, orientation) = residual.split_at_mut(3);
         position.copy_from_slice(&miss.to_array());
         orientation.copy_from_slice(&turn);

@@ -1,6 +1,6 @@
 //! Joints should be near given values.
 
-use super::residual::{not_finite, refuse};
+use super::residual::{moved_by, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
 use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
 use crate::scalar::Scalar;
@@ -121,14 +121,18 @@ impl Posture {
         }
     }
 
-    fn differences<S: Scalar>(&self, joints: &[S], residual: &mut [S]) {
+    fn differences<S: Scalar>(&self, joints: &[S], step: &[S], residual: &mut [S]) {
         if self.reference.len() == self.joints.len() {
             for ((row, &value), &reference) in residual.iter_mut().zip(joints).zip(&self.reference)
             {
                 *row = value - S::constant(reference);
             }
+            for (row, &by) in residual.iter_mut().zip(step) {
+                *row -= by;
+            }
             return;
         }
+        let mut step = step;
         let (mut values, mut references, mut rows) = (joints, &self.reference[..], residual);
         for &is_ball in &self.is_ball {
             let (coordinates, own_rows) = if is_ball { (4, 3) } else { (1, 1) };
@@ -142,10 +146,15 @@ impl Posture {
                         v: Vector3::constant(-v),
                     };
                     let v = Vector3::new(x, y, z);
-                    row.copy_from_slice(&(back * Quaternion { w, v }).log().to_array());
+                    let mut turn = back * Quaternion { w, v };
+                    if let [x, y, z, ..] = *step {
+                        turn = Quaternion::exp(-Vector3::new(x, y, z)) * turn;
+                    }
+                    row.copy_from_slice(&turn.log().to_array());
                 }
-                _ => row[0] = own[0] - S::constant(reference[0]),
+                _ => row[0] = own[0] - moved_by(reference[0], step),
             }
+            step = step.get(own_rows..).unwrap_or_default();
             (values, references, rows) = (rest, other_references, other_rows);
         }
     }
@@ -171,12 +180,28 @@ impl Residual for Posture {
     }
 
     fn rows(&self) -> Vec<Rows> {
-        let rows = self.is_ball.iter().map(|ball| if *ball { 3 } else { 1 });
-        vec![Rows::new(Quantity::JointUnits, rows.sum())]
+        vec![Rows::new(Quantity::JointUnits, self.target_len())]
     }
 
-    fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.differences(joints, residual);
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        self.is_ball
+            .iter()
+            .map(|ball| if *ball { 3 } else { 1 })
+            .sum()
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        _frames: &[Placement<S>],
+        joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.differences(joints, step, residual);
         if !self.weights.is_empty() {
             self.weigh(residual);
         }

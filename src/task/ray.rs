@@ -1,6 +1,6 @@
 //! A frame's origin should lie on a line: the mouse energy of a viewing ray.
 
-use super::residual::{not_finite, refuse};
+use super::residual::{moved, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -56,9 +56,23 @@ impl Residual for Ray {
         vec![Rows::new(Quantity::Metres, 3)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
         let direction = Vector3::constant(self.direction());
-        let from_mouse = frames[0].translation - Vector3::constant(self.through);
+        let from_mouse = frames[0].translation - moved(self.through, step);
         let across = from_mouse - direction * from_mouse.dot(direction);
         residual.copy_from_slice(&across.to_array());
     }

@@ -3,7 +3,7 @@
 use super::{LocalJacobian, Rows};
 use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
-use crate::spatial::{Placement, Vector3};
+use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 
 /// Whether a task must be met or is only preferred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -91,12 +91,61 @@ pub trait Residual: Clone + Send + Sync + 'static {
         false
     }
 
+    /// How many numbers its target is moved by, if it has one; for
+    /// [`evaluate_moved`](Self::evaluate_moved).
+    fn target_len(&self) -> usize {
+        0
+    }
+
+    /// As [`evaluate`](Self::evaluate) with the target moved by a step of [`target_len`](Self::target_len)
+    /// numbers, which only its derivative at zero is asked of: so a solution is differentiated by the
+    /// target. Places and values are moved by the step itself, orientations about their own axes, as
+    /// [`Model::integrate`](crate::model::Model::integrate) moves a free joint. The default has no target.
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        let _ = step;
+        self.evaluate(frames, joints, residual);
+    }
+
     /// Looks at the residual's own numbers when a problem is built.
     ///
     /// # Errors
     /// What is wrong with them, in words that follow the task's name.
     fn validate(&self) -> Result<(), String> {
         Ok(())
+    }
+}
+
+/// A place, moved by the first three numbers of a step; as it is where there are fewer.
+#[inline]
+pub(super) fn moved<S: Scalar>(place: Vector3<f64>, step: &[S]) -> Vector3<S> {
+    match *step {
+        [x, y, z, ..] => Vector3::constant(place) + Vector3::new(x, y, z),
+        _ => Vector3::constant(place),
+    }
+}
+
+/// A value, moved by the first number of a step; as it is where there is none.
+#[inline]
+pub(super) fn moved_by<S: Scalar>(value: f64, step: &[S]) -> S {
+    match step {
+        [by, ..] => S::constant(value) + *by,
+        [] => S::constant(value),
+    }
+}
+
+/// An orientation, turned about its own axes by the first three numbers of a step.
+#[inline]
+pub(super) fn turned<S: Scalar>(rotation: Matrix3<f64>, step: &[S]) -> Matrix3<S> {
+    let rotation = Matrix3::constant(rotation);
+    match *step {
+        [x, y, z, ..] => rotation * rotation_exp(Vector3::new(x, y, z)),
+        _ => rotation,
     }
 }
 

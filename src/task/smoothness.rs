@@ -65,7 +65,21 @@ impl Residual for Smoothness {
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.previous.evaluate(frames, joints, residual);
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        self.previous.target_len()
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.previous.evaluate_moved(frames, joints, step, residual);
         let per_second = S::constant(1.0 / self.time_step_s);
         for row in residual {
             *row *= per_second;

@@ -99,7 +99,21 @@ impl<R: Residual> Residual for Within<R> {
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.residual.evaluate(frames, joints, residual);
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn target_len(&self) -> usize {
+        self.residual.target_len()
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.residual.evaluate_moved(frames, joints, step, residual);
         for row in residual {
             *row = beyond(*row, self.lower, self.upper);
         }

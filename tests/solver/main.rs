@@ -21,6 +21,8 @@ mod restarts;
 mod same_bits;
 mod singular_rest_poses;
 mod small_chains;
+mod solution_derivatives;
+mod solutions_without_derivative;
 mod step_lengths;
 mod stopping;
 mod success_rate;

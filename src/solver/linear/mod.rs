@@ -8,9 +8,11 @@ mod damped_normal;
 mod dense;
 mod held_step;
 mod householder;
+mod row_space;
 
 pub(super) use complete_orthogonal::CompleteOrthogonal;
 pub(super) use curved_normal::{CurvedModel, CurvedNormal, multiply_symmetric, quadratic};
 pub(super) use damped_normal::DampedNormal;
 pub(super) use dense::{add_scaled, dot};
 pub(crate) use held_step::{HeldStep, StepBounds};
+pub(crate) use row_space::RowSpace;

@@ -1,0 +1,209 @@
+//! Which limits hold a configuration, and the directions that they leave free.
+
+use crate::problem::{Question, Standing};
+use crate::spatial::Vector3;
+
+/// Within so much of a limit a ball's variables, which were read out of a quaternion, stand on it.
+const ROUNDING: f64 = 1e-12;
+
+/// A limit that the configuration stands on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bound {
+    /// The variable by which it is named, which with a swing's edge is the first of two.
+    pub(super) variable: usize,
+    /// Outward, by that variable and the next.
+    pub(super) normal: [f64; 2],
+    /// How much the edge bends, 1 / radians: 0 for a plain bound.
+    pub(super) curvature: f64,
+    /// Whether the limits leave one value, so that nothing need push.
+    pub(super) is_locked: bool,
+    pub(super) is_held: bool,
+}
+
+impl Bound {
+    /// Whether it is a swing's edge.
+    fn is_edge(&self) -> bool {
+        self.curvature > 0.0
+    }
+
+    /// The way along an edge.
+    pub(super) fn along(&self) -> [f64; 2] {
+        [-self.normal[1], self.normal[0]]
+    }
+
+    /// How hard a slope by the variables pushes outward.
+    pub(super) fn push(&self, slope: &[f64]) -> f64 {
+        let second = match self.is_edge() {
+            true => slope[self.variable + 1] * self.normal[1],
+            false => 0.0,
+        };
+        -(slope[self.variable] * self.normal[0] + second)
+    }
+}
+
+/// Puts what rounding left beside a ball's limit onto it, and lists the limits that x stands on, all held.
+pub(super) fn list_bounds(question: Question<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
+    let problem = question.problem();
+    let (lower, upper) = (question.lower(), question.upper());
+    for ball in problem.parameters().balls() {
+        for j in ball.variable..ball.variable + 3 {
+            for end in [lower[j], upper[j]] {
+                if (x[j] - end).abs() <= ROUNDING {
+                    x[j] = end;
+                }
+            }
+        }
+    }
+    bounds.clear();
+    let mut variable = 0;
+    while variable < x.len() {
+        let edge = problem.swing_at(variable).and_then(|swing| swing.edge(x));
+        if let Some((normal, curvature)) = edge {
+            bounds.push(Bound {
+                variable,
+                normal,
+                curvature,
+                is_locked: false,
+                is_held: true,
+            });
+            variable += 2;
+            continue;
+        }
+        let outward = match x[variable] {
+            value if value <= lower[variable] => Some(-1.0),
+            value if value >= upper[variable] => Some(1.0),
+            _ => None,
+        };
+        if let Some(outward) = outward {
+            bounds.push(Bound {
+                variable,
+                normal: [outward, 0.0],
+                curvature: 0.0,
+                is_locked: lower[variable] >= upper[variable],
+                is_held: true,
+            });
+        }
+        variable += 1;
+    }
+}
+
+/// A direction of the variables; at most three move together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Direction {
+    first: usize,
+    count: usize,
+    by: [f64; 3],
+}
+
+/// Directions of the variables that no held limit bars, orthonormal as velocities of the model.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Directions {
+    list: Vec<Direction>,
+    squared: Vec<f64>,
+    barred: Vec<bool>,
+}
+
+impl Directions {
+    /// Takes those that held bounds leave free.
+    pub(super) fn take(&mut self, question: Question<'_>, at: &Standing<'_>, bounds: &[Bound]) {
+        let problem = question.problem();
+        let n = at.x.len();
+        self.squared.clear();
+        self.squared.resize(n, 0.0);
+        problem.tangent().squared_speeds(at, &mut self.squared);
+        self.barred.clear();
+        self.barred.resize(n, false);
+        for bound in bounds.iter().filter(|bound| bound.is_held) {
+            self.barred[bound.variable] = true;
+        }
+        self.list.clear();
+        let mut balls = problem.parameters().balls().iter();
+        let mut ball = balls.next();
+        let mut variable = 0;
+        while variable < n {
+            if let Some(own) = ball.filter(|ball| ball.variable == variable) {
+                let edge = bounds
+                    .iter()
+                    .find(|bound| bound.variable == variable && bound.is_edge() && bound.is_held);
+                let axes = own.of(at.x).map(|x| own.chart.axes(x));
+                self.take_ball(variable, axes.unwrap_or([Vector3::zero(); 3]), edge);
+                variable += 3;
+                ball = balls.next();
+                continue;
+            }
+            if !self.barred[variable] {
+                self.list.push(Direction {
+                    first: variable,
+                    count: 1,
+                    by: [1.0 / self.squared[variable].sqrt(), 0.0, 0.0],
+                });
+            }
+            variable += 1;
+        }
+    }
+
+    /// Gram and Schmidt's, on a ball's angular velocities.
+    fn take_ball(&mut self, first: usize, axes: [Vector3<f64>; 3], edge: Option<&Bound>) {
+        let mut found = [([0.0; 3], Vector3::zero()); 3];
+        let mut count = 0;
+        for part in 0..3 {
+            let mut by = [0.0; 3];
+            by[part] = 1.0;
+            match (edge, part) {
+                (Some(_), 0) => continue,
+                (Some(edge), 1) => by[..2].copy_from_slice(&edge.along()),
+                _ if self.barred[first + part] => continue,
+                _ => {}
+            }
+            let mut omega = axes[0] * by[0] + axes[1] * by[1] + axes[2] * by[2];
+            for (other, along) in &found[..count] {
+                let share = omega.dot(*along);
+                omega -= *along * share;
+                for (by, other) in by.iter_mut().zip(other) {
+                    *by -= share * other;
+                }
+            }
+            let per = 1.0 / omega.norm();
+            if per.is_finite() {
+                found[count] = (by.map(|by| by * per), omega * per);
+                count += 1;
+            }
+        }
+        self.list
+            .extend(found[..count].iter().map(|&(by, _)| Direction {
+                first,
+                count: 3,
+                by,
+            }));
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Adds a share of a sum of directions to the variables.
+    pub(super) fn expand(&self, y: &[f64], share: f64, x: &mut [f64]) {
+        for (direction, y) in self.list.iter().zip(y) {
+            let own = x[direction.first..].iter_mut().zip(direction.by);
+            for (x, by) in own.take(direction.count) {
+                *x += share * y * by;
+            }
+        }
+    }
+
+    /// Writes the slopes along the directions of what has slopes by the variables; or of many rows, column by
+    /// column, with their entries in a column side by side.
+    pub(super) fn reduce(&self, rows: usize, slopes: &[f64], reduced: &mut Vec<f64>) {
+        reduced.clear();
+        for direction in &self.list {
+            let start = reduced.len();
+            reduced.resize(start + rows, 0.0);
+            let columns = slopes[direction.first * rows..].chunks_exact(rows.max(1));
+            for (column, by) in columns.zip(direction.by).take(direction.count) {
+                for (sum, entry) in reduced[start..].iter_mut().zip(column) {
+                    *sum += by * entry;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Products with the derivative, forward and backward, from the one factorisation.
+
+use nalgebra::DMatrix;
+
+use super::system::inner;
+use super::{DerivativeError, Parts, SolutionDerivative};
+use crate::model::Model;
+use crate::problem::{Evaluation, ParameterVector, Question, Scratch, Share};
+
+impl SolutionDerivative<'_> {
+    /// Writes the velocity of the configuration for rates of the parameters: the forward product. Where the
+    /// [`existence`](Self::existence) says so it is the shortest of many, or not to be trusted.
+    ///
+    /// # Errors
+    /// Parameters of another shape, a `v` of another length.
+    pub fn velocity(
+        &mut self,
+        rates: &ParameterVector,
+        v: &mut [f64],
+    ) -> Result<(), DerivativeError> {
+        self.check(v.len(), rates)?;
+        let (question, model) = (self.question, self.model);
+        if let Some((scratch, parts)) = self.memory.split() {
+            parts.forward(question, scratch, model, rates, v);
+        }
+        Ok(())
+    }
+
+    /// Writes the gradient by the parameters of a scalar whose slope by the configuration's velocity is
+    /// `slope`: the reverse product, all parameters at once.
+    ///
+    /// # Errors
+    /// Parameters of another shape, a slope of another length.
+    pub fn gradient(
+        &mut self,
+        slope: &[f64],
+        gradient: &mut ParameterVector,
+    ) -> Result<(), DerivativeError> {
+        self.check(slope.len(), gradient)?;
+        gradient.clear();
+        let (question, model) = (self.question, self.model);
+        if let Some((scratch, parts)) = self.memory.split() {
+            parts.reverse(question, scratch, model, slope, gradient);
+        }
+        Ok(())
+    }
+
+    /// The whole derivative by the target of one task: a row for each number of a velocity, a column for each
+    /// number of the target.
+    ///
+    /// # Errors
+    /// A position beyond the problem's tasks.
+    pub fn by_target(&mut self, task: usize) -> Result<DMatrix<f64>, DerivativeError> {
+        let problem = self.question.problem();
+        if task >= problem.tasks() {
+            return Err(DerivativeError::NoSuchTask {
+                given: task,
+                tasks: problem.tasks(),
+            });
+        }
+        let mut rates = self.parameters();
+        let columns = rates.target(task).len();
+        let mut matrix = DMatrix::zeros(self.degrees_of_freedom(), columns);
+        for k in 0..columns {
+            rates.clear();
+            rates.target_mut(task)[k] = 1.0;
+            self.velocity(&rates, matrix.column_mut(k).as_mut_slice())?;
+        }
+        Ok(matrix)
+    }
+
+    fn check(&self, len: usize, parameters: &ParameterVector) -> Result<(), DerivativeError> {
+        let expected = self.degrees_of_freedom();
+        if len != expected {
+            return Err(DerivativeError::Length {
+                given: len,
+                expected,
+            });
+        }
+        let joints = self.model.map(|model| model.joints().len());
+        match parameters.fits(self.question.problem(), joints) {
+            true => Ok(()),
+            false => Err(DerivativeError::ForeignParameters),
+        }
+    }
+}
+
+impl super::DerivativeWorkspace {
+    fn split(&mut self) -> Option<(&mut Scratch, &mut Parts)> {
+        Some((self.scratch.as_mut()?, &mut self.parts))
+    }
+}
+
+impl Parts {
+    fn forward(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        model: Option<&Model>,
+        rates: &ParameterVector,
+        v: &mut [f64],
+    ) {
+        let Self {
+            place,
+            system,
+            parameters,
+            slope,
+            step,
+            rows,
+            ..
+        } = self;
+        let (m, free) = (place.r.len(), place.directions.len());
+        rows.clear();
+        rows.resize(m, 0.0);
+        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+        evaluation.rows_by_parameters(&place.x, rates, model, parameters, rows);
+        system.restore(place, rows, step);
+        slope.clear();
+        slope.resize(free, 0.0);
+        if !place.roles.pulled.is_empty() {
+            for (k, slope) in slope.iter_mut().enumerate() {
+                let column = &place.along[k * m..(k + 1) * m];
+                let pulled = place.roles.pulled.iter();
+                *slope = pulled.map(|&row| column[row] * rows[row]).sum();
+            }
+            if step.iter().any(|step| *step != 0.0) {
+                system.add_hessian(question, scratch, place, (step, slope));
+            }
+            if system.bends() {
+                for k in 0..system.nullity() {
+                    let direction = system.null_direction(k).to_vec();
+                    let shift = place.shift(question, &direction);
+                    let mut bend = 0.0;
+                    for share in [shift, -shift] {
+                        let at = place.moved(&direction, share).to_vec();
+                        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+                        evaluation.rows_by_parameters(&at, rates, model, parameters, rows);
+                        bend += inner(&place.counts, rows) / (2.0 * share);
+                    }
+                    for (slope, entry) in slope.iter_mut().zip(direction) {
+                        *slope += bend * entry;
+                    }
+                }
+            }
+            system.add_pull(slope, -1.0, step);
+        }
+        self.rates.clear();
+        self.rates.resize(place.x.len(), 0.0);
+        place.directions.expand(step, 1.0, &mut self.rates);
+        let at = place.standing(question);
+        question.problem().tangent().velocity(&at, &self.rates, v);
+    }
+
+    fn reverse(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        model: Option<&Model>,
+        by_v: &[f64],
+        gradient: &mut ParameterVector,
+    ) {
+        let Self {
+            place,
+            system,
+            rates,
+            slope,
+            step,
+            image,
+            rows,
+            ..
+        } = self;
+        rates.clear();
+        rates.resize(place.x.len(), 0.0);
+        let tangent = question.problem().tangent();
+        tangent.add_slope(&place.standing(question), by_v, rates);
+        place.directions.reduce(1, rates, slope);
+        step.clear();
+        step.resize(place.directions.len(), 0.0);
+        rows.clear();
+        rows.resize(place.r.len(), 0.0);
+        if !place.roles.pulled.is_empty() {
+            system.add_pull(slope, -1.0, step);
+        }
+        if !place.roles.held.is_empty() {
+            image.clear();
+            image.resize(step.len(), 0.0);
+            if step.iter().any(|step| *step != 0.0) {
+                system.add_hessian(question, scratch, place, (step, image));
+            }
+            // With `step` the adjoint's negative: −(g − W a) = −(g + W step).
+            for (slope, image) in slope.iter_mut().zip(&*image) {
+                *slope = -(*slope + image);
+            }
+            system.push_held(place, slope, rows);
+        }
+        self.add_slopes(question, scratch, model, gradient);
+    }
+
+    /// Adds how the slope of the Lagrangian along `step` changes with the parameters.
+    pub(super) fn add_slopes_along(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        gradient: &mut ParameterVector,
+    ) {
+        self.rows.clear();
+        self.rows.resize(self.place.r.len(), 0.0);
+        self.add_slopes(question, scratch, None, gradient);
+    }
+
+    /// The same, and how the rows do, each times what `rows` says.
+    fn add_slopes(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        model: Option<&Model>,
+        gradient: &mut ParameterVector,
+    ) {
+        let Self {
+            place,
+            system,
+            parameters,
+            step,
+            rows,
+            ..
+        } = self;
+        let m = rows.len();
+        for &row in &place.roles.pulled {
+            let along = step.iter().enumerate();
+            rows[row] += along
+                .map(|(k, step)| step * place.along[k * m + row])
+                .sum::<f64>();
+        }
+        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+        let counts = (&**rows, 1.0);
+        evaluation.add_parameter_slopes(&place.x, counts, model, parameters, gradient);
+        let shift = place.shift(question, step);
+        if !system.bends() || !shift.is_finite() {
+            return;
+        }
+        for share in [shift, -shift] {
+            let at = place.moved(step, share).to_vec();
+            let mut evaluation = Evaluation::of(Share::All, question, scratch);
+            let counts = (&*place.counts, 0.5 / share);
+            evaluation.add_parameter_slopes(&at, counts, model, parameters, gradient);
+        }
+    }
+}

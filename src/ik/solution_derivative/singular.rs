@@ -1,0 +1,176 @@
+//! Places where a solution has no derivative though nothing is at a limit.
+
+use super::Parts;
+use super::place::Place;
+use super::system::System;
+use crate::problem::{Evaluation, ParameterVector, Question, Scratch, Share};
+use crate::random::RandomStream;
+use crate::solver::LeastSquares;
+
+/// How far beside the place rows that depend on each other by their nature still do, in radians or metres.
+const BESIDE: f64 = 1e-5;
+/// Parameters that move the slope along a flat direction by less than this share of what they do elsewhere do
+/// not move it.
+const UNFELT: f64 = 1e-5;
+
+/// What directions are in which the cost is flat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flat {
+    /// Nothing decides there, and no parameter changes that.
+    Undecided,
+    /// Parameters push along it: the solution leaves at once, or jumps.
+    Singular,
+}
+
+impl System {
+    /// How many of the held rows depend on the others only here.
+    pub(super) fn lost_ranks(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        place: &mut Place,
+    ) -> usize {
+        let rank = self.rank();
+        if rank >= place.roles.held.len() || self.nullity() == 0 {
+            return 0;
+        }
+        let mut random = RandomStream::new(0, 0);
+        let free = place.directions.len();
+        let beside: Vec<f64> = (0..free).map(|_| 2.0 * random.unit() - 1.0).collect();
+        let at = place.moved(&beside, BESIDE).to_vec();
+        let here = place.along.clone();
+        let mut jacobian = std::mem::take(&mut place.jacobian);
+        let there = &mut jacobian.clone();
+        Evaluation::of(Share::All, question, scratch).analytic_jacobian(&at, there);
+        let rows = there.nrows();
+        place
+            .directions
+            .reduce(rows, there.as_slice(), &mut place.along);
+        std::mem::swap(&mut place.jacobian, &mut jacobian);
+        self.take_held(place);
+        let generic = self.rank();
+        place.along = here;
+        self.take_held(place);
+        generic.saturating_sub(rank)
+    }
+}
+
+impl Parts {
+    /// How far Newton's step would still go, in radians or metres.
+    pub(super) fn distance_left(&mut self) -> f64 {
+        let Self {
+            place,
+            system,
+            rates,
+            slope,
+            step,
+            ..
+        } = self;
+        if place.roles.pulled.is_empty() {
+            return 0.0;
+        }
+        rates.clear();
+        rates.resize(place.x.len(), 0.0);
+        place.slope(rates);
+        place.directions.reduce(1, rates, slope);
+        step.clear();
+        step.resize(place.directions.len(), 0.0);
+        system.add_pull(slope, -1.0, step);
+        step.iter().fold(0.0, |most, step| step.abs().max(most))
+    }
+
+    /// What the directions are in which the reduced cost is flat.
+    pub(super) fn flatness(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        flat: usize,
+    ) -> Flat {
+        if flat == 0 || self.place.roles.pulled.is_empty() {
+            return Flat::Undecided;
+        }
+        let size = |gradient: &ParameterVector| {
+            let targets = gradient.targets().iter();
+            targets.fold(0.0_f64, |most, slope| most.max(slope.abs()))
+        };
+        let mut gradient = std::mem::take(&mut self.gradient);
+        let mut along = |parts: &mut Self, y: &[f64]| {
+            parts.step.clear();
+            parts.step.extend_from_slice(y);
+            gradient.clear();
+            parts.add_slopes_along(question, scratch, &mut gradient);
+            size(&gradient)
+        };
+        let all =
+            vec![1.0 / (self.place.directions.len() as f64).sqrt(); self.place.directions.len()];
+        let usual = along(self, &all);
+        let mut direction = Vec::new();
+        let mut flatness = Flat::Undecided;
+        for k in 0..flat {
+            self.system.flat_direction(k, &mut direction);
+            if along(self, &direction) > UNFELT * usual {
+                flatness = Flat::Singular;
+            }
+        }
+        self.gradient = gradient;
+        flatness
+    }
+
+    /// A task whose rows vanish as soon as they are crossed, while nothing pushes against them.
+    pub(super) fn task_at_kink(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+    ) -> Option<String> {
+        let Self {
+            place,
+            system,
+            rows,
+            step,
+            image,
+            ..
+        } = self;
+        let none = |row: &usize| place.r[*row] == 0.0;
+        if place.roles.held.iter().all(none) {
+            return None;
+        }
+        // Twice as far as where they would be zero.
+        rows.clear();
+        rows.extend(place.r.iter().map(|r| 2.0 * r));
+        system.restore(place, rows, step);
+        place.moved(step, 1.0);
+        image.clear();
+        image.resize(rows.len(), 0.0);
+        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+        evaluation.residual(place.shifted(), image);
+        let vanish = |row: usize| place.r[row] != 0.0 && image[row] == 0.0;
+        if !place.roles.held.iter().any(|&row| vanish(row)) {
+            return None;
+        }
+        // By rounding, or because nothing is asked there.
+        let mut there = place.jacobian.clone();
+        evaluation.analytic_jacobian(place.shifted(), &mut there);
+        let idle = |row: usize| there.row(row).iter().all(|entry| *entry == 0.0);
+        let largest = place
+            .counts
+            .iter()
+            .fold(0.0_f64, |most, c| most.max(c.abs()));
+        let problem = question.problem();
+        let task_at_kink = problem.compiled_tasks().iter().find(|task| {
+            let own = task
+                .rows
+                .clone()
+                .filter(|row| place.roles.held.contains(row));
+            let mut crossed = own.filter(|&row| vanish(row) && idle(row)).peekable();
+            let vanishes = crossed.peek().is_some();
+            let push: f64 = crossed
+                .map(|row| place.counts[row] * place.r[row].signum())
+                .sum();
+            vanishes && push <= WEAK * largest
+        });
+        task_at_kink.map(|task| task.name().to_owned())
+    }
+}
+
+/// A push of less than this share of the largest is none.
+const WEAK: f64 = 1e-6;

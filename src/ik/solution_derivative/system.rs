@@ -1,0 +1,287 @@
+//! The linear system that changes of a solution answer: what is held stays, what pulls balances.
+//!
+//! With L = ½ ‖r_pulled‖² + λᵀ r_held, its Hessian W and the held rows' Jacobian C along the free directions,
+//!
+//! ```text
+//! [W Cᵀ] [dy]     [∂ₚ∇L dp ]
+//! [C 0 ] [dλ] = − [∂ₚr_held dp]
+//! ```
+//!
+//! (Fiacco 1976, "Sensitivity analysis for nonlinear programming using penalty methods"). It is solved in
+//! the null space Z of C, dy = −C⁺ ∂ₚr + Z dw, so that W is needed along Z alone (Nocedal & Wright 2006,
+//! section 16.2).
+
+use super::place::Place;
+use crate::problem::{Question, Scratch};
+use crate::solver::RowSpace;
+
+/// Rows of which less than this share of the longest is left depend on the others.
+const NO_RANK: f64 = 1e-9;
+/// The cost is flat where it bends by less than this share of what the steepest variable's rows alone would.
+const FLAT: f64 = 1e-9;
+/// Rows that bend count for nothing in the Hessian below this residual, as a share of the Jacobian's longest
+/// column.
+const STRAIGHT: f64 = 1e-9;
+
+/// The factored system.
+#[derive(Clone, Debug, Default)]
+pub(super) struct System {
+    /// C, row by row.
+    held: Vec<f64>,
+    held_space: RowSpace,
+    /// Rows of the pulled Jacobian, with a row for each edge that is pushed against, row by row.
+    pulled: Vec<f64>,
+    /// Z, direction by direction.
+    null: Vec<f64>,
+    /// Zᵀ W Z.
+    reduced: Vec<f64>,
+    reduced_space: RowSpace,
+    /// Whether rows bend at all here.
+    bends: bool,
+    free: usize,
+    side: Vec<f64>,
+    image: Vec<f64>,
+    pub(super) directions: [Vec<f64>; 2],
+    multipliers: Vec<f64>,
+}
+
+impl System {
+    /// Takes the held rows along the free directions.
+    pub(super) fn take_held(&mut self, place: &Place) {
+        self.free = place.directions.len();
+        self.held.clear();
+        for &row in &place.roles.held {
+            self.held.extend(place.row(row));
+        }
+        let rows = self.held.chunks_exact(self.free.max(1));
+        let longest = rows.fold(0.0_f64, |most, row| most.max(inner(row, row)));
+        let least = NO_RANK * longest.sqrt();
+        self.held_space.factorise(&self.held, self.free, least);
+    }
+
+    /// How many of the held rows are independent.
+    pub(super) fn rank(&self) -> usize {
+        self.held_space.rank()
+    }
+
+    pub(super) fn nullity(&self) -> usize {
+        self.held_space.nullity()
+    }
+
+    /// Writes the multipliers of the held rows, by which they balance the pulled ones best, into the place's
+    /// counts, and the residuals of the pulled ones.
+    pub(super) fn balance(&mut self, place: &mut Place) {
+        place.counts.fill(0.0);
+        for &row in &place.roles.pulled {
+            place.counts[row] = place.r[row];
+        }
+        if place.roles.held.is_empty() || place.roles.pulled.is_empty() {
+            return;
+        }
+        let rows = place.jacobian.nrows();
+        self.side.clear();
+        for k in 0..self.free {
+            let column = &place.along[k * rows..(k + 1) * rows];
+            let terms = column.iter().zip(&place.counts);
+            self.side.push(-terms.map(|(j, c)| j * c).sum::<f64>());
+        }
+        self.multipliers.clear();
+        self.multipliers.resize(place.roles.held.len(), 0.0);
+        let Self {
+            held_space,
+            side,
+            multipliers,
+            ..
+        } = self;
+        held_space.solve_transposed(side, multipliers);
+        for (&row, &multiplier) in place.roles.held.iter().zip(&*multipliers) {
+            place.counts[row] = multiplier;
+        }
+    }
+
+    /// Takes the Hessian of the Lagrangian along the directions that the held rows leave free. Returns in how many of
+    /// them nothing pulls.
+    pub(super) fn take_hessian(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        place: &mut Place,
+    ) -> usize {
+        let largest = place
+            .counts
+            .iter()
+            .fold(0.0_f64, |most, c| most.max(c.abs()));
+        let steepest = place.longest_column();
+        self.bends = largest > STRAIGHT * steepest;
+        self.pulled.clear();
+        for &row in &place.roles.pulled {
+            self.pulled.extend(place.row(row));
+        }
+        self.add_edges(place);
+        let (free, nullity) = (self.free, self.nullity());
+        self.null.clear();
+        self.null.resize(free * nullity, 0.0);
+        for (k, direction) in self.null.chunks_exact_mut(free.max(1)).enumerate() {
+            self.held_space.null_direction(k, direction);
+        }
+        if self.pulled.is_empty() {
+            self.reduced.clear();
+            self.reduced_space.factorise(&[], nullity, 0.0);
+            return nullity;
+        }
+        // W Z, then Zᵀ of it.
+        self.image.clear();
+        self.image.resize(free * nullity, 0.0);
+        let [hessian, _] = &mut self.directions;
+        for k in 0..nullity {
+            let own = k * free..(k + 1) * free;
+            let direction = &self.null[own.clone()];
+            hessian.clear();
+            hessian.resize(free, 0.0);
+            multiply(&self.pulled, direction, hessian);
+            if self.bends {
+                place.add_bend(question, scratch, direction, hessian);
+            }
+            self.image[own].copy_from_slice(hessian);
+        }
+        self.reduced.clear();
+        self.reduced.resize(nullity * nullity, 0.0);
+        for k in 0..nullity {
+            for j in 0..=k {
+                let [one, other] = [(j, k), (k, j)].map(|(a, b)| {
+                    let image = &self.image[a * free..(a + 1) * free];
+                    inner(&self.null[b * free..(b + 1) * free], image)
+                });
+                let mean = 0.5 * (one + other);
+                self.reduced[k * nullity + j] = mean;
+                self.reduced[j * nullity + k] = mean;
+            }
+        }
+        let least = FLAT * steepest * steepest;
+        self.reduced_space.factorise(&self.reduced, nullity, least);
+        self.reduced_space.nullity()
+    }
+
+    /// Along an edge that bends the cost bends with it, by how hard it is pushed against.
+    fn add_edges(&mut self, place: &mut Place) {
+        let edges = place
+            .bounds
+            .iter()
+            .filter(|own| own.is_held && own.curvature > 0.0);
+        if edges.clone().next().is_none() {
+            return;
+        }
+        let mut slope = std::mem::take(&mut self.side);
+        slope.clear();
+        slope.resize(place.x.len(), 0.0);
+        place.slope(&mut slope);
+        for edge in edges {
+            let push = edge.push(&slope);
+            if push > 0.0 {
+                let mut row = vec![0.0; place.x.len()];
+                let by = (push * edge.curvature).sqrt();
+                let [first, second] = edge.along();
+                row[edge.variable] = by * first;
+                row[edge.variable + 1] = by * second;
+                let mut reduced = Vec::new();
+                place.directions.reduce(1, &row, &mut reduced);
+                self.pulled.extend(reduced);
+            }
+        }
+        self.side = slope;
+    }
+
+    /// One of the directions that the held rows leave free.
+    pub(super) fn null_direction(&self, k: usize) -> &[f64] {
+        &self.null[k * self.free..(k + 1) * self.free]
+    }
+
+    /// A direction along which the reduced Hessian has no rank.
+    pub(super) fn flat_direction(&mut self, k: usize, y: &mut Vec<f64>) {
+        let nullity = self.nullity();
+        self.side.clear();
+        self.side.resize(nullity, 0.0);
+        self.reduced_space.null_direction(k, &mut self.side);
+        y.clear();
+        y.resize(self.free, 0.0);
+        self.add_null(y);
+    }
+
+    /// Adds Z w, with w in `side`.
+    fn add_null(&self, y: &mut [f64]) {
+        for (direction, w) in self.null.chunks_exact(self.free.max(1)).zip(&self.side) {
+            for (y, entry) in y.iter_mut().zip(direction) {
+                *y += w * entry;
+            }
+        }
+    }
+
+    /// Adds W y.
+    pub(super) fn add_hessian(
+        &self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        place: &mut Place,
+        (y, image): (&[f64], &mut [f64]),
+    ) {
+        multiply(&self.pulled, y, image);
+        if self.bends {
+            place.add_bend(question, scratch, y, image);
+        }
+    }
+
+    /// Whether parameters bend the slope: otherwise the rows' own rates say all.
+    pub(super) fn bends(&self) -> bool {
+        self.bends
+    }
+
+    /// Writes −C⁺ of the rates of the held rows.
+    pub(super) fn restore(&mut self, place: &Place, rates: &[f64], y: &mut Vec<f64>) {
+        self.multipliers.clear();
+        let held = place.roles.held.iter();
+        self.multipliers.extend(held.map(|&row| -rates[row]));
+        y.clear();
+        y.resize(self.free, 0.0);
+        self.held_space.solve(&self.multipliers, y);
+    }
+
+    /// Adds −Z (Zᵀ W Z)⁻¹ Zᵀ of a slope, where something pulls.
+    pub(super) fn add_pull(&mut self, slope: &[f64], factor: f64, y: &mut [f64]) {
+        let nullity = self.nullity();
+        let null = self.null.chunks_exact(self.free.max(1));
+        self.image.clear();
+        self.image
+            .extend(null.map(|direction| factor * inner(direction, slope)));
+        self.side.clear();
+        self.side.resize(nullity, 0.0);
+        if !self.pulled.is_empty() {
+            self.reduced_space.solve(&self.image, &mut self.side);
+        }
+        self.add_null(y);
+    }
+
+    /// Writes (C⁺)ᵀ of a slope along the directions, by row of all tasks.
+    pub(super) fn push_held(&mut self, place: &Place, slope: &[f64], by_row: &mut [f64]) {
+        self.multipliers.clear();
+        self.multipliers.resize(place.roles.held.len(), 0.0);
+        self.held_space
+            .solve_transposed(slope, &mut self.multipliers);
+        for (&row, multiplier) in place.roles.held.iter().zip(&self.multipliers) {
+            by_row[row] += multiplier;
+        }
+    }
+}
+
+/// Adds Mᵀ M y, for M by its rows.
+fn multiply(rows: &[f64], y: &[f64], image: &mut [f64]) {
+    for row in rows.chunks_exact(y.len().max(1)) {
+        let along = inner(row, y);
+        for (image, entry) in image.iter_mut().zip(row) {
+            *image += along * entry;
+        }
+    }
+}
+
+pub(super) fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,31 @@
+//! How every joint of a model is turned.
+
+use super::motion::Motion;
+use crate::model::{JointId, JointKind, Model, quaternion_at};
+use crate::scalar::elementary;
+use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
+
+/// The orientation in the world of every joint of `model` at a configuration of it, after its own motion, by
+/// [`JointId::index`].
+pub(crate) fn joint_rotations(model: &Model, q: &[f64], rotations: &mut Vec<Matrix3<f64>>) {
+    rotations.clear();
+    for (index, joint) in model.joints().iter().enumerate() {
+        let parent = joint.parent.map(|parent| rotations[parent.index()]);
+        let before = parent.unwrap_or(Matrix3::identity()) * joint.parent_from_joint.rotation;
+        let values = model.coordinate(JointId::new(index)).map(|at| &q[at..]);
+        rotations.push(match (joint.kind, values) {
+            (JointKind::Ball, Some(values)) => {
+                before * quaternion_at(values).map_or(Matrix3::identity(), Quaternion::to_matrix)
+            }
+            (kind, Some(&[value, ..])) => match Motion::new(kind, joint.axis) {
+                Some(motion) if motion.turns() => {
+                    let placed = Placement::new(before, Vector3::zero());
+                    let trigonometry = elementary::sin_cos(value);
+                    motion.apply(placed, value, trigonometry).rotation
+                }
+                _ => before,
+            },
+            _ => before,
+        });
+    }
+}

@@ -1,0 +1,213 @@
+//! The derivatives of a problem's rows by what is asked: targets, weights, and where joints stand on their
+//! parents.
+
+use super::{Evaluation, ParameterVector};
+use crate::kinematics::joint_rotations;
+use crate::model::Model;
+use crate::scalar::{Dual, Scalar};
+use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::task::{CHUNK, DualScratch, ErasedResidual};
+
+/// Memory for derivatives by parameters.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ParameterScratch {
+    step: Vec<Dual<CHUNK>>,
+    dual: DualScratch,
+    rows: Vec<f64>,
+    rotations: Vec<Matrix3<f64>>,
+    /// By joint: what pushes on it and on what it carries, or how fast it moves.
+    by_joint: Vec<Vector3<f64>>,
+}
+
+impl Evaluation<'_> {
+    /// Adds to `slopes` how a fixed sum of the whole problem's weighted rows at x, cᵀr, changes with the
+    /// parameters, times a factor. With a model they include its joints' origins.
+    pub(crate) fn add_parameter_slopes(
+        &mut self,
+        x: &[f64],
+        (coefficients, factor): (&[f64], f64),
+        model: Option<&Model>,
+        memory: &mut ParameterScratch,
+        slopes: &mut ParameterVector,
+    ) {
+        self.forward(x);
+        let problem = self.question.problem;
+        let model = model.filter(|_| !slopes.joint_origins().is_empty());
+        memory.by_joint.clear();
+        memory
+            .by_joint
+            .resize(slopes.joint_origins().len(), Vector3::zero());
+        let mut first_block = 0;
+        for (index, task) in problem.tasks.iter().enumerate() {
+            let own_block = first_block;
+            first_block += task.blocks.len();
+            let c = &coefficients[task.rows.clone()];
+            if c.iter().all(|c| *c == 0.0) {
+                continue;
+            }
+            Self::gather(self.scratch, task);
+            let residual = self.question.residual(index);
+            memory.read(self.scratch.placed(), task.rows.len());
+            let target = slopes.target_mut(index);
+            for first in (0..target.len()).step_by(CHUNK) {
+                let count = CHUNK.min(target.len() - first);
+                memory.move_target(residual, target.len(), first, count);
+                for ((row, c), weight) in memory.dual.residual.iter().zip(c).zip(&task.weights) {
+                    let by = factor * c * weight;
+                    let slopes = target[first..first + count].iter_mut();
+                    for (slope, derivative) in slopes.zip(row.derivatives()) {
+                        *slope += by * derivative;
+                    }
+                }
+            }
+            memory.rows.resize(task.rows.len(), 0.0);
+            let (frames, joints) = self.scratch.placed();
+            residual.evaluate(frames, joints, &mut memory.rows);
+            let blocks = task.blocks.iter();
+            for (block, slope) in blocks.zip(slopes.weights_of(own_block, task)) {
+                let own = block.rows_after(task.rows.start, 0);
+                let terms = c[own.clone()].iter().zip(&memory.rows[own]);
+                *slope += factor * terms.map(|(c, row)| c * row).sum::<f64>();
+            }
+            if let Some(model) = model {
+                Self::differentiate(self.scratch, task, residual);
+                for (k, &slot) in task.frames.iter().enumerate() {
+                    let parts = self.scratch.local().linear(k).iter().zip(c);
+                    let force = parts.fold(Vector3::zero(), |sum, (&part, &c)| sum + part * c);
+                    let frame = &model.frames()[self.question.tree().frame(slot).index()];
+                    if let Some(joint) = frame.joint {
+                        memory.by_joint[joint.index()] += force;
+                    }
+                }
+            }
+        }
+        let Some(model) = model else {
+            return;
+        };
+        joint_rotations(model, self.scratch.q(), &mut memory.rotations);
+        for (index, joint) in model.joints().iter().enumerate().rev() {
+            let force = memory.by_joint[index];
+            let turned = match joint.parent {
+                Some(parent) => {
+                    memory.by_joint[parent.index()] += force;
+                    memory.rotations[parent.index()].transpose_mul(force)
+                }
+                None => force,
+            };
+            slopes.joint_origins_mut()[index] += turned * factor;
+        }
+    }
+
+    /// Writes the rates of the whole problem's weighted rows at x for rates of its parameters.
+    pub(crate) fn rows_by_parameters(
+        &mut self,
+        x: &[f64],
+        rates: &ParameterVector,
+        model: Option<&Model>,
+        memory: &mut ParameterScratch,
+        rows: &mut [f64],
+    ) {
+        self.forward(x);
+        rows.fill(0.0);
+        let problem = self.question.problem;
+        let model = model.filter(|_| !rates.joint_origins().is_empty());
+        if let Some(model) = model {
+            joint_rotations(model, self.scratch.q(), &mut memory.rotations);
+            memory.by_joint.clear();
+            for (joint, &own) in model.joints().iter().zip(rates.joint_origins()) {
+                let moved = match joint.parent {
+                    Some(parent) => {
+                        memory.by_joint[parent.index()] + memory.rotations[parent.index()] * own
+                    }
+                    None => own,
+                };
+                memory.by_joint.push(moved);
+            }
+        }
+        let mut first_block = 0;
+        for (index, task) in problem.tasks.iter().enumerate() {
+            let blocks = first_block..first_block + task.blocks.len();
+            first_block = blocks.end;
+            Self::gather(self.scratch, task);
+            let residual = self.question.residual(index);
+            let own_rows = &mut rows[task.rows.clone()];
+            let by_weight = &rates.weights()[blocks];
+            if by_weight.iter().any(|rate| *rate != 0.0) {
+                let (frames, joints) = self.scratch.placed();
+                residual.evaluate(frames, joints, own_rows);
+                for (block, rate) in task.blocks.iter().zip(by_weight) {
+                    for row in &mut own_rows[block.rows_after(task.rows.start, 0)] {
+                        *row *= rate;
+                    }
+                }
+            }
+            let target = rates.target(index);
+            if target.iter().any(|rate| *rate != 0.0) {
+                memory.read(self.scratch.placed(), task.rows.len());
+                let along = target.iter().map(|&rate| {
+                    let mut derivatives = [0.0; CHUNK];
+                    derivatives[0] = rate;
+                    Dual::new(0.0, derivatives)
+                });
+                memory.step.clear();
+                memory.step.extend(along);
+                memory.evaluate(residual);
+                let moved = memory.dual.residual.iter().zip(&task.weights);
+                for (row, (moved, weight)) in own_rows.iter_mut().zip(moved) {
+                    *row += weight * moved.derivatives()[0];
+                }
+            }
+            if let Some(model) = model {
+                Self::differentiate(self.scratch, task, residual);
+                for (k, &slot) in task.frames.iter().enumerate() {
+                    let frame = &model.frames()[self.question.tree().frame(slot).index()];
+                    let Some(joint) = frame.joint else { continue };
+                    let moved = memory.by_joint[joint.index()];
+                    let parts = self.scratch.local().linear(k).iter();
+                    for (row, part) in own_rows.iter_mut().zip(parts) {
+                        *row += part.dot(moved);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl ParameterScratch {
+    /// Takes what a residual reads.
+    fn read(&mut self, (frames, joints): (&[Placement<f64>], &[f64]), rows: usize) {
+        let dual = &mut self.dual;
+        dual.frames.clear();
+        dual.frames.extend(frames.iter().map(Placement::constant));
+        dual.joints.clear();
+        dual.joints
+            .extend(joints.iter().map(|&value| Dual::constant(value)));
+        dual.residual.clear();
+        dual.residual.resize(rows, Dual::zero());
+    }
+
+    /// Evaluates with some of the target's numbers as variables.
+    fn move_target(
+        &mut self,
+        residual: &dyn ErasedResidual,
+        len: usize,
+        first: usize,
+        count: usize,
+    ) {
+        self.step.clear();
+        self.step.resize(len, Dual::zero());
+        for k in 0..count {
+            self.step[first + k] = Dual::variable(0.0, k);
+        }
+        self.evaluate(residual);
+    }
+
+    fn evaluate(&mut self, own: &dyn ErasedResidual) {
+        let DualScratch {
+            frames,
+            joints,
+            residual,
+        } = &mut self.dual;
+        own.evaluate_moved(frames, joints, &self.step, residual);
+    }
+}

@@ -1,0 +1,217 @@
+//! The rows of a matrix of any rank: what they span, what they leave alone, and their pseudoinverse.
+
+use super::dense::dot;
+use super::householder::HouseholderQr;
+
+/// Aᵀ P = Q [R; 0] with pivoting, so that the first columns of Q span A's rows and the others its null space
+/// (Golub & Van Loan 2013, section 5.4.7). Where rows depend on each other Rᵀ = Z U is taken too.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RowSpace {
+    columns: usize,
+    rows: usize,
+    q_r: HouseholderQr,
+    z_u: HouseholderQr,
+    /// Position k of the pivoted matrix holds row `pivots[k]`.
+    pivots: Vec<usize>,
+    /// What is left of each row's squared length.
+    left: Vec<f64>,
+    r_transposed: Vec<f64>,
+    side: Vec<f64>,
+}
+
+/// What is left of a squared length after so much of it was taken away is rounding, and is taken anew.
+const CANCELLED: f64 = 1e-6;
+
+impl RowSpace {
+    /// Takes a matrix by its rows, one after the other, each of `columns` numbers. Rows of which a length of at
+    /// most `least` is left add no rank.
+    pub(crate) fn factorise(&mut self, entries: &[f64], columns: usize, least: f64) {
+        self.columns = columns;
+        self.rows = entries.len().checked_div(columns).unwrap_or(0);
+        self.q_r.load(columns, entries.iter());
+        self.pivots.clear();
+        self.pivots.extend(0..self.rows);
+        self.left.clear();
+        let rows = entries.chunks_exact(columns.max(1));
+        self.left.extend(rows.map(|row| dot(row, row)));
+        let whole: f64 = self.left.iter().fold(0.0, |most, left| left.max(most));
+        for k in 0..self.rows.min(columns) {
+            let best =
+                (k..self.rows).fold(k, |best, next| match self.left[next] > self.left[best] {
+                    true => next,
+                    false => best,
+                });
+            if self.left[best] <= CANCELLED * whole {
+                for row in k..self.rows {
+                    let tail = self.q_r.tail_norm(row, k);
+                    self.left[row] = tail * tail;
+                }
+            }
+            let best =
+                (k..self.rows).fold(best, |best, next| match self.left[next] > self.left[best] {
+                    true => next,
+                    false => best,
+                });
+            // Also where nothing is a number.
+            let enough = self.left[best].sqrt() > least;
+            if !enough {
+                break;
+            }
+            self.q_r.swap_columns(k, best);
+            self.pivots.swap(k, best);
+            self.left.swap(k, best);
+            self.q_r.reduce_next();
+            for row in k + 1..self.rows {
+                let taken = self.q_r.r(k, row);
+                self.left[row] = (self.left[row] - taken * taken).max(0.0);
+            }
+        }
+        if self.rank() < self.rows {
+            self.factorise_dependent();
+        }
+    }
+
+    /// How many rows are independent.
+    pub(crate) fn rank(&self) -> usize {
+        self.q_r.reduced()
+    }
+
+    /// How many directions the rows leave alone.
+    pub(crate) fn nullity(&self) -> usize {
+        self.columns - self.rank()
+    }
+
+    /// Rᵀ = Z U.
+    fn factorise_dependent(&mut self) {
+        self.r_transposed.clear();
+        for column in 0..self.rank() {
+            let zeros = std::iter::repeat_n(0.0, column);
+            let kept = (column..self.rows).map(|row| self.q_r.r(column, row));
+            self.r_transposed.extend(zeros.chain(kept));
+        }
+        self.z_u.load(self.rows, self.r_transposed.iter());
+        for _ in 0..self.rank() {
+            self.z_u.reduce_next();
+        }
+    }
+
+    /// Writes the k-th of some orthonormal directions that no row feels.
+    pub(crate) fn null_direction(&self, k: usize, direction: &mut [f64]) {
+        direction.fill(0.0);
+        if let Some(entry) = direction.get_mut(self.rank() + k) {
+            *entry = 1.0;
+        }
+        self.q_r.apply(direction);
+    }
+
+    /// Writes the shortest y for which ‖A y − b‖ is least.
+    pub(crate) fn solve(&mut self, b: &[f64], y: &mut [f64]) {
+        let rank = self.rank();
+        self.side.clear();
+        self.side.extend(self.pivots.iter().map(|&row| b[row]));
+        y.fill(0.0);
+        if rank < self.rows {
+            // U s = (Zᵀ Pᵀ b)₁
+            self.z_u.apply_transpose(&mut self.side);
+            for k in (0..rank).rev() {
+                let known: f64 = (k + 1..rank).map(|j| self.z_u.r(k, j) * y[j]).sum();
+                y[k] = (self.side[k] - known) / self.z_u.r(k, k);
+            }
+        } else {
+            // Rᵀ s = Pᵀ b
+            for k in 0..rank {
+                let known: f64 = (0..k).map(|j| self.q_r.r(j, k) * y[j]).sum();
+                y[k] = (self.side[k] - known) / self.q_r.r(k, k);
+            }
+        }
+        self.q_r.apply(y);
+    }
+
+    /// Writes the shortest λ for which ‖Aᵀ λ − g‖ is least.
+    pub(crate) fn solve_transposed(&mut self, g: &[f64], lambda: &mut [f64]) {
+        let rank = self.rank();
+        self.side.clear();
+        self.side.extend_from_slice(g);
+        self.q_r.apply_transpose(&mut self.side);
+        let mut pivoted = std::mem::take(&mut self.left);
+        pivoted.clear();
+        pivoted.resize(self.rows, 0.0);
+        if rank < self.rows {
+            // Uᵀ w = (Qᵀ g)₁, λ = P Z [w; 0]
+            for k in 0..rank {
+                let known: f64 = (0..k).map(|j| self.z_u.r(j, k) * pivoted[j]).sum();
+                pivoted[k] = (self.side[k] - known) / self.z_u.r(k, k);
+            }
+            self.z_u.apply(&mut pivoted);
+        } else {
+            for k in (0..rank).rev() {
+                let known: f64 = (k + 1..rank).map(|j| self.q_r.r(k, j) * pivoted[j]).sum();
+                pivoted[k] = (self.side[k] - known) / self.q_r.r(k, k);
+            }
+        }
+        for (&row, &value) in self.pivots.iter().zip(&pivoted) {
+            lambda[row] = value;
+        }
+        self.left = pivoted;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RowSpace;
+
+    /// Rows 0 and 2 of which the last is twice the first, and one of its own.
+    const DEPENDENT: [f64; 12] = [1.0, 2.0, 0.0, 1.0, 0.0, 1.0, 3.0, 0.0, 2.0, 4.0, 0.0, 2.0];
+
+    fn product(matrix: &[f64], y: &[f64]) -> Vec<f64> {
+        let rows = matrix.chunks_exact(y.len());
+        rows.map(|row| row.iter().zip(y).map(|(a, b)| a * b).sum())
+            .collect()
+    }
+
+    #[test]
+    fn what_no_row_feels_is_orthonormal_and_complete() {
+        let mut space = RowSpace::default();
+        space.factorise(&DEPENDENT, 4, 1e-12);
+        assert_eq!((space.rank(), space.nullity()), (2, 2));
+        let directions = [0, 1].map(|k| {
+            let mut direction = [0.0; 4];
+            space.null_direction(k, &mut direction);
+            direction
+        });
+        for (k, direction) in directions.iter().enumerate() {
+            assert!(
+                product(&DEPENDENT, direction)
+                    .iter()
+                    .all(|v| v.abs() < 1e-14)
+            );
+            for (j, other) in directions.iter().enumerate() {
+                let inner: f64 = direction.iter().zip(other).map(|(a, b)| a * b).sum();
+                assert!((inner - f64::from(j == k)).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// (A⁺ b)·g = b·(A⁺ᵀ g), and A A⁺ A = A, for both ranks.
+    #[test]
+    fn the_pseudoinverse_is_one_and_its_transpose_its_own() {
+        for rows in [2, 3] {
+            let matrix = &DEPENDENT[..rows * 4];
+            let mut space = RowSpace::default();
+            space.factorise(matrix, 4, 1e-12);
+            let (b, g) = ([0.3, -1.0, 0.7], [0.2, 0.5, -0.4, 1.0]);
+            let (mut y, mut lambda) = ([0.0; 4], [0.0; 3]);
+            space.solve(&b[..rows], &mut y);
+            space.solve_transposed(&g, &mut lambda[..rows]);
+            let one: f64 = y.iter().zip(g).map(|(a, b)| a * b).sum();
+            let other: f64 = b[..rows].iter().zip(lambda).map(|(a, b)| a * b).sum();
+            assert!((one - other).abs() < 1e-14, "{one} {other}");
+
+            let image = product(matrix, &[1.0, -2.0, 0.5, 3.0]);
+            space.solve(&image, &mut y);
+            for (a, b) in product(matrix, &y).iter().zip(&image) {
+                assert!((a - b).abs() < 1e-13);
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Promise: how a solution changes with its targets, the weights and the links is known without solving again, and
+//! is what solving again shows: limits, cones, misses and preferences included. Where it does not exist that is said.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::Solver;
+use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
+use kinopt::model::Model;
+use kinopt::problem::ParameterVector;
+use nalgebra as na;
+use support::changed_bodies::{Case, Change, case};
+use support::random::Random;
+use support::sample::cases;
+use support::stationary::{Conditions, Limit, limits_at};
+
+fn conditions<'a>(case: &'a Case, q: &[f64], reached: bool) -> Conditions<'a> {
+    let rows = case.problem.rows();
+    let posture = match case.problem.tasks() > case.goals {
+        true => case.model.degrees_of_freedom(),
+        false => 0,
+    };
+    let goals = rows - posture;
+    let (held, pulled) = match (reached && !case.traded, posture) {
+        (true, _) => ((0..goals).collect(), (goals..rows).collect()),
+        (false, _) => (Vec::new(), (0..rows).collect()),
+    };
+    Conditions {
+        model: &case.model,
+        problem: &case.plain,
+        held,
+        pulled,
+        limits: limits_at(&case.model, q, &case.cones),
+    }
+}
+
+/// How many limits of how many solutions held, and how far the derivatives were off.
+#[derive(Debug, Default)]
+struct Seen {
+    unique: usize,
+    flagged: usize,
+    limits: usize,
+    edges: usize,
+    missed: usize,
+    cut_short: usize,
+    worst: f64,
+}
+
+fn look(seed: u64, seen: &mut Seen) {
+    let here = case(seed, &Change::Targets(0.0));
+    let solution = Solver::default()
+        .solve_once(&here.problem, &here.start)
+        .unwrap();
+    let mut q = solution.q.clone();
+    let mut at = conditions(&here, &q, solution.reached);
+    if !solution.reached && !here.traded && here.problem.tasks() > here.goals {
+        // Preferences at a miss: others' affair.
+        seen.flagged += 1;
+        return;
+    }
+    let mut lambda = at.multipliers(&q);
+    // Only limits that are pushed against hold.
+    let first = at.held.len();
+    let pushed: Vec<bool> = (0..at.limits.len())
+        .map(|k| lambda[first + k] > 1e-6)
+        .collect();
+    let mut pushed = pushed.into_iter();
+    at.limits.retain(|_| pushed.next().unwrap());
+    lambda = at.multipliers(&q);
+    let mut last = f64::INFINITY;
+    for _ in 0..3 {
+        let inverse = at.newton(&q, &lambda);
+        last = at.settle(&mut q, &mut lambda, &inverse, 3);
+    }
+    let inverse = at.newton(&q, &lambda);
+    last = last.min(at.settle(&mut q, &mut lambda, &inverse, 5));
+    let moved = velocity(&here.model, &solution.q, &q).amax();
+    let mut workspace = DerivativeWorkspace::default();
+    if moved > 1e-2 {
+        // The search was cut short there, which is seen.
+        let derivative = SolutionDerivative::new(&here.problem, &solution.q, &mut workspace);
+        let derivative = derivative.unwrap();
+        assert!(!derivative.existence().is_unique(), "seed {seed}");
+        seen.cut_short += 1;
+        return;
+    }
+    if last > 1e-11 {
+        seen.flagged += 1;
+        return;
+    }
+    let derivative = SolutionDerivative::new(&here.problem, &q, &mut workspace).unwrap();
+    if !derivative.existence().is_unique() {
+        seen.flagged += 1;
+        return;
+    }
+    seen.unique += 1;
+    seen.limits += at.limits.len();
+    seen.edges += at
+        .limits
+        .iter()
+        .filter(|limit| matches!(limit, Limit::Edge(..)))
+        .count();
+    seen.missed += usize::from(!solution.reached);
+    let mut derivative = derivative.with_joint_origins(&here.model).unwrap();
+    for change in [
+        Change::Targets(1.0),
+        Change::Weight(1.0),
+        Change::Origin(1.0),
+    ] {
+        let rates = case(seed, &change.times(0.0)).rates;
+        let mut told = vec![0.0; here.model.degrees_of_freedom()];
+        derivative.velocity(&rates, &mut told).unwrap();
+        let told = na::DVector::from_vec(told);
+
+        // Backward is forward's transpose.
+        let mut random = Random::new(seed);
+        let slope: Vec<f64> = told.iter().map(|_| random.within(-1.0, 1.0)).collect();
+        let mut gradient = derivative.parameters();
+        derivative.gradient(&slope, &mut gradient).unwrap();
+        let forward: f64 = told.iter().zip(&slope).map(|(v, s)| v * s).sum();
+        let backward = product(&gradient, &rates);
+        let size = 1.0 + told.amax();
+        assert!(
+            (forward - backward).abs() < 1e-7 * size,
+            "seed {seed} {change:?}: {forward} {backward}"
+        );
+
+        let step = 1e-4 / size;
+        let mut shown = na::DVector::zeros(told.len());
+        for (share, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
+            let there = case(seed, &change.times(share * step));
+            let conditions = Conditions {
+                model: &there.model,
+                problem: &there.plain,
+                held: at.held.clone(),
+                pulled: at.pulled.clone(),
+                limits: at.limits.clone(),
+            };
+            let (mut to, mut lambda) = (q.clone(), lambda.clone());
+            conditions.settle(&mut to, &mut lambda, &inverse, 10);
+            shown.axpy(weight / (12.0 * step), &velocity(&here.model, &q, &to), 1.0);
+        }
+        let off = (&told - &shown).amax() / size;
+        seen.worst = seen.worst.max(off);
+        assert!(
+            off < 1e-6,
+            "seed {seed} {change:?}: off by {off:e}\n{told}{shown}"
+        );
+    }
+}
+
+fn velocity(model: &Model, from: &[f64], to: &[f64]) -> na::DVector<f64> {
+    let mut v = vec![0.0; model.degrees_of_freedom()];
+    model.difference(from, to, &mut v).unwrap();
+    na::DVector::from_vec(v)
+}
+
+fn product(a: &ParameterVector, b: &ParameterVector) -> f64 {
+    let flat = |a: &ParameterVector| -> Vec<f64> {
+        let origins = a.joint_origins().iter().flat_map(|v| v.to_array());
+        a.targets()
+            .iter()
+            .chain(a.weights())
+            .copied()
+            .chain(origins)
+            .collect()
+    };
+    flat(a).iter().zip(flat(b)).map(|(a, b)| a * b).sum()
+}
+
+#[test]
+fn solving_again_shows_the_same() {
+    let mut seen = Seen::default();
+    let wanted = cases(1000, 20);
+    for seed in 0.. {
+        look(seed, &mut seen);
+        if seen.unique >= wanted {
+            break;
+        }
+    }
+    assert!(seen.flagged * 20 < seen.unique, "{seen:?}");
+    assert!(
+        seen.limits > seen.unique && seen.edges * 5 > seen.unique,
+        "{seen:?}"
+    );
+    assert!(seen.missed * 4 > seen.unique, "{seen:?}");
+}

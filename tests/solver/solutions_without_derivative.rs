@@ -1,0 +1,229 @@
+//! Promise: where a solution is no smooth function of what is asked, its derivative says so, and why.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::ik::{
+    DerivativeError, DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative, SolveError,
+};
+use kinopt::kinematics::frame_jacobian;
+use kinopt::model::{FrameId, Limits, Model};
+use kinopt::problem::ParameterVector;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Gaze, Plane, Point, Posture, Within};
+use kinopt::{Problem, Solver};
+
+/// So many links of a metre in the plane.
+fn chain(links: usize, limits: Limits) -> (Model, FrameId) {
+    let mut builder = Model::builder("chain");
+    let z = Vector3::new(0.0, 0.0, 1.0);
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let mut joint = None;
+    for k in 0..links {
+        let at = if k == 0 { Placement::identity() } else { link };
+        joint = Some(builder.revolute(format!("joint {k}"), joint, at, z, limits));
+    }
+    let tip = builder.frame("tip", joint, link);
+    (builder.build().unwrap(), tip)
+}
+
+fn tip_of(model: &Model, q: &[f64]) -> Vector3<f64> {
+    let mut kinematics = kinopt::kinematics::ForwardKinematics::new(model);
+    kinematics.place(q).unwrap()[0].translation
+}
+
+fn existence(problem: &Problem, q: &[f64]) -> Existence {
+    let mut workspace = DerivativeWorkspace::default();
+    let derivative = SolutionDerivative::new(problem, q, &mut workspace).unwrap();
+    derivative.existence().clone()
+}
+
+#[test]
+fn of_many_the_shortest_is_the_pseudoinverse() {
+    let (model, tip) = chain(4, Limits::new(-2.0, 2.0));
+    let q = [0.3, 0.5, -0.4, 0.9];
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, tip_of(&model, &q)));
+    let problem = tasks.build().unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+    let many = Existence::ShortestOfMany { directions: 2 };
+    assert_eq!(*derivative.existence(), many);
+    let jacobian = frame_jacobian(&model, tip, &q).unwrap();
+    let jacobian = jacobian.rows(0, 3).into_owned();
+    let inverse = jacobian.pseudo_inverse(1e-9).unwrap();
+    assert!((derivative.by_target(0).unwrap() - inverse).amax() < 1e-12);
+}
+
+#[test]
+fn joints_on_their_limits_stay_where_others_can_do_it() {
+    let (model, tip) = chain(4, Limits::new(-2.0, 2.0));
+    let q = [0.3, 2.0, -0.4, 0.9];
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, tip_of(&model, &q)));
+    let problem = tasks.build().unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+    let many = Existence::ShortestOfMany { directions: 2 };
+    assert_eq!(*derivative.existence(), many);
+    let by_target = derivative.by_target(0).unwrap();
+    assert!(by_target.row(1).amax() == 0.0);
+    let jacobian = frame_jacobian(&model, tip, &q).unwrap();
+    let moved = jacobian.rows(0, 2) * by_target.columns(0, 2);
+    assert!((moved - nalgebra::Matrix2::identity()).amax() < 1e-12);
+}
+
+#[test]
+fn a_joint_that_must_leave_its_limit_one_way_only_is_named() {
+    let (model, tip) = chain(2, Limits::new(-2.0, 1.2));
+    let q = [0.3, 1.2];
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, tip_of(&model, &q)));
+    let told = existence(&tasks.build().unwrap(), &q);
+    let on_limit = NoDerivative::OnLimit {
+        joint: "joint 1".into(),
+    };
+    assert_eq!(told, Existence::DoesNotExist(on_limit));
+    assert!(told.to_string().contains("`joint 1`"), "{told}");
+}
+
+#[test]
+fn an_arm_stretched_to_its_target_has_none() {
+    let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, [2.0, 0.0, 0.0]));
+    let told = existence(&tasks.build().unwrap(), &[0.0, 0.0]);
+    let singular = NoDerivative::Singular { directions: 1 };
+    assert_eq!(told, Existence::DoesNotExist(singular));
+}
+
+#[test]
+fn an_arm_stretched_towards_its_target_follows_it() {
+    let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, [3.0, 0.0, 0.0]));
+    let problem = tasks.build().unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &[0.0, 0.0], &mut workspace).unwrap();
+    assert!(derivative.existence().is_unique());
+    // It points at the target: the angle of (3, y) is y/3.
+    let by_target = derivative.by_target(0).unwrap();
+    assert!((by_target[(0, 1)] - 1.0 / 3.0).abs() < 1e-8, "{by_target}");
+    assert!(by_target[(1, 1)].abs() < 1e-8, "{by_target}");
+}
+
+#[test]
+fn two_equal_places_have_none_between_them() {
+    // The target stands where the first joint does: every direction is as near.
+    let (model, tip) = chain(1, Limits::new(-2.0, 2.0));
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, [0.0, 0.0, 0.0]));
+    let told = existence(&tasks.build().unwrap(), &[0.3]);
+    let singular = NoDerivative::Singular { directions: 1 };
+    assert_eq!(told, Existence::DoesNotExist(singular));
+}
+
+#[test]
+fn a_place_where_no_search_ends_is_no_solution() {
+    let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, [3.0, 0.0, 0.0]));
+    let told = existence(&tasks.build().unwrap(), &[0.5, 0.3]);
+    assert_eq!(told.name(), "not_stationary", "{told}");
+}
+
+/// The tip of two links at least 1.5 m high, which it would not be by itself.
+fn on_an_edge(pulled: bool) -> (Model, Problem) {
+    let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
+    let mut tasks = Problem::builder(&model);
+    let height = Plane::new(tip, [0.0; 3], [0.0, 1.0, 0.0]);
+    tasks.add(Within::at_least(height, 1.5));
+    if pulled {
+        tasks.add(Posture::new(&model, &[0.2, 0.4]));
+    }
+    let problem = tasks.build().unwrap();
+    (model, problem)
+}
+
+#[test]
+fn the_edge_of_a_room_has_none_unless_it_is_pushed_against() {
+    let (model, problem) = on_an_edge(false);
+    let start = [0.2, 0.4];
+    let solution = Solver::default().solve_once(&problem, &start).unwrap();
+    assert!(solution.reached);
+    let told = existence(&problem, &solution.q);
+    let height = tip_of(&model, &solution.q).y;
+    // Whether it ended on the edge or within the room by rounding.
+    match height < 1.5 {
+        true => assert_eq!(told.name(), "at_kink", "{told}"),
+        false => assert_eq!(told.name(), "shortest_of_many", "{told}"),
+    }
+
+    let (model, problem) = on_an_edge(true);
+    let solution = Solver::default().solve_once(&problem, &start).unwrap();
+    assert!(solution.reached);
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
+    assert!(
+        derivative.existence().is_unique(),
+        "{}",
+        derivative.existence()
+    );
+    // The floor rises by 1 m/s, and the tip with it.
+    let mut rates = ParameterVector::new(&problem);
+    rates.target_mut(0)[1] = 1.0;
+    let mut v = [0.0; 2];
+    derivative.velocity(&rates, &mut v).unwrap();
+    let [sin, sum] = [solution.q[0], solution.q[0] + solution.q[1]];
+    let rise = v[0] * (sin.cos() + sum.cos()) + v[1] * sum.cos();
+    assert!((rise - 1.0).abs() < 1e-9, "{rise}");
+    let _ = model;
+}
+
+#[test]
+fn a_gaze_that_is_held_at_the_edge_of_its_cone_turns_with_the_cone() {
+    let (model, tip) = chain(1, Limits::new(-2.0, 2.0));
+    let (x, axis) = ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Gaze::along(tip, axis, x, 0.3));
+    tasks.add(Posture::new(&model, &[1.0]));
+    let problem = tasks.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &[1.0]).unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
+    assert!(
+        derivative.existence().is_unique(),
+        "{}",
+        derivative.existence()
+    );
+    let by_target = derivative.by_target(0).unwrap();
+    assert!((by_target[(0, 1)] - 1.0).abs() < 1e-9, "{by_target}");
+}
+
+#[test]
+fn what_is_not_of_the_problem_is_refused() {
+    let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, [1.0, 1.0, 0.0]));
+    let problem = tasks.build().unwrap();
+    let (other, _) = chain(3, Limits::new(-2.0, 2.0));
+    let mut workspace = DerivativeWorkspace::default();
+    let short = SolutionDerivative::new(&problem, &[0.0], &mut workspace);
+    assert!(matches!(short.unwrap_err(), SolveError::StartLength { .. }));
+    let bad = SolutionDerivative::new(&problem, &[0.0, f64::NAN], &mut workspace);
+    assert!(matches!(
+        bad.unwrap_err(),
+        SolveError::StartNotFinite { .. }
+    ));
+
+    let mut workspace = DerivativeWorkspace::default();
+    let q = [0.0, std::f64::consts::FRAC_PI_2];
+    let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+    let mut parameters = derivative.parameters();
+    let length = derivative.gradient(&[1.0], &mut parameters).unwrap_err();
+    let (given, expected) = (1, 2);
+    assert_eq!(length, DerivativeError::Length { given, expected });
+    let mut foreign = parameters.clone().with_joint_origins(2);
+    let refused = derivative.gradient(&[1.0, 0.0], &mut foreign).unwrap_err();
+    assert_eq!(refused, DerivativeError::ForeignParameters);
+    assert!(derivative.by_target(1).is_err());
+    assert!(derivative.with_joint_origins(&other).is_err());
+}

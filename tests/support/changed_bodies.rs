@@ -1,0 +1,309 @@
+//! Bodies with something to do, of which targets, weights and links can be changed by a little.
+
+use kinopt::Problem;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ParameterMap};
+use kinopt::problem::{ParameterVector, Preferences, ProblemBuilder};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use kinopt::task::{Orientation, Point, Pose, Posture, Quantity, Residual, Task};
+use nalgebra as na;
+
+use super::random::Random;
+use super::stationary::Cone;
+
+/// What a radian weighs, whatever the reach.
+const TURN: f64 = 0.5;
+
+fn turning<R: Residual>(residual: R) -> Task<R> {
+    Task::new(residual).weight(Quantity::Radians, TURN)
+}
+
+/// Adds a goal, so many times as heavy.
+type Goal = Box<dyn Fn(&mut ProblemBuilder<'_>, f64)>;
+
+/// What is changed, and how far.
+#[derive(Clone, Debug)]
+pub enum Change {
+    Targets(f64),
+    Weight(f64),
+    Origin(f64),
+}
+
+impl Change {
+    pub fn times(&self, share: f64) -> Self {
+        match self {
+            Self::Targets(by) => Self::Targets(by * share),
+            Self::Weight(by) => Self::Weight(by * share),
+            Self::Origin(by) => Self::Origin(by * share),
+        }
+    }
+}
+
+/// A body with something to do, the same for the same seed, changed by as much as is said.
+pub struct Case {
+    pub model: Model,
+    pub problem: Problem,
+    /// The same with a configuration as its variables.
+    pub plain: Problem,
+    pub cones: Vec<(usize, Cone)>,
+    pub start: Vec<f64>,
+    /// What the change is, for the library.
+    pub rates: ParameterVector,
+    pub goals: usize,
+    pub traded: bool,
+}
+
+const KINDS: u64 = 8;
+
+struct Body {
+    model: Model,
+    frames: Vec<FrameId>,
+    cones: Vec<(usize, Cone)>,
+}
+
+/// With a free base and balls in cones.
+fn is_figure(kind: u64) -> bool {
+    matches!(kind, 4..=6)
+}
+
+/// A chain, the origin of one of whose joints is shifted on its parent.
+fn body(kind: u64, (shifted, shift): (usize, na::Vector3<f64>), random: &mut Random) -> Body {
+    let mut joint = 0;
+    let mut place = |random: &mut Random| {
+        let mut at = random.rigid(0.3);
+        if joint == shifted {
+            at.translation.vector += shift;
+        }
+        joint += 1;
+        super::placement(&at)
+    };
+    let mut builder = Model::builder("body");
+    let mut frames: Vec<FrameId> = Vec::new();
+    let mut cones = Vec::new();
+    let mut last: Option<JointId> = None;
+    let figure = is_figure(kind);
+    let narrow = matches!(kind, 2 | 3 | 6);
+    let (joints, reach) = match kind {
+        1 => (6, 2.6),
+        4..=6 => (4, 1.2),
+        _ => (7, if narrow { 0.7 } else { 2.6 }),
+    };
+    let mut coordinate = 0;
+    if figure {
+        let room = [Limits::new(-1.0, 1.0); 3];
+        let at = place(random);
+        last = Some(builder.free("base", None, at, room));
+        coordinate += 7;
+    }
+    for index in 0..joints {
+        let at = place(random);
+        let axis = random.direction();
+        let along = super::vector(axis.into_inner());
+        let name = format!("joint {index}");
+        last = Some(match (figure, index % 4) {
+            (true, 0 | 2) => {
+                let half = [random.within(0.3, 0.6), random.within(0.5, 1.0)];
+                let twist = Limits::new(-0.4, 0.5);
+                let other = random.direction();
+                let about = (other.into_inner() - axis.into_inner() * axis.dot(&other)).normalize();
+                let limits = BallLimits::elliptic(super::vector(about), half, twist);
+                cones.push((
+                    coordinate,
+                    Cone {
+                        axis: axis.into_inner(),
+                        about,
+                        swing: half,
+                        twist,
+                    },
+                ));
+                coordinate += 4;
+                builder.ball(name, last, at, along, Some(limits))
+            }
+            (_, 3) if kind == 7 => {
+                coordinate += 1;
+                builder.prismatic(name, last, at, along, Limits::new(-0.3, 0.3))
+            }
+            _ => {
+                coordinate += 1;
+                builder.revolute(name, last, at, along, Limits::new(-reach, reach))
+            }
+        });
+        let tip = super::placement(&random.rigid(0.3));
+        frames.push(builder.frame(format!("frame {index}"), last, tip));
+    }
+    Body {
+        model: builder.build().unwrap(),
+        frames,
+        cones,
+    }
+}
+
+/// The same case for the same seed.
+pub fn case(seed: u64, change: &Change) -> Case {
+    let random = &mut Random::new(seed + 77);
+    let kind = seed % KINDS;
+    let origin = match change {
+        Change::Origin(by) => *by,
+        _ => 0.0,
+    };
+    let shifted = random.below(4) + 1;
+    let shift = random.vector(1.0);
+    let straight = body(kind, (shifted, shift * 0.0), &mut random.clone());
+    let Body {
+        model,
+        frames,
+        cones,
+    } = body(kind, (shifted, shift * origin), random);
+    let figure = is_figure(kind);
+
+    // Where a random configuration puts the frames, or beyond.
+    let q = model.random_configuration(seed);
+    let mut kinematics = ForwardKinematics::of_frames(&straight.model, &frames).unwrap();
+    let at: Vec<Placement<f64>> = kinematics.place(&q).unwrap().to_vec();
+    let step = match change {
+        Change::Targets(by) => *by,
+        _ => 0.0,
+    };
+    let weight = match change {
+        Change::Weight(by) => *by,
+        _ => 0.0,
+    };
+    let far = |random: &mut Random, by: f64| super::vector(random.vector(by));
+    let mut goals: Vec<Goal> = Vec::new();
+    let mut target_steps: Vec<Vec<f64>> = Vec::new();
+    let mut six = |random: &mut Random, count: usize| -> Vec<f64> {
+        let step: Vec<f64> = (0..count).map(|_| random.within(-1.0, 1.0)).collect();
+        target_steps.push(step.clone());
+        step
+    };
+    let turned = |rotation, step: &[f64], by: f64| {
+        rotation * rotation_exp(Vector3::new(by * step[0], by * step[1], by * step[2]))
+    };
+    let (first, tip) = (frames[frames.len() / 2 - 1], *frames.last().unwrap());
+    let (at_first, at_tip) = (at[frames.len() / 2 - 1], *at.last().unwrap());
+    match kind {
+        0..=2 => {
+            let mut target = at_tip;
+            if kind == 2 {
+                target.translation += far(random, 0.8);
+            }
+            let own = six(random, 6);
+            goals.push(Box::new(move |tasks, times| {
+                let mut target = target;
+                let way = Vector3::new(own[0], own[1], own[2]) * step;
+                target.translation += target.rotation * way;
+                target.rotation = turned(target.rotation, &own[3..], step);
+                tasks.add(turning(Pose::new(tip, target)).times(times));
+            }));
+        }
+        3 | 5 => {
+            let own = six(random, 3);
+            goals.push(Box::new(move |tasks, times| {
+                let way = Vector3::new(own[0], own[1], own[2]) * step;
+                tasks.add(Task::new(Point::new(tip, at_tip.translation + way)).times(times));
+            }));
+        }
+        4 | 6 => {
+            let miss = if kind == 6 {
+                far(random, 1.5)
+            } else {
+                far(random, 0.0)
+            };
+            let (own, other) = (six(random, 3), six(random, 3));
+            goals.push(Box::new(move |tasks, times| {
+                let way = Vector3::new(own[0], own[1], own[2]) * step;
+                let target = at_tip.translation + miss + way;
+                tasks.add(Task::new(Point::new(tip, target)).times(times));
+                let target = turned(at_first.rotation, &other, step);
+                tasks.add(turning(Orientation::new(first, target)));
+            }));
+        }
+        _ => {
+            let off = far(random, 1.0);
+            let (own, other) = (six(random, 3), six(random, 6));
+            goals.push(Box::new(move |tasks, times| {
+                let way = Vector3::new(own[0], own[1], own[2]) * step;
+                let target = at_first.translation + off + way;
+                tasks.add(Task::new(Point::new(first, target)).times(times));
+                let mut target = at_tip;
+                let way = Vector3::new(other[0], other[1], other[2]) * step;
+                target.translation += target.rotation * way;
+                target.rotation = turned(target.rotation, &other[3..], step);
+                tasks.add(turning(Pose::new(tip, target)));
+            }));
+        }
+    }
+    // A posture somewhere else, so that something is always pulled at.
+    let has_posture = !matches!(kind, 1 | 2 | 7);
+    let mut reference = model.random_configuration(seed + 5000);
+    let tasks_with = |map: Option<ParameterMap>, reference: &[f64]| {
+        let mut tasks = Problem::builder(&model);
+        if let Some(map) = map {
+            tasks.parameters(map);
+        }
+        for goal in &goals {
+            goal(&mut tasks, 1.0 + weight);
+        }
+        if has_posture {
+            tasks.add(Task::new(Posture::new(&model, reference)).times(0.3));
+        }
+        if matches!(kind, 5 | 6) {
+            tasks.preferences(Preferences::Traded);
+        }
+        tasks.build().unwrap()
+    };
+    if has_posture {
+        let dof = model.degrees_of_freedom();
+        // Beyond cones and limits, so that they hold.
+        let off: Vec<f64> = (0..dof).map(|_| random.within(-0.8, 0.8)).collect();
+        let by: Vec<f64> = (0..dof).map(|_| random.within(-1.0, 1.0)).collect();
+        let mut to = vec![0.0; reference.len()];
+        model.integrate(&reference, &off, &mut to).unwrap();
+        let moved: Vec<f64> = by.iter().map(|by| by * step).collect();
+        model.integrate(&to, &moved, &mut reference).unwrap();
+        // A free joint's reference is moved as its slides and its ball are, each by itself.
+        if figure {
+            for k in 0..3 {
+                reference[k] = to[k] + moved[k];
+            }
+        }
+        target_steps.push(by);
+    }
+    let problem = tasks_with(None, &reference);
+    let plain = tasks_with(Some(ParameterMap::identity(&model)), &reference);
+    let mut rates = ParameterVector::new(&problem);
+    match change {
+        Change::Targets(_) => {
+            for (task, step) in target_steps.iter().enumerate() {
+                rates.target_mut(task).copy_from_slice(step);
+            }
+        }
+        Change::Weight(_) => {
+            // Both blocks of a pose, with weights of their own.
+            let blocks = if kind <= 2 { 2 } else { 1 };
+            let own = [1.0, TURN];
+            rates.weights_mut()[..blocks].copy_from_slice(&own[..blocks]);
+        }
+        Change::Origin(_) => {
+            rates = rates.with_joint_origins(model.joints().len());
+            // A free base is four joints of the model, the first of which stands where it says.
+            let index = match (figure, shifted) {
+                (true, 0) => 0,
+                (true, later) => later + 3,
+                (false, own) => own,
+            };
+            rates.joint_origins_mut()[index] = super::vector(shift);
+        }
+    }
+    let start = model.random_configuration(seed + 9000);
+    Case {
+        goals: problem.tasks() - usize::from(has_posture),
+        traded: matches!(kind, 5 | 6),
+        model,
+        problem,
+        plain,
+        cones,
+        start,
+        rates,
+    }
+}
