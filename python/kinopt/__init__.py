@@ -14,6 +14,7 @@ from . import animation, io, methods, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     Arm,
+    BallSkeleton,
     Batch,
     Bone,
     Counts,
@@ -80,6 +81,7 @@ def __getattr__(name: str) -> ModuleType:
 __all__ = [
     "ActiveLimit",
     "Arm",
+    "BallSkeleton",
     "Batch",
     "Bone",
     "Counts",

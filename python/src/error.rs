@@ -91,7 +91,6 @@ faults!(
     kinopt::model::MassError,
     kinopt::model::ModelError,
     kinopt::problem::ProblemError,
-    kinopt::skeleton::SkeletonError,
     kinopt::skinning::AutomaticWeightsError,
     kinopt::skinning::BlendShapesError,
     kinopt::skinning::CageError,
@@ -100,6 +99,15 @@ faults!(
     kinopt::skinning::WeightsError,
     serde_json::Error,
 );
+
+impl Fault for kinopt::skeleton::SkeletonError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::UnknownBone(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
 
 impl Fault for kinopt::arm::ArmError {
     fn kind(&self) -> Kind {

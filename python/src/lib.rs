@@ -66,7 +66,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::scene::{Scene, SceneMesh, ScenePosing, Skin};
     #[pymodule_export]
-    use super::skeleton::{Bone, Skeleton, SkeletonBuilder};
+    use super::skeleton::{BallSkeleton, Bone, Skeleton, SkeletonBuilder};
     #[pymodule_export]
     use super::skinning::skinning;
     #[pymodule_export]

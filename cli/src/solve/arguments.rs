@@ -34,6 +34,8 @@ Examples:
   kinopt solve humanoid.urdf --base-joint free --hold left_foot --hold right_foot \\
         --balance left_foot --balance right_foot --target left_hand=0.5,0.2,0.9
         a whole body on a free base: feet stay, the centre of mass over them, a hand reaches
+  kinopt solve humanoid.urdf --base-joint free --hold left_foot --hold right_foot --tasks tasks.json
+        what a file asks: a gaze, a frame's velocity, a coupling, manipulability, a posture (see --tasks)
   kinopt solve robot.urdf --tip tool --targets poses.json --search first --json
         many poses, each on its own (see --targets)
   kinopt solve robot.urdf --tip tool --targets path.json --track
@@ -76,7 +78,7 @@ which), 2 wrong usage, 3 a target was missed and --fail-on-miss was given.";
 #[command(
     after_help = "kinopt solve --help lists all options, with defaults, examples and exit codes.",
     after_long_help = EXAMPLES,
-    group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file", "center_of_mass", "balance"])
+    group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file", "center_of_mass", "balance", "tasks"])
 )]
 pub(crate) struct Arguments {
     /// The model: a robot's .urdf or MJCF .xml, a rig's .json, a scene's .glb or .gltf or a motion capture's .bvh file.
@@ -88,7 +90,7 @@ pub(crate) struct Arguments {
     /// Default: none. Three numbers are a point; with a quaternion w,x,y,z it is a whole pose. In a robot a frame
     /// is a link. In a rig `bone/3` or a bone's name is that bone's tip; `bone/3/tip` and
     /// `bone/3/tail` say it outright. Repeat it for several. At least one --target, --ray, --targets,
-    /// --center-of-mass or --balance is needed.
+    /// --center-of-mass, --balance or --tasks is needed.
     #[arg(long = "target", value_name = "FRAME=x,y,z[,qw,qx,qy,qz]", value_parser = Target::parse,
           help_heading = TARGETS)]
     pub(super) targets: Vec<Target>,
@@ -146,6 +148,18 @@ pub(crate) struct Arguments {
           value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = TARGETS,
           hide_short_help = true)]
     pub(super) threads: Option<u16>,
+
+    /// More of what is asked, from a JSON file: a list of objects, each with its "task".
+    ///
+    /// Default: none. `{"task": "gaze", "frame", "axis", "half_angle", "target" or "direction"}`: an axis of a frame
+    /// points into a cone; "look at" ("frame", "axis", "target") without room; "frame velocity" ("frame", "time_step_s", "linear", "angular"), since where the start
+    /// has it; "joint coupling" ("coefficients" by joint, "offset"); "manipulability" ("frame", "least", and where
+    /// wanted "base" and "of": "pose", "position" or "orientation"); "posture" (near "q", or else the start;
+    /// "joint_weights" by joint, or "by range" for an equal share of each joint's range). Each may have a "name", a
+    /// "weight" that multiplies its errors, a "tolerance" and a "role", "goal" or "preference". Radians, metres,
+    /// seconds.
+    #[arg(long, value_name = "FILE", help_heading = TARGETS)]
+    pub(super) tasks: Option<PathBuf>,
 
     #[command(flatten)]
     pub(super) balance: BalanceArguments,

@@ -18,6 +18,7 @@ use super::held::Held;
 use super::pose_finder::PoseFinder;
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use super::room::Room;
+use super::task_file::TaskFile;
 use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
@@ -38,6 +39,8 @@ pub(super) struct GeneralBackend<'a> {
     weights: Weights,
     /// What is asked of the centre of mass.
     balance: Option<Balance>,
+    /// What else is asked.
+    others: Option<TaskFile>,
     tasks: Vec<TaskName>,
     idle: Vec<usize>,
 }
@@ -74,12 +77,16 @@ impl<'a> GeneralBackend<'a> {
             TaskName { frame, held }
         });
         let balance = Balance::of(loaded, &arguments.balance)?;
+        let others = arguments.tasks.as_deref().map(TaskFile::read).transpose()?;
         let asked = balance.iter();
         let tasks = tasks
             .chain(asked.clone().flat_map(Balance::names))
+            .chain(others.iter().flat_map(TaskFile::names))
             .collect();
         let moved = frames.iter().copied().chain(base.moving_frame());
         let moved = moved.chain(asked.flat_map(Balance::frames));
+        let others_of = others.as_ref().map(|others| others.frames(loaded));
+        let moved = moved.chain(others_of.transpose()?.into_iter().flatten());
         let idle = loaded.idle_coordinates(moved);
         Ok(Self {
             loaded,
@@ -92,6 +99,7 @@ impl<'a> GeneralBackend<'a> {
             held,
             weights,
             balance,
+            others,
             tasks,
             idle,
         })
@@ -143,6 +151,9 @@ impl<'a> GeneralBackend<'a> {
         if let Some(balance) = &self.balance {
             balance.add(&mut builder);
         }
+        if let Some(others) = &self.others {
+            others.add(&mut builder, self.loaded, start)?;
+        }
         // After what was asked for, in whose order the answer is given.
         for posture in self.held.posture(self.loaded, start) {
             builder.add(posture);
@@ -184,7 +195,9 @@ impl QueryBackend for GeneralBackend<'_> {
         observer: &mut dyn Observer,
     ) -> Outcome<Answer> {
         let kept = workspace.statement.take();
-        let kept = kept.filter(|kept| !self.held.holds_still() || kept.start == query.start);
+        let others = self.others.as_ref();
+        let of_start = self.held.holds_still() || others.is_some_and(TaskFile::depends_on_start);
+        let kept = kept.filter(|kept| !of_start || kept.start == query.start);
         let statement = match kept {
             Some(statement) => workspace.statement.insert(statement),
             None => workspace.statement.insert(self.state(&query.start)?),

@@ -18,6 +18,7 @@ mod query;
 mod report;
 mod room;
 mod settings;
+mod task_file;
 mod weights;
 
 pub(crate) use arguments::Arguments;

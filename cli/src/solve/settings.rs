@@ -95,6 +95,7 @@ impl Arguments {
             || self.jacobian.is_some()
             || self.max_iterations.is_some()
             || self.balance.given()
+            || self.tasks.is_some()
             || (!self.hold.is_empty() && loaded.rig.is_none())
             || goals.pass_a_ball(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());

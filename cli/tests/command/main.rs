@@ -26,4 +26,5 @@ mod servo;
 mod skin_report;
 #[cfg(feature = "bench")]
 mod solvers_compared;
+mod task_files;
 mod without_features;

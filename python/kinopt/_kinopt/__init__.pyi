@@ -611,6 +611,46 @@ class Skeleton:
     def to_json(self) -> str: ...
 
 @final
+class BallSkeleton:
+    def __new__(
+        cls,
+        skeleton: Skeleton,
+        *,
+        cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
+        root: Literal["fixed", "free"] = "fixed",
+        room: Mapping[str, tuple[float, float]] | None = None,
+        armature: Armature | None = None,
+    ) -> BallSkeleton: ...
+    @classmethod
+    def read(
+        cls,
+        path: str | PathLike[str],
+        *,
+        cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
+        root: Literal["fixed", "free"] = "fixed",
+        room: Mapping[str, tuple[float, float]] | None = None,
+    ) -> BallSkeleton: ...
+    @property
+    def model(self) -> Model: ...
+    @property
+    def skeleton(self) -> Skeleton: ...
+    @property
+    def armature(self) -> Armature: ...
+    @property
+    def bone_names(self) -> list[str]: ...
+    def joints(self, bone: str) -> list[str]: ...
+    def tail(self, bone: str) -> str: ...
+    def tip(self, bone: str) -> str: ...
+    def pose(
+        self, q: ArrayLike, *, out: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]: ...
+    def skinning_transforms(
+        self, q: ArrayLike, *, out: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]: ...
+    def configuration(self, pose: Pose) -> NDArray[np.float64]: ...
+    def to_pose(self, q: ArrayLike) -> Pose: ...
+
+@final
 class TriangleMesh:
     def __new__(
         cls, positions: ArrayLike, triangles: ArrayLike, normals: ArrayLike | None = None

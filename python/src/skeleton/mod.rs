@@ -1,5 +1,6 @@
 //! Skeletons: bones, the model they compile to, and where they stand in a pose.
 
+mod balls;
 mod bone;
 
 use std::sync::Arc;
@@ -11,6 +12,7 @@ use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
+pub(crate) use self::balls::BallSkeleton;
 pub(crate) use self::bone::{Bone, SkeletonBuilder};
 use crate::arrays::{self, Questions};
 use crate::error::OrRaise;

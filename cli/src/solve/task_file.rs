@@ -1,0 +1,414 @@
+//! The file of `--tasks`: what is asked beside targets, checked; every complaint names the file and the place in it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use kinopt::model::{FrameId, Model};
+use kinopt::problem::ProblemBuilder;
+use kinopt::spatial::Placement;
+use kinopt::task::{
+    FrameVelocity, Gaze, JointCoupling, LookAt, Manipulability, Posture, Quantity, Residual, Task,
+};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+use super::query::TaskName;
+use crate::failure::Outcome;
+use crate::frame_name::BareName;
+use crate::json_file;
+use crate::loaded_model::LoadedModel;
+
+const KINDS: [&str; 6] = [
+    "gaze",
+    "look at",
+    "frame velocity",
+    "joint coupling",
+    "manipulability",
+    "posture",
+];
+
+/// What a file of tasks asks.
+#[derive(Debug)]
+pub(super) struct TaskFile(Vec<Entry>);
+
+/// A task and how it counts.
+#[derive(Debug)]
+struct Entry {
+    /// Where it stands, for complaints: the file and its place there.
+    place: String,
+    common: Common,
+    kind: Kind,
+}
+
+/// What every task may say of itself.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Common {
+    name: Option<String>,
+    /// What its errors are multiplied by.
+    #[serde(default = "one")]
+    weight: f64,
+    tolerance: Option<f64>,
+    role: Option<Role>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Role {
+    Goal,
+    Preference,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Gaze(GazeEntry),
+    LookAt(LookAtEntry),
+    FrameVelocity(FrameVelocityEntry),
+    JointCoupling(JointCouplingEntry),
+    Manipulability(ManipulabilityEntry),
+    Posture(PostureEntry),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GazeEntry {
+    frame: String,
+    axis: [f64; 3],
+    /// In radians.
+    half_angle: f64,
+    target: Option<[f64; 3]>,
+    direction: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LookAtEntry {
+    frame: String,
+    axis: [f64; 3],
+    target: [f64; 3],
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrameVelocityEntry {
+    frame: String,
+    time_step_s: f64,
+    #[serde(default)]
+    linear: [f64; 3],
+    #[serde(default)]
+    angular: [f64; 3],
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointCouplingEntry {
+    coefficients: BTreeMap<String, f64>,
+    #[serde(default)]
+    offset: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ManipulabilityEntry {
+    frame: String,
+    least: f64,
+    base: Option<String>,
+    #[serde(default)]
+    of: Motions,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Motions {
+    #[default]
+    Pose,
+    Position,
+    Orientation,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PostureEntry {
+    /// A configuration; where the search starts unless given.
+    q: Option<Vec<f64>>,
+    joint_weights: Option<JointWeights>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected \"by range\", or a weight by joint")]
+enum JointWeights {
+    Word(ByRange),
+    Each(BTreeMap<String, f64>),
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+enum ByRange {
+    #[serde(rename = "by range")]
+    ByRange,
+}
+
+impl TaskFile {
+    /// Reads and checks what can be checked without the model.
+    pub(super) fn read(path: &Path) -> Outcome<Self> {
+        let Value::Array(list) = json_file::read(path)? else {
+            return Err(failure!("{}: is no list of tasks", path.display()));
+        };
+        if list.is_empty() {
+            return Err(failure!("{}: no task is in it", path.display()));
+        }
+        let entries = list.into_iter().enumerate().map(|(index, value)| {
+            let place = format!("{}: [{index}]", path.display());
+            let entry = Entry::of(value, place.clone());
+            entry.map_err(|problem| failure!("{place}: {problem}"))
+        });
+        entries.collect::<Outcome<_>>().map(Self)
+    }
+
+    /// Whether some task counts from where the search starts.
+    pub(super) fn depends_on_start(&self) -> bool {
+        self.0.iter().any(|entry| match &entry.kind {
+            Kind::FrameVelocity(_) => true,
+            Kind::Posture(posture) => posture.q.is_none(),
+            _ => false,
+        })
+    }
+
+    /// What the tasks are called, in their order.
+    pub(super) fn names(&self) -> impl Iterator<Item = TaskName> + '_ {
+        self.0.iter().map(|entry| TaskName {
+            frame: entry.name(),
+            held: false,
+        })
+    }
+
+    /// The frames that the tasks depend on; all of them where a task is about joints.
+    ///
+    /// # Errors
+    /// A name that the model does not have.
+    pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
+        let mut frames = Vec::new();
+        for entry in &self.0 {
+            let named = match &entry.kind {
+                Kind::Gaze(own) => vec![&own.frame],
+                Kind::LookAt(own) => vec![&own.frame],
+                Kind::FrameVelocity(own) => vec![&own.frame],
+                Kind::Manipulability(own) => own.base.iter().chain([&own.frame]).collect(),
+                Kind::JointCoupling(_) | Kind::Posture(_) => {
+                    frames.extend(loaded.model.frame_ids());
+                    Vec::new()
+                }
+            };
+            for name in named {
+                frames.push(entry.frame(loaded, name)?);
+            }
+        }
+        Ok(frames)
+    }
+
+    /// Adds the tasks for a search that starts at `start`.
+    ///
+    /// # Errors
+    /// A name that the model does not have, a configuration of another length.
+    pub(super) fn add(
+        &self,
+        builder: &mut ProblemBuilder<'_>,
+        loaded: &LoadedModel,
+        start: &[f64],
+    ) -> Outcome<()> {
+        self.0
+            .iter()
+            .try_for_each(|entry| entry.add(builder, loaded, start))
+    }
+}
+
+impl Entry {
+    fn of(value: Value, place: String) -> Result<Self, String> {
+        let Value::Object(mut own) = value else {
+            return Err("is no object that describes a task".to_owned());
+        };
+        let listed = KINDS.join(", ");
+        let kind = match own.remove("task") {
+            Some(Value::String(kind)) => kind,
+            Some(_) => return Err(format!("`task` is no name; tasks are {listed}")),
+            None => return Err(format!("has no key `task`; tasks are {listed}")),
+        };
+        let common = ["name", "weight", "tolerance", "role"];
+        let common = common.iter().filter_map(|key| own.remove_entry(*key));
+        let common: Common = read(common.collect())?;
+        for (key, number) in [
+            ("weight", Some(common.weight)),
+            ("tolerance", common.tolerance),
+        ] {
+            if number.is_some_and(|number| number < 0.0) {
+                return Err(format!("`{key}` is below 0"));
+            }
+        }
+        let kind = match kind.as_str() {
+            "gaze" => Kind::Gaze(read(own)?),
+            "look at" => Kind::LookAt(read(own)?),
+            "frame velocity" => Kind::FrameVelocity(read(own)?),
+            "joint coupling" => Kind::JointCoupling(read(own)?),
+            "manipulability" => Kind::Manipulability(read(own)?),
+            "posture" => Kind::Posture(read(own)?),
+            other => return Err(format!("there is no task `{other}`; tasks are {listed}")),
+        };
+        match &kind {
+            Kind::Gaze(own) if own.target.is_some() == own.direction.is_some() => {
+                Err("takes `target` or `direction`, one of them".to_owned())
+            }
+            Kind::JointCoupling(own) if own.coefficients.is_empty() => {
+                Err("`coefficients` names no joint".to_owned())
+            }
+            _ => Ok(Self {
+                place,
+                common,
+                kind,
+            }),
+        }
+    }
+
+    fn name(&self) -> String {
+        self.common
+            .name
+            .clone()
+            .unwrap_or_else(|| match &self.kind {
+                Kind::Gaze(own) => format!("gaze {}", own.frame),
+                Kind::LookAt(own) => format!("look at {}", own.frame),
+                Kind::FrameVelocity(own) => format!("frame velocity {}", own.frame),
+                Kind::JointCoupling(_) => "joint coupling".to_owned(),
+                Kind::Manipulability(own) => format!("manipulability {}", own.frame),
+                Kind::Posture(_) => "posture".to_owned(),
+            })
+    }
+
+    fn frame(&self, loaded: &LoadedModel, name: &str) -> Outcome<FrameId> {
+        let frame = loaded.frame(name, BareName::Tip);
+        frame.map_err(|error| failure!("{}: {error}", self.place))
+    }
+
+    fn add(
+        &self,
+        builder: &mut ProblemBuilder<'_>,
+        loaded: &LoadedModel,
+        start: &[f64],
+    ) -> Outcome<()> {
+        let model = &loaded.model;
+        match &self.kind {
+            Kind::Gaze(own) => {
+                let frame = self.frame(loaded, &own.frame)?;
+                let gaze = match (own.target, own.direction) {
+                    (Some(target), _) => Gaze::at(frame, own.axis, target, own.half_angle),
+                    (None, direction) => {
+                        let direction = direction.unwrap_or_default();
+                        Gaze::along(frame, own.axis, direction, own.half_angle)
+                    }
+                };
+                self.ask(builder, gaze);
+            }
+            Kind::LookAt(own) => {
+                let frame = self.frame(loaded, &own.frame)?;
+                self.ask(builder, LookAt::new(frame, own.axis, own.target));
+            }
+            Kind::FrameVelocity(own) => {
+                let frame = self.frame(loaded, &own.frame)?;
+                let previous = loaded.all_frames(start).get(frame.index()).copied();
+                let previous = previous.unwrap_or_else(Placement::identity);
+                let velocity = (own.linear, own.angular);
+                self.ask(
+                    builder,
+                    FrameVelocity::new(frame, previous, own.time_step_s, velocity),
+                );
+            }
+            Kind::JointCoupling(own) => {
+                let joints = own.coefficients.iter().map(|(name, &coefficient)| {
+                    let joint = model.joint(name);
+                    let joint = joint.map_err(|error| failure!("{}: {error}", self.place))?;
+                    Ok((joint, coefficient))
+                });
+                let joints = joints.collect::<Outcome<Vec<_>>>()?;
+                self.ask(builder, JointCoupling::new(model, joints, own.offset));
+            }
+            Kind::Manipulability(own) => {
+                let frame = self.frame(loaded, &own.frame)?;
+                let base = own.base.as_ref().map(|base| self.frame(loaded, base));
+                let task = Manipulability::new(model, base.transpose()?, frame, own.least);
+                self.ask(
+                    builder,
+                    match own.of {
+                        Motions::Pose => task,
+                        Motions::Position => task.of_position(),
+                        Motions::Orientation => task.of_orientation(),
+                    },
+                );
+            }
+            Kind::Posture(own) => {
+                let q = own.q.as_deref().unwrap_or(start);
+                let (given, expected) = (q.len(), model.configuration_len());
+                if given != expected {
+                    let place = &self.place;
+                    return Err(failure!(
+                        "{place}: q has {given} numbers, a configuration has {expected}"
+                    ));
+                }
+                let posture = Posture::new(model, q);
+                self.ask(
+                    builder,
+                    match &own.joint_weights {
+                        None => posture,
+                        Some(JointWeights::Word(ByRange::ByRange)) => posture.by_range(model),
+                        Some(JointWeights::Each(each)) => {
+                            posture.with_weights(self.joint_weights(model, each)?)
+                        }
+                    },
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// One for each moving joint, 1 where none is given.
+    fn joint_weights(&self, model: &Model, given: &BTreeMap<String, f64>) -> Outcome<Vec<f64>> {
+        let mut moving = model.moving_joints().to_vec();
+        moving.dedup();
+        let mut weights = vec![1.0; moving.len()];
+        for (name, &weight) in given {
+            let joint = model.joint(name);
+            let joint = joint.map_err(|error| failure!("{}: {error}", self.place))?;
+            let at = moving.iter().position(|&id| id == joint);
+            match at.and_then(|at| weights.get_mut(at)) {
+                Some(own) => *own = weight,
+                None => return Err(failure!("{}: joint `{name}` is fixed", self.place)),
+            }
+        }
+        Ok(weights)
+    }
+
+    /// Adds a task as its entry says it counts.
+    fn ask<R: Residual>(&self, builder: &mut ProblemBuilder<'_>, residual: R) {
+        let rows = residual.rows();
+        let mut task = Task::new(residual)
+            .named(self.name())
+            .times(self.common.weight);
+        if let Some(tolerance) = self.common.tolerance {
+            let quantities = rows.iter().map(|rows| rows.quantity);
+            task = quantities.fold(task, |task, quantity: Quantity| {
+                task.tolerance(quantity, tolerance)
+            });
+        }
+        builder.add(match self.common.role {
+            None => task,
+            Some(Role::Goal) => task.goal(),
+            Some(Role::Preference) => task.preference(),
+        });
+    }
+}
+
+/// What is left of an object, all of whose keys must be known.
+fn read<T: DeserializeOwned>(own: Map<String, Value>) -> Result<T, String> {
+    serde_json::from_value(Value::Object(own)).map_err(|error| error.to_string())
+}

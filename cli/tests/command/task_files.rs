@@ -1,0 +1,155 @@
+//! Promise: `--tasks` asks of a model what its file says, beside targets and balance, and refuses a file that is wrong by
+//! the place in it.
+
+use crate::forked_rig::*;
+use serde_json::{Value, json};
+
+const NAO: &str = "../models/aldebaran_nao.urdf";
+
+fn of_joint(answer: &Value, joint: &str) -> f64 {
+    let joints = list(&answer["joints"]);
+    let at = joints.iter().position(|name| name == joint).unwrap();
+    numbers(&answer["q"])[at]
+}
+
+/// Where a frame is in an answer: its position and the image of x.
+fn placed(folder: &Folder, options: &str, answer: &Value, frame: &str) -> (Vec<f64>, [f64; 3]) {
+    let file = folder.text("answer.json", answer);
+    let placed = answer!("fk {NAO} {options} --q-file {file} --frame {frame}");
+    let own = &placed["frames"][frame];
+    let turned = numbers(&own["quaternion"]);
+    let [w, x, y, z] = [0, 1, 2, 3].map(|part| turned[part]);
+    let ahead = [
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y + w * z),
+        2.0 * (x * z - w * y),
+    ];
+    (numbers(&own["position"]), ahead)
+}
+
+#[test]
+fn each_task_does_what_it_is_called() {
+    let folder = Folder::new("task-file");
+    let tasks = json!([
+        {"task": "gaze", "frame": "head", "axis": [1, 0, 0], "direction": [1, 1, 0], "half_angle": 0.3},
+        {"task": "frame velocity", "frame": "left_hand", "time_step_s": 0.1, "linear": [0.1, 0, 0.05]},
+        {"task": "joint coupling", "coefficients": {"left_shoulder_roll": 1, "right_shoulder_roll": 2},
+            "offset": 0.4, "name": "arms", "tolerance": 1e-9},
+        {"task": "manipulability", "frame": "right_hand", "base": "torso", "least": 1e-5, "of": "position",
+            "role": "preference"},
+    ]);
+    let file = folder.text("tasks.json", &tasks);
+    // An arm of five joints alone has no velocity of six rows.
+    let free = "--base-joint free";
+    let answer = answer!("solve {NAO} {free} --tasks {file}");
+    assert_eq!(answer["reached"], true);
+    let names: Vec<&str> = list(&answer["tasks"])
+        .iter()
+        .map(|task| word(&task["name"]))
+        .collect();
+    let manipulability = "manipulability right_hand";
+    assert_eq!(
+        names,
+        [
+            "gaze head",
+            "frame velocity left_hand",
+            "arms",
+            manipulability
+        ]
+    );
+    let (_, ahead) = placed(&folder, free, &answer, "head");
+    let off = ((ahead[0] + ahead[1]) / 2f64.sqrt()).acos();
+    assert!(off < 0.3 + 1e-6, "{off}");
+    let rolls =
+        of_joint(&answer, "left_shoulder_roll") + 2.0 * of_joint(&answer, "right_shoulder_roll");
+    assert!((rolls - 0.4).abs() < 1e-8);
+    // From where the start has it.
+    let still = folder.text(
+        "still.json",
+        json!([{"task": "frame velocity", "frame": "left_hand", "time_step_s": 1}]),
+    );
+    let begun = answer!("solve {NAO} {free} --tasks {still}");
+    let (from, _) = placed(&folder, free, &begun, "left_hand");
+    let (to, _) = placed(&folder, free, &answer, "left_hand");
+    for (moved, wanted) in to
+        .iter()
+        .zip(&from)
+        .map(|(to, from)| to - from)
+        .zip([0.01, 0.0, 0.005])
+    {
+        assert!((moved - wanted).abs() < 1e-6, "{from:?} {to:?}");
+    }
+}
+
+#[test]
+fn a_posture_shares_what_is_left_by_weights() {
+    let folder = Folder::new("task-posture");
+    let moved = |weights: &Value| {
+        let tasks = json!([{"task": "posture", "joint_weights": weights}]);
+        let file = folder.text("posture.json", tasks);
+        let free = "--base-joint free --hold left_sole";
+        let answer = answer!("solve {NAO} {free} --target left_hand=0.25,0.1,0.05 --tasks {file}");
+        assert_eq!(answer["reached"], true);
+        ["left_shoulder_pitch", "left_hip_pitch"].map(|joint| of_joint(&answer, joint).abs())
+    };
+    let [_, hip] = moved(&json!({"left_hip_pitch": 0.1}));
+    let [_, stiff] = moved(&json!({"left_hip_pitch": 30}));
+    assert!(stiff < 0.1 * hip, "{stiff} {hip}");
+    moved(&json!("by range"));
+}
+
+#[test]
+fn wrong_files_are_refused_by_their_place() {
+    let folder = Folder::new("task-refused");
+    for (tasks, words) in [
+        (json!({}), "no list of tasks"),
+        (json!([]), "no task is in it"),
+        (json!([3]), "[0] | no object"),
+        (json!([{"frame": "head"}]), "[0] | `task` | gaze, look at"),
+        (json!([{"task": "stare"}]), "[0] | `stare` | gaze, look at"),
+        (
+            json!([{"task": "look at", "frame": "head", "axis": [1, 0, 0]}]),
+            "[0] | `target`",
+        ),
+        (
+            json!([{"task": "look at", "frame": "hed", "axis": [1, 0, 0], "target": [1, 0, 0]}]),
+            "[0] | `hed` | head",
+        ),
+        (
+            json!([{"task": "gaze", "frame": "head", "axis": [1, 0, 0], "half_angle": 0.1}]),
+            "[0] | `target` or `direction`",
+        ),
+        (
+            json!([{"task": "gaze", "frame": "head", "axis": [1, 0, 0], "half_angle": 9, "target": [1, 0, 0]}]),
+            "gaze head | half",
+        ),
+        (
+            json!([{"task": "joint coupling", "coefficients": {}}]),
+            "[0] | names no joint",
+        ),
+        (
+            json!([{"task": "joint coupling", "coefficients": {"elbow": 1}}]),
+            "[0] | `elbow`",
+        ),
+        (
+            json!([{"task": "posture", "q": [1, 2]}]),
+            "[0] | 2 numbers | 24",
+        ),
+        (
+            json!([{"task": "posture", "joint_weights": "evenly"}]),
+            "[0] | by range",
+        ),
+        (
+            json!([{"task": "posture", "weight": -1}]),
+            "[0] | `weight` | below 0",
+        ),
+        (json!([{"task": "posture", "wieght": 1}]), "[0] | `wieght`"),
+        (
+            json!([{"task": "posture", "role": "wish"}]),
+            "[0] | `wish` | goal",
+        ),
+    ] {
+        let file = folder.text("wrong.json", &tasks);
+        refused!("solve {NAO} --tasks {file}" => 1, "{words}");
+    }
+}

@@ -1,0 +1,430 @@
+//! Skeletons on ball joints.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kinopt::animation::{Armature as Bones, PoseTurns};
+use kinopt::io::{bvh, cones, gltf};
+use kinopt::model::{BallLimits, Limits, UnknownName};
+use kinopt::skeleton::{
+    BallSkeleton as Balls, BoneCone, BonePlacements, Cones, Posing, SkeletonRoot,
+};
+use kinopt::spatial::Vector3;
+use numpy::{PyArray1, PyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+
+use super::{POSES_AT_A_TIME, Skeleton, write_all};
+use crate::animation::{Armature, Pose};
+use crate::arrays::{self, Questions};
+use crate::error::{OrRaise, invalid};
+use crate::model::Model;
+use crate::pickling;
+use crate::pool::Pool;
+
+/// The bones of a skeleton on ball joints within cones: a unit quaternion a bone.
+///
+/// A configuration `q` has w, x, y, z for each bone that turns, in their order: how it is turned from rest in its own
+/// axes. The root's, with `root="free"`, has x, y, z before it: how far it is from rest along the model's axes,
+/// within `room`, a dict of (lower, upper) by axis, and turned in those. The model's frames are those of the skeleton, its joints are called as the bones are.
+///
+/// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians: "swing", how far
+/// the bone's axis may tip, a number or two; "twist", (lower, upper) about its axis; and where wanted "axis", shape
+/// (3,), what it twists about in its own axes, along the bone unless given, and "about", the axis of the first of two swings.
+/// Bones that are not named turn any way. `armature`, of the same bones, is what poses are of.
+///
+/// Raises `UnknownNameError` for a bone that there is not, `InvalidValueError` for a cone that leaves nothing and for one
+/// of a bone that does not turn, `InvalidFileError` and `FileError` for a side file.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct BallSkeleton {
+    inner: Balls,
+    model: Arc<kinopt::Model>,
+    armature: Arc<Bones>,
+    bridge: PoseTurns,
+    posings: Pool<Posing>,
+    /// What it was made with.
+    cones: Cones,
+    root: Root,
+}
+
+/// How the root stands.
+#[derive(Clone)]
+struct Root {
+    kind: String,
+    room: Vec<(String, (f64, f64))>,
+}
+
+impl Root {
+    fn new(kind: String, room: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut ranges = Vec::new();
+        for (axis, range) in room.into_iter().flatten() {
+            let axis = arrays::name(&axis, "an axis of room")?;
+            let range = range.extract();
+            let range =
+                range.map_err(|_| invalid("room must be a dict of (lower, upper) by axis"))?;
+            ranges.push((axis, range));
+        }
+        Ok(Self { kind, room: ranges })
+    }
+
+    fn read(&self) -> PyResult<SkeletonRoot> {
+        const KINDS: [&str; 2] = ["fixed", "free"];
+        const AXES: [&str; 3] = ["x", "y", "z"];
+        let unknown = |what, name: &str, valid: &[&'static str]| {
+            UnknownName::new(what, name, valid.iter().copied())
+        };
+        let kind = self.kind.as_str();
+        let is_free = match kind {
+            "fixed" => false,
+            "free" => true,
+            _ => return Err(unknown("root", kind, &KINDS)).or_raise(),
+        };
+        let mut room = [Limits::UNBOUNDED; 3];
+        for (axis, (lower, upper)) in &self.room {
+            let known = AXES.iter().position(|known| known == axis);
+            let known = known.filter(|_| is_free);
+            let valid = if is_free { &AXES[..] } else { &[] };
+            let at = known.ok_or_else(|| unknown("axis of this root", axis, valid));
+            room[at.or_raise()?] = Limits::new(*lower, *upper);
+        }
+        Ok(match is_free {
+            true => SkeletonRoot::Free { room },
+            false => SkeletonRoot::Fixed,
+        })
+    }
+}
+
+impl BallSkeleton {
+    fn make(
+        skeleton: kinopt::Skeleton,
+        armature: Arc<Bones>,
+        cones: Cones,
+        root: Root,
+    ) -> PyResult<Self> {
+        let inner = Balls::new(skeleton, &cones, root.read()?).or_raise()?;
+        Ok(Self {
+            model: Arc::new(inner.model().clone()),
+            bridge: PoseTurns::new(&armature, &inner),
+            posings: Pool::new(inner.posing()),
+            inner,
+            armature,
+            cones,
+            root,
+        })
+    }
+
+    fn each_pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        write: impl Fn(&BonePlacements, &mut [f64]) + Sync,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let q = Questions::rows(q, "q", self.model.configuration_len())?;
+        let bones = self.armature.bones();
+        let array = arrays::room_of::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
+        self.posings.with(|posing| {
+            arrays::fill(&array, |room| {
+                q.each(py, room, POSES_AT_A_TIME, |q, room| {
+                    write(posing.pose(q).or_raise()?, room);
+                    Ok(())
+                })
+            })
+        })?;
+        Ok(array)
+    }
+}
+
+#[pymethods]
+impl BallSkeleton {
+    #[new]
+    #[pyo3(signature = (skeleton, *, cones = None, root = "fixed".to_owned(), room = None, armature = None))]
+    fn new(
+        skeleton: &Bound<'_, Skeleton>,
+        cones: Option<&Bound<'_, PyAny>>,
+        root: String,
+        room: Option<&Bound<'_, PyDict>>,
+        armature: Option<&Bound<'_, Armature>>,
+    ) -> PyResult<Self> {
+        let skeleton = &skeleton.get().inner;
+        let armature = match armature {
+            Some(armature) => Arc::clone(&armature.get().inner),
+            None => Arc::new(Bones::of_skeleton(skeleton)),
+        };
+        let names = skeleton.bones().iter().map(|bone| bone.name.as_str());
+        if !names.eq(armature.names().iter().map(String::as_str)) {
+            return Err(invalid("the armature's bones are not the skeleton's"));
+        }
+        let skeleton = kinopt::Skeleton::clone(skeleton);
+        Self::make(skeleton, armature, cones_of(cones)?, Root::new(root, room)?)
+    }
+
+    /// Reads the bones of a .glb, .gltf or .bvh file: of a scene the joints of its skins turn, of a capture those with
+    /// channels of rotation, all where there are none. Arguments are as for the class.
+    ///
+    /// Raises as the class does, `FileError` where the file cannot be opened and `InvalidFileError` for what is wrong in it
+    /// or is no such file.
+    #[classmethod]
+    #[pyo3(signature = (path, *, cones = None, root = "fixed".to_owned(), room = None))]
+    fn read(
+        class: &Bound<'_, PyType>,
+        path: PathBuf,
+        cones: Option<&Bound<'_, PyAny>>,
+        root: String,
+        room: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let (cones, root) = (cones_of(cones)?, Root::new(root, room)?);
+        let is_capture = path
+            .extension()
+            .is_some_and(|own| own.eq_ignore_ascii_case("bvh"));
+        let py = class.py();
+        let (armature, turning) = match is_capture {
+            true => {
+                let capture = py.detach(|| bvh::read(&path)).or_raise()?;
+                let turning = capture.turning_bones();
+                (capture.armature, turning)
+            }
+            false => {
+                let scene = py.detach(|| gltf::read(&path)).or_raise()?;
+                let turning = scene.turning_bones();
+                (scene.armature, turning)
+            }
+        };
+        let limits = |bone| match turning.contains(&bone) {
+            true => [Limits::UNBOUNDED; 3],
+            false => [Limits::new(0.0, 0.0); 3],
+        };
+        let name = path.display().to_string();
+        let skeleton = armature.skeleton(name, limits).or_raise()?;
+        Self::make(skeleton, Arc::new(armature), cones, root)
+    }
+
+    /// The model with a ball a bone; it is what problems are stated on.
+    #[getter]
+    fn model(&self) -> Model {
+        let inner = Arc::clone(&self.model);
+        Model { inner }
+    }
+
+    /// The bones at rest; its own model has them on hinges.
+    #[getter]
+    fn skeleton(&self) -> Skeleton {
+        self.inner.skeleton().clone().into()
+    }
+
+    /// What poses are of.
+    #[getter]
+    fn armature(&self) -> Armature {
+        Arc::clone(&self.armature).into()
+    }
+
+    /// Names of the bones, in their order.
+    #[getter]
+    fn bone_names(&self) -> Vec<&str> {
+        self.armature.names().iter().map(String::as_str).collect()
+    }
+
+    /// Names of the joints that move a bone, a free root's slides before its ball; none for one that does not turn.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
+    fn joints(&self, bone: &str) -> PyResult<Vec<&str>> {
+        let joints = self.inner.joints(self.inner.bone(bone).or_raise()?);
+        let joints = joints.into_iter();
+        Ok(joints
+            .map(|joint| self.model.joints()[joint.index()].name.as_str())
+            .collect())
+    }
+
+    /// The name of the model's frame at a bone's tail, with the bone's axes.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
+    fn tail(&self, bone: &str) -> PyResult<&str> {
+        let frame = self.inner.tail(self.inner.bone(bone).or_raise()?);
+        Ok(&self.model.frames()[frame.index()].name)
+    }
+
+    /// The name of the model's frame at a bone's tip, with the bone's axes.
+    ///
+    /// Raises `UnknownNameError` for a bone that there is not.
+    fn tip(&self, bone: &str) -> PyResult<&str> {
+        let frame = self.inner.tip(self.inner.bone(bone).or_raise()?);
+        Ok(&self.model.frames()[frame.index()].name)
+    }
+
+    /// Where the bones stand: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (n,), and (N, bones, 4, 4) for
+    /// (N, n), in the file's unit. `out` takes the result.
+    ///
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite, for a quaternion without length
+    /// and for an `out` that does not fit.
+    #[pyo3(signature = (q, *, out = None))]
+    fn pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each_pose(py, q, out, |pose, room| {
+            write_all(pose.model_from_bone.iter().copied(), room);
+        })
+    }
+
+    /// The transforms that carry skin along, rest -> posed, shape (bones, 4, 4) or (N, bones, 4, 4), as `pose` has it.
+    ///
+    /// Raises as `pose` does.
+    #[pyo3(signature = (q, *, out = None))]
+    fn skinning_transforms<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each_pose(py, q, out, |pose, room| {
+            write_all(pose.skinning_transforms(self.inner.skeleton()), room);
+        })
+    }
+
+    /// The configuration of a pose of the armature, shape (n,), whatever the cones say; what bones are moved by and
+    /// scaled does not count, but for where a free root is.
+    ///
+    /// Raises `InvalidValueError` for a pose of other bones.
+    fn configuration<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, Pose>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let pose = pose.get().now();
+        if pose.bones() != self.armature.bones() {
+            return Err(invalid(format!(
+                "the pose has {} bones, the skeleton {}",
+                pose.bones(),
+                self.armature.bones()
+            )));
+        }
+        let mut q = Vec::new();
+        self.bridge.configuration_of(&pose, &mut q);
+        Ok(arrays::list(py, &q))
+    }
+
+    /// The pose of the armature, at rest but for what turns, of a configuration of shape (n,).
+    ///
+    /// Raises `InvalidValueError` for another shape.
+    fn to_pose(&self, q: &Bound<'_, PyAny>) -> PyResult<Pose> {
+        let q = arrays::vector_of(q, "q", self.model.configuration_len())?;
+        let mut pose = self.armature.rest().clone();
+        self.bridge.pose_of(&q, &mut pose);
+        Ok(Pose::of(&self.armature, pose))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let room = PyDict::new(py);
+        for (axis, range) in &self.root.room {
+            room.set_item(axis, *range)?;
+        }
+        let cones = PyDict::new(py);
+        for (bone, cone) in &self.cones {
+            let own = PyDict::new(py);
+            let BoneCone { axis, limits } = cone;
+            own.set_item("twist", (limits.twist.lower, limits.twist.upper))?;
+            match limits.about {
+                Some(about) => {
+                    own.set_item("swing", limits.swing)?;
+                    own.set_item("about", about.to_array())?;
+                }
+                None => own.set_item("swing", limits.swing[0])?,
+            }
+            if let Some(axis) = axis {
+                own.set_item("axis", axis.to_array())?;
+            }
+            cones.set_item(bone, own)?;
+        }
+        let kind = &self.root.kind;
+        let parts = (self.skeleton(), cones, kind, room, self.armature());
+        pickling::by_rebuild::<Self>(py, parts)
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        skeleton: &Bound<'_, Skeleton>,
+        cones: &Bound<'_, PyAny>,
+        root: String,
+        room: &Bound<'_, PyDict>,
+        armature: &Bound<'_, Armature>,
+    ) -> PyResult<Self> {
+        Self::new(skeleton, Some(cones), root, Some(room), Some(armature))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "BallSkeleton({:?}, {} bones, {} root, {} cones)",
+            self.model.name(),
+            self.armature.bones(),
+            self.root.kind,
+            self.cones.len()
+        )
+    }
+}
+
+/// Cones of a side file, or of a dict in radians.
+fn cones_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
+    let Some(given) = given else {
+        return Ok(Cones::new());
+    };
+    let Ok(dict) = given.cast::<PyDict>() else {
+        let path = given.extract::<PathBuf>();
+        let path = path.map_err(|_| invalid("cones must be a path, or a dict by bone"))?;
+        return cones::read(path).or_raise();
+    };
+    let cone = |(bone, said): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let bone = arrays::name(&bone, "a bone of cones")?;
+        let cone = cone_of(&bone, &said)?;
+        Ok((bone, cone))
+    };
+    dict.iter().map(cone).collect()
+}
+
+fn cone_of(bone: &str, said: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
+    const KEYS: [&str; 4] = ["swing", "twist", "axis", "about"];
+    let said = said.cast::<PyDict>();
+    let said = said.map_err(|_| invalid(format!("the cone of {bone} must be a dict")))?;
+    for (key, _) in said.iter() {
+        let key = arrays::name(&key, &format!("a key of the cone of {bone}"))?;
+        if !KEYS.contains(&key.as_str()) {
+            return Err(UnknownName::new("key of a cone", &key, KEYS)).or_raise();
+        }
+    }
+    let vector = |key: &str| -> PyResult<Option<Vector3<f64>>> {
+        let own = said.get_item(key)?.filter(|value| !value.is_none());
+        let own = own.map(|value| arrays::array::<3>(&value, &format!("{key} of {bone}")));
+        Ok(own.transpose()?.map(Vector3::from))
+    };
+    let (axis, about) = (vector("axis")?, vector("about")?);
+    let swing = match said.get_item("swing")? {
+        None => [std::f64::consts::PI; 2],
+        Some(swing) => match (swing.extract::<f64>(), about) {
+            (Ok(round), None) => [round; 2],
+            (Ok(_), Some(_)) => {
+                let problem = format!("about of {bone} is for a swing of two numbers");
+                return Err(invalid(problem));
+            }
+            (Err(_), Some(_)) => arrays::array::<2>(&swing, &format!("swing of {bone}"))?,
+            (Err(_), None) => {
+                let problem = format!("swing of {bone} must be a number, or two with `about`");
+                return Err(invalid(problem));
+            }
+        },
+    };
+    let twist = match said.get_item("twist")? {
+        None => Limits::UNBOUNDED,
+        Some(twist) => {
+            let ends = twist.extract::<(f64, f64)>();
+            let problem = || invalid(format!("twist of {bone} must be (lower, upper)"));
+            let (lower, upper) = ends.map_err(|_| problem())?;
+            Limits::new(lower, upper)
+        }
+    };
+    let limits = match about {
+        Some(about) => BallLimits::elliptic(about, swing, twist),
+        None => BallLimits::cone(swing[0], twist),
+    };
+    Ok(BoneCone { axis, limits })
+}
