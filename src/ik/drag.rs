@@ -1,6 +1,6 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
-use super::preferences_within_goals::Extent;
+use super::levels::Extent;
 use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
@@ -161,7 +161,7 @@ impl Drag {
         let few = stopping.max_iterations().min(NUDGE_STEPS);
         let once = solver.with_restarts(Restarts::none());
         once.check()?;
-        let nudged = once.clone().with_refining(Extent::Nothing);
+        let nudged = once.clone().with_refining(Extent::Goals);
         self.nudged = nudged.with_stopping(stopping.with_max_iterations(few));
         self.solver = once.with_refining(Extent::Frame).with_stopping(stopping);
         Ok(self)
@@ -373,8 +373,7 @@ impl Drag {
     /// Stays with the trial if it is better; either way the frame has made both.
     fn take_trial(&mut self) -> bool {
         let (kept, trial) = (&mut self.workspace, &mut self.trial);
-        let better =
-            trial.solution.reached || trial.searched_cost() < BETTER * kept.searched_cost();
+        let better = trial.solution.reached || trial.is_better(&self.problem, BETTER, kept);
         if better {
             std::mem::swap(kept, trial);
         }

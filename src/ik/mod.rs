@@ -3,10 +3,10 @@
 mod drag;
 mod drag_to_rest;
 mod holding;
+mod levels;
 mod loop_closure;
 mod loop_gap;
 mod minimiser;
-mod preferences_within_goals;
 mod solution_derivative;
 mod solver;
 mod workspace;

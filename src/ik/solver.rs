@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::levels::{ByRank, Extent, Ranked};
 use super::minimiser::Minimiser;
-use super::preferences_within_goals::{Extent, Limits};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::bad_option::BadOption;
 use crate::problem::{Question, Share};
@@ -124,7 +124,7 @@ impl Solver {
 
         let share = problem.search_share();
         // Where preferences are traded the minimum is the goal, and a stall is on the way to it.
-        let patient = share == Share::All && problem.has_preferences();
+        let patient = problem.pulls_in(share);
         let asked = (question, share);
         let schedule = Schedule::of_searches(asked, self.restarts, self.stopping, patient);
         let deadline = self.stopping.deadline();
@@ -139,13 +139,29 @@ impl Solver {
         };
         let search = &mut workspace.search;
         let mut found = run(question, share, &schedule, deadline, &mut engine, search);
-        if share == Share::Goals {
-            let limits = Limits {
-                stopping: self.stopping,
-                extent: self.refining,
-                deadline,
+        if share != Share::All {
+            let mut ranked = Ranked {
+                question,
+                by: ByRank {
+                    method: &*self.method,
+                    stopping: self.stopping,
+                    schedule,
+                    extent: self.refining,
+                    deadline,
+                },
+                scratch: &mut scratch,
+                solver: &mut workspace.memory,
+                memory: &mut workspace.ranks,
+                observer,
             };
-            workspace.refine(question, &mut scratch, &mut found, &limits, observer);
+            let strict = problem.ranks().levels() > 1;
+            if strict && !found.reached && !found.termination.is_cut() {
+                ranked.solve_levels(search, &mut found);
+            }
+            ranked.refine(search, &mut found);
+            if strict {
+                ranked.take_multipliers(&search.keeper.x, &search.keeper.residual);
+            }
         }
         workspace.report(question, &self.stopping, &mut scratch, &found);
         workspace.scratch = Some(scratch);

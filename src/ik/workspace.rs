@@ -1,10 +1,10 @@
 //! The memory of solving, which belongs to the caller.
 
 use super::Solution;
-use super::preferences_within_goals::{Limits, Refinement, Start};
-use crate::problem::{Evaluation, Question, Scratch, Share};
+use super::levels::{RankMemory, is_better};
+use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::search::{Attempts, End, Found, Pulls};
-use crate::solver::{LeastSquares, Observer, SolverState, Stopping, half_squared};
+use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 
 /// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
 /// problem, a solve allocates nothing. It fits any problem, one at a time.
@@ -15,7 +15,7 @@ pub struct Workspace {
     pub(super) search: Attempts,
     /// Of all tasks.
     whole_residual: Vec<f64>,
-    refinement: Refinement,
+    pub(super) ranks: RankMemory,
     pub(super) solution: Solution,
 }
 
@@ -38,14 +38,25 @@ impl Workspace {
         half_squared(&self.search.keeper.residual)
     }
 
+    /// Whether the last solve's goals are better than another's, by less than this share of its cost.
+    pub(super) fn is_better(&self, problem: &Problem, share: f64, than: &Self) -> bool {
+        match problem.ranks().levels() > 1 {
+            true => {
+                let [own, other] = [self, than].map(|of| &of.search.keeper.residual);
+                is_better(problem, share, own, other)
+            }
+            false => self.searched_cost() < share * than.searched_cost(),
+        }
+    }
+
     /// Takes the problem's shape and hands out its scratch memory, new only for a new problem.
     pub(super) fn fit(&mut self, question: Question<'_>) -> Scratch {
         let problem = question.problem;
         let share = problem.search_share();
         self.search.fit(question, share);
-        if share == Share::Goals {
+        if share != Share::All {
             self.whole_residual.resize(problem.rows(), 0.0);
-            self.refinement.fit(problem);
+            self.ranks.fit(question);
         }
         self.solution.reserve(problem.tasks(), problem.variables());
         match self.scratch.take() {
@@ -57,40 +68,6 @@ impl Workspace {
             }
             _ => problem.scratch(),
         }
-    }
-
-    /// Lets the preferences act within what the goals leave free, from where these came to.
-    pub(super) fn refine(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        found: &mut Found,
-        limits: &Limits,
-        observer: &mut dyn Observer,
-    ) {
-        let kept = &mut self.search.keeper;
-        let reached = question.problem.is_reached_by(Share::Goals, &kept.residual);
-        let follows = limits.extent.follows(reached, found.iterations);
-        if !follows || (!reached && !found.termination.is_settled()) {
-            return;
-        }
-        let from = Start {
-            x: &kept.x,
-            residual: &kept.residual,
-            reached,
-        };
-        let memory = &mut self.memory;
-        let refined = self
-            .refinement
-            .run(question, scratch, memory, &from, limits, observer);
-        found.iterations += refined.iterations;
-        found.counts += refined.counts;
-        if let Some(cut) = refined.cut {
-            found.termination = cut;
-        }
-        kept.x.copy_from_slice(&self.refinement.x);
-        let mut goals = Evaluation::of(Share::Goals, question, scratch);
-        goals.residual(&kept.x, &mut kept.residual);
     }
 
     /// Fills the solution in from what a search found.
@@ -116,7 +93,10 @@ impl Workspace {
             question,
             x: &kept.x,
             share,
-            searched: &kept.residual,
+            searched: match problem.ranks().levels() > 1 {
+                true => &self.ranks.multipliers,
+                false => &kept.residual,
+            },
             residual,
         };
         solution.tell(found);

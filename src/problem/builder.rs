@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
 use super::{
-    Derivatives, Preferences, Problem, ProblemError, ReportNames, Tangent, Targets, TaskId,
+    Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,
 };
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};
@@ -27,6 +27,7 @@ pub(super) struct PendingTask {
     /// Whether it closes a loop of the model: no task of the user's, and before all of them.
     pub(super) is_loop: bool,
     role: Role,
+    level: usize,
     weights: Vec<(Quantity, f64)>,
     factor: f64,
     tolerances: Vec<(Quantity, f64)>,
@@ -43,6 +44,7 @@ impl PendingTask {
             kind: task.residual.kind(),
             is_loop: false,
             role: task.role,
+            level: task.level,
             weights: task.weights,
             factor: task.factor,
             tolerances: task.tolerances,
@@ -156,23 +158,17 @@ impl<'m> ProblemBuilder<'m> {
         let mut tasks = Vec::with_capacity(self.tasks.len());
         let mut residuals = Vec::with_capacity(self.tasks.len());
         let mut first_frames = Vec::with_capacity(self.tasks.len());
-        let (mut rows, mut rows_of_goals, mut rows_of_pulls) = (0, 0, 0);
+        let mut rows = 0;
         for (index, pending) in self.tasks.into_iter().enumerate() {
             let first_frame = pending.frames.first().copied();
-            let mut task =
-                compile_task(model, index, &pending, &self.tolerances, &mut frames, rows)?;
+            let task = compile_task(model, index, &pending, &self.tolerances, &mut frames, rows)?;
             residuals.push(pending.residual);
-            let share = match task.binds {
-                true => &mut rows_of_goals,
-                false => &mut rows_of_pulls,
-            };
-            task.rows_of_share = *share..*share + task.rows.len();
-            *share = task.rows_of_share.end;
             first_frames.push(first_frame);
             rows = task.rows.end;
             tasks.push(task);
         }
 
+        let ranks = Ranks::of(&mut tasks, self.preferences);
         narrow(model, &mut map, &self.extra_bounds)?;
         let reach = model.reach();
         let variables = 0..map.variables();
@@ -213,6 +209,7 @@ impl<'m> ProblemBuilder<'m> {
             variable_is_angle: variables.map(|v| !leading_joint(v).kind.slides()).collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
             loops: model.loops().iter().map(|own| own.name.clone()).collect(),
+            task_levels: tasks.iter().map(|task| task.level).collect(),
             task_frames: (first_frames.iter())
                 .map(|frame| frame.map(|f| model.frames()[f.index()].name.clone()))
                 .collect(),
@@ -229,7 +226,7 @@ impl<'m> ProblemBuilder<'m> {
             tasks,
             targets: Targets { residuals },
             rows,
-            rows_of_goals,
+            ranks,
             preferences: self.preferences,
             tangent: Tangent::new(model),
             rotations,
@@ -366,8 +363,10 @@ fn compile_task(
         binds: pending.role == Role::Goal && blocks.iter().any(Block::can_miss),
         blocks,
         rows: first_row..next_row,
-        // Set later: by `build`, which counts the shares' rows, and `choose_sweeps`, which has the tree.
-        rows_of_share: 0..0,
+        level: pending.level,
+        // Set later: by `Ranks`, which has all tasks, and `choose_sweeps`, which has the tree.
+        rank: 0,
+        rows_by_rank: 0..0,
         swept: false,
         weights,
         frames: slots,

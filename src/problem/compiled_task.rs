@@ -31,9 +31,8 @@ impl Block {
 /// A task as a problem evaluates and judges it.
 ///
 /// A block *can miss* where its weight and tolerance ask for something. A goal *binds* where one of its
-/// blocks can: only those are ever missed, and preferences must *keep* those blocks' errors. Every
-/// other task pulls. The tasks that bind and those that pull are the [shares](super::Share) of a problem
-/// whose preferences act within its goals.
+/// blocks can: only those are ever missed, and what ranks below must *keep* those blocks' errors. Every
+/// other task pulls. Its rank follows from that and its level: see [`Ranks`](super::Ranks).
 #[derive(Clone, Debug)]
 pub(crate) struct CompiledTask {
     pub(crate) name: String,
@@ -45,8 +44,12 @@ pub(crate) struct CompiledTask {
     pub(crate) rows: Range<usize>,
     /// Whether it is a goal that can be missed.
     pub(crate) binds: bool,
-    /// The same rows among those of all tasks that bind, or of all that pull.
-    pub(crate) rows_of_share: Range<usize>,
+    /// The level that it was given: lower ones come first.
+    pub(crate) level: usize,
+    /// Which tasks it is weighed against; lower ones come first.
+    pub(crate) rank: usize,
+    /// The same rows, rank by rank.
+    pub(crate) rows_by_rank: Range<usize>,
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,
     pub(crate) frames: Vec<FrameSlot>,
@@ -65,7 +68,7 @@ impl CompiledTask {
         self.blocks.iter()
     }
 
-    /// Whether preferences must leave a block's error where the goals' own search left it.
+    /// Whether what ranks below must leave a block's error where the search of its own rank left it.
     pub(crate) fn keeps(&self, block: &Block) -> bool {
         self.binds && block.can_miss()
     }

@@ -390,6 +390,6 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn stops_when_reached(&self) -> bool {
-        self.share == Share::Goals || !self.question.problem.has_preferences()
+        !self.question.problem.pulls_in(self.share)
     }
 }

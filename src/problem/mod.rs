@@ -14,6 +14,7 @@ mod names;
 mod parameter_vector;
 mod preferences;
 mod question;
+mod ranks;
 mod tangent;
 mod targets;
 
@@ -28,8 +29,8 @@ pub use evaluation::{Evaluation, Scratch};
 pub(crate) use names::ReportNames;
 pub use parameter_vector::ParameterVector;
 pub use preferences::Preferences;
-pub(crate) use preferences::Share;
 pub use question::Question;
+pub(crate) use ranks::{Ranks, Share};
 pub(crate) use tangent::{Standing, Tangent};
 pub use targets::Targets;
 
@@ -85,8 +86,7 @@ pub struct Problem {
     /// The residuals that it was built with, by task.
     targets: Targets,
     rows: usize,
-    /// Rows of the goals that can be missed.
-    rows_of_goals: usize,
+    ranks: Ranks,
     preferences: Preferences,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -160,6 +160,8 @@ impl Problem {
         /// How the variables move the model.
         pub(crate) fn tangent(&self) -> &Tangent = &self.tangent;
         pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
+        /// The order in which the tasks are met.
+        pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
     }
 
     /// A task's name.
@@ -196,13 +198,23 @@ impl Problem {
         self.tasks.iter().any(|task| task.role == Role::Preference)
     }
 
-    /// What a solver searches with: the goals alone where preferences act within them, everything
-    /// where there is nothing to tell apart.
+    /// Whether any task of a share is a preference.
+    pub(crate) fn pulls_in(&self, share: Share) -> bool {
+        let mut tasks = self.tasks_of(share);
+        tasks.any(|(_, task, _)| task.role == Role::Preference)
+    }
+
+    /// The goals that can be missed, and what is traded with them.
+    pub(crate) fn goals(&self) -> Share {
+        Share::above(self.ranks.levels())
+    }
+
+    /// What a solver searches with at first: the goals of all levels where anything ranks below another,
+    /// everything where there is nothing to tell apart.
     pub(crate) fn search_share(&self) -> Share {
-        let within = self.preferences == Preferences::WithinGoals;
-        let both = 0 < self.rows_of_goals && self.rows_of_goals < self.rows;
-        match within && both && self.has_preferences() {
-            true => Share::Goals,
+        let (levels, ranks) = (self.ranks.levels(), self.ranks.count());
+        match levels > 1 || (levels > 0 && ranks > levels && self.has_preferences()) {
+            true => self.goals(),
             false => Share::All,
         }
     }
@@ -211,8 +223,7 @@ impl Problem {
     pub(crate) fn rows_of(&self, share: Share) -> usize {
         match share {
             Share::All => self.rows,
-            Share::Goals => self.rows_of_goals,
-            Share::Pulls => self.rows - self.rows_of_goals,
+            Share::Ranks { from, to } => self.ranks.rows(from, to),
         }
     }
 
@@ -222,20 +233,22 @@ impl Problem {
         share: Share,
     ) -> impl Iterator<Item = (usize, &CompiledTask, Range<usize>)> {
         let tasks = self.tasks.iter().enumerate();
-        tasks.filter_map(move |(index, task)| Some((index, task, task.rows_in(share)?)))
+        tasks.filter_map(move |(index, task)| Some((index, task, self.ranks.rows_in(task, share)?)))
     }
 
-    /// Rows of tasks that bind for which any error will do, as the goals count them.
-    pub(crate) fn free_goal_rows(&self) -> impl Iterator<Item = Range<usize>> {
-        self.tasks_of(Share::Goals).flat_map(|(_, task, rows)| {
-            let free = task.blocks().filter(|block| !task.keeps(block));
+    /// Rows of tasks of a share that bind for which any error will do.
+    pub(crate) fn free_rows(&self, share: Share) -> impl Iterator<Item = Range<usize>> {
+        self.tasks_of(share).flat_map(|(_, task, rows)| {
+            let free = task
+                .blocks()
+                .filter(|block| task.binds && !task.keeps(block));
             free.map(move |block| block.rows_after(task.rows.start, rows.start))
         })
     }
 
-    /// Whether the goals, whose weighted residual has changed by `change`, are where they were.
-    pub(crate) fn is_kept(&self, change: &[f64]) -> bool {
-        self.tasks_of(Share::Goals).all(|(_, task, rows)| {
+    /// Whether the goals of a share, whose weighted residual has changed by `change`, are where they were.
+    pub(crate) fn is_kept(&self, share: Share, change: &[f64]) -> bool {
+        self.tasks_of(share).all(|(_, task, rows)| {
             let mut kept = task.blocks().filter(|block| task.keeps(block));
             kept.all(|block| {
                 let rows = block.rows_after(task.rows.start, rows.start);
@@ -265,7 +278,7 @@ impl Problem {
     pub(crate) fn mark_local(&self, share: Share, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
-            for (index, task) in self.tasks.iter().enumerate() {
+            for (index, task, _) in self.tasks_of(share) {
                 let mut blocks = self.errors(share, r).filter(|block| block.task == index);
                 let missed = blocks.any(|block| !block.reached);
                 // A closed loop holds nothing still: its joints may move anywhere and close it again.
@@ -359,7 +372,7 @@ impl Problem {
     ) -> impl Iterator<Item = BlockError> + 'a {
         let tasks = self.tasks.iter().enumerate();
         tasks.flat_map(move |(task, compiled)| {
-            let rows = compiled.rows_in(share);
+            let rows = self.ranks.rows_in(compiled, share);
             rows.into_iter().flat_map(move |rows| {
                 compiled.blocks().map(move |block| {
                     let rows = block.rows_after(compiled.rows.start, rows.start);

@@ -17,6 +17,9 @@ pub(crate) struct ReportNames {
     /// The model's loops, which the last tasks close.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) loops: Vec<String>,
+    /// The level each task was given.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) task_levels: Vec<usize>,
     /// The first frame each task looks at, if any.
     pub(crate) task_frames: Vec<Option<String>>,
     /// Where the chain of that frame begins, if it is of finite length.

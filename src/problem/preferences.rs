@@ -1,8 +1,4 @@
-//! How preferences stand to goals, and the shares of a problem that follow from it.
-
-use std::ops::Range;
-
-use super::CompiledTask;
+//! How preferences stand to goals.
 
 /// What preferences may cost the goals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -17,29 +13,7 @@ pub enum Preferences {
     #[default]
     WithinGoals,
     /// Their weights' worth: the weighted sum of goals and preferences is minimised at once, so that
-    /// a goal within reach is missed by a little or by much.
+    /// a goal within reach is missed by a little or by much. Of goals of several
+    /// [levels](crate::task::Task::at_level) the last is traded.
     Traded,
-}
-
-/// A part of a problem's tasks; [`CompiledTask`] says which bind and which pull.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Share {
-    /// Every task.
-    All,
-    /// Those that bind: the goals that can be missed.
-    Goals,
-    /// All others: preferences, and goals for which any error will do.
-    Pulls,
-}
-
-impl CompiledTask {
-    /// Where the task's rows stand among those of a share, if it belongs to that.
-    pub(crate) fn rows_in(&self, share: Share) -> Option<Range<usize>> {
-        match share {
-            Share::All => Some(self.rows.clone()),
-            Share::Goals if self.binds => Some(self.rows_of_share.clone()),
-            Share::Pulls if !self.binds => Some(self.rows_of_share.clone()),
-            Share::Goals | Share::Pulls => None,
-        }
-    }
 }

@@ -50,6 +50,7 @@ impl Solution {
         }
         writeln!(text, ": {}.", self.why())?;
         self.write_misses(text)?;
+        self.write_levels(text)?;
         self.write_verdict(text)?;
         self.write_limits(text)
     }
@@ -114,6 +115,32 @@ impl Solution {
             writeln!(text, ".")?;
         }
         Ok(())
+    }
+
+    /// Which level gives way, where goals stand on several.
+    fn write_levels(&self, text: &mut String) -> std::fmt::Result {
+        let goals = || {
+            let tasks = self.tasks();
+            tasks.filter(|task| task.role == Role::Goal && !task.is_loop)
+        };
+        let missed = goals().filter(|task| !task.reached).map(|task| task.level);
+        let (Some(first), Some(last)) = (missed.min(), goals().map(|task| task.level).max()) else {
+            return Ok(());
+        };
+        let above = goals()
+            .map(|task| task.level)
+            .filter(|level| *level < first);
+        match (above.max(), first < last) {
+            (Some(above), _) => writeln!(
+                text,
+                "  Level {first} gives way: the goals up to level {above} are met, and leave it no more."
+            ),
+            (None, true) => writeln!(
+                text,
+                "  Level {first} comes first: it misses as it would alone, and lower levels cost it nothing."
+            ),
+            (None, false) => Ok(()),
+        }
     }
 
     /// Out of reach, or a local minimum: as far as it can be known.

@@ -62,7 +62,7 @@ impl Solution {
                 rows.error = error.unwrap_or(rows.error);
             }
         }
-        let lower_is_better = end.share == Share::All && problem.has_preferences();
+        let lower_is_better = problem.pulls_in(end.share);
         let done = !lower_is_better || self.projected_gradient.is_some();
         let cost = half_squared(end.searched);
         if self.reached && done || !cost.is_finite() {

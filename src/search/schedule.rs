@@ -104,6 +104,16 @@ impl Schedule {
         }
     }
 
+    /// The same from the start alone.
+    pub(crate) fn once(self) -> Self {
+        Self {
+            attempts: 1,
+            hops: false,
+            restarts: self.restarts.with_attempts(1),
+            ..self
+        }
+    }
+
     getters! {
         /// Where attempts start.
         pub(super) fn restarts(&self) -> &Restarts = &self.restarts;

@@ -79,6 +79,8 @@ pub struct TaskReport<'a> {
     pub role: Role,
     /// Whether it closes a loop of the model: no one added it.
     pub is_loop: bool,
+    /// The strict [level](crate::task::Task::at_level) it is on; lower ones come first.
+    pub level: usize,
     /// Whether all its rows that have a weight are within tolerance.
     pub reached: bool,
     /// Its errors, quantity by quantity.
@@ -195,6 +197,7 @@ impl Solution {
                 frame: names.task_frames.get(first.task)?.as_deref(),
                 role: first.role,
                 is_loop: first.task + names.loops.len() >= names.tasks.len(),
+                level: names.task_levels.get(first.task).copied().unwrap_or(0),
                 reached: rows.iter().all(|r| r.reached),
                 rows,
             })

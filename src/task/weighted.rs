@@ -13,6 +13,7 @@ pub struct Task<R> {
     pub(crate) factor: f64,
     pub(crate) tolerances: Vec<(Quantity, f64)>,
     pub(crate) role: Role,
+    pub(crate) level: usize,
 }
 
 impl<R: Residual> Task<R> {
@@ -26,6 +27,7 @@ impl<R: Residual> Task<R> {
             factor: 1.0,
             tolerances: Vec::new(),
             role: R::ROLE,
+            level: 0,
         }
     }
 
@@ -48,6 +50,10 @@ impl<R: Residual> Task<R> {
         }
         /// Only a preference: it pulls, but missing it is no failure.
         pub fn preference(mut self) { self.role = Role::Preference }
+        /// Puts the task on a strict level, 0 unless set. Goals of level 0 are met first, as if they were alone;
+        /// those of level 1 come as near as they can at no cost to level 0, and so on, however large their weights
+        /// are: weights count within a level. Preferences come after all goals, by their own levels.
+        pub fn at_level(mut self, level: usize) { self.level = level }
         /// A goal: it must be met for the solution to count as reached.
         pub fn goal(mut self) { self.role = Role::Goal }
     }

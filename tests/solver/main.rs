@@ -25,6 +25,7 @@ mod solution_derivatives;
 mod solutions_without_derivative;
 mod step_lengths;
 mod stopping;
+mod strict_levels;
 mod success_rate;
 mod symmetric_questions;
 mod targets_apart;

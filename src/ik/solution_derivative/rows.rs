@@ -1,5 +1,7 @@
 //! Which rows are held at a solution, and which pull.
 
+use std::cmp::Ordering;
+
 use crate::problem::{CompiledTask, Question, Share};
 
 /// What the rows of a problem, as all tasks count them, do at a solution.
@@ -18,16 +20,35 @@ impl Roles {
         let Self { held, pulled } = self;
         held.clear();
         pulled.clear();
-        let is_reached = problem.is_reached(r);
-        let within_goals = problem.search_share() == Share::Goals;
-        let hold = is_reached && (within_goals || !problem.has_preferences());
         let tasks = problem.compiled_tasks().iter();
+        if problem.search_share() == Share::All {
+            let hold = problem.is_reached(r) && !problem.has_preferences();
+            for task in tasks {
+                match hold {
+                    true => held.extend(asked(task)),
+                    false => pulled.extend(task.rows.clone()),
+                }
+            }
+            return;
+        }
+        // The first rank that is not all reached goals pulls within those above; what ranks below it has only
+        // what that leaves free.
+        let (ranks, levels) = (problem.ranks().count(), problem.ranks().levels());
+        let misses = |rank: usize| {
+            let mut errors = problem.errors(Share::All, r);
+            errors.any(|block| {
+                let task = problem.compiled_tasks().get(block.task);
+                task.is_some_and(|task| task.rank == rank) && !block.reached
+            })
+        };
+        let mut pulling = (0..ranks)
+            .filter(|&rank| rank >= levels || problem.pulls_in(Share::rank(rank)) || misses(rank));
+        let pulls = pulling.next().unwrap_or(ranks);
         for task in tasks {
-            match (hold, within_goals) {
-                (true, false) => held.extend(asked(task)),
-                (true, true) if task.binds => held.extend(asked(task)),
-                (false, true) if !task.binds => {}
-                _ => pulled.extend(task.rows.clone()),
+            match task.rank.cmp(&pulls) {
+                Ordering::Less => held.extend(asked(task)),
+                Ordering::Equal => pulled.extend(task.rows.clone()),
+                Ordering::Greater => {}
             }
         }
     }

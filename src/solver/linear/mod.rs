@@ -9,6 +9,8 @@ mod dense;
 mod held_step;
 mod householder;
 mod row_space;
+mod row_span;
+mod tangent_newton;
 
 pub(super) use complete_orthogonal::CompleteOrthogonal;
 pub(super) use curved_normal::{CurvedModel, CurvedNormal, multiply_symmetric, quadratic};
@@ -16,3 +18,5 @@ pub(super) use damped_normal::DampedNormal;
 pub(super) use dense::{add_scaled, dot};
 pub(crate) use held_step::{HeldStep, StepBounds};
 pub(crate) use row_space::RowSpace;
+pub(crate) use row_span::RowSpan;
+pub(crate) use tangent_newton::TangentNewton;

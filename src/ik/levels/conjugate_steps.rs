@@ -1,0 +1,194 @@
+//! A preference's descent: Gauss-Newton's steps, each conjugate to the last one (Polak & Ribière 1969), as what is
+//! held bends what a preference sees.
+
+use super::asked::Asked;
+use super::descent::{Descended, Descent, multiply};
+use super::extent::Steps;
+use crate::problem::{Question, Share};
+use crate::solver::{Iteration, Observer, StepBounds, Termination};
+
+/// A direction that falls by less than this share of the steepest one forgets the last one.
+const CONJUGATE: f64 = 0.2;
+/// What the pulls may be bent more or less than their rows say.
+const BENDS: (f64, f64) = (0.1, 20.0);
+
+impl Descent {
+    /// Goes from where it stands to where the rank gains nothing more.
+    pub(super) fn by_conjugate_steps(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        Steps { steps, halvings }: Steps,
+        observer: &mut dyn Observer,
+    ) -> Descended {
+        let question = asked.question;
+        let mut cost = self.cost_at_x(asked);
+        asked.counts.residuals += 1;
+        let worthwhile = self.held.worthwhile();
+        let limit = steps.min(asked.stopping.max_iterations());
+        let (mut iterations, mut bend, mut moved, mut last_falls) = (0, 1.0, 0.0, None);
+        loop {
+            if !cost.is_finite() {
+                return Descended {
+                    iterations,
+                    cut: Some(Termination::NonFinite),
+                };
+            }
+            let seen = observer.observe(&Iteration {
+                index: iterations,
+                cost,
+                projected_gradient: None,
+                step: moved,
+                control: 0.0,
+                x: &self.x,
+            });
+            if seen.is_break() {
+                return Descended {
+                    iterations,
+                    cut: Some(Termination::Cancelled),
+                };
+            }
+            if asked.is_late() {
+                return Descended {
+                    iterations,
+                    cut: Some(Termination::TimeLimit),
+                };
+            }
+            if iterations >= limit {
+                return Descended {
+                    iterations,
+                    cut: Some(Termination::IterationLimit),
+                };
+            }
+            let Some(falls) = self.aim(asked) else {
+                return Descended {
+                    iterations,
+                    cut: None,
+                };
+            };
+            // What the step promises: its fall along what is held alone, without what rounding lets slip.
+            let promised = falls.min(inner(&self.effects[0], &self.effects[0]));
+            if promised <= 2.0 * worthwhile * cost {
+                return Descended {
+                    iterations,
+                    cut: None,
+                };
+            }
+            iterations += 1;
+            let Way {
+                slope,
+                stiffness,
+                conjugate,
+            } = self.choose(question, falls, last_falls);
+            last_falls = Some(falls);
+            let longest = self.longest_share(question);
+            let mut share = longest.min(slope / (bend * stiffness));
+            let mut gained = None;
+            for _ in 0..halvings {
+                let space = question.space();
+                space.integrate_share(&self.x, share, &self.direction, &mut self.trial);
+                space.project(&mut self.trial);
+                let Self {
+                    held,
+                    trial,
+                    step,
+                    fixed,
+                    ..
+                } = self;
+                let back = held.bring_back(asked, trial, step, fixed);
+                let now = match back {
+                    true => self.cost_at_trial(asked),
+                    false => f64::INFINITY,
+                };
+                asked.counts.residuals += usize::from(back);
+                if back && now.is_finite() {
+                    let bent = 2.0 * (now - cost + share * slope) / (share * share * stiffness);
+                    bend = bent.clamp(BENDS.0, BENDS.1);
+                }
+                if now < cost {
+                    gained = Some(now);
+                    break;
+                }
+                share *= 0.5;
+                share = share.min(slope / (bend * stiffness));
+            }
+            let Some(now) = gained else {
+                if conjugate {
+                    last_falls = None;
+                    continue;
+                }
+                return Descended {
+                    iterations,
+                    cut: None,
+                };
+            };
+            moved = question.space().distance(&self.trial, &self.x);
+            std::mem::swap(&mut self.x, &mut self.trial);
+            std::mem::swap(&mut self.best, &mut self.last_best);
+            cost = now;
+        }
+    }
+
+    /// Puts the best step into `best`; how fast the rank's cost falls along it, if it does.
+    fn aim(&mut self, asked: &mut Asked<'_, '_>) -> Option<f64> {
+        self.cost_at_x(asked);
+        asked.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
+        if !self.step.take_pulls(&self.jacobian, &self.pulls) {
+            return None;
+        }
+        let held = self.held.take_rows(asked, &self.x, &self.fixed);
+        let within = StepBounds {
+            x: &self.x,
+            space: asked.question.space(),
+            fixed: &self.fixed,
+        };
+        self.step
+            .pull(held, &self.jacobian, &self.pulls, &within, &mut self.best);
+        let [effect, _] = &mut self.effects;
+        multiply(&self.jacobian, &self.best, effect);
+        let falls = -inner(effect, &self.pulls);
+        falls.is_finite().then_some(falls)
+    }
+
+    /// Makes the best step conjugate to the last direction, unless that hardly falls.
+    fn choose(&mut self, question: Question<'_>, falls: f64, last_falls: Option<f64>) -> Way {
+        let [effect, other] = &mut self.effects;
+        let straight = Way {
+            slope: falls,
+            stiffness: inner(effect, effect),
+            conjugate: false,
+        };
+        if let Some(last_falls) = last_falls {
+            multiply(&self.jacobian, &self.last_best, other);
+            let kept = ((falls - inner(effect, other)) / last_falls).max(0.0);
+            let space = question.space();
+            let steps = self.direction.iter_mut().zip(&self.best).zip(&self.fixed);
+            for (j, ((direction, best), fixed)) in steps.enumerate() {
+                let way = best + kept * *direction;
+                let outward = space.holds(&self.x, j, -way, 0.0);
+                *direction = if outward || *fixed { 0.0 } else { way };
+            }
+            multiply(&self.jacobian, &self.direction, effect);
+            let slope = -inner(effect, &self.pulls);
+            if slope >= CONJUGATE * falls {
+                return Way {
+                    slope,
+                    stiffness: inner(effect, effect),
+                    conjugate: kept > 0.0,
+                };
+            }
+        }
+        self.direction.copy_from_slice(&self.best);
+        straight
+    }
+}
+
+/// How fast the pulls' cost falls along the direction, and how fast that slows down.
+struct Way {
+    slope: f64,
+    stiffness: f64,
+    conjugate: bool,
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

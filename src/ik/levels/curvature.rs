@@ -1,0 +1,339 @@
+//! The rows that hold missed ranks: by how much a step would tilt their costs.
+//!
+//! A missed rank stands where ∇L = 0 along what the ranks above leave free, for L = ½‖r‖² + λᵀr↑ with the
+//! reached ranks' residuals r↑ and their multipliers λ (Nocedal & Wright 2006, section 12.5). A step Δ leaves it
+//! there, in first order, where P ∇²L Δ = 0, P the projection onto what the ranks above leave free.
+
+use nalgebra::DMatrix;
+
+use super::asked::Asked;
+use super::held::HeldRank;
+use crate::problem::{Problem, Share};
+use crate::solver::{LeastSquares, RowSpan, half_squared, negligible_slope};
+
+/// A row adds to those above it if so much of it is new, as a share of its rank's length, …
+pub(super) const NEW: f64 = 1e-9;
+/// … and a row of a curvature, which is a difference.
+pub(super) const NEW_CURVATURE: f64 = 1e-5;
+
+/// The rows that hold missed ranks, and room to take them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Curvature {
+    /// What a step may not change: of missed ranks alone n rows; of several the rows of all, then n for each
+    /// missed one.
+    rows: DMatrix<f64>,
+    /// By how much it has changed.
+    change: Vec<f64>,
+    slopes: [Vec<f64>; 2],
+    residual: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    /// What multiplies the gradients of the rows in each missed rank's L, rank by rank.
+    multipliers: Vec<f64>,
+    /// What the ranks above each missed one take, and leave.
+    above: Vec<RowSpan>,
+    running: RowSpan,
+    trial: Vec<f64>,
+}
+
+impl Curvature {
+    /// Makes room for the ranks above one; how many rows that may be.
+    pub(super) fn fit(&mut self, problem: &Problem, rank: usize) -> usize {
+        let n = problem.variables();
+        let rows = problem.rows_of(Share::above(rank));
+        for vector in self.slopes.iter_mut().chain([&mut self.trial]) {
+            vector.resize(n, 0.0);
+        }
+        self.residual.resize(rows, 0.0);
+        if self.jacobian.shape() != (rows, n) {
+            self.jacobian = DMatrix::zeros(rows, n);
+        }
+        let own = match rank {
+            1 => n,
+            _ => rows + n * rank,
+        };
+        if self.rows.shape() != (own, n) {
+            self.rows = DMatrix::zeros(own, n);
+        }
+        if rank > 1 {
+            self.change.resize(own, 0.0);
+            self.multipliers.resize(rows * rank, 0.0);
+            self.above.resize_with(rank, RowSpan::default);
+        }
+        own
+    }
+
+    /// C: what a step may not change.
+    pub(super) fn rows(&self) -> &DMatrix<f64> {
+        &self.rows
+    }
+
+    /// The second derivative of a lone rank's cost at x, by differences of its gradient.
+    pub(super) fn of_first(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        x: &[f64],
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        let n = x.len();
+        let space = asked.question.space();
+        asked.counts.residuals += n + 1;
+        asked.counts.gradients += n + 1;
+        let mut goals = asked.evaluate(Share::rank(0));
+        let [here, there] = &mut self.slopes;
+        goals.residual(x, &mut self.residual);
+        goals.gradient(x, &self.residual, here, jacobian);
+        self.trial.copy_from_slice(x);
+        for j in 0..n {
+            let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
+            let taken = space.integrate_one(x, j, shift, &mut self.trial);
+            goals.residual(&self.trial, &mut self.residual);
+            goals.gradient(&self.trial, &self.residual, there, jacobian);
+            space.return_one(x, j, &mut self.trial);
+            let column = &mut self.rows.as_mut_slice()[j * n..(j + 1) * n];
+            for ((entry, there), here) in column.iter_mut().zip(&*there).zip(&*here) {
+                *entry = (there - here) / taken;
+            }
+        }
+    }
+
+    /// The rows of all ranks at x, by their Jacobian and residual there.
+    pub(super) fn of_all(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        ranks: &[HeldRank],
+        x: &[f64],
+        (jacobian, residual): (&DMatrix<f64>, &[f64]),
+        fixed: &[bool],
+    ) {
+        self.rows.as_mut_slice().fill(0.0);
+        let mut above = std::mem::take(&mut self.running);
+        above.clear();
+        for held in ranks {
+            let own = asked.question.problem.ranks().rows_of(held.rank);
+            if held.reached {
+                self.copy_rows(jacobian, own.clone());
+                add_rows(&mut above, jacobian, own, fixed, NEW);
+                continue;
+            }
+            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual), fixed);
+            self.above[held.rank].clone_from(&above);
+            self.differentiate_slope(asked, held, x, fixed);
+            let first = residual.len() + held.rank * x.len();
+            let own = first..first + x.len();
+            add_rows(&mut above, &self.rows, own, fixed, NEW_CURVATURE);
+        }
+        self.running = above;
+    }
+
+    /// Fixes the variables that stand on a bound for a missed rank's sake.
+    pub(super) fn fix(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        ranks: &[HeldRank],
+        x: &[f64],
+        jacobian: &DMatrix<f64>,
+        residual: &[f64],
+        fixed: &mut [bool],
+    ) {
+        let space = asked.question.space();
+        // A variable between its bounds, or one that may be pulled off, is what multipliers are sought with.
+        let between = |j: usize| {
+            let (down, up) = space.room(x, j);
+            down > 0.0 && up > 0.0
+        };
+        let bound: Vec<bool> = (0..x.len()).map(|j| !between(j)).collect();
+        let mut above = std::mem::take(&mut self.running);
+        above.clear();
+        for held in ranks {
+            let own = asked.question.problem.ranks().rows_of(held.rank);
+            if held.reached {
+                add_rows(&mut above, jacobian, own, &bound, NEW);
+                continue;
+            }
+            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual), &bound);
+            let rows = residual.len();
+            let multipliers = &self.multipliers[held.rank * rows..(held.rank + 1) * rows];
+            let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
+            let mut steepest = 0.0_f64;
+            for (slope, column) in self.slopes[0].iter_mut().zip(columns) {
+                *slope = inner(column, multipliers);
+                let own = &column[own.clone()];
+                steepest = steepest.max(inner(own, own).sqrt());
+            }
+            let cost = half_squared(&residual[own]);
+            let negligible = negligible_slope(steepest, cost, &asked.stopping);
+            for (j, fixed) in fixed.iter_mut().enumerate() {
+                *fixed |= space.holds(x, j, self.slopes[0][j], negligible);
+            }
+        }
+        self.running = above;
+    }
+
+    /// λ of a missed rank, with its own residual where its rows are: what multiplies all rows' gradients in ∇L.
+    fn take_multipliers(
+        &mut self,
+        asked: &Asked<'_, '_>,
+        ranks: &[HeldRank],
+        missed: &HeldRank,
+        above: &mut RowSpan,
+        (jacobian, residual): (&DMatrix<f64>, &[f64]),
+        fixed: &[bool],
+    ) {
+        let rows = residual.len();
+        let own = asked.question.problem.ranks().rows_of(missed.rank);
+        let [slope, _] = &mut self.slopes;
+        let columns = jacobian.as_slice().chunks_exact(rows.max(1));
+        for ((slope, column), fixed) in slope.iter_mut().zip(columns).zip(fixed) {
+            *slope = match fixed {
+                true => 0.0,
+                false => inner(&column[own.clone()], &residual[own.clone()]),
+            };
+        }
+        let multipliers = &mut self.multipliers[missed.rank * rows..(missed.rank + 1) * rows];
+        multipliers.fill(0.0);
+        for (row, multiplier) in above.multipliers(slope) {
+            let of_reached = ranks.iter().filter(|held| held.reached);
+            let mut of_reached =
+                of_reached.map(|held| asked.question.problem.ranks().rows_of(held.rank));
+            if of_reached.any(|rows| rows.contains(&row)) {
+                multipliers[row] = multiplier;
+            }
+        }
+        multipliers[own.clone()].copy_from_slice(&residual[own]);
+    }
+
+    /// P ∇L of every missed rank at a trial with this residual of all ranks.
+    pub(super) fn slopes(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        ranks: &[HeldRank],
+        trial: &[f64],
+        residual: &[f64],
+        fixed: &[bool],
+    ) {
+        let (rows, n) = (residual.len(), trial.len());
+        let share = Share::above(ranks.len());
+        for missed in ranks.iter().filter(|held| !held.reached) {
+            let own = asked.question.problem.ranks().rows_of(missed.rank);
+            self.residual
+                .copy_from_slice(&self.multipliers[missed.rank * rows..(missed.rank + 1) * rows]);
+            self.residual[own.clone()].copy_from_slice(&residual[own]);
+            let [slope, _] = &mut self.slopes;
+            asked.counts.gradients += 1;
+            let mut goals = asked.evaluate(share);
+            goals.gradient(trial, &self.residual, slope, &mut self.jacobian);
+            release(slope, fixed);
+            self.above[missed.rank].project_out(slope);
+            let first = rows + missed.rank * n;
+            self.change[first..first + n].copy_from_slice(slope);
+        }
+    }
+
+    /// P ∇²L of a missed rank, by differences of ∇L.
+    fn differentiate_slope(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        missed: &HeldRank,
+        x: &[f64],
+        fixed: &[bool],
+    ) {
+        let (rows, n) = (self.residual.len(), x.len());
+        let own = asked.question.problem.ranks().rows_of(missed.rank);
+        let share = Share::above(self.above.len());
+        let space = asked.question.space();
+        asked.counts.residuals += n + 1;
+        asked.counts.gradients += n + 1;
+        let order = self.rows.nrows();
+        let multipliers = &self.multipliers[missed.rank * rows..(missed.rank + 1) * rows];
+        let mut goals = asked.evaluate(share);
+        let [here, there] = &mut self.slopes;
+        let mut slope_at = |x: &[f64], residual: &mut [f64], slope: &mut [f64]| {
+            goals.residual(x, residual);
+            for (row, (value, multiplier)) in residual.iter_mut().zip(multipliers).enumerate() {
+                if !own.contains(&row) {
+                    *value = *multiplier;
+                }
+            }
+            goals.gradient(x, residual, slope, &mut self.jacobian);
+            release(slope, fixed);
+        };
+        slope_at(x, &mut self.residual, here);
+        self.trial.copy_from_slice(x);
+        for j in (0..n).filter(|&j| !fixed[j]) {
+            let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
+            let taken = space.integrate_one(x, j, shift, &mut self.trial);
+            slope_at(&self.trial, &mut self.residual, there);
+            space.return_one(x, j, &mut self.trial);
+            for (there, here) in there.iter_mut().zip(&*here) {
+                *there = (*there - here) / taken;
+            }
+            self.above[missed.rank].project_out(there);
+            let first = j * order + rows + missed.rank * n;
+            self.rows.as_mut_slice()[first..first + n].copy_from_slice(there);
+        }
+    }
+
+    /// Newton's system at a trial: the rows there, of reached ranks by their Jacobian and of missed ones as they
+    /// were taken, and what has changed, of reached ranks their residual.
+    pub(super) fn system(
+        &mut self,
+        asked: &Asked<'_, '_>,
+        ranks: &[HeldRank],
+        jacobian: &DMatrix<f64>,
+        residual_change: &[f64],
+    ) -> (&DMatrix<f64>, &[f64]) {
+        for held in ranks {
+            let own = asked.question.problem.ranks().rows_of(held.rank);
+            match held.reached {
+                true => {
+                    self.change[own.clone()].copy_from_slice(&residual_change[own.clone()]);
+                    self.copy_rows(jacobian, own);
+                }
+                false => self.change[own].fill(0.0),
+            }
+        }
+        (&self.rows, &self.change)
+    }
+
+    fn copy_rows(&mut self, jacobian: &DMatrix<f64>, own: std::ops::Range<usize>) {
+        let (order, rows) = (self.rows.nrows(), jacobian.nrows());
+        let columns = self.rows.as_mut_slice().chunks_exact_mut(order.max(1));
+        for (to, from) in columns.zip(jacobian.as_slice().chunks_exact(rows.max(1))) {
+            to[own.clone()].copy_from_slice(&from[own.clone()]);
+        }
+    }
+}
+
+/// Adds rows of a matrix, of the variables that may move, where more than a share of their length is new.
+pub(super) fn add_rows(
+    space: &mut RowSpan,
+    matrix: &DMatrix<f64>,
+    rows: std::ops::Range<usize>,
+    fixed: &[bool],
+    share: f64,
+) {
+    let columns = || {
+        let columns = matrix.as_slice().chunks_exact(matrix.nrows().max(1));
+        columns.zip(fixed)
+    };
+    let moving = columns().filter(|(_, fixed)| !**fixed);
+    let squared: f64 =
+        (moving.map(|(column, _)| inner(&column[rows.clone()], &column[rows.clone()]))).sum();
+    for row in rows {
+        let entries = columns().map(|(column, fixed)| if *fixed { 0.0 } else { column[row] });
+        space.add(row, entries, share * squared.sqrt());
+    }
+}
+
+/// What fixed variables would do counts for nothing.
+fn release(slope: &mut [f64], fixed: &[bool]) {
+    for (slope, fixed) in slope.iter_mut().zip(fixed) {
+        if *fixed {
+            *slope = 0.0;
+        }
+    }
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

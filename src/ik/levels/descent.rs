@@ -1,0 +1,177 @@
+//! A rank's descent within what the ranks above leave free.
+//!
+//! Minimise ½‖r‖² of one rank over the configurations at which the ranks above are what they were when their
+//! own searches ended, by successive projection: a step that is best for a model of the rank and leaves what is
+//! [held](super::held) alone, then the shortest steps that bring that back. Levels of goals go by
+//! [Newton's method](super::newton), preferences by [conjugate steps](super::conjugate_steps).
+
+use nalgebra::DMatrix;
+
+use super::asked::Asked;
+use super::extent::Extent;
+use super::held::Held;
+use super::newton::NewtonMemory;
+use crate::problem::{Problem, Question, Share};
+use crate::solver::{HeldStep, LeastSquares, Observer, Termination, half_squared};
+
+/// Longest step of one joint, as a share of half a turn or of the reach.
+const LONGEST: f64 = 0.25;
+
+/// How a descent went; where it ended is in its x.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Descended {
+    pub(super) iterations: usize,
+    /// What ended it before nothing more was gained.
+    pub(super) cut: Option<Termination>,
+}
+
+/// Where a descent starts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start<'a> {
+    pub(super) x: &'a [f64],
+    /// The residual there of the ranks above.
+    pub(super) residual: &'a [f64],
+    /// What is to be kept of the first of them, where their own searches came to that: the residual of their rows.
+    pub(super) kept: &'a [f64],
+}
+
+/// A rank's descent, and room for it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Descent {
+    pub(super) rank: usize,
+    /// Where it stands.
+    pub(super) x: Vec<f64>,
+    pub(super) trial: Vec<f64>,
+    /// The best step by the linear model, this time and last time.
+    pub(super) best: Vec<f64>,
+    pub(super) last_best: Vec<f64>,
+    /// Where the search goes.
+    pub(super) direction: Vec<f64>,
+    /// What two steps do to the rank.
+    pub(super) effects: [Vec<f64>; 2],
+    pub(super) fixed: Vec<bool>,
+    pub(super) held: Held,
+    pub(super) pulls: Vec<f64>,
+    pub(super) jacobian: DMatrix<f64>,
+    pub(super) step: HeldStep,
+    pub(super) newton: NewtonMemory,
+}
+
+impl Descent {
+    /// Makes room for a rank of a problem.
+    pub(super) fn fit(&mut self, problem: &Problem, rank: usize) {
+        let n = problem.variables();
+        let pulls = problem.rows_of(Share::rank(rank));
+        self.rank = rank;
+        for (vector, room) in [
+            (&mut self.x, n),
+            (&mut self.trial, n),
+            (&mut self.best, n),
+            (&mut self.last_best, n),
+            (&mut self.direction, n),
+            (&mut self.pulls, pulls),
+        ] {
+            vector.resize(room, 0.0);
+        }
+        for effect in &mut self.effects {
+            effect.resize(pulls, 0.0);
+        }
+        self.fixed.resize(n, false);
+        if self.jacobian.shape() != (pulls, n) {
+            self.jacobian = DMatrix::zeros(pulls, n);
+        }
+        let held = self.held.fit(problem, rank);
+        let own = match rank < problem.ranks().levels() {
+            true => {
+                self.newton.fit(n, problem.rows_of(Share::above(rank + 1)));
+                n
+            }
+            false => pulls,
+        };
+        self.step.reserve(held, own, n);
+    }
+
+    /// Goes from a place to where the rank gains nothing more: a level's goals in so many steps at most,
+    /// preferences in so many by whether the ranks above are reached.
+    pub(super) fn run(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        from: &Start<'_>,
+        extent: Extent,
+        observer: &mut dyn Observer,
+    ) -> Descended {
+        let is_level = self.rank < asked.question.problem.ranks().levels();
+        self.x.copy_from_slice(from.x);
+        let Self { held, fixed, .. } = self;
+        let reached = held.take(asked, self.rank, from.x, from.residual, fixed);
+        if reached && !from.kept.is_empty() {
+            self.return_to(asked, from.kept);
+        }
+        match is_level {
+            true => self.by_newton(asked, extent.of_levels(), observer),
+            false => self.by_conjugate_steps(asked, extent.of_preferences(reached), observer),
+        }
+    }
+
+    /// Moves to where the first held rows are what their own searches left, if that is near.
+    fn return_to(&mut self, asked: &mut Asked<'_, '_>, kept: &[f64]) {
+        self.cost_at_x(asked);
+        asked.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
+        if !self.step.take_pulls(&self.jacobian, &self.pulls) {
+            return;
+        }
+        self.trial.copy_from_slice(&self.x);
+        let Self {
+            held,
+            trial,
+            step,
+            fixed,
+            ..
+        } = self;
+        let here = held.keep(kept);
+        match held.bring_back(asked, trial, step, fixed) {
+            true => self.x.copy_from_slice(&self.trial),
+            false => {
+                self.held.keep(&here);
+            }
+        }
+    }
+
+    /// Whether its goals are reached by the last residual, where it has nothing else.
+    pub(super) fn is_reached(&self, problem: &Problem) -> bool {
+        let share = Share::rank(self.rank);
+        self.rank < problem.ranks().levels()
+            && !problem.pulls_in(share)
+            && problem.is_reached_by(share, &self.pulls)
+    }
+
+    pub(super) fn cost_at_x(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
+        let mut pulls = asked.evaluate(Share::rank(self.rank));
+        pulls.residual(&self.x, &mut self.pulls);
+        half_squared(&self.pulls)
+    }
+
+    pub(super) fn cost_at_trial(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
+        let mut pulls = asked.evaluate(Share::rank(self.rank));
+        pulls.residual(&self.trial, &mut self.pulls);
+        half_squared(&self.pulls)
+    }
+
+    /// How much of the step the longest move of one joint allows.
+    pub(super) fn longest_share(&self, question: Question<'_>) -> f64 {
+        let moves = self.direction.iter().enumerate();
+        let longest = moves.map(|(j, step)| step.abs() / (LONGEST * question.problem.spread(j)));
+        1.0 / longest.fold(f64::MIN_POSITIVE, f64::max)
+    }
+}
+
+/// J Δ.
+pub(super) fn multiply(jacobian: &DMatrix<f64>, step: &[f64], product: &mut [f64]) {
+    product.fill(0.0);
+    let columns = jacobian.as_slice().chunks_exact(product.len().max(1));
+    for (column, &step) in columns.zip(step).filter(|(_, step)| **step != 0.0) {
+        for (sum, entry) in product.iter_mut().zip(column) {
+            *sum += step * entry;
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! What a descent holds: the ranks above the one that it is of, where their own searches left them.
+//!
+//! A rank that is reached is held by its rows: J Δ = 0, and Newton's method brings back what a step's square
+//! has moved. A rank that is missed stands at the lowest cost that the ranks above it leave. There its rows
+//! lose rank where a limb is stretched, though bending it would cost, so the [curvature](super::curvature) of its
+//! cost takes the place of its Jacobian: a step that keeps the cost's slope at zero keeps the cost.
+
+use nalgebra::DMatrix;
+
+use super::asked::Asked;
+use super::curvature::{Curvature, NEW, NEW_CURVATURE, add_rows};
+use crate::problem::{Evaluation, Problem, Share};
+use crate::solver::{
+    AnyMethod, HeldStep, LevenbergMarquardt, RowSpan, Silent, StepBounds, half_squared,
+    negligible_slope,
+};
+
+/// Corrections back after a step.
+const CORRECTIONS: usize = 6;
+/// Steps of a missed first rank's own search after one.
+const SETTLING: usize = 20;
+/// How much of a missed rank's cost counts as the same.
+pub(super) const SAME_MISS: f64 = 1e-9;
+/// What a descent gains at least, as a share of its cost, for a step to make sense.
+const WORTHWHILE: f64 = 1e-9;
+/// The same below a miss, where what is held is known to fewer digits.
+const WORTHWHILE_BELOW_A_MISS: f64 = 1e-7;
+
+/// How the ranks above came out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Above {
+    /// All are reached.
+    #[default]
+    Reached,
+    /// There is one, and it is missed.
+    FirstMissed,
+    /// Some are reached, some missed.
+    Mixed,
+}
+
+/// A rank that is held.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HeldRank {
+    pub(super) rank: usize,
+    pub(super) reached: bool,
+    /// ½‖r‖² where its own search left it.
+    pub(super) cost: f64,
+}
+
+/// The ranks above one, and room to keep them where they are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Held {
+    ranks: Vec<HeldRank>,
+    above: Above,
+    /// Their residual where their searches ended, and at a trial.
+    kept: Vec<f64>,
+    now: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    curvature: Curvature,
+    /// Where a correction starts, and the correction.
+    uncorrected: Vec<f64>,
+    back: Vec<f64>,
+}
+
+impl Held {
+    /// Makes room for the ranks above one; how many rows it may hold.
+    pub(super) fn fit(&mut self, problem: &Problem, rank: usize) -> usize {
+        let n = problem.variables();
+        let rows = problem.rows_of(Share::above(rank));
+        self.kept.resize(rows, 0.0);
+        self.now.resize(rows, 0.0);
+        self.uncorrected.resize(n, 0.0);
+        self.back.resize(n, 0.0);
+        if self.jacobian.shape() != (rows, n) {
+            self.jacobian = DMatrix::zeros(rows, n);
+        }
+        self.ranks.clear();
+        self.ranks.reserve(rank);
+        rows.max(self.curvature.fit(problem, rank))
+    }
+
+    fn share(&self) -> Share {
+        Share::above(self.ranks.len())
+    }
+
+    /// What a descent gains at least, as a share of its cost, for a step to make sense.
+    pub(super) fn worthwhile(&self) -> f64 {
+        match self.above {
+            Above::Reached => WORTHWHILE,
+            Above::FirstMissed | Above::Mixed => WORTHWHILE_BELOW_A_MISS,
+        }
+    }
+
+    /// Holds the ranks above `rank` where they are at x, by their residual there, and fixes the variables that
+    /// stand on a bound for a missed one's sake. Whether all are reached.
+    pub(super) fn take(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        rank: usize,
+        x: &[f64],
+        residual: &[f64],
+        fixed: &mut [bool],
+    ) -> bool {
+        let problem = asked.question.problem;
+        self.kept.copy_from_slice(residual);
+        self.ranks.clear();
+        self.ranks.extend((0..rank).map(|rank| {
+            let own = &residual[problem.ranks().rows_of(rank)];
+            let binds = rank < problem.ranks().levels();
+            HeldRank {
+                rank,
+                reached: binds && problem.is_reached_by(Share::rank(rank), own),
+                cost: half_squared(own),
+            }
+        }));
+        let missed = self.ranks.iter().filter(|rank| !rank.reached).count();
+        self.above = match missed {
+            0 => Above::Reached,
+            1 if rank == 1 => Above::FirstMissed,
+            _ => Above::Mixed,
+        };
+        fixed.fill(false);
+        match self.above {
+            Above::Reached => {}
+            Above::FirstMissed => self.fix_for_a_missed_first(asked, x, fixed),
+            Above::Mixed => {
+                let share = self.share();
+                asked.held_jacobian(share, x, &mut self.jacobian);
+                self.curvature
+                    .fix(asked, &self.ranks, x, &self.jacobian, &self.kept, fixed);
+            }
+        }
+        self.above == Above::Reached
+    }
+
+    /// Holds the first rows at these values; what they were held at.
+    pub(super) fn keep(&mut self, values: &[f64]) -> Vec<f64> {
+        let own = &mut self.kept[..values.len()];
+        let before = own.to_vec();
+        own.copy_from_slice(values);
+        before
+    }
+
+    fn fix_for_a_missed_first(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &mut [bool]) {
+        let share = self.share();
+        let mut goals = Evaluation::of(share, asked.question, asked.scratch);
+        let (slope, column_norm) = asked.memory.slope_at(&mut goals, x, &self.kept);
+        let cost = half_squared(&self.kept);
+        let negligible = negligible_slope(column_norm, cost, &asked.stopping);
+        for (j, fixed) in fixed.iter_mut().enumerate() {
+            *fixed = asked.question.space().holds(x, j, slope[j], negligible);
+        }
+    }
+
+    /// Takes C, for steps from x with C Δ = 0.
+    pub(super) fn take_rows(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        x: &[f64],
+        fixed: &[bool],
+    ) -> &DMatrix<f64> {
+        let share = self.share();
+        match self.above {
+            Above::Reached => asked.held_jacobian(share, x, &mut self.jacobian),
+            Above::FirstMissed => self.curvature.of_first(asked, x, &mut self.jacobian),
+            Above::Mixed => {
+                asked.held_jacobian(share, x, &mut self.jacobian);
+                asked.residual(share, x, &mut self.now);
+                self.curvature
+                    .of_all(asked, &self.ranks, x, (&self.jacobian, &self.now), fixed);
+            }
+        }
+        self.rows()
+    }
+
+    /// C as it was taken last.
+    pub(super) fn rows(&self) -> &DMatrix<f64> {
+        match self.above {
+            Above::Reached => &self.jacobian,
+            Above::FirstMissed | Above::Mixed => self.curvature.rows(),
+        }
+    }
+
+    /// Adds C's rows, of the variables that are not fixed, to a span.
+    pub(super) fn span(&self, problem: &Problem, span: &mut RowSpan, fixed: &[bool]) {
+        let (rows, n) = (self.kept.len(), fixed.len());
+        for held in &self.ranks {
+            let (own, share) = match (self.above, held.reached) {
+                (Above::FirstMissed, _) => (0..n, NEW_CURVATURE),
+                (_, true) => (problem.ranks().rows_of(held.rank), NEW),
+                (_, false) => {
+                    let first = rows + held.rank * n;
+                    (first..first + n, NEW_CURVATURE)
+                }
+            };
+            add_rows(span, self.rows(), own, fixed, share);
+        }
+    }
+
+    /// Adds what the span's rows take of a slope to it, and writes the multipliers of those of reached ranks.
+    pub(super) fn multiply(
+        &self,
+        problem: &Problem,
+        span: &mut RowSpan,
+        slope: &mut [f64],
+        fixed: &[bool],
+        weights: &mut [f64],
+    ) {
+        let rows = self.rows();
+        let free: Vec<f64> = slope
+            .iter()
+            .zip(fixed)
+            .map(|(s, fixed)| if *fixed { 0.0 } else { *s })
+            .collect();
+        for (row, multiplier) in span.multipliers(&free) {
+            let columns = rows.as_slice().chunks_exact(rows.nrows().max(1));
+            for (slope, column) in slope.iter_mut().zip(columns) {
+                *slope += multiplier * column[row];
+            }
+            let of_reached = self.ranks.iter().filter(|held| held.reached);
+            let mut of_reached = of_reached.map(|held| problem.ranks().rows_of(held.rank));
+            if of_reached.any(|own| own.contains(&row)) {
+                weights[row] = multiplier;
+            }
+        }
+    }
+
+    /// Moves a trial to where the held ranks are what they were; whether it came there.
+    pub(super) fn bring_back(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        trial: &mut [f64],
+        step: &mut HeldStep,
+        fixed: &[bool],
+    ) -> bool {
+        match self.above {
+            Above::Reached | Above::Mixed => self.correct(asked, trial, step, fixed),
+            Above::FirstMissed => self.settle(asked, trial),
+        }
+    }
+
+    /// Newton's method on what has changed: the residuals of reached ranks, and the slopes of missed ones.
+    fn correct(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        trial: &mut [f64],
+        step: &mut HeldStep,
+        fixed: &[bool],
+    ) -> bool {
+        let question = asked.question;
+        let share = self.share();
+        for round in 0..=CORRECTIONS {
+            asked.residual(share, trial, &mut self.now);
+            let stands = self.stand(question.problem);
+            if self.above == Above::Mixed && round < CORRECTIONS {
+                self.curvature
+                    .slopes(asked, &self.ranks, trial, &self.now, fixed);
+            }
+            for (now, kept) in self.now.iter_mut().zip(&self.kept) {
+                *now -= kept;
+            }
+            // One correction at least: what is left of a step's square would drown what it gains.
+            if round > 0 && stands && self.is_kept(question.problem) {
+                return true;
+            }
+            if round == CORRECTIONS || !self.now.iter().all(|v| v.is_finite()) {
+                break;
+            }
+            asked.held_jacobian(share, trial, &mut self.jacobian);
+            let (held, miss) = match self.above {
+                Above::Mixed => {
+                    self.curvature
+                        .system(asked, &self.ranks, &self.jacobian, &self.now)
+                }
+                _ => (&self.jacobian, &self.now[..]),
+            };
+            let within = StepBounds {
+                x: trial,
+                space: question.space(),
+                fixed,
+            };
+            step.restore(held, miss, &within, &mut self.back);
+            self.uncorrected.copy_from_slice(trial);
+            let space = question.space();
+            space.integrate(&self.uncorrected, &self.back, trial);
+            space.project(trial);
+        }
+        false
+    }
+
+    /// Whether, by the residual now, every rank is as good as it was: reached, or missed by no more.
+    fn stand(&self, problem: &Problem) -> bool {
+        self.ranks.iter().all(|held| {
+            let own = &self.now[problem.ranks().rows_of(held.rank)];
+            match held.reached {
+                true => problem.is_reached_by(Share::rank(held.rank), own),
+                false => half_squared(own) <= held.cost * (1.0 + SAME_MISS),
+            }
+        })
+    }
+
+    /// Whether, by the change of the residual, reached ranks are where they were.
+    fn is_kept(&self, problem: &Problem) -> bool {
+        let mut reached = self.ranks.iter().filter(|held| held.reached);
+        reached.all(|held| {
+            let own = &self.now[problem.ranks().rows_of(held.rank)];
+            problem.is_kept(Share::rank(held.rank), own)
+        })
+    }
+
+    /// A missed first rank's own search from the trial; whether its cost is as low as it was.
+    fn settle(&mut self, asked: &mut Asked<'_, '_>, trial: &mut [f64]) -> bool {
+        let stopping = asked.stopping.with_max_iterations(SETTLING);
+        let share = self.share();
+        let memory = &mut *asked.memory;
+        LevenbergMarquardt::default().minimise(
+            &mut Evaluation::of(share, asked.question, asked.scratch),
+            trial,
+            &stopping,
+            asked.deadline,
+            &mut Silent,
+            memory,
+        );
+        asked.counts += memory.counts();
+        trial.copy_from_slice(memory.x());
+        memory.cost() <= half_squared(&self.kept) * (1.0 + SAME_MISS)
+    }
+}

@@ -1,0 +1,302 @@
+//! A level's descent: Newton's method along what the levels above leave free.
+//!
+//! A level that is missed has a residual that stays, so that JᵀJ says little of how its cost bends along the few
+//! directions that are left: the Hessian of L = ½‖r‖² + λᵀr↑ is taken by differences of its gradient, with the
+//! multipliers λ of the levels above (Nocedal & Wright 2006, section 18.3), and damped until the model has a
+//! minimum and the step keeps what it promises.
+
+use nalgebra::DMatrix;
+
+use super::asked::Asked;
+use super::descent::{Descended, Descent, multiply};
+use super::extent::Steps;
+use crate::problem::Share;
+use crate::solver::{
+    Iteration, LeastSquares, Observer, RowSpan, StepBounds, TangentNewton, Termination,
+};
+
+/// The first damping, and the least that is more than none, as shares of the stiffest entry of the Hessian.
+const FIRST_DAMPING: f64 = 1e-4;
+const LEAST_DAMPING: f64 = 1e-9;
+/// By how much a step that fails raises the damping, and one that keeps its promise lowers it.
+const FACTOR: f64 = 5.0;
+/// What a good step keeps of its promise, …
+const GOOD: f64 = 0.7;
+/// … and a poor one.
+const POOR: f64 = 0.2;
+/// Dampings tried in a row without a gain.
+const TRIALS: usize = 14;
+/// What is left of the slope, as a share of J's length times the residual's, where nothing more is to be gained.
+const LEVEL: f64 = 1e-10;
+
+/// Room for Newton's method.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NewtonMemory {
+    above: RowSpan,
+    /// Which variables a bound holds.
+    pinned: Vec<bool>,
+    /// ∇L, then its projection; and at a neighbour.
+    slopes: [Vec<f64>; 2],
+    /// What multiplies the gradients of all rows in ∇L.
+    weights: Vec<f64>,
+    room: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    hessian: DMatrix<f64>,
+    model: TangentNewton,
+}
+
+impl NewtonMemory {
+    /// Makes room for so many variables, and rows of a level and those above it.
+    pub(super) fn fit(&mut self, variables: usize, rows: usize) {
+        self.pinned.resize(variables, false);
+        for slope in &mut self.slopes {
+            slope.resize(variables, 0.0);
+        }
+        self.weights.resize(rows, 0.0);
+        self.room.resize(rows, 0.0);
+        if self.jacobian.shape() != (rows, variables) {
+            self.jacobian = DMatrix::zeros(rows, variables);
+            self.hessian = DMatrix::zeros(variables, variables);
+        }
+    }
+}
+
+impl Descent {
+    /// Goes from where it stands to where the level gains nothing more, or is reached.
+    pub(super) fn by_newton(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        Steps { steps, .. }: Steps,
+        observer: &mut dyn Observer,
+    ) -> Descended {
+        let question = asked.question;
+        let limit = steps.min(asked.stopping.max_iterations());
+        let (mut iterations, mut moved, mut damping) = (0, 0.0, None);
+        let end = |iterations, cut| Descended { iterations, cut };
+        loop {
+            let cost = self.cost_at_x(asked);
+            if !cost.is_finite() {
+                return end(iterations, Some(Termination::NonFinite));
+            }
+            let seen = observer.observe(&Iteration {
+                index: iterations,
+                cost,
+                projected_gradient: None,
+                step: moved,
+                control: damping.unwrap_or(0.0),
+                x: &self.x,
+            });
+            if seen.is_break() {
+                return end(iterations, Some(Termination::Cancelled));
+            }
+            if asked.is_late() {
+                return end(iterations, Some(Termination::TimeLimit));
+            }
+            if self.is_reached(question.problem) || self.is_level(asked) {
+                return end(iterations, None);
+            }
+            if iterations >= limit {
+                return end(iterations, Some(Termination::IterationLimit));
+            }
+            iterations += 1;
+            self.take_hessian(asked);
+            let stiffest = self.newton.model.stiffest();
+            let mut now_damping = damping.unwrap_or(FIRST_DAMPING * stiffest);
+            let mut gained = false;
+            for _ in 0..TRIALS {
+                let promised = self.aim_newton(asked, now_damping);
+                let won = promised.map(|promised| (promised, cost - self.try_step(asked)));
+                match won {
+                    Some((promised, won)) if won > 0.0 => {
+                        let kept = won / promised;
+                        if kept > GOOD {
+                            now_damping /= FACTOR;
+                            if now_damping < LEAST_DAMPING * stiffest {
+                                now_damping = 0.0;
+                            }
+                        } else if kept < POOR {
+                            now_damping = FACTOR * now_damping.max(LEAST_DAMPING * stiffest);
+                        }
+                        gained = true;
+                        break;
+                    }
+                    // A promise that rounding hides is none.
+                    Some((promised, _)) if promised <= f64::EPSILON * cost => break,
+                    _ => now_damping = FACTOR * now_damping.max(LEAST_DAMPING * stiffest),
+                }
+            }
+            damping = Some(now_damping);
+            if !gained {
+                return end(iterations, None);
+            }
+            moved = question.space().distance(&self.trial, &self.x);
+            std::mem::swap(&mut self.x, &mut self.trial);
+        }
+    }
+
+    /// Takes ∇L and its projection at x; whether it is as good as none.
+    fn is_level(&mut self, asked: &mut Asked<'_, '_>) -> bool {
+        let share = Share::rank(self.rank);
+        asked.jacobian(share, &self.x, &mut self.jacobian);
+        let Self {
+            newton,
+            held,
+            jacobian,
+            pulls,
+            ..
+        } = self;
+        let space = asked.question.space();
+        let columns = || jacobian.as_slice().chunks_exact(pulls.len().max(1));
+        let mut longest = 0.0_f64;
+        for (j, column) in columns().enumerate() {
+            longest = longest.max(inner(column, column));
+            let (down, up) = space.room(&self.x, j);
+            newton.pinned[j] = self.fixed[j] || down <= 0.0 || up <= 0.0;
+        }
+        held.take_rows(asked, &self.x, &self.fixed);
+        // First without what stands on a bound, then with what would leave it.
+        for round in 0..2 {
+            let [slope, _] = &mut newton.slopes;
+            for (slope, column) in slope.iter_mut().zip(columns()) {
+                *slope = inner(column, pulls);
+            }
+            newton.above.clear();
+            newton.weights.fill(0.0);
+            let problem = asked.question.problem;
+            let NewtonMemory {
+                above,
+                pinned,
+                weights,
+                ..
+            } = newton;
+            held.span(problem, above, pinned);
+            held.multiply(problem, above, slope, pinned, weights);
+            if round == 0 {
+                for (j, pinned) in newton.pinned.iter_mut().enumerate() {
+                    *pinned = self.fixed[j] || space.holds(&self.x, j, newton.slopes[0][j], 0.0);
+                }
+            }
+        }
+        let own = newton.weights.len() - pulls.len();
+        newton.weights[own..].copy_from_slice(pulls);
+        let [slope, _] = &mut newton.slopes;
+        release(slope, &newton.pinned);
+        newton.above.project_out(slope);
+        let left = inner(slope, slope).sqrt();
+        left <= LEVEL * (longest * inner(pulls, pulls)).sqrt()
+    }
+
+    /// P ∇²L P at x, by differences of ∇L.
+    fn take_hessian(&mut self, asked: &mut Asked<'_, '_>) {
+        let Self {
+            newton, x, trial, ..
+        } = self;
+        let n = x.len();
+        let share = Share::above(self.rank + 1);
+        let own = newton.weights.len() - self.pulls.len();
+        let space = asked.question.space();
+        asked.counts.residuals += n + 1;
+        asked.counts.gradients += n + 1;
+        let mut rows = asked.evaluate(share);
+        let NewtonMemory {
+            weights,
+            room,
+            jacobian,
+            hessian,
+            pinned,
+            ..
+        } = newton;
+        let (mut here, mut there) = (vec![0.0; n], vec![0.0; n]);
+        let mut slope_at = |x: &[f64], slope: &mut [f64]| {
+            rows.residual(x, room);
+            room[..own].copy_from_slice(&weights[..own]);
+            rows.gradient(x, room, slope, jacobian);
+            release(slope, pinned);
+        };
+        slope_at(x, &mut here);
+        trial.copy_from_slice(x);
+        for j in 0..n {
+            let column = &mut hessian.as_mut_slice()[j * n..(j + 1) * n];
+            column.fill(0.0);
+            if pinned[j] {
+                continue;
+            }
+            let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
+            let taken = space.integrate_one(x, j, shift, trial);
+            slope_at(trial, &mut there);
+            space.return_one(x, j, trial);
+            for ((entry, there), here) in column.iter_mut().zip(&there).zip(&here) {
+                *entry = (there - here) / taken;
+            }
+        }
+        newton.model.take(&newton.hessian, &newton.above);
+    }
+
+    /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
+    /// minimum.
+    fn aim_newton(&mut self, asked: &Asked<'_, '_>, damping: f64) -> Option<f64> {
+        let Self {
+            newton,
+            held,
+            step,
+            best,
+            ..
+        } = self;
+        let [slope, _] = &newton.slopes;
+        let model = &mut newton.model;
+        if !model.minimise(damping, slope) || !step.take_pulls(&model.rows, &model.residual) {
+            return None;
+        }
+        let within = StepBounds {
+            x: &self.x,
+            space: asked.question.space(),
+            fixed: &newton.pinned,
+        };
+        step.pull(held.rows(), &model.rows, &model.residual, &within, best);
+        self.direction.copy_from_slice(&self.best);
+        let share = self.longest_share(asked.question).min(1.0);
+        for entry in &mut self.best {
+            *entry *= share;
+        }
+        let [slope, effect] = &mut self.newton.slopes;
+        multiply(&self.newton.model.rows, &self.best, effect);
+        let linear = inner(slope, &self.best);
+        let promised = -linear - 0.5 * inner(effect, effect);
+        (promised > 0.0).then_some(promised)
+    }
+
+    /// The level's cost a step further, where what is held is what it was: elsewhere infinite.
+    fn try_step(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
+        let space = asked.question.space();
+        space.integrate(&self.x, &self.best, &mut self.trial);
+        space.project(&mut self.trial);
+        let Self {
+            held,
+            trial,
+            step,
+            fixed,
+            ..
+        } = self;
+        match held.bring_back(asked, trial, step, fixed) {
+            true => {
+                asked.counts.residuals += 1;
+                let now = self.cost_at_trial(asked);
+                if now.is_finite() { now } else { f64::INFINITY }
+            }
+            false => f64::INFINITY,
+        }
+    }
+}
+
+/// What fixed variables would do counts for nothing.
+fn release(slope: &mut [f64], fixed: &[bool]) {
+    for (slope, fixed) in slope.iter_mut().zip(fixed) {
+        if *fixed {
+            *slope = 0.0;
+        }
+    }
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,284 @@
+//! Promise: goals of a lower level come as near as they can at no cost to those above, however heavy they are.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::ik::Drag;
+use kinopt::model::{Model, ParameterMap};
+use kinopt::problem::{Preferences, Problem};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::{Solution, Solver};
+use support::arms::panda;
+use support::random::Random;
+use support::sample::cases;
+use support::trees::configuration_of;
+
+use crate::pulls::{Add, left_over, placement_of, problem, within_limits};
+
+/// An arm whose tool is asked for one place, and its elbow for another that does not go with it.
+struct Conflict {
+    model: Model,
+    map: ParameterMap,
+    start: Vec<f64>,
+    tool: Placement<f64>,
+    elbow: [f64; 3],
+}
+
+const ELBOW: &str = "link4";
+
+impl Conflict {
+    fn new(seed: u64) -> Self {
+        let (robot, _, tool) = panda();
+        let (model, map) = (robot.model().clone(), robot.map().clone());
+        let mut random = Random::new(seed);
+        let start = configuration_of(&model, &mut random);
+        let there = configuration_of(&model, &mut random);
+        let elsewhere = configuration_of(&model, &mut random);
+        let of = |frame: &str, q: &[f64]| placement_of(&model, frame, q);
+        let place = of(ELBOW, &elsewhere).translation;
+        Self {
+            tool: of(tool, &there),
+            elbow: [place.x, place.y, place.z],
+            model,
+            map,
+            start,
+        }
+    }
+
+    fn tool(&self) -> Pose {
+        Pose::new(self.model.frame(panda().2).unwrap(), self.tool)
+    }
+
+    fn elbow(&self) -> Point {
+        Point::new(self.model.frame(ELBOW).unwrap(), self.elbow)
+    }
+
+    fn problem(&self, adds: &[Add<'_>]) -> Problem {
+        problem(&self.model, &self.map, adds)
+    }
+}
+
+fn errors(solution: &Solution, task: usize) -> [f64; 2] {
+    let task = solution.tasks().nth(task).unwrap();
+    [task.position_error(), task.orientation_error()].map(|error| error.unwrap_or(0.0))
+}
+
+/// ½ Σ of a point's squared error.
+fn cost(solution: &Solution, task: usize) -> f64 {
+    0.5 * errors(solution, task)[0].powi(2)
+}
+
+#[test]
+fn a_level_is_met_as_if_it_were_alone_and_the_next_is_stationary_within_it() {
+    let mut conflicts = 0;
+    for seed in 0..cases(100, 6) as u64 {
+        let asked = Conflict::new(seed);
+        let first: Add<'_> = &|builder| {
+            builder.add(asked.tool());
+        };
+        let second: Add<'_> = &|builder| {
+            builder.add(Task::new(asked.elbow()).at_level(1).times(100.0));
+        };
+        let alone = asked.problem(&[first]);
+        let both = asked.problem(&[first, second]);
+        let by_itself = Solver::default().solve_once(&alone, &asked.start).unwrap();
+        let solution = Solver::default().solve_once(&both, &asked.start).unwrap();
+        for (with, without) in errors(&solution, 0).iter().zip(errors(&by_itself, 0)) {
+            assert!((with - without).abs() < 1e-9, "{seed}: {with} {without}");
+        }
+        assert!(within_limits(&both, &solution.q));
+        if solution.reached {
+            continue;
+        }
+        conflicts += 1;
+        assert!(cost(&solution, 1) > 0.0);
+        let left = left_over(&alone, &asked.problem(&[second]), &solution.q);
+        assert!(
+            left < 1e-4,
+            "{seed}: {left} of the slope is left\n{}",
+            solution.explain()
+        );
+        let told = solution.explain();
+        assert!(told.contains("Level 1 gives way"), "{told}");
+    }
+    assert!(conflicts > 3, "hardly anything conflicts");
+}
+
+#[test]
+fn a_level_that_misses_is_missed_by_no_more_and_the_next_uses_what_it_leaves() {
+    let mut gained = 0;
+    for seed in 0..cases(40, 3) as u64 {
+        let asked = Conflict::new(seed);
+        let far: Add<'_> = &|builder| {
+            let tool = asked.model.frame(panda().2).unwrap();
+            let place = asked.tool.translation * 4.0;
+            builder.add(Point::new(tool, [place.x, place.y, place.z]));
+        };
+        let second: Add<'_> = &|builder| {
+            builder.add(Task::new(asked.elbow()).at_level(1));
+        };
+        let alone = asked.problem(&[far]);
+        let both = asked.problem(&[far, second]);
+        let by_itself = Solver::default().solve_once(&alone, &asked.start).unwrap();
+        let solution = Solver::default().solve_once(&both, &asked.start).unwrap();
+        if by_itself.reached {
+            continue;
+        }
+        let (with, without) = (cost(&solution, 0), cost(&by_itself, 0));
+        assert!(with <= without * (1.0 + 1e-8), "{seed}: {with} {without}");
+        let elbow = |q: &[f64]| {
+            let place = placement_of(&asked.model, ELBOW, q).translation;
+            (place - Vector3::from(asked.elbow)).norm()
+        };
+        gained += usize::from(elbow(&solution.q) < elbow(&by_itself.q) - 1e-6);
+        let told = solution.explain();
+        assert!(told.contains("Level 0 comes first"), "{told}");
+    }
+    assert!(gained > 0, "nothing is ever gained");
+}
+
+#[test]
+fn three_levels_each_cost_those_above_nothing() {
+    for seed in 0..cases(30, 3) as u64 {
+        let asked = Conflict::new(seed);
+        let [hand, wrist] = [panda().2, "link6"].map(|name| asked.model.frame(name).unwrap());
+        let place = asked.tool.translation;
+        let first: Add<'_> = &|builder| {
+            builder.add(Point::new(hand, [place.x, place.y, place.z]));
+        };
+        let second: Add<'_> = &|builder| {
+            builder.add(Task::new(asked.elbow()).at_level(1));
+        };
+        let third: Add<'_> = &|builder| {
+            builder.add(
+                Task::new(Point::new(wrist, [0.0, 0.0, 2.0]))
+                    .at_level(2)
+                    .times(1e3),
+            );
+        };
+        let two = asked.problem(&[first, second]);
+        let three = asked.problem(&[first, second, third]);
+        let above = Solver::default().solve_once(&two, &asked.start).unwrap();
+        let solution = Solver::default().solve_once(&three, &asked.start).unwrap();
+        assert_eq!(
+            above.tasks().next().unwrap().reached,
+            solution.tasks().next().unwrap().reached
+        );
+        // Two local minima may differ, but neither leaves a slope.
+        if !solution.tasks().nth(1).unwrap().reached {
+            let left = left_over(
+                &asked.problem(&[first]),
+                &asked.problem(&[second]),
+                &solution.q,
+            );
+            assert!(left < 1e-4, "{seed}: {left}");
+        }
+        let levels: Vec<usize> = solution.tasks().map(|task| task.level).collect();
+        assert_eq!(levels, [0, 1, 2]);
+    }
+}
+
+#[test]
+fn levels_that_go_together_are_all_reached() {
+    for seed in 0..cases(40, 4) as u64 {
+        let asked = Conflict::new(seed);
+        let mut random = Random::new(seed ^ 0xabc);
+        let there = configuration_of(&asked.model, &mut random);
+        let place = |frame: &str| placement_of(&asked.model, frame, &there);
+        let (hand, elbow) = (place(panda().2), place(ELBOW).translation);
+        let problem = asked.problem(&[&|builder| {
+            let hand = hand.translation;
+            builder.add(Point::new(
+                asked.model.frame(panda().2).unwrap(),
+                [hand.x, hand.y, hand.z],
+            ));
+            let elbow = Point::new(
+                asked.model.frame(ELBOW).unwrap(),
+                [elbow.x, elbow.y, elbow.z],
+            );
+            builder.add(Task::new(elbow).at_level(1));
+            builder.add(Posture::new(&asked.model, &there));
+        }]);
+        let solution = Solver::default()
+            .solve_once(&problem, &asked.start)
+            .unwrap();
+        assert!(solution.reached, "{seed}: {}", solution.explain());
+    }
+}
+
+#[test]
+fn a_drag_keeps_the_first_level_while_the_second_is_out_of_reach() {
+    let asked = Conflict::new(3);
+    let at = |frame: &str| placement_of(&asked.model, frame, &asked.start).translation;
+    let (hand, elbow) = (at(panda().2), at(ELBOW));
+    let mut builder = Problem::builder(&asked.model);
+    builder.parameters(asked.map.clone());
+    let [tool, link] = [panda().2, ELBOW].map(|name| asked.model.frame(name).unwrap());
+    builder.add(Point::new(tool, [hand.x, hand.y, hand.z]));
+    let dragged = builder.add(Task::new(Point::new(link, [elbow.x, elbow.y, elbow.z])).at_level(1));
+    let mut drag = Drag::new(builder.build().unwrap(), &asked.start).unwrap();
+    let mut missed = 0;
+    for frame in 0..60 {
+        let aside = 0.02 * f64::from(frame);
+        let target = [elbow.x + aside, elbow.y - aside, elbow.z];
+        drag.target_mut(dragged).unwrap().set_target(target);
+        let solution = drag.advance();
+        assert!(
+            errors(solution, 0)[0] < 1.001e-6,
+            "{frame}: {}",
+            solution.explain()
+        );
+        missed += usize::from(!solution.reached);
+    }
+    assert!(missed > 20);
+}
+
+#[test]
+fn preferences_have_levels_too_and_are_traded_with_the_last_level_of_goals() {
+    let asked = Conflict::new(8);
+    let other = configuration_of(&asked.model, &mut Random::new(77));
+    let solve = |adds: &[Add<'_>], traded: bool| {
+        let mut builder = Problem::builder(&asked.model);
+        builder.parameters(asked.map.clone());
+        for add in adds {
+            add(&mut builder);
+        }
+        if traded {
+            builder.preferences(Preferences::Traded);
+        }
+        let problem = builder.build().unwrap();
+        Solver::default()
+            .solve_once(&problem, &asked.start)
+            .unwrap()
+    };
+    let goal: Add<'_> = &|builder| {
+        builder.add(asked.tool());
+    };
+    let elbow: Add<'_> = &|builder| {
+        builder.add(Task::new(asked.elbow()).preference());
+    };
+    let posture: Add<'_> = &|builder| {
+        builder.add(
+            Task::new(Posture::new(&asked.model, &other))
+                .at_level(1)
+                .times(1e3),
+        );
+    };
+    // One joint's freedom: the elbow takes it all.
+    let elbow_alone = solve(&[goal, elbow], false);
+    let ranked = solve(&[goal, elbow, posture], false);
+    assert!(ranked.reached);
+    assert!(cost(&ranked, 1) <= cost(&elbow_alone, 1) * (1.0 + 1e-6));
+    let second: Add<'_> = &|builder| {
+        builder.add(Task::new(asked.elbow()).at_level(1));
+    };
+    let traded = solve(&[goal, second, posture], true);
+    let strict = solve(&[goal, second, posture], false);
+    assert!(errors(&traded, 0)[0] < 1e-6 && errors(&strict, 0)[0] < 1e-6);
+    assert!(cost(&traded, 1) > cost(&strict, 1), "nothing was traded");
+    let quantities = traded.tasks().flat_map(|task| task.rows);
+    assert!(
+        quantities
+            .into_iter()
+            .any(|rows| rows.quantity == Quantity::JointUnits)
+    );
+}
