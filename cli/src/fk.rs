@@ -7,6 +7,7 @@ use kinopt::animation::PoseTurns;
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
+use crate::closed_by_fk::LoopDocument;
 use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
 use crate::interpolation_choice::{InterpolationChoice, playback};
@@ -20,6 +21,7 @@ const EXAMPLES: &str = "\
 Examples:
   kinopt fk robot.urdf --q 0,-45,0,-135,0,90,45 --degrees --frame tool
                                                   a robot's tool, for joint angles in degrees
+  kinopt fk leg.xml --q 0.3,0.1,0,0 --frame foot  an MJCF leg's foot: rods close, as its motors stand
   kinopt fk arm.json                              the rest pose, every bone
   kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes after 1.5 s, one bone
   kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed
@@ -33,7 +35,8 @@ Examples:
 /// For a robot a frame is a link. For a rig it is a bone's own: its origin at the bone's tail, x
 /// towards the tip; the tip is given beside it. For motion capture it is a joint, or an End Site,
 /// called `JOINT/tip`; for a scene it is a node. Without --q, --q-file and --time it is the rest
-/// pose: all zeros, moved into the limits where they exclude zero.
+/// pose: all zeros, moved into the limits where they exclude zero. Of a robot with loops the passive joints
+/// (--passive) follow the others, from the values given for them; q in the output is what came of it.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -109,6 +112,9 @@ struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<&'a str>>,
     frames: &'a FrameReport,
+    /// Of a robot that has any.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    loops: &'a [LoopDocument],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
 }
@@ -132,7 +138,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         loaded.refuse_clip(arguments.clip.as_deref())?;
     }
     loaded.interpolate_keyframes(arguments.interpolation)?;
-    let q = configuration(&loaded, arguments)?;
+    let mut q = configuration(&loaded, arguments)?;
+    let loops = loaded.close_loops(&mut q)?;
     let frames = loaded.frame_report(&arguments.frames, arguments.base.as_deref(), &q)?;
     let consequence = "the frames are those of the numbers as given";
     loaded.note_outside_limits(&q, consequence);
@@ -141,6 +148,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         q: &q,
         joints: loaded.documented_joints(),
         frames: &frames,
+        loops: &loops,
         notes: loaded.notes(),
     };
     let text = || frames.text(LengthFormat::of_size(loaded.size()));

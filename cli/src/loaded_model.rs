@@ -418,7 +418,9 @@ impl LoadedModel {
         }
         let map = self.own_parameters();
         let variable = |joint| self.variable_of(&map, joint);
-        let moving = frames.flat_map(|frame| self.model.joints_above(frame));
+        let in_loops = self.model.loops().iter().flat_map(|own| own.frames);
+        let moving = frames.chain(in_loops);
+        let moving = moving.flat_map(|frame| self.model.joints_above(frame));
         let moving: Vec<usize> = moving.filter_map(variable).collect();
         let joints = self.model.moving_joints().iter().enumerate();
         let idle =

@@ -14,6 +14,7 @@ mod base_joint;
 mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
+mod closed_by_fk;
 mod configuration;
 mod fk;
 mod frame_name;
@@ -24,6 +25,7 @@ mod interpolation_choice;
 mod joint_columns;
 mod json_file;
 mod loaded_model;
+mod loop_options;
 mod mesh_output;
 mod method_choice;
 mod model_options;

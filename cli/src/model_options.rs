@@ -10,6 +10,7 @@ use crate::base_joint::BaseJointOptions;
 use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
+use crate::loop_options::LoopOptions;
 use crate::output;
 
 /// Options of every subcommand that takes a model: of robots, and of figures.
@@ -30,6 +31,9 @@ pub(crate) struct ModelOptions {
 
     #[command(flatten)]
     base: BaseJointOptions,
+
+    #[command(flatten)]
+    loops: LoopOptions,
 
     #[command(flatten)]
     figure: FigureOptions,
@@ -59,7 +63,9 @@ impl ModelOptions {
                 .map_err(|error| failure!("{file}: soft limits: {error}"))?,
             false => robot,
         };
-        self.base.put_under(robot, &file.to_string())
+        let file = file.to_string();
+        let robot = self.base.put_under(robot, &file)?;
+        self.loops.close(robot, &file)
     }
 
     /// Whether a scene or a capture is to be a model with joints.
@@ -109,7 +115,7 @@ impl ModelOptions {
             (self.soft_limits, "--soft-limits"),
         ];
         let given = given.into_iter().find(|(given, _)| *given);
-        match given.map(|(_, option)| option) {
+        match given.map(|(_, option)| option).or(self.loops.given()) {
             Some(option) => Err(usage!("{file}: {option} is for robots (.urdf, .xml)")),
             None => Ok(()),
         }

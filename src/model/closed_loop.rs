@@ -122,6 +122,13 @@ impl Model {
         loops.any(|closed| self.loop_joints(closed).contains(&joint))
     }
 
+    /// The same model without loops.
+    #[must_use]
+    pub fn without_loops(mut self) -> Self {
+        self.loops.clear();
+        self
+    }
+
     /// Refuses a loop that no configuration closes, as far as lengths tell: where one link of it is longer than
     /// all others together, or no joint moves its places against each other.
     pub(super) fn check_closes(&self, own: &Loop) -> Result<(), ModelError> {

@@ -222,6 +222,13 @@ impl Robot {
             ..self
         })
     }
+
+    /// The same robot without the loops of its file, for one whose loops contradict each other or are not meant.
+    #[must_use]
+    pub fn without_loops(mut self) -> Self {
+        self.model = self.model.without_loops();
+        self
+    }
 }
 
 /// Why a tool cannot be put on a robot.

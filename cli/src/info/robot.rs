@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use kinopt::model::{Joint, JointId};
+use kinopt::model::{FrameId, Joint, JointId};
 use kinopt::robot::{Geometry, Link, Repair, Robot};
 use serde::Serialize;
 
@@ -22,6 +22,12 @@ pub(super) struct RobotDocument<'a> {
     /// Of all links together, kg; none where no link states any.
     pub(super) mass: Option<f64>,
     pub(super) links: Vec<LinkDocument<'a>>,
+    /// Places that every solution holds together.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) loops: Vec<LoopDocument<'a>>,
+    /// The joints that nothing drives.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) passive_joints: Vec<&'a str>,
     /// What the file leaves to defaults or gets wrong, and what was taken instead.
     pub(super) repairs: Vec<RepairDocument<'a>>,
 }
@@ -36,6 +42,16 @@ pub(super) struct LinkDocument<'a> {
     pub(super) collisions: usize,
     /// Files of its meshes, as they stand in the robot's file.
     pub(super) meshes: BTreeSet<&'a str>,
+}
+
+#[derive(Serialize)]
+pub(super) struct LoopDocument<'a> {
+    pub(super) name: &'a str,
+    /// "connect" or "weld".
+    pub(super) kind: &'static str,
+    pub(super) frames: [&'a str; 2],
+    /// The joints that move the two against each other.
+    pub(super) joints: Vec<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -78,8 +94,26 @@ pub(super) fn document<'a>(loaded: &'a LoadedModel, robot: &'a Robot) -> RobotDo
             .filter_map(|(_, link)| Some(link.inertial?.mass))
             .reduce(|all, mass| all + mass),
         links: links(robot).map(link_document).collect(),
+        loops: loops(loaded),
+        passive_joints: (robot.passive_joints().iter())
+            .map(|id| loaded.joint_name(*id))
+            .collect(),
         repairs: robot.repairs().iter().map(repair_document).collect(),
     }
+}
+
+fn loops(loaded: &LoadedModel) -> Vec<LoopDocument<'_>> {
+    let model = &loaded.model;
+    let named = |frame: FrameId| model.frames()[frame.index()].name.as_str();
+    let loops = model.loops().iter().map(|own| LoopDocument {
+        name: &own.name,
+        kind: own.kind.name(),
+        frames: own.frames.map(named),
+        joints: (model.loop_joints(own).iter())
+            .map(|id| loaded.joint_name(*id))
+            .collect(),
+    });
+    loops.collect()
 }
 
 fn links(robot: &Robot) -> impl Iterator<Item = (&str, &Link)> {

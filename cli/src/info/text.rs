@@ -29,6 +29,13 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
     if let Some(robot) = &document.robot {
         lines.insert(1, ("name", robot.name.to_owned()));
         lines.push(("tips", robot.tips.join(", ")));
+        if !robot.loops.is_empty() {
+            let names: Vec<&str> = robot.loops.iter().map(|own| own.name).collect();
+            lines.push(("loops", names.join(", ")));
+        }
+        if !robot.passive_joints.is_empty() {
+            lines.push(("passive", robot.passive_joints.join(", ")));
+        }
         let total =
             |count: fn(&LinkDocument) -> usize| robot.links.iter().map(count).sum::<usize>();
         let shapes = format!(

@@ -66,22 +66,33 @@ impl<'a> Goals<'a> {
         targets.chain(rays).map(frame).collect()
     }
 
-    /// Whether a ball joint is between the base and a frame that has a target, which no arm can have.
-    pub(super) fn pass_a_ball(&self, loaded: &LoadedModel) -> bool {
+    /// Whether something is between the base and a frame that has a target that no arm can have: a ball joint, or
+    /// one that moves a loop, itself or by what follows it.
+    pub(super) fn need_more_than_an_arm(&self, loaded: &LoadedModel) -> bool {
         let model = &loaded.model;
         let carriers = |name: &str| -> Vec<JointId> {
             let frame = model.frame(name);
             frame.map_or_else(|_| Vec::new(), |frame| model.joints_above(frame).collect())
+        };
+        let followers = loaded
+            .robot
+            .as_ref()
+            .map_or(&[][..], |robot| robot.mimics());
+        let moves_a_loop = |id: JointId| {
+            let mut own = followers.iter().filter(|mimic| mimic.master == id);
+            model.moves_a_loop(id) || own.any(|mimic| model.moves_a_loop(mimic.joint))
         };
         let base = self.base.as_deref().map_or_else(Vec::new, carriers);
         self.targets.iter().any(|target| {
             let tip = carriers(&target.name);
             let below = tip.iter().filter(|joint| !base.contains(joint));
             let above = base.iter().filter(|joint| !tip.contains(joint));
-            let mut way = below
-                .chain(above)
-                .filter_map(|id| model.joints().get(id.index()));
-            way.any(|joint| joint.kind == JointKind::Ball)
+            let is_ball = |id: &JointId| {
+                let joint = model.joints().get(id.index());
+                joint.is_some_and(|joint| joint.kind == JointKind::Ball)
+            };
+            let mut way = below.chain(above);
+            way.any(|id| is_ball(id) || moves_a_loop(*id))
         })
     }
 

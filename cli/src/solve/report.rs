@@ -32,6 +32,9 @@ pub(super) struct Document<'a> {
     cost: f64,
     tasks: Vec<TaskDocument<'a>>,
     active_limits: Vec<LimitDocument<'a>>,
+    /// Of a model that has loops: those that are open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    open_loops: Option<Vec<OpenLoopDocument<'a>>>,
     iterations: usize,
     attempts: usize,
     /// How many of them ended at the same miss; 0 where it is reached or was not counted.
@@ -75,6 +78,15 @@ struct LimitDocument<'a> {
 }
 
 #[derive(Serialize)]
+struct OpenLoopDocument<'a> {
+    name: &'a str,
+    /// In metres.
+    gap: f64,
+    /// In radians.
+    angle: f64,
+}
+
+#[derive(Serialize)]
 struct Evaluations {
     residuals: usize,
     jacobians: usize,
@@ -114,6 +126,12 @@ impl<'a> Report<'a> {
             },
             value: limit.value,
         });
+        let open_loops = solution.open_loops().map(|open| OpenLoopDocument {
+            name: open.name,
+            gap: open.gap,
+            angle: open.angle,
+        });
+        let has_loops = !self.loaded.model.loops().is_empty();
         Document {
             q: &self.answer.q,
             joints: None,
@@ -124,6 +142,7 @@ impl<'a> Report<'a> {
             cost: solution.cost,
             tasks: tasks.collect(),
             active_limits: limits.collect(),
+            open_loops: has_loops.then(|| open_loops.collect()),
             iterations: solution.iterations,
             attempts: solution.attempts,
             agreeing_attempts: solution.agreeing,

@@ -97,7 +97,7 @@ impl Arguments {
             || self.balance.given()
             || self.tasks.is_some()
             || (!self.hold.is_empty() && loaded.rig.is_none())
-            || goals.pass_a_ball(loaded);
+            || goals.need_more_than_an_arm(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
         match (&loaded.robot, self.arm.given(loaded.rig.is_some())) {
             (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(

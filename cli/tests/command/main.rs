@@ -13,6 +13,7 @@ mod figures_settle;
 mod held_joints;
 mod holds;
 mod json_output;
+mod loops;
 mod many_targets;
 mod mjcf;
 mod motion_capture;

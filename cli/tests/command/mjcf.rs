@@ -20,7 +20,12 @@ fn info_fk_and_solve_take_mjcf() {
     let placed = answer!("fk {GRIPPER} --q {q} --frame pad");
     let position = numbers(&placed["frames"]["pad"]["position"]);
     let target = position.iter().map(f64::to_string).collect::<Vec<_>>();
-    let solution = answer!("solve {GRIPPER} --target pad={}", target.join(","));
+    // Its loops contradict each other.
+    let ask = format!("solve {GRIPPER} --target pad={}", target.join(","));
+    let solution = answer!("{ask}");
+    assert_eq!(solution["reached"], false);
+    assert!(!list(&solution["open_loops"]).is_empty());
+    let solution = answer!("{ask} --without-loops");
     assert_eq!(solution["reached"], true);
     let solved = numbers(&solution["q"]);
     assert!((solved[4] - (0.1 - 1.5 * solved[2])).abs() < 1e-12);

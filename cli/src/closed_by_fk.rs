@@ -1,0 +1,70 @@
+//! Loops in `kinopt fk`: passive joints follow those that are given.
+
+use kinopt::ik::{LoopClosure, LoopClosureError, LoopGap};
+use kinopt::model::JointId;
+use serde::Serialize;
+
+use crate::failure::Outcome;
+use crate::loaded_model::LoadedModel;
+use crate::output;
+
+/// How far a loop is open.
+#[derive(Serialize)]
+pub(crate) struct LoopDocument {
+    pub(crate) name: String,
+    /// In metres.
+    pub(crate) gap: f64,
+    /// In radians.
+    pub(crate) angle: f64,
+    pub(crate) closed: bool,
+}
+
+impl From<&LoopGap> for LoopDocument {
+    fn from(gap: &LoopGap) -> Self {
+        Self {
+            name: gap.name.clone(),
+            gap: gap.gap,
+            angle: gap.angle,
+            closed: gap.is_closed(),
+        }
+    }
+}
+
+impl LoadedModel {
+    /// Moves a robot's passive joints so that its loops close, as far as it has any, and tells how its loops are then.
+    /// Where no joint is passive the numbers stay as given.
+    ///
+    /// # Errors
+    /// Loops that passive joints do not close where the others stand.
+    pub(crate) fn close_loops(&self, q: &mut [f64]) -> Outcome<Vec<LoopDocument>> {
+        let Some(robot) = self
+            .robot
+            .as_ref()
+            .filter(|_| !self.model.loops().is_empty())
+        else {
+            return Ok(Vec::new());
+        };
+        let told = |error: LoopClosureError| failure!("{}: {error}", self.file);
+        let closure = match LoopClosure::of_robot(robot) {
+            Err(LoopClosureError::NoPassiveJoints { .. }) => {
+                let moves = |id: &JointId| self.model.moves_a_loop(*id);
+                let joints: Vec<JointId> = self.model.joint_ids().filter(moves).collect();
+                LoopClosure::new(robot.parameters(), &joints).map_err(told)?
+            }
+            closure => {
+                let closure = closure.map_err(told)?;
+                closure.close(q).map_err(told)?;
+                closure
+            }
+        };
+        let gaps = closure.gaps(q).map_err(told)?;
+        let open = gaps.iter().filter(|gap| !gap.is_closed());
+        for gap in open {
+            output::message(&format!(
+                "note: {}: {gap}, as given; --passive names joints that close it",
+                self.file
+            ));
+        }
+        Ok(gaps.iter().map(LoopDocument::from).collect())
+    }
+}

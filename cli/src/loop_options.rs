@@ -1,0 +1,110 @@
+//! `--connect`, `--weld`, `--passive` and `--without-loops`: the loops of a robot.
+
+use clap::Args;
+use kinopt::model::{FrameId, Loop, LoopKind};
+use kinopt::robot::Robot;
+use kinopt::spatial::Placement;
+
+use crate::failure::Outcome;
+use crate::help_headings::MODEL;
+use crate::target::parse_placement;
+
+/// Options about a robot's loops.
+#[derive(Args, Debug, Default)]
+pub(crate) struct LoopOptions {
+    /// Close a loop that a robot's file does not know of: the origins of two frames, or of places on them
+    /// (`@x,y,z`, metres), stay together, as by a ball joint. Repeat it for several. Default: an MJCF file's own.
+    ///
+    /// Every answer keeps loops closed to 1e-9 m and rad, or tells which it does not ("open_loops").
+    #[arg(long, value_name = "FRAME[@x,y,z]=FRAME[@x,y,z]", value_parser = Joined::parse,
+          help_heading = MODEL, hide_short_help = true)]
+    connect: Vec<Joined>,
+
+    /// As --connect, the axes too: two frames, or places on them (`@x,y,z[,qw,qx,qy,qz]`), are one.
+    #[arg(long, value_name = "FRAME[@…]=FRAME[@…]", value_parser = Joined::parse,
+          help_heading = MODEL, hide_short_help = true)]
+    weld: Vec<Joined>,
+
+    /// A joint that nothing drives: `fk` moves it so that loops close. Repeat it for several. Default: of an MJCF
+    /// file with actuators those that none of them moves.
+    #[arg(long, value_name = "JOINT", help_heading = MODEL, hide_short_help = true)]
+    passive: Vec<String>,
+
+    /// Leave the loops of a robot's file out. Default: they are closed.
+    #[arg(long, help_heading = MODEL, hide_short_help = true)]
+    without_loops: bool,
+}
+
+/// Two frames, and places on them.
+#[derive(Clone, Debug)]
+struct Joined {
+    typed: String,
+    sides: [(String, Placement<f64>); 2],
+}
+
+impl Joined {
+    fn parse(text: &str) -> Result<Self, String> {
+        const SHAPE: &str = "expected FRAME=FRAME, each with @x,y,z or @x,y,z,qw,qx,qy,qz after it \
+                             where a place on it is meant";
+        let (first, second) = text.split_once('=').ok_or(SHAPE)?;
+        type Side = (String, Placement<f64>);
+        let side = |side: &str| -> Result<Side, String> {
+            match side.rsplit_once('@') {
+                None => Ok((side.trim().to_owned(), Placement::identity())),
+                Some((frame, place)) => Ok((frame.trim().to_owned(), parse_placement(place)?)),
+            }
+        };
+        let sides: [Side; 2] = [side(first)?, side(second)?];
+        match sides.iter().any(|(frame, _)| frame.is_empty()) {
+            true => Err(SHAPE.to_owned()),
+            false => Ok(Self {
+                typed: text.to_owned(),
+                sides,
+            }),
+        }
+    }
+}
+
+impl LoopOptions {
+    /// The first option that was given.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let given = [
+            (!self.connect.is_empty(), "--connect"),
+            (!self.weld.is_empty(), "--weld"),
+            (!self.passive.is_empty(), "--passive"),
+            (self.without_loops, "--without-loops"),
+        ];
+        let given = given.into_iter().find(|(given, _)| *given);
+        given.map(|(_, option)| option)
+    }
+
+    /// The robot with these loops.
+    pub(crate) fn close(&self, robot: Robot, file: &str) -> Outcome<Robot> {
+        let mut robot = match self.without_loops {
+            true => robot.without_loops(),
+            false => robot,
+        };
+        let connected = self.connect.iter().map(|own| (own, LoopKind::Connect));
+        let welded = self.weld.iter().map(|own| (own, LoopKind::Weld));
+        for (own, kind) in connected.chain(welded) {
+            let [first, second] = own.sides.each_ref().map(|(name, _)| name);
+            let frame = |name: &String| -> Outcome<FrameId> {
+                let found = robot.model().frame(name);
+                found.map_err(|error| failure!("{file}: --{}: {error}", kind.name()))
+            };
+            let frames = [frame(first)?, frame(second)?];
+            let own_loop = match kind {
+                LoopKind::Weld => Loop::weld(&own.typed, frames),
+                _ => Loop::connect(&own.typed, frames),
+            };
+            let places = own.sides.each_ref().map(|(_, place)| *place);
+            let closed = robot.with_loop(own_loop.at(places));
+            robot = closed.map_err(|error| failure!("{file}: {error}"))?;
+        }
+        if self.passive.is_empty() {
+            return Ok(robot);
+        }
+        let named = robot.with_passive_joints(&self.passive);
+        named.map_err(|error| failure!("{file}: --passive: {error}"))
+    }
+}

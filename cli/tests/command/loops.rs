@@ -1,0 +1,69 @@
+//! Promise: the command keeps loops closed, those of a file and those of `--connect` and `--weld`; `fk` moves passive joints
+//! so that they close, and says which cannot.
+
+use crate::forked_rig::*;
+use serde_json::json;
+
+const LEG: &str = "../tests/loops/files/knee.xml";
+const BAXTER: &str = "../models/rethink_baxter.urdf";
+
+#[test]
+fn info_tells_loops_and_passive_joints() {
+    let info = answer!("info {LEG}");
+    let knee = json!({"name": "knee_rod", "kind": "connect", "frames": ["knee_rod", "shank"],
+        "joints": ["knee_rod", "knee_motor", "knee"]});
+    assert_eq!(info["loops"][0], knee);
+    assert_eq!(info["loops"][1]["name"], "ankle_rod/connect");
+    assert!(list(&info["passive_joints"]).contains(&json!("knee")));
+    assert!(text!("info {LEG}").contains("knee_rod, ankle_rod/connect"));
+}
+
+#[test]
+fn fk_moves_passive_joints_where_the_motors_have_them() {
+    let motors = |knee: f64| format!("0,0,0.9,1,0,0,0,0.2,{knee},1,0,0,0,0,0,0,0");
+    let placed = answer!("fk {LEG} --q {} --frame foot", motors(0.5));
+    let q = numbers(&placed["q"]);
+    assert_eq!((q[7], q[8]), (0.2, 0.5));
+    assert!(q[13] > 0.3, "the knee bends: {q:?}");
+    for own in list(&placed["loops"]) {
+        assert_eq!(own["closed"], true);
+    }
+    refused!("fk {LEG} --q {} --frame foot", motors(1.6) => 1, "loop `knee_rod` is open by | no values of knee_rod, knee");
+    // Nobody says what follows what.
+    let as_given = answer!("fk {BAXTER} --weld left_tool=right_tool --frame left_tool");
+    assert_eq!(as_given["loops"][0]["closed"], false);
+}
+
+#[test]
+fn solve_holds_loops_of_files_and_of_options() {
+    let solution = answer!("solve {LEG} --target foot=0.1,0.1,0.2");
+    assert_eq!(
+        (&solution["reached"], &solution["open_loops"]),
+        (&json!(true), &json!([]))
+    );
+
+    // A box between two hands, given to one of them.
+    let grip = "@0,0,0.2,0.7071067811865476";
+    let hands =
+        format!("left_tool{grip},0.7071067811865476,0,0=right_tool{grip},-0.7071067811865476,0,0");
+    let solution = answer!("solve {BAXTER} --weld {hands} --target left_tool=0.7,0.2,0.3");
+    assert_eq!(
+        (&solution["reached"], &solution["open_loops"]),
+        (&json!(true), &json!([]))
+    );
+    let q = commas(&numbers(&solution["q"]));
+    let placed = answer!("fk {BAXTER} --weld {hands} --q={q} --frame left_tool");
+    assert!(placed["loops"][0]["gap"].as_f64().unwrap() <= 1e-9);
+}
+
+#[test]
+fn wrong_loops_are_refused_by_name() {
+    let ask = format!("solve {BAXTER} --target left_tool=0.7,0.2,0.3");
+    refused!("{ask} --connect left_tool" => 2, "--connect | FRAME=FRAME");
+    refused!("{ask} --connect left_tool@1,2=right_tool" => 2, "3 numbers");
+    refused!("{ask} --connect left_tol=right_tool" => 1, "--connect | left_tool");
+    refused!("{ask} --connect left_tool@99,0,0=right_tool" => 1, "loop `left_tool@99,0,0=right_tool` cannot close");
+    refused!("{ask} --connect left_tool@nan,0,0=right_tool" => 2, "--connect");
+    refused!("{ask} --passive elbow" => 1, "--passive | elbow");
+    refused!("fk ../models/robot-arm/robot-arm.json --connect a=b" => 2, "--connect is for robots");
+}
