@@ -45,14 +45,27 @@ def of_minima(old, new):
             yield f"{tool} came to another cost in {other} of {len(both)} stationary answers"
 
 
+def of_loops(old, new):
+    pairs = list(zip(old["problems"], new["problems"]))
+    statements = [[{key: problem[key] for key in ("mechanism", "target")} for problem in part["problems"]]
+                  for part in (old, new)]
+    yield from itertools.islice(differences(*statements, 1e-12, "problems"), 10)
+    best = lambda problem: problem["minima"][0]["cost"]
+    missed = [k for k, (a, b) in enumerate(pairs) if not same_cost(best(a), best(b), BEST_WITHIN)]
+    print(f"loops.json: another best cost in {len(missed)} of {len(pairs)} problems")
+    if len(missed) > BEST_MISSES * len(pairs):
+        yield f"another best cost in problems {missed}"
+
+
 def main():
-    unknown = {path.name for path in COMMITTED.glob("*.json")} - {*EXACT, "minima.json"}
+    unknown = {path.name for path in COMMITTED.glob("*.json")} - {*EXACT, "minima.json", "loops.json"}
     found = [f"{name}: no tolerance says when it has drifted" for name in sorted(unknown)]
     for name, within in EXACT.items():
         drift = list(differences(read(COMMITTED, name), read(FOLDER, name), within))
         print(f"{name}: {len(drift)} numbers differ by more than {within}")
         found += [f"{name}{place}" for place in drift[:5]]
     found += [f"minima.json: {what}" for what in of_minima(read(COMMITTED, "minima.json"), read(FOLDER, "minima.json"))]
+    found += [f"loops.json: {what}" for what in of_loops(read(COMMITTED, "loops.json"), read(FOLDER, "loops.json"))]
     for what in found:
         print("DRIFTED", what, file=sys.stderr)
     sys.exit(bool(found))

@@ -33,7 +33,7 @@ fn assert_gripper(model: &Model, q: &[f64]) {
 }
 
 /// Half open.
-fn begin(model: &Model) -> Vec<f64> {
+pub(crate) fn begin(model: &Model) -> Vec<f64> {
     let mut q = model.neutral();
     for (name, value) in [
         ("left crank", 0.8),

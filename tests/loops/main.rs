@@ -5,6 +5,8 @@ mod four_bars;
 mod grippers;
 mod knees;
 mod mechanisms;
+#[cfg(all(feature = "mjcf", feature = "urdf"))]
+mod minima;
 mod stewart_platforms;
 mod truth;
 mod two_hands;

@@ -12,7 +12,7 @@ use support::random::Random;
 use crate::mechanisms::Stewart;
 
 /// Upright in the middle, the legs as good as there.
-fn begin(stewart: &Stewart) -> Vec<f64> {
+pub(crate) fn begin(stewart: &Stewart) -> Vec<f64> {
     let mut q = stewart.model.neutral();
     q[2] = 0.7;
     for slide in &stewart.slides {

@@ -10,14 +10,14 @@ use kinopt::task::{Pose, Posture};
 use kinopt::{Problem, Solver};
 
 /// From each tool to the box's middle, 0.4 m wide, held from both sides.
-fn grips() -> [Placement<f64>; 2] {
+pub(crate) fn grips() -> [Placement<f64>; 2] {
     [1.0, -1.0].map(|side| {
         let turn = rotation_exp(Vector3::new(side * std::f64::consts::FRAC_PI_2, 0.0, 0.0));
         Placement::new(turn, Vector3::new(0.0, 0.0, 0.2))
     })
 }
 
-fn robot() -> Robot {
+pub(crate) fn robot() -> Robot {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/models/rethink_baxter.urdf");
     let robot = Robot::read(file).unwrap();
     let tools = ["left_tool", "right_tool"].map(|name| robot.model().frame(name).unwrap());
