@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use super::options::Options;
 use super::pose_question::PoseQuestion;
 use super::serial::Serial;
-use crate::ik::{Minimiser, Solution};
+use crate::ik::{DerivativeWorkspace, Minimiser, Solution};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::{PoseOutcome, PoseSolver};
 use crate::model::Source;
@@ -84,6 +84,7 @@ pub(super) struct ArmWorkspace {
     pub(super) rows: Vec<(f64, usize)>,
     /// A configuration of the whole serial model.
     pub(super) q: Vec<f64>,
+    pub(super) derivative: DerivativeWorkspace,
     kinematics: ForwardKinematics,
     /// The chain's, without slides.
     extent: f64,
@@ -127,6 +128,7 @@ impl ArmWorkspace {
             order: Vec::new(),
             rows: Vec::new(),
             q: vec![0.0; serial.model.configuration_len()],
+            derivative: DerivativeWorkspace::default(),
             kinematics: ForwardKinematics::new(&serial.model),
             extent: serial.extent,
             turns: (serial.model.moving_joints().iter())

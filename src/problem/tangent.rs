@@ -36,6 +36,16 @@ impl Standing<'_> {
     }
 }
 
+/// Slopes by a quaternion's numbers as slopes by its angular velocity in its own axes: q' = ½ q ω.
+fn by_turn(q: &[f64], by_q: &[f64]) -> [f64; 3] {
+    let Some(Quaternion { w, v }) = quaternion_at(q) else {
+        return [0.0; 3];
+    };
+    let (by_w, by) = (by_q[0], Vector3::new(by_q[1], by_q[2], by_q[3]));
+    // The vector part of ½ q* by_q.
+    ((by * w - v * by_w - v.cross(by)) * 0.5).to_array()
+}
+
 impl Tangent {
     pub(super) fn new(model: &Model) -> Self {
         Self {
@@ -116,6 +126,31 @@ impl Tangent {
                 let by_omega = at.rotation(ball) * by_omega;
                 for (slope, axis) in slope[first..].iter_mut().zip(axes) {
                     *slope += axis.dot(by_omega);
+                }
+            }
+        }
+    }
+
+    /// Turns slopes by the numbers of a configuration, quaternions included, into slopes by v.
+    pub(crate) fn slope_by_velocity(&self, q: &[f64], by_q: &[f64], by_v: &mut [f64]) {
+        for Segment {
+            kind,
+            coordinate,
+            velocity,
+            ..
+        } in &self.segments
+        {
+            let (q, by_q) = (&q[*coordinate..], &by_q[*coordinate..]);
+            let by_v = &mut by_v[*velocity..];
+            match kind {
+                SegmentKind::Scalar => by_v[0] = by_q[0],
+                SegmentKind::Ball => by_v[..3].copy_from_slice(&by_turn(q, by_q)),
+                SegmentKind::Free => {
+                    let turned =
+                        quaternion_at(&q[3..]).map_or(Matrix3::identity(), Quaternion::to_matrix);
+                    let along = turned.transpose_mul(Vector3::new(by_q[0], by_q[1], by_q[2]));
+                    by_v[..3].copy_from_slice(&along.to_array());
+                    by_v[3..6].copy_from_slice(&by_turn(&q[3..], &by_q[3..]));
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 mod any_chain;
 mod chains_with_followers;
+mod derivatives;
 mod freedom;
 mod huge_numbers;
 mod jacobian;

@@ -158,6 +158,24 @@ impl<'a> SolutionDerivative<'a> {
         self.question.problem().tangent().degrees_of_freedom()
     }
 
+    /// Turns the slopes of a scalar by the numbers of the solution's configuration `q`, quaternions included, into
+    /// the slope by its velocity that [`gradient`](Self::gradient) takes.
+    ///
+    /// # Errors
+    /// A slice of another length.
+    pub fn slope_by_velocity(&self, q: &[f64], by_q: &[f64]) -> Result<Vec<f64>, DerivativeError> {
+        let problem = self.question.problem();
+        let expected = problem.configuration_len();
+        for given in [q.len(), by_q.len()] {
+            if given != expected {
+                return Err(DerivativeError::ConfigurationLength { given, expected });
+            }
+        }
+        let mut by_v = vec![0.0; self.degrees_of_freedom()];
+        problem.tangent().slope_by_velocity(q, by_q, &mut by_v);
+        Ok(by_v)
+    }
+
     /// A parameter vector of this derivative's shape, all zero: with joints' origins where they are asked for.
     #[must_use]
     pub fn parameters(&self) -> ParameterVector {
@@ -215,6 +233,14 @@ pub enum DerivativeError {
         /// Numbers given.
         given: usize,
         /// The model's degrees of freedom.
+        expected: usize,
+    },
+    /// A configuration, or slopes by one, of the wrong length.
+    #[error("{given} numbers were given for a configuration, which has {expected}")]
+    ConfigurationLength {
+        /// Numbers given.
+        given: usize,
+        /// How many the model has.
         expected: usize,
     },
     /// Parameters of another problem, or with joints' origins where none are asked for.

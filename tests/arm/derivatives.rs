@@ -1,0 +1,94 @@
+//! Promise: how an arm's solution moves with its target is known: on the target with six joints, by the shortest
+//! way with more, along its limits where those hold it, and that is said.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::Arm;
+use kinopt::ik::Existence;
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra as na;
+use support::arms::{Random, panda, robot};
+
+/// The six twists of moving along and turning about a placement's own axes, in the base's.
+fn own_axes(at: &Placement<f64>) -> na::Matrix6<f64> {
+    let rotation: na::Matrix3<f64> = at.rotation.into();
+    let mut twists = na::Matrix6::zeros();
+    twists.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation);
+    twists.fixed_view_mut::<3, 3>(3, 3).copy_from(&rotation);
+    twists
+}
+
+#[test]
+fn six_joints_follow_their_target() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::builder(&robot, "base", "flange").build().unwrap();
+    let mut jacobian = arm.jacobian().unwrap();
+    let mut random = Random(5);
+    for _ in 0..50 {
+        let q = random.configuration(&arm);
+        let target = arm.base_from_tool(&q).unwrap();
+        let derivative = arm.derivative(target, &q).unwrap();
+        assert_eq!(derivative.existence, Existence::Unique);
+        let followed = jacobian.at(&q).unwrap() * &derivative.by_target;
+        let off = (followed - own_axes(&target)).amax();
+        assert!(off < 1e-9 * (1.0 + derivative.by_target.amax()), "{off}");
+    }
+}
+
+#[test]
+fn seven_joints_take_the_shortest_way() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::builder(&robot, base, tip).build().unwrap();
+    let mut jacobian = arm.jacobian().unwrap();
+    let mut random = Random(6);
+    for _ in 0..50 {
+        let q = random.configuration(&arm);
+        let target = arm.base_from_tool(&q).unwrap();
+        let derivative = arm.derivative(target, &q).unwrap();
+        let many = Existence::ShortestOfMany { directions: 1 };
+        assert_eq!(derivative.existence, many);
+        let inverse = jacobian.at(&q).unwrap().clone().pseudo_inverse(1e-12);
+        let shortest = inverse.unwrap() * own_axes(&target);
+        let off = (&derivative.by_target - &shortest).amax();
+        assert!(off < 1e-9 * (1.0 + shortest.amax()), "{off}");
+    }
+}
+
+#[test]
+fn a_miss_moves_as_solving_again_does() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::builder(&robot, "base", "flange").build().unwrap();
+    let start = [0.3, -1.1, 1.0, -0.9, 1.1, 0.4];
+    let mut target = arm.base_from_tool(&start).unwrap();
+    target.translation += Vector3::new(0.9, 0.4, 0.9);
+    let solution = arm.solve(target, &start).unwrap();
+    assert!(!solution.reached);
+    let derivative = arm.derivative(target, &solution.q).unwrap();
+    assert!(derivative.existence.is_unique(), "{}", derivative.existence);
+    let step = 1e-3;
+    for axis in 0..3 {
+        let along = |share: f64| {
+            let mut moved = target;
+            let mut by = [0.0; 3];
+            by[axis] = share * step;
+            moved.translation += moved.rotation * Vector3::from(by);
+            na::DVector::from_vec(arm.solve(moved, &solution.q).unwrap().q)
+        };
+        let shown = (along(1.0) - along(-1.0)) / (2.0 * step);
+        let off = (derivative.by_target.column(axis) - shown).amax();
+        assert!(off < 1e-3, "{axis}: {off}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::builder(&robot, "base", "flange").build().unwrap();
+    let target = arm.base_from_tool(&[0.1; 6]).unwrap();
+    assert!(arm.derivative(target, &[0.1; 5]).is_err());
+    assert!(arm.derivative(target, &[f64::NAN; 6]).is_err());
+    let skewed = Placement::new(
+        target.rotation * target.rotation,
+        target.translation * f64::NAN,
+    );
+    assert!(arm.derivative(skewed, &[0.1; 6]).is_err());
+}
