@@ -15,6 +15,7 @@ from ._kinopt import (
     ActiveLimit,
     Arm,
     BallSkeleton,
+    ArmDerivative,
     Batch,
     Bone,
     Counts,
@@ -47,6 +48,7 @@ from ._kinopt import (
     SkeletonBuilder,
     Skin,
     Solution,
+    SolutionDerivative,
     Solutions,
     Solver,
     Srdf,
@@ -73,7 +75,7 @@ if TYPE_CHECKING:
 
 def __getattr__(name: str) -> ModuleType:
     # Their extras need not be installed for the rest.
-    if name in ("ray", "view"):
+    if name in ("jax", "ray", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")
 
@@ -82,6 +84,7 @@ __all__ = [
     "ActiveLimit",
     "Arm",
     "BallSkeleton",
+    "ArmDerivative",
     "Batch",
     "Bone",
     "Counts",
@@ -118,6 +121,7 @@ __all__ = [
     "SkeletonBuilder",
     "Skin",
     "Solution",
+    "SolutionDerivative",
     "Solutions",
     "Solver",
     "Srdf",

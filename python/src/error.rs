@@ -84,6 +84,7 @@ faults!(
     kinopt::io::gltf::UnwritableScene,
     kinopt::io::rig::RigPosingError,
     kinopt::geometric::GeometricError,
+    kinopt::ik::DerivativeError,
     kinopt::ik::SolveError,
     kinopt::kinematics::CentreOfMassError,
     kinopt::kinematics::KinematicsError,

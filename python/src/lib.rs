@@ -44,7 +44,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, Batch, Follower, Jump, Servo, ServoStep, Track};
+    use super::arm::{Arm, ArmDerivative, Batch, Follower, Jump, Servo, ServoStep, Track};
     #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]
@@ -58,7 +58,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
     #[pymodule_export]
-    use super::problem::{ParameterMap, Problem};
+    use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]
     use super::rig::{Rig, RigPosing};
     #[pymodule_export]

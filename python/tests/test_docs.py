@@ -20,6 +20,7 @@ CANNOT_RAISE = {
     "kinopt.Skeleton.builder",
     "kinopt.Skeleton.to_json",
     "kinopt.Solution.explain",
+    "kinopt.SolutionDerivative.explain",
     "kinopt.TriangleMesh.bounding_box",
     "kinopt.TriangleMesh.is_closed",
     "kinopt.TriangleMesh.signed_volume",

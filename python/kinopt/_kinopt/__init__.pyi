@@ -1,6 +1,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, SupportsIndex, final, overload
+from typing import Any, Literal, SupportsIndex, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -418,6 +418,9 @@ class Arm:
     def tip(self) -> str: ...
     def base_from_tool(self, q: ArrayLike) -> Floats: ...
     def jacobian(self, q: ArrayLike) -> Floats: ...
+    def derivative(
+        self, target: PlacementLike | PlacementsLike, q: ArrayLike
+    ) -> ArmDerivative: ...
     def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
     def solve(self, target: PlacementLike, start: ArrayLike | None = None) -> Solution: ...
     def distinct(
@@ -802,6 +805,55 @@ class Problem:
     def residual(self, x: ArrayLike, targets: _Targets | None = None) -> Floats: ...
     def jacobian(self, x: ArrayLike, targets: _Targets | None = None) -> Floats: ...
     def gradient(self, x: ArrayLike, targets: _Targets | None = None) -> Floats: ...
+    def derivative(
+        self, q: ArrayLike, targets: _Targets | None = None
+    ) -> SolutionDerivative: ...
+
+_Existence: TypeAlias = Literal[
+    "unique",
+    "shortest_of_many",
+    "on_limit",
+    "at_kink",
+    "singular",
+    "not_stationary",
+    "not_finite",
+]
+
+class _Gradient(TypedDict):
+    targets: dict[str | int, Floats]
+    weights: Floats
+    joint_origins: dict[str, Floats]
+
+@final
+class SolutionDerivative:
+    def __new__(
+        cls, problem: Problem, q: ArrayLike, targets: _Targets | None = None
+    ) -> SolutionDerivative: ...
+    @property
+    def existence(self) -> _Existence: ...
+    @property
+    def is_unique(self) -> bool: ...
+    def explain(self) -> str: ...
+    def by_target(self, task: str | int) -> Floats: ...
+    def velocity(
+        self,
+        targets: _Targets | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        joint_origins: Mapping[str, ArrayLike] | None = None,
+    ) -> Floats: ...
+    def gradient(
+        self, slope: ArrayLike | None = None, *, by_q: ArrayLike | None = None
+    ) -> _Gradient: ...
+
+@final
+class ArmDerivative:
+    @property
+    def by_target(self) -> Floats: ...
+    @property
+    def existence(self) -> _Existence | list[_Existence]: ...
+    @property
+    def is_unique(self) -> bool | NDArray[np.bool_]: ...
 
 @final
 class Iteration:

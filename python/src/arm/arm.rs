@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
+use super::derivative::{self, ArmDerivative};
 use super::track::Track;
 use super::{Follower, Servo, options};
 use crate::arrays::{self, axes};
@@ -233,6 +234,19 @@ impl Arm {
             }
         };
         jacobians(q, pool, 1)
+    }
+
+    /// How the solution `q` (shape (dof,)) moves with its target (4 x 4, metres): an `ArmDerivative`, whose
+    /// `by_target` has shape (dof, 6); for (N, dof) and (N, 4, 4) shape (N, dof, 6).
+    ///
+    /// By the implicit function theorem, at the limits that hold the solution, reached or not. Look at `existence`
+    /// before it is trusted. Raises `InvalidValueError` as `solve` does, and for other shapes.
+    fn derivative(
+        &self,
+        target: &Bound<'_, PyAny>,
+        q: &Bound<'_, PyAny>,
+    ) -> PyResult<ArmDerivative> {
+        derivative::derivative(&self.inner, target, q)
     }
 
     /// Where the tool stands: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).

@@ -3,6 +3,7 @@
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod batch;
+mod derivative;
 mod follower;
 mod options;
 mod servo;
@@ -10,6 +11,7 @@ mod track;
 
 pub(crate) use arm::Arm;
 pub(crate) use batch::Batch;
+pub(crate) use derivative::ArmDerivative;
 pub(crate) use follower::Follower;
 pub(crate) use servo::{Servo, ServoStep};
 pub(crate) use track::{Jump, Track};

@@ -2,6 +2,7 @@
 
 mod body_tasks;
 mod camera;
+mod derivative;
 mod frozen;
 mod parameters;
 mod python_residual;
@@ -24,6 +25,7 @@ use crate::pickling;
 use crate::pool::Pool;
 use crate::robot::Robot;
 pub(crate) use camera::Camera;
+pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
 pub(crate) use parameters::ParameterMap;
 pub(crate) use python_residual::{is_raised, raise_later, raised};
@@ -261,6 +263,19 @@ impl Problem {
             gradient
         })?;
         Ok(arrays::list(py, &gradient))
+    }
+
+    /// How the solution `q` of this problem, shape (nq,), changes with its targets, weights and links: a
+    /// `SolutionDerivative`. `targets` are those that it was solved with.
+    ///
+    /// Raises as `Solver.solve`.
+    #[pyo3(signature = (q, targets = None))]
+    fn derivative(
+        slf: &Bound<'_, Self>,
+        q: &Bound<'_, PyAny>,
+        targets: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<SolutionDerivative> {
+        SolutionDerivative::new(slf, q, targets)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

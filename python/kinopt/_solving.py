@@ -1,0 +1,198 @@
+"""Solving and its reverse product on numpy arrays, for what differentiates: one question or many, whose leading axes
+are the batch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from ._kinopt import Arm, Problem, Solver
+from .errors import InvalidValueError, KinoptError, UnknownNameError
+from .types import Floats
+
+Missing: TypeAlias = Literal["nan", "zero", "raise"]
+Targets: TypeAlias = Any
+
+# How many axes one target has, where it is not one.
+_AXES = {"pose": 2, "orientation": 2, "distance": 0, "joint coupling": 0}
+# Targets of which only a part is a parameter of the solution.
+_NOT_BY = ("plane", "ray", "frame velocity")
+_SHAPES = "a target must have shape (..., 4, 4), (..., 3, 3) or (..., n) to be differentiated by"
+
+
+class NoDerivativeError(KinoptError):
+    """A solution has no derivative by its target: it is on a limit that nothing pushes it to, singular, or no
+    solution."""
+
+
+@dataclass(frozen=True)
+class ArmQuestion:
+    """An arm, asked for poses of its tool."""
+
+    arm: Arm
+    missing: Missing
+
+    @property
+    def length(self) -> int:
+        """How many numbers a configuration has."""
+        return self.arm.degrees_of_freedom
+
+    def target_axes(self, index: int) -> int:
+        """How many axes one target has."""
+        return 2
+
+    def solve(self, targets: Sequence[Floats], starts: Floats) -> Floats:
+        """N configurations for N targets."""
+        return self.arm.solve_batch(targets[0], starts).q
+
+    def pull(self, targets: Sequence[Floats], q: Floats, by_q: Floats) -> list[Floats]:
+        """Slopes by N targets from those by their configurations."""
+        derivative = self.arm.derivative(targets[0], q)
+        slopes = np.einsum("nd,ndk->nk", by_q, derivative.by_target)
+        for index, existence in enumerate(derivative.existence):
+            slopes[index] = _kept(slopes[index], existence, index, self.missing)
+        return [np.stack([_on_target(*pair) for pair in zip(targets[0], slopes, strict=True)])]
+
+
+@dataclass(frozen=True)
+class ProblemQuestion:
+    """A problem, asked with targets for some of its tasks."""
+
+    problem: Problem
+    solver: Solver
+    names: tuple[str | int, ...]
+    missing: Missing
+
+    @property
+    def length(self) -> int:
+        """How many numbers a configuration has."""
+        return self.problem.configuration_len
+
+    def task(self, name: str | int) -> int:
+        """The number of a task."""
+        if isinstance(name, int):
+            return name
+        names = self.problem.task_names
+        if name not in names:
+            raise UnknownNameError(f"there is no task {name!r}; the tasks are {names}")
+        return names.index(name)
+
+    def target_axes(self, index: int) -> int:
+        """How many axes one target has."""
+        task = self.problem.tasks[self.task(self.names[index])]
+        kind = getattr(task, "task", task)._kind
+        if kind in _NOT_BY:
+            raise InvalidValueError(f"a solution is not differentiated by the target of a {kind} task")
+        return _AXES.get(kind, 1)
+
+    def solve(self, targets: Sequence[Floats], starts: Floats) -> Floats:
+        """N configurations for N targets."""
+        by_name = dict(zip(self.names, targets, strict=True))
+        return self.solver.solve_batch(self.problem, starts, by_name).q
+
+    def pull(self, targets: Sequence[Floats], q: Floats, by_q: Floats) -> list[Floats]:
+        """Slopes by N targets from those by their configurations."""
+        slopes = [np.zeros_like(target) for target in targets]
+        for index in range(len(q)):
+            own = dict(zip(self.names, (target[index] for target in targets), strict=True))
+            derivative = self.problem.derivative(q[index], own)
+            gradient = derivative.gradient(by_q=by_q[index])["targets"]
+            for slope, name in zip(slopes, self.names, strict=True):
+                told = gradient.get(name, gradient.get(self.problem.task_names[self.task(name)]))
+                if told is None:
+                    raise InvalidValueError(f"a solution has no derivative by the target of {name}")
+                kept = _kept(told, derivative.existence, index, self.missing)
+                slope[index] = _on_target(own[name], kept)
+        return slopes
+
+
+Question: TypeAlias = ArmQuestion | ProblemQuestion
+
+
+def question(
+    asked: Arm | Problem, targets: Any, solver: Solver | None, missing: Missing
+) -> tuple[Question, list[Any]]:
+    """What is asked, and its targets in a list."""
+    if missing not in ("nan", "zero", "raise"):
+        raise InvalidValueError(f'missing is {missing!r}: "nan", "zero" or "raise"')
+    if isinstance(asked, Arm):
+        if solver is not None:
+            raise InvalidValueError("an arm is asked without a solver")
+        return ArmQuestion(asked, missing), [targets]
+    if not isinstance(targets, Mapping):
+        raise InvalidValueError("the targets of a problem are a dict by task")
+    own = ProblemQuestion(asked, solver or Solver(), tuple(targets), missing)
+    return own, list(targets.values())
+
+
+def batched(
+    own: Question, targets: Sequence[Floats], start: Floats
+) -> tuple[tuple[int, ...], list[Floats], Floats]:
+    """The batch's axes, and N of every target and start."""
+    axes = [target.ndim - own.target_axes(k) for k, target in enumerate(targets)]
+    shapes = [target.shape[:axis] for target, axis in zip(targets, axes, strict=True)]
+    batch = np.broadcast_shapes(*shapes, start.shape[:-1])
+    rows = int(np.prod(batch, dtype=int))
+    many = [
+        np.ascontiguousarray(
+            np.broadcast_to(target, (*batch, *target.shape[axis:]))
+        ).reshape(rows, *target.shape[axis:])
+        for target, axis in zip(targets, axes, strict=True)
+    ]
+    starts = np.broadcast_to(start, (*batch, start.shape[-1])).reshape(rows, start.shape[-1])
+    return batch, many, np.ascontiguousarray(starts)
+
+
+def solve(own: Question, targets: Sequence[Floats], start: Floats) -> Floats:
+    """The configurations, with the batch's axes in front."""
+    batch, many, starts = batched(own, targets, start)
+    return own.solve(many, starts).reshape(*batch, own.length)
+
+
+def pull(own: Question, targets: Sequence[Floats], start: Floats, q: Floats, by_q: Floats) -> list[Floats]:
+    """The slopes by the targets, each of its target's own shape."""
+    batch, many, _ = batched(own, targets, start)
+    rows = int(np.prod(batch, dtype=int))
+    slopes = own.pull(many, q.reshape(rows, -1), by_q.reshape(rows, -1))
+    return [
+        _summed(slope.reshape(*batch, *slope.shape[1:]), target.shape)
+        for slope, target in zip(slopes, targets, strict=True)
+    ]
+
+
+def _summed(slope: Floats, shape: tuple[int, ...]) -> Floats:
+    """What was broadcast is summed."""
+    slope = slope.sum(axis=tuple(range(slope.ndim - len(shape))))
+    kept = tuple(k for k, length in enumerate(shape) if length == 1 and slope.shape[k] != 1)
+    summed: Floats = slope.sum(axis=kept, keepdims=True)
+    return summed
+
+
+def _kept(slope: Floats, existence: str, index: int, missing: Missing) -> Floats:
+    if existence in ("unique", "shortest_of_many"):
+        return slope
+    if missing == "raise":
+        raise NoDerivativeError(f"solution {index} has no derivative: {existence}")
+    return np.full_like(slope, np.nan if missing == "nan" else 0.0)
+
+
+def _cross(v: Floats) -> Floats:
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def _on_target(target: Floats, slope: Floats) -> Floats:
+    """The slope by the numbers of a target from that by its own motion: G with <G, T ξ> = slope · ξ for every motion
+    ξ of a pose T, so that the chain rule holds however a pose is made."""
+    if target.shape == (4, 4):
+        own = np.zeros((4, 4))
+        own[:3, :3] = 0.5 * target[:3, :3] @ _cross(slope[3:])
+        own[:3, 3] = target[:3, :3] @ slope[:3]
+        return own
+    if target.shape == (3, 3) and slope.shape == (3,):
+        return 0.5 * target @ _cross(slope)
+    if target.shape == slope.shape or target.size == slope.size == 1:
+        return slope.reshape(target.shape)
+    raise InvalidValueError(f"{_SHAPES}, not {target.shape} with {slope.size} degrees of freedom")

@@ -1,0 +1,96 @@
+"""Inverse kinematics as a function of JAX: ``pip install 'kinopt[jax]'``.
+
+``solve`` works under ``jit``, ``vmap`` and ``grad``: the solver runs on the host, and the gradient follows from the
+implicit function theorem at the solution (``custom_vjp``). With 32-bit numbers, JAX's default, targets are rounded to
+those; ``jax.config.update("jax_enable_x64", True)`` keeps all digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from importlib.util import find_spec
+from typing import Any
+
+if find_spec("jax") is None:
+    raise ImportError("kinopt.jax needs JAX: pip install 'kinopt[jax]'")
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from . import _solving
+from ._kinopt import Arm, Problem, Solver
+from ._solving import Missing, NoDerivativeError
+from .types import Floats
+
+__all__ = ["NoDerivativeError", "solve"]
+
+
+def solve(
+    asked: Arm | Problem,
+    targets: Any,
+    start: Any,
+    *,
+    solver: Solver | None = None,
+    missing: Missing = "nan",
+) -> Any:
+    """The configurations that reach ``targets``, differentiable by them: shape (..., nq).
+
+    For an arm ``targets`` is an array of shape (..., 4, 4), base_from_tool, metres. For a problem it is a dict of
+    arrays by task: (..., 4, 4) for a pose, (..., 3) for a place, (..., 3, 3) for an orientation, (..., n) for a
+    posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient by a pose is
+    that by its motions, so that it may be made in any way that keeps it one.
+
+    Where a solution has no derivative, its gradient is NaN, zero, or an error, as ``missing`` says; where there are
+    many solutions, it is that of the shortest change.
+
+    Raises ``InvalidValueError`` for other shapes.
+    """
+    if isinstance(targets, Mapping):
+        # The dict itself is what is differentiated by; its keys are known.
+        targets = dict(targets)
+    own, arrays = _solving.question(asked, targets, solver, missing)
+    return _solve(own, tuple(jnp.asarray(array, float) for array in arrays), jnp.asarray(start, float))
+
+
+def _numbers(array: Any) -> Floats:
+    return np.asarray(array, dtype=np.float64)
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(0,))
+def _solve(own: _solving.Question, targets: tuple[Any, ...], start: Any) -> Any:
+    shapes = [target.shape[: target.ndim - own.target_axes(k)] for k, target in enumerate(targets)]
+    batch = np.broadcast_shapes(*shapes, start.shape[:-1])
+
+    def on_host(targets: tuple[Any, ...], start: Any) -> Floats:
+        q = _solving.solve(own, [_numbers(target) for target in targets], _numbers(start))
+        return q.astype(start.dtype)
+
+    shape = jax.ShapeDtypeStruct((*batch, own.length), start.dtype)
+    return jax.pure_callback(on_host, shape, targets, start, vmap_method="broadcast_all")
+
+
+def _forward(own: _solving.Question, targets: tuple[Any, ...], start: Any) -> Any:
+    q = _solve(own, targets, start)
+    return q, (targets, start, q)
+
+
+def _backward(own: _solving.Question, kept: Any, by_q: Any) -> Any:
+    targets, start, q = kept
+
+    def on_host(targets: tuple[Any, ...], start: Any, q: Any, by_q: Any) -> tuple[Floats, ...]:
+        numbers = [_numbers(target) for target in targets]
+        slopes = _solving.pull(own, numbers, _numbers(start), _numbers(q), _numbers(by_q))
+        return tuple(
+            slope.astype(target.dtype) for slope, target in zip(slopes, targets, strict=True)
+        )
+
+    shapes = tuple(jax.ShapeDtypeStruct(target.shape, target.dtype) for target in targets)
+    slopes = jax.pure_callback(
+        on_host, shapes, targets, start, q, by_q, vmap_method="broadcast_all"
+    )
+    return slopes, jnp.zeros_like(start)
+
+
+_solve.defvjp(_forward, _backward)

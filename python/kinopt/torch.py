@@ -1,0 +1,77 @@
+"""Inverse kinematics as a layer of PyTorch: ``pip install 'kinopt[torch]'``.
+
+``solve`` is an ordinary function of tensors, whose gradient follows from the implicit function theorem at the
+solution: no step of the solver is recorded.
+"""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Any
+
+if find_spec("torch") is None:
+    raise ImportError("kinopt.torch needs PyTorch: pip install 'kinopt[torch]'")
+
+import numpy as np
+import torch
+from torch.autograd.function import once_differentiable
+
+from . import _solving
+from ._kinopt import Arm, Problem, Solver
+from ._solving import Missing, NoDerivativeError
+from .types import Floats
+
+__all__ = ["NoDerivativeError", "solve"]
+
+
+def solve(
+    asked: Arm | Problem,
+    targets: Any,
+    start: Any,
+    *,
+    solver: Solver | None = None,
+    missing: Missing = "nan",
+) -> Any:
+    """The configurations that reach ``targets``, differentiable by them: shape (..., nq).
+
+    For an arm ``targets`` is a tensor of shape (..., 4, 4), base_from_tool, metres. For a problem it is a dict of
+    tensors by task (or an empty dict): (..., 4, 4) for a pose, (..., 3) for a place, (..., 3, 3) for an orientation,
+    (..., n) for a posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient
+    by a pose is that by its motions, so that it may be made in any way that keeps it one.
+
+    Where a solution has no derivative, its gradient is NaN, zero, or an error, as ``missing`` says; where there are
+    many solutions, it is that of the shortest change. ``solver`` is that of a problem; one with tight tolerances and
+    no time limit is best.
+
+    Raises ``InvalidValueError`` for other shapes, and ``NoDerivativeError`` where ``missing`` is "raise".
+    """
+    own, tensors = _solving.question(asked, targets, solver, missing)
+    some = next((own for own in [*tensors, start] if isinstance(own, torch.Tensor)), None)
+    kind = {"dtype": torch.float64} if some is None else {"dtype": some.dtype, "device": some.device}
+    tensors = [torch.as_tensor(tensor, **kind) for tensor in tensors]
+    return _Solve.apply(own, torch.as_tensor(start, **kind), *tensors)
+
+
+def _numbers(tensor: Any) -> Floats:
+    return np.asarray(tensor.detach().cpu().numpy(), dtype=np.float64)
+
+
+class _Solve(torch.autograd.Function):  # type: ignore[misc]
+    """The solution forward, the reverse product backward."""
+
+    @staticmethod
+    def forward(ctx: Any, own: _solving.Question, start: Any, *targets: Any) -> Any:
+        numbers = [_numbers(target) for target in targets]
+        q = _solving.solve(own, numbers, _numbers(start))
+        ctx.own, ctx.q, ctx.start = own, q, _numbers(start)
+        ctx.save_for_backward(*targets)
+        return torch.as_tensor(q).to(start)
+
+    @staticmethod
+    @once_differentiable  # type: ignore[untyped-decorator, misc, unused-ignore]
+    def backward(ctx: Any, by_q: Any) -> Any:
+        targets = ctx.saved_tensors
+        numbers = [_numbers(target) for target in targets]
+        slopes = _solving.pull(ctx.own, numbers, ctx.start, ctx.q, _numbers(by_q))
+        moved = [torch.as_tensor(slope).to(target) for slope, target in zip(slopes, targets, strict=True)]
+        return None, None, *moved

@@ -1,0 +1,103 @@
+//! How an arm's solutions move with their targets.
+
+use kinopt::arm::ArmDerivative as Derivative;
+use numpy::ndarray::IxDyn;
+use numpy::{PyArray, PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{self, axes};
+use crate::error::{OrRaise, invalid};
+use crate::placement::{placement, placements};
+
+/// The derivative of an arm's solution by its target, or of N solutions by theirs.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct ArmDerivative {
+    /// Shape (dof, 6), or (N, dof, 6): radians and metres for moving the target along (metres) and turning it
+    /// about (radians) its own axes.
+    #[pyo3(get)]
+    by_target: Py<PyArray<f64, IxDyn>>,
+    existence: Vec<&'static str>,
+    is_one: bool,
+}
+
+#[pymethods]
+impl ArmDerivative {
+    /// Whether it exists: "unique"; "shortest_of_many", where the arm has more joints than the goal asks for and
+    /// the shortest change is told; or why there is none: "on_limit", "at_kink", "singular", "not_stationary",
+    /// "not_finite". A list of N for many.
+    #[getter]
+    fn existence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self.existence.as_slice() {
+            [one] if self.is_one => one.into_pyobject(py)?.into_any(),
+            all => all.into_pyobject(py)?.into_any(),
+        })
+    }
+
+    /// Whether the solution is a smooth function of its target here: a bool, or an array of N.
+    #[getter]
+    fn is_unique<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut all = self.existence.iter().map(|own| *own == "unique");
+        Ok(match self.is_one {
+            true => all.all(|one| one).into_pyobject(py)?.to_owned().into_any(),
+            false => PyArray1::from_iter(py, all).into_any(),
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        match (self.is_one, self.existence.as_slice()) {
+            (true, [one]) => format!("ArmDerivative({one})"),
+            (_, all) => {
+                let unique = all.iter().filter(|own| **own == "unique").count();
+                format!("ArmDerivative({unique} of {} unique)", all.len())
+            }
+        }
+    }
+}
+
+/// Reads targets and solutions, one of each or many.
+pub(super) fn derivative(
+    arm: &kinopt::Arm,
+    target: &Bound<'_, PyAny>,
+    q: &Bound<'_, PyAny>,
+) -> PyResult<ArmDerivative> {
+    let (py, dof) = (q.py(), arm.joint_count());
+    let is_one = axes(q)? < 2;
+    let (targets, q) = match is_one {
+        true => (
+            vec![placement(target, "target")?],
+            arrays::vector_of(q, "q", dof)?.to_vec(),
+        ),
+        false => (
+            placements(target, "target")?.to_vec("target")?,
+            arrays::rows(q, "q", dof)?.to_vec(),
+        ),
+    };
+    let count = q.len().checked_div(dof).unwrap_or(0);
+    if targets.len() != count {
+        return Err(invalid(format!(
+            "there are {} targets, but {count} rows of q",
+            targets.len()
+        )));
+    }
+    let all: Result<Vec<Derivative>, _> = py.detach(|| {
+        let asked = targets.iter().zip(q.chunks_exact(dof.max(1)));
+        asked
+            .map(|(target, q)| arm.derivative(*target, q))
+            .collect()
+    });
+    let all = all.or_raise()?;
+    let mut numbers = Vec::with_capacity(all.len() * dof * 6);
+    for derivative in &all {
+        numbers.extend_from_slice(derivative.by_target.transpose().as_slice());
+    }
+    let shape = if is_one {
+        vec![dof, 6]
+    } else {
+        vec![count, dof, 6]
+    };
+    Ok(ArmDerivative {
+        by_target: arrays::list(py, &numbers).reshape(shape)?.unbind(),
+        existence: all.iter().map(|own| own.existence.name()).collect(),
+        is_one,
+    })
+}

@@ -1,0 +1,234 @@
+//! How a solution changes with what is asked.
+
+use std::sync::Arc;
+
+use kinopt::ik::{DerivativeWorkspace, Existence, SolutionDerivative as Derivative};
+use kinopt::problem::{ParameterVector, Targets};
+use kinopt::spatial::Vector3;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::task::items;
+use super::{Problem, raised};
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::has_model::model_of;
+use crate::pickling;
+
+/// The derivative of the solution `q` (shape (nq,), a configuration of the problem's model) by the targets,
+/// weights and link lengths of a problem, by the implicit function theorem at the limits that hold it.
+///
+/// `targets` are those that it was solved with, as in `Solver.solve`. Look at `existence` before the numbers are
+/// trusted: only where that is "unique" is the solution a smooth function of the parameters. Velocities are those
+/// of `Model.integrate`, shape (dof,). A pose's target has six numbers: along and about its own axes, metres then
+/// radians; a place has three, a posture one a joint and three a ball.
+///
+/// Raises `InvalidValueError` and `UnknownNameError` as `Solver.solve` does for its start and targets.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct SolutionDerivative {
+    problem: Py<Problem>,
+    model: Arc<kinopt::Model>,
+    q: Vec<f64>,
+    given: Option<Py<PyAny>>,
+    targets: Targets,
+    existence: Existence,
+}
+
+impl SolutionDerivative {
+    /// Does something with the derivative, factored anew.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        what: impl FnOnce(&mut Derivative<'_>) -> PyResult<T> + Send,
+    ) -> PyResult<T> {
+        let problem = self.problem.get();
+        let question = problem.question(&self.targets)?;
+        py.detach(|| {
+            let mut memory = DerivativeWorkspace::default();
+            let derivative = Derivative::new(question, &self.q, &mut memory).or_raise()?;
+            let mut derivative = derivative.with_joint_origins(&self.model).or_raise()?;
+            let value = what(&mut derivative);
+            raised().and(value)
+        })
+    }
+
+    /// A key of a task in dicts: its name, or its number where several have that name.
+    fn key<'py>(&self, py: Python<'py>, task: usize) -> PyResult<Bound<'py, PyAny>> {
+        let problem = &self.problem.get().inner;
+        let name = problem.task_name(task).unwrap_or_default();
+        let same = (0..problem.tasks()).filter(|&other| problem.task_name(other) == Some(name));
+        Ok(match same.count() {
+            1 => name.into_pyobject(py)?.into_any(),
+            _ => task.into_pyobject(py)?.into_any(),
+        })
+    }
+}
+
+#[pymethods]
+impl SolutionDerivative {
+    #[new]
+    #[pyo3(signature = (problem, q, targets = None))]
+    pub(super) fn new(
+        problem: &Bound<'_, Problem>,
+        q: &Bound<'_, PyAny>,
+        targets: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let py = problem.py();
+        let own = problem.get();
+        let q = arrays::vector_of(q, "q", own.inner.configuration_len())?.to_vec();
+        let moves = own.moves(targets)?;
+        let given = match targets {
+            Some(targets) => {
+                let copy = py.import("copy")?.call_method1("deepcopy", (targets,))?;
+                Some(copy.unbind())
+            }
+            None => None,
+        };
+        let mut derivative = Self {
+            model: model_of(own.model.bind(py))?,
+            problem: problem.clone().unbind(),
+            q,
+            given,
+            targets: own.targets_with(moves.iter().map(|(_, aim)| aim))?,
+            existence: Existence::Unique,
+        };
+        derivative.existence = derivative.with(py, |own| Ok(own.existence().clone()))?;
+        Ok(derivative)
+    }
+
+    /// Whether it exists: "unique"; "shortest_of_many", where other configurations answer as well and the
+    /// shortest change is told; or why there is none: "on_limit", "at_kink", "singular", "not_stationary",
+    /// "not_finite".
+    #[getter]
+    fn existence(&self) -> &'static str {
+        self.existence.name()
+    }
+
+    /// Whether the solution is a smooth function of the parameters here.
+    #[getter]
+    fn is_unique(&self) -> bool {
+        self.existence.is_unique()
+    }
+
+    /// Says whether it exists, and if not, why, in a sentence.
+    fn explain(&self) -> String {
+        self.existence.to_string()
+    }
+
+    /// The derivative by the target of a task (a name, or a number), shape (dof, numbers of the target).
+    ///
+    /// Raises `UnknownNameError` and `InvalidValueError` for a task that there is not.
+    fn by_target<'py>(&self, task: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let py = task.py();
+        let task = self.problem.get().task(task)?;
+        let matrix = self.with(py, |derivative| derivative.by_target(task).or_raise())?;
+        let (rows, columns) = matrix.shape();
+        let numbers = matrix.transpose();
+        arrays::list(py, numbers.as_slice()).reshape([rows, columns])
+    }
+
+    /// The velocity of the solution, shape (dof,), for rates of the parameters: of `targets`, a dict by task; of
+    /// `weights`, shape (rows of `Solution.rows`,); of `joint_origins`, a dict by joint of three numbers, metres
+    /// in the parent's axes. What is not given stands still.
+    ///
+    /// Raises `UnknownNameError` for tasks and joints that there are not, and `InvalidValueError` for other shapes.
+    #[pyo3(signature = (targets = None, *, weights = None, joint_origins = None))]
+    fn velocity<'py>(
+        &self,
+        py: Python<'py>,
+        targets: Option<&Bound<'py, PyAny>>,
+        weights: Option<&Bound<'py, PyAny>>,
+        joint_origins: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let problem = self.problem.get();
+        let mut rates = ParameterVector::new(&problem.inner);
+        for (task, value) in problem.targets_by_task(targets)? {
+            let name = problem.inner.task_name(task).unwrap_or_default();
+            let own = rates.target_mut(task);
+            let what = format!("the target's rate of {name}");
+            own.copy_from_slice(&arrays::vector_of(&value, &what, own.len())?);
+        }
+        if let Some(weights) = weights {
+            let own = rates.weights_mut();
+            own.copy_from_slice(&arrays::vector_of(weights, "weights", own.len())?);
+        }
+        let joint_origins = items(joint_origins, "joint_origins")?;
+        if !joint_origins.is_empty() {
+            rates = rates.with_joint_origins(self.model.joints().len());
+        }
+        for (joint, value) in joint_origins {
+            let name = arrays::name(&joint, "a joint of joint_origins")?;
+            let joint = self.model.joint(&name).or_raise()?;
+            let rate = arrays::array(&value, &format!("the rate of {name}"))?;
+            rates.joint_origins_mut()[joint.index()] = Vector3::from(rate);
+        }
+        let v = self.with(py, |derivative| {
+            let mut v = vec![0.0; derivative.degrees_of_freedom()];
+            derivative.velocity(&rates, &mut v).or_raise()?;
+            Ok(v)
+        })?;
+        Ok(arrays::list(py, &v))
+    }
+
+    /// The gradient by all parameters of a scalar, from its slope by the solution: all at once, by one reverse
+    /// product.
+    ///
+    /// `slope` is by the velocity, shape (dof,), or `by_q` by the numbers of q, shape (nq,), quaternions
+    /// included. A dict: "targets" by task, "weights" of shape (rows of `Solution.rows`,), and "joint_origins"
+    /// by joint, shape (3,) each, per metre in the parent's axes.
+    ///
+    /// Raises `InvalidValueError` for other shapes, and unless one of the two is given.
+    #[pyo3(signature = (slope = None, *, by_q = None))]
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        slope: Option<&Bound<'py, PyAny>>,
+        by_q: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (slope, is_by_q) = match (slope, by_q) {
+            (Some(slope), None) => (arrays::vector(slope, "slope")?.to_vec(), false),
+            (None, Some(by_q)) => (
+                arrays::vector_of(by_q, "by_q", self.q.len())?.to_vec(),
+                true,
+            ),
+            _ => return Err(invalid("either slope or by_q must be given")),
+        };
+        let gradient = self.with(py, |derivative| {
+            let slope = match is_by_q {
+                true => derivative.slope_by_velocity(&self.q, &slope).or_raise()?,
+                false => slope,
+            };
+            let mut gradient = derivative.parameters();
+            derivative.gradient(&slope, &mut gradient).or_raise()?;
+            Ok(gradient)
+        })?;
+        let by_task = PyDict::new(py);
+        for task in 0..self.problem.get().inner.tasks() {
+            let own = gradient.target(task);
+            if !own.is_empty() {
+                by_task.set_item(self.key(py, task)?, arrays::list(py, own))?;
+            }
+        }
+        let by_joint = PyDict::new(py);
+        let origins = self.model.joints().iter().zip(gradient.joint_origins());
+        for (joint, own) in origins {
+            by_joint.set_item(&joint.name, arrays::list(py, &own.to_array()))?;
+        }
+        let all = PyDict::new(py);
+        all.set_item("targets", by_task)?;
+        all.set_item("weights", arrays::list(py, gradient.weights()))?;
+        all.set_item("joint_origins", by_joint)?;
+        Ok(all)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let targets = self.given.as_ref().map(|given| given.bind(py));
+        let arguments = (self.problem.bind(py), arrays::list(py, &self.q), targets);
+        pickling::by_class::<Self>(py, arguments)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("SolutionDerivative({})", self.existence.name())
+    }
+}
