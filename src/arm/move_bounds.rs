@@ -2,6 +2,7 @@
 
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
+use crate::search::within;
 
 impl Arm {
     /// Sets the workspace's bounds and its start, which is projected into the limits.
@@ -52,17 +53,5 @@ impl Arm {
             workspace.question.lower[i] = map.lower()[i].max(within(start, -most));
             workspace.question.upper[i] = map.upper()[i].min(within(start, most));
         }
-    }
-}
-
-/// `start + by`, rounded so that it is no further away than `by` in floating point.
-pub(super) fn within(start: f64, by: f64) -> f64 {
-    let end = start + by;
-    if end.is_infinite() || (end - start).abs() <= by.abs() {
-        end
-    } else if by > 0.0 {
-        end.next_down()
-    } else {
-        end.next_up()
     }
 }

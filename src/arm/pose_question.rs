@@ -76,6 +76,6 @@ impl PoseQuestion {
     /// What the core is asked.
     pub(super) fn ask(&self) -> Question<'_> {
         let question = Question::from(&self.problem).with_targets(&self.targets);
-        question.within(&self.lower, &self.upper)
+        question.within(&self.lower, &self.upper, &[])
     }
 }

@@ -10,12 +10,12 @@ use super::arm::Arm;
 use super::bounded_descent::Settling;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
-use super::move_bounds::within;
 use super::pose_question::PoseQuestion;
 use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
 use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::ik::Side;
+use crate::search::within;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 

@@ -1,19 +1,17 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
 use super::levels::Extent;
-use super::{BoundKind, Restarts, Solution, SolveError, Solver, Workspace};
+use super::{BoundKind, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
-use crate::search::check_start;
+use crate::search::{check_start, slide_per_radian};
 use crate::solver::{Stopping, Termination};
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless set otherwise, in radians: 9 rad/s at 60 frames a
 /// second.
 const MOST_MOVE: f64 = 0.15;
-/// A slide moves as far as a joint at this share of the model's reach would carry it.
-const REACH_PER_RADIAN: f64 = 0.25;
 /// Steps of a frame at most. A frame that is cut short goes on in the next.
 const STEPS: usize = 40;
 /// Every so many frames that settle on a miss, a nudge tells a place of rest from a balance: an
@@ -75,10 +73,11 @@ pub struct Drag {
     search: Option<Solver>,
     pub(super) max_move: f64,
     /// The bounds of a frame.
-    around: [Vec<f64>; 2],
-    /// What a variable may move by where `max_move` is 1: 1 rad, less for the three of a ball, which move
-    /// together, or the length that weighs as much.
+    moves: MoveLimits,
+    /// What a variable may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
     unit: Vec<f64>,
+    /// Where the body stood before, and the way from there.
+    before: [Vec<f64>; 2],
     pub(super) x: Vec<f64>,
     pub(super) q: Vec<f64>,
     pub(super) workspace: Workspace,
@@ -110,28 +109,18 @@ impl Drag {
     pub fn new(problem: Problem, start: &[f64]) -> Result<Self, SolveError> {
         check_start(&problem, start)?;
         let n = problem.variables();
-        let slide = match problem.reach() {
-            reach if reach > 0.0 => REACH_PER_RADIAN * reach,
-            _ => 1.0,
-        };
+        let slide = slide_per_radian(&problem);
         let angles = problem.names().variable_is_angle.iter();
+        let unit = angles.map(|&angle| if angle { 1.0 } else { slide });
         let mut drag = Self {
             solver: Solver::default(),
             nudged: Solver::default(),
             search: None,
             max_move: MOST_MOVE,
             targets: problem.targets(),
-            around: [vec![0.0; n], vec![0.0; n]],
-            unit: angles
-                .enumerate()
-                .map(|(j, &angle)| {
-                    if angle {
-                        problem.share_of_turn(j)
-                    } else {
-                        slide
-                    }
-                })
-                .collect(),
+            moves: MoveLimits::by_angle(&problem, MOST_MOVE, start)?,
+            unit: unit.collect(),
+            before: [vec![0.0; n], vec![0.0; n]],
             x: vec![0.0; n],
             q: start.to_vec(),
             workspace: Workspace::new(),
@@ -176,8 +165,13 @@ impl Drag {
     pub fn with_max_move(mut self, radians: f64) -> Result<Self, BadOption> {
         let above = |radians| radians > 0.0;
         BadOption::check("max_move", radians, (above, "a number above 0"))?;
-        self.max_move = radians;
+        self.set_max_move(radians);
         Ok(self)
+    }
+
+    pub(super) fn set_max_move(&mut self, radians: f64) {
+        self.max_move = radians;
+        self.moves.set_angle(&self.problem, radians);
     }
 
     /// Where a frame settles on a miss, searches from other places too, and goes to what is better by
@@ -228,7 +222,7 @@ impl Drag {
     #[must_use]
     pub fn leap(&self) -> Option<Leap<'_>> {
         let (variable, distance) = self.leap?;
-        let joint = self.problem.names().variables.get(variable)?;
+        let joint = self.problem.names().joints.get(variable)?;
         Some(Leap { joint, distance })
     }
 
@@ -249,8 +243,8 @@ impl Drag {
     /// One frame: follows the targets as they are now.
     pub fn advance(&mut self) -> &Solution {
         self.leap = None;
-        self.keep_near();
-        let question = near(&self.problem, &self.targets, &self.around);
+        self.moves.start_from(&self.problem, &self.x);
+        let question = near(&self.problem, &self.targets, &self.moves);
         solve(&self.solver, question, &self.q, &mut self.workspace);
         let solution = self.solution();
         let settled = !solution.reached && solution.termination == Termination::Stationary;
@@ -266,22 +260,12 @@ impl Drag {
         self.moved = 0.0;
         if solution.q.iter().all(|value| value.is_finite()) {
             self.q.copy_from_slice(&solution.q);
-            let map = self.problem.parameters();
-            // The bounds of the frame are done with.
-            let [from, _] = &mut self.around;
+            let [from, _] = &mut self.before;
             from.copy_from_slice(&self.x);
-            map.gather(&self.q, &mut self.x);
-            let [from, step] = &mut self.around;
-            Question::from(&self.problem)
-                .space()
-                .difference(&self.x, from, step);
-            let moves = step
-                .iter()
-                .zip(&self.unit)
-                .map(|(step, unit)| step.abs() / unit);
-            self.moved = moves.fold(0.0, f64::max);
+            self.problem.parameters().gather(&self.q, &mut self.x);
+            self.moved = self.furthest_move().map_or(0.0, |(_, moved)| moved);
         }
-        solution
+        self.solution()
     }
 
     /// Whether the last frame moved no joint, nor did nudges where it missed, or reached its targets with
@@ -293,15 +277,20 @@ impl Drag {
         done || (self.moved < REST && nudged)
     }
 
-    /// Narrows the bounds to what a joint may move in a frame.
-    fn keep_near(&mut self) {
-        let (lower, upper) = (self.problem.lower(), self.problem.upper());
-        let [from, to] = &mut self.around;
-        for (j, &x) in self.x.iter().enumerate() {
-            let far = self.max_move * self.unit[j];
-            from[j] = (x - far).max(lower[j]);
-            to[j] = (x + far).min(upper[j]);
+    /// The variable that has moved furthest for what it may since `before`, and how far, in radians: of a ball by
+    /// the angle that it has turned by.
+    fn furthest_move(&mut self) -> Option<(usize, f64)> {
+        let problem = &self.problem;
+        let [from, step] = &mut self.before;
+        let space = Question::from(problem).space();
+        space.difference(&self.x, from, step);
+        for ball in problem.parameters().balls() {
+            let turned = ball.angle_between(from, &self.x);
+            step[ball.variable..ball.variable + 3].copy_from_slice(&[turned, 0.0, 0.0]);
         }
+        let moves = step.iter().zip(&self.unit);
+        let moves = moves.map(|(step, unit)| step.abs() / unit);
+        moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Sets off a little beside where the frame settled, and stays with what that leads to if it is
@@ -332,7 +321,7 @@ impl Drag {
                 *value += self.unit[j] * NUDGE * aside;
             }
         }
-        let question = near(&self.problem, &self.targets, &self.around);
+        let question = near(&self.problem, &self.targets, &self.moves);
         question.space().project(start);
         map.scatter_within_limits(start, &mut self.q);
         solve(&self.nudged, question, &self.q, &mut self.trial);
@@ -354,17 +343,13 @@ impl Drag {
         if !self.take_trial() {
             return;
         }
+        let [from, _] = &mut self.before;
+        from.copy_from_slice(&self.x);
         let map = self.problem.parameters();
-        let [to, step] = &mut self.around;
-        map.gather(&self.workspace.solution.q, to);
-        Question::from(&self.problem)
-            .space()
-            .difference(to, &self.x, step);
-        let moves = step
-            .iter()
-            .zip(&self.unit)
-            .map(|(step, unit)| step.abs() / unit);
-        let furthest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        map.gather(&self.workspace.solution.q, &mut self.x);
+        let furthest = self.furthest_move();
+        let [from, _] = &self.before;
+        self.x.copy_from_slice(from);
         self.leap = furthest
             .filter(|&(_, moved)| moved > self.max_move)
             .map(|(variable, moved)| (variable, moved * self.unit[variable]));
@@ -385,10 +370,8 @@ impl Drag {
 }
 
 /// What a frame asks: the targets as they are now, within its bounds.
-fn near<'a>(problem: &'a Problem, targets: &'a Targets, bounds: &'a [Vec<f64>; 2]) -> Question<'a> {
-    let [lower, upper] = bounds;
-    let question = Question::from(problem).with_targets(targets);
-    question.within(lower, upper)
+fn near<'a>(problem: &'a Problem, targets: &'a Targets, moves: &'a MoveLimits) -> Question<'a> {
+    Question::from(problem).with_targets(targets).near(moves)
 }
 
 /// A solve from a start of the right length. Where a number in it is not finite, which a residual of

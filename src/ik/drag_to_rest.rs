@@ -105,7 +105,8 @@ impl Drag {
     /// Frames whose joints move as far as their limits let them, until the body rests, or where that is
     /// asked for creeps.
     fn stride(&mut self, frames: usize, up_to_creeping: bool, late: &dyn Fn() -> bool) -> Frames {
-        let max_move = std::mem::replace(&mut self.max_move, f64::INFINITY);
+        let max_move = self.max_move;
+        self.set_max_move(f64::INFINITY);
         let mut creeping = 0;
         let done = self.go_on(frames, late, |drag, last_cost| {
             let slow = drag.is_cut() && drag.workspace.searched_cost() > CREEPS * last_cost;
@@ -115,7 +116,7 @@ impl Drag {
                 false => (up_to_creeping && creeping >= CREEPING).then_some(Ended::Creeping),
             }
         });
-        self.max_move = max_move;
+        self.set_max_move(max_move);
         done
     }
 

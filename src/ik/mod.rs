@@ -12,7 +12,8 @@ mod solver;
 mod workspace;
 
 pub use crate::search::{
-    ActiveLimit, BoundKind, OpenLoop, Restarts, RowsReport, Side, Solution, SolveError, TaskReport,
+    ActiveLimit, BoundKind, MoveLimits, OpenLoop, Restarts, RowsReport, Side, Solution, SolveError,
+    TaskReport,
 };
 pub use drag::{Drag, Leap};
 pub use loop_closure::LoopClosure;

@@ -13,6 +13,8 @@
 //! - `swing`: how far the bone's axis may tip from where it is at rest, above 0 and at most 180; 180 unless said. Of two
 //!   numbers the first is about `about`, the second across that.
 //! - `twist`: from where to where it may turn about its axis, within -180 and 180; any way unless said.
+//! - `angle`: how far it may turn in all, about whatever axis, above 0 and at most 180; as swing and twist let it unless
+//!   said.
 //! - `axis`: what it twists about, in the bone's own axes; along the bone unless said. So the second line is a hinge.
 //! - `about`: the first axis of a swing of two numbers, in the bone's own axes.
 //!
@@ -81,6 +83,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
 struct Entry {
     swing: Option<Swing>,
     twist: Option<[f64; 2]>,
+    angle: Option<f64>,
     axis: Option<[f64; 3]>,
     about: Option<[f64; 3]>,
 }
@@ -104,12 +107,12 @@ impl Entry {
             Some(Swing::Round(swing)) => [swing; 2],
             Some(Swing::Elliptic(swing)) => swing,
         };
-        if let Some(bad) = swing
-            .iter()
-            .find(|swing| !(**swing > 0.0 && **swing <= HALF))
-        {
-            let problem = format!("{bad} degrees are not above 0 and at most 180");
-            return Err(("swing", problem));
+        let angles = swing.map(|swing| ("swing", swing)).into_iter();
+        for (key, angle) in angles.chain(self.angle.map(|angle| ("angle", angle))) {
+            if !(angle > 0.0 && angle <= HALF) {
+                let problem = format!("{angle} degrees are not above 0 and at most 180");
+                return Err((key, problem));
+            }
         }
         let twist = self.twist.map_or(Limits::UNBOUNDED, |[lower, upper]| {
             Limits::new(lower.to_radians(), upper.to_radians())
@@ -130,8 +133,9 @@ impl Entry {
             let key = if elliptic { "swing" } else { "about" };
             return Err((key, problem.to_owned()));
         }
-        if self.swing.is_none() && self.twist.is_none() {
-            return Err(("", "neither `swing` nor `twist` is given".to_owned()));
+        if self.swing.is_none() && self.twist.is_none() && self.angle.is_none() {
+            let problem = "none of `swing`, `twist` and `angle` is given";
+            return Err(("", problem.to_owned()));
         }
         for (key, axis) in [("axis", self.axis), ("about", self.about)] {
             let length = axis.map(|axis| Vector3::from(axis).norm());
@@ -143,6 +147,7 @@ impl Entry {
             swing: swing.map(f64::to_radians),
             twist,
             about: self.about.map(Vector3::from),
+            angle: self.angle.map(f64::to_radians),
         };
         let axis = self.axis.map(Vector3::from);
         Ok(BoneCone { axis, limits })

@@ -1,4 +1,6 @@
-//! How far a ball joint may go: a cone for its swing and a range for its twist.
+//! How far a ball joint may go: a cone for its swing, a range for its twist, an angle for both together.
+
+use std::f64::consts::PI;
 
 use super::Limits;
 use crate::spatial::Vector3;
@@ -21,6 +23,10 @@ pub struct BallLimits {
     /// The first axis of the ellipse, in the joint's own frame; what of it is along the joint's axis does not
     /// count. `None`: any, as for a circular cone.
     pub about: Option<Vector3<f64>>,
+    /// How far it may turn in all, about whatever axis, in radians, above 0; `None`: as far as swing and twist let
+    /// it. A whole turn there and back is π: more is no limit.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub angle: Option<f64>,
 }
 
 impl BallLimits {
@@ -31,6 +37,22 @@ impl BallLimits {
             swing: [swing; 2],
             twist,
             about: None,
+            angle: None,
+        }
+    }
+
+    /// A turn about any axis by this angle at most, in radians.
+    #[must_use]
+    pub fn within_angle(angle: f64) -> Self {
+        Self::cone(PI, Limits::UNBOUNDED).with_angle(angle)
+    }
+
+    /// The same with the whole rotation within an angle, in radians.
+    #[must_use]
+    pub fn with_angle(self, angle: f64) -> Self {
+        Self {
+            angle: Some(angle),
+            ..self
         }
     }
 
@@ -42,19 +64,33 @@ impl BallLimits {
             swing,
             twist,
             about: Some(about.into()),
+            angle: None,
         }
+    }
+
+    /// Whether swing or twist are limited at all.
+    pub(super) fn has_cone(&self) -> bool {
+        let Limits { lower, upper } = self.twist;
+        self.swing.iter().any(|&half| half < PI) || lower > -PI || upper < PI
     }
 
     /// What is wrong with it for a joint of this axis, if anything.
     pub(super) fn fault(&self, axis: Vector3<f64>) -> Option<&'static str> {
-        let angle = |swing: f64| swing > 0.0 && swing <= std::f64::consts::PI;
-        let turn = |end: f64| end.abs() <= std::f64::consts::PI || end.is_infinite();
+        let angle = |swing: f64| swing > 0.0 && swing <= PI;
+        let turn = |end: f64| end.abs() <= PI || end.is_infinite();
         let ends = [self.twist.lower, self.twist.upper];
         if !self.swing.iter().all(|&swing| angle(swing)) {
             return Some("a swing that is not above 0 and at most π");
         }
         if !self.twist.is_valid() || !ends.into_iter().all(turn) {
             return Some("a twist that is no range within [-π, π]");
+        }
+        let least = self.twist.clamp(0.0).abs();
+        if self
+            .angle
+            .is_some_and(|angle| angle <= least || angle.is_nan())
+        {
+            return Some("a whole angle that is not above 0, or below the least twist");
         }
         let about = self
             .about

@@ -1,7 +1,7 @@
 //! The three variables of a ball joint: what they make of its quaternion, and their bounds.
 
 use super::{BallLimits, Limits, RotationChart};
-use crate::spatial::Quaternion;
+use crate::spatial::{Quaternion, Vector3};
 
 /// The three variables of a ball joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,12 +15,45 @@ pub(crate) struct BallVariables {
     pub(crate) chart: RotationChart,
     /// The half axes of the ellipse that the first two stay in, in radians.
     pub(crate) swing: Option<[f64; 2]>,
+    /// How far it may turn in all, in radians.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) angle: Option<f64>,
 }
 
+/// An axis that is swung right round is so by any swing, each with another twist: a quaternion there does not tell
+/// which it was. So near to that none comes, in radians, that rounding leaves the direction to nine digits.
+const WIDEST_SWING: f64 = std::f64::consts::PI - 1e-7;
+
 impl BallVariables {
+    /// Of a joint whose quaternion and variables begin here, within these limits.
+    pub(super) fn new(
+        coordinate: usize,
+        variable: usize,
+        axis: Vector3<f64>,
+        limits: Option<&BallLimits>,
+    ) -> Self {
+        let cone = limits.filter(|limits| limits.has_cone());
+        Self {
+            coordinate,
+            variable,
+            chart: RotationChart::new(axis, limits),
+            swing: cone.map(|limits| limits.swing.map(|half| half.min(WIDEST_SWING))),
+            angle: limits.and_then(|limits| limits.angle),
+        }
+    }
+
     /// Its part of x.
     pub(crate) fn of<S: Copy>(&self, x: &[S]) -> Option<[S; 3]> {
         x.get(self.variable..)?.first_chunk().copied()
+    }
+
+    /// By what angle it is turned from one x to another.
+    pub(crate) fn angle_between(&self, from: &[f64], to: &[f64]) -> f64 {
+        let turned = self.of(from).zip(self.of(to)).map(|(from, to)| {
+            let back = self.chart.rotation(from).conjugate();
+            (back * self.chart.rotation(to)).log().norm()
+        });
+        turned.unwrap_or(0.0)
     }
 
     /// The derivatives of w, x, y and z by each variable: ½ ω q for the angular velocity ω that goes with

@@ -5,10 +5,14 @@
 //! 2018, "A micro Lie theory for state estimation in robotics", eq. 25, 172 and 179 on SO(3) and SE(3)).
 
 use super::parameter_map::{check_configuration, check_length, check_numbers};
+use super::rotation_chart::any_rotation;
 use super::segment::{Segment, SegmentKind, quaternion_at, write_quaternion};
 use super::{JointKind, Limits, Model, ModelError, RotationChart};
 use crate::random::RandomStream;
 use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_exp_jacobian, rotation_log_jacobian};
+
+/// So often a rotation is drawn until it is within an angle: of a narrow cone with a wide twist few are.
+const DRAWS: usize = 1000;
 
 const VELOCITY: &str = "a velocity of this model";
 
@@ -124,14 +128,8 @@ impl Model {
             let Some(limits) = self.joints[segment.ball().index()].ball else {
                 return true;
             };
-            quaternion_at(&q[at..]).is_some_and(|rotation| {
-                let [first, second, twist] = self.chart(segment).variables(rotation);
-                let [a, b] = limits.swing;
-                let share = (first / a) * (first / a) + (second / b) * (second / b);
-                let Limits { lower, upper } = limits.twist;
-                share.sqrt() <= 1.0 + ROUNDING
-                    && (lower - ROUNDING..=upper + ROUNDING).contains(&twist)
-            })
+            quaternion_at(&q[at..])
+                .is_some_and(|rotation| self.chart(segment).is_within(rotation, &limits, ROUNDING))
         };
         q.len() == self.configuration_len()
             && q.iter().zip(self.limits()).all(within)
@@ -161,12 +159,16 @@ impl Model {
             let drawn = match self.joints[segment.ball().index()].ball {
                 None => any_rotation(&mut random),
                 Some(limits) => {
-                    let [first, second] = in_disc(&mut random);
-                    let [a, b] = limits.swing;
-                    let (lower, upper) = limits.twist.sampling_range(0.0, std::f64::consts::PI);
-                    let twist = lower + (upper - lower) * random.unit();
                     let chart = self.chart(segment);
-                    chart.rotation([a * first, b * second, twist])
+                    let within = |rotation: &Quaternion<f64>| {
+                        limits
+                            .angle
+                            .is_none_or(|angle| rotation.log().norm() <= angle)
+                    };
+                    let mut draws = (0..DRAWS).map(|_| chart.draw(&limits, &mut random));
+                    let unturned =
+                        quaternion_at(&q[at..]).unwrap_or(Quaternion::exp(Vector3::zero()));
+                    draws.find(within).unwrap_or(unturned)
                 }
             };
             write_quaternion(drawn, &mut q[at..at + 4]);
@@ -252,27 +254,4 @@ fn turn(from: &[f64], by: &[f64], to: &mut [f64]) {
 /// The rotation vector between two quaternions, in the first one's own axes.
 fn turned(from: &[f64], to: &[f64]) -> Vector3<f64> {
     (unit(from).conjugate() * unit(to)).log()
-}
-
-/// Uniform over all rotations: a point of the ball in four dimensions, made of unit length.
-fn any_rotation(random: &mut RandomStream) -> Quaternion<f64> {
-    for _ in 0..1000 {
-        let drawn: [f64; 4] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
-        let squared: f64 = drawn.iter().map(|c| c * c).sum();
-        if (1e-3..1.0).contains(&squared) {
-            return unit(&drawn);
-        }
-    }
-    unit(&[1.0, 0.0, 0.0, 0.0])
-}
-
-/// Uniform within the unit disc.
-fn in_disc(random: &mut RandomStream) -> [f64; 2] {
-    for _ in 0..1000 {
-        let drawn: [f64; 2] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
-        if drawn[0] * drawn[0] + drawn[1] * drawn[1] < 1.0 {
-            return drawn;
-        }
-    }
-    [0.0; 2]
 }

@@ -2,11 +2,10 @@
 //!
 //! Locked joints, URDF `mimic` joints, coupled joints and "only this arm" are all this one map.
 //! Every coordinate of q depends on at most one variable, so limits on q are limits on x and hard
-//! bounds stay boxes; but for ball joints, whose four depend on three (see [`RotationChart`]).
+//! bounds stay boxes; but for ball joints, whose four depend on three (see [`BallVariables`]).
 
 use super::{
-    BallVariables, Joint, JointKind, Limits, Model, ModelError, ParameterMapBuilder, RotationChart,
-    quaternion_at,
+    BallVariables, Joint, JointKind, Limits, Model, ModelError, ParameterMapBuilder, quaternion_at,
 };
 use crate::scalar::Scalar;
 use crate::spatial::{Quaternion, Vector3};
@@ -144,12 +143,7 @@ impl ParameterMap {
     pub(super) fn add_ball(&mut self, coordinate: usize, joint: &Joint, within_limits: bool) {
         let limits = joint.ball.as_ref().filter(|_| within_limits);
         let variable = self.leaders.len();
-        let ball = BallVariables {
-            coordinate,
-            variable,
-            chart: RotationChart::new(joint.axis, limits),
-            swing: limits.map(|limits| limits.swing.map(|half| half.min(WIDEST_SWING))),
-        };
+        let ball = BallVariables::new(coordinate, variable, joint.axis, limits);
         self.sources[coordinate..coordinate + 4].fill(Source::Rotation { variable });
         for (k, bounds) in ball.bounds(limits).into_iter().enumerate() {
             self.leaders.push(coordinate + k);
@@ -362,10 +356,6 @@ pub(crate) fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ModelE
     check_length(CONFIGURATION, q.len(), model.configuration_len())?;
     check_numbers(CONFIGURATION, q)
 }
-
-/// An axis that is swung right round is so by any swing, each with another twist: a quaternion there does not tell
-/// which it was. So near to that none comes, in radians, that rounding leaves the direction to nine digits.
-const WIDEST_SWING: f64 = std::f64::consts::PI - 1e-7;
 
 const CONFIGURATION: &str = "a configuration of this model";
 const VARIABLES: &str = "the variables of this map";

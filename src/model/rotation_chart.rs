@@ -1,11 +1,14 @@
 //! The three variables that a solver moves a ball joint by.
 //!
-//! Without limits they are the rotation vector: exact derivatives everywhere within a turn, and a longer
-//! one is the same rotation as one within half a turn. With limits they are the swing's two angles and the
+//! Without a cone they are the rotation vector: exact derivatives everywhere within a turn, and a longer
+//! one is the same rotation as one within half a turn. With one they are the swing's two angles and the
 //! twist, so that the twist has bounds like any joint's and the swing an ellipse; this chart has no
 //! singular place but a swing by π.
 
-use super::BallLimits;
+use std::f64::consts::PI;
+
+use super::{BallLimits, Limits, quaternion_at};
+use crate::random::RandomStream;
 use crate::scalar::Scalar;
 use crate::spatial::{Quaternion, Vector3, rotation_exp_jacobian};
 
@@ -31,7 +34,8 @@ pub(crate) struct SwingFrame {
 impl RotationChart {
     /// For a ball joint of this unit axis.
     pub(super) fn new(axis: Vector3<f64>, limits: Option<&BallLimits>) -> Self {
-        limits.map_or(Self::Exponential, |limits| {
+        let cone = limits.filter(|limits| limits.has_cone());
+        cone.map_or(Self::Exponential, |limits| {
             Self::SwingTwist(SwingFrame::new(axis, limits.about))
         })
     }
@@ -52,6 +56,45 @@ impl RotationChart {
         match self {
             Self::Exponential => rotation.log().to_array(),
             Self::SwingTwist(frame) => frame.part(rotation),
+        }
+    }
+
+    /// Whether a rotation is within a ball joint's limits, to `rounding` in radians and as a share of its cone.
+    pub(super) fn is_within(
+        &self,
+        rotation: Quaternion<f64>,
+        limits: &BallLimits,
+        rounding: f64,
+    ) -> bool {
+        let within = match self {
+            Self::Exponential => true,
+            Self::SwingTwist(frame) => {
+                let [first, second, twist] = frame.part(rotation);
+                let [a, b] = limits.swing;
+                let share = (first / a) * (first / a) + (second / b) * (second / b);
+                let Limits { lower, upper } = limits.twist;
+                share.sqrt() <= 1.0 + rounding
+                    && (lower - rounding..=upper + rounding).contains(&twist)
+            }
+        };
+        let angle = || rotation.log().norm();
+        within && limits.angle.is_none_or(|most| angle() <= most + rounding)
+    }
+
+    /// A rotation drawn within a cone and a range of twist, or within the angle of a joint without those.
+    pub(super) fn draw(&self, limits: &BallLimits, random: &mut RandomStream) -> Quaternion<f64> {
+        match self {
+            Self::Exponential => {
+                let most = limits.angle.unwrap_or(PI).min(PI);
+                Quaternion::exp(Vector3::from(in_ball(random)) * most)
+            }
+            Self::SwingTwist(_) => {
+                let [first, second] = in_ball(random);
+                let [a, b] = limits.swing;
+                let (lower, upper) = limits.twist.sampling_range(0.0, PI);
+                let twist = lower + (upper - lower) * random.unit();
+                self.rotation([a * first, b * second, twist])
+            }
         }
     }
 
@@ -130,4 +173,21 @@ impl SwingFrame {
             S::constant(2.0) * sin.atan2(cos),
         ]
     }
+}
+
+/// Uniform over all rotations: a point of the ball in four dimensions, made of unit length.
+pub(super) fn any_rotation(random: &mut RandomStream) -> Quaternion<f64> {
+    let drawn: [f64; 4] = in_ball(random);
+    quaternion_at(&drawn).unwrap_or(Quaternion::exp(Vector3::zero()))
+}
+
+/// Uniform within the unit ball of so many dimensions.
+fn in_ball<const N: usize>(random: &mut RandomStream) -> [f64; N] {
+    for _ in 0..1000 {
+        let drawn: [f64; N] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
+        if drawn.iter().map(|c| c * c).sum::<f64>() < 1.0 {
+            return drawn;
+        }
+    }
+    [0.0; N]
 }

@@ -1,5 +1,6 @@
 //! Builds a problem: resolves ids, sizes, weights and bounds once.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::anchor::anchor;
@@ -9,7 +10,7 @@ use super::{
 };
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};
-use crate::solver::{RotationSets, Swing};
+use crate::solver::{RotationSets, Swing, TurnLimit};
 use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
 
 /// Default tolerance of lengths in metres and angles in radians.
@@ -190,6 +191,13 @@ impl<'m> ProblemBuilder<'m> {
                     half_angles,
                 }),
             }
+            if let Some(most) = ball.angle.filter(|angle| *angle < PI) {
+                let third = ball.variable + 2;
+                let twist = Limits::new(map.lower()[third], map.upper()[third]);
+                let inside = [0.0, 0.0, twist.clamp(0.0)];
+                let turn = TurnLimit::from_zero(ball.variable, ball.chart, inside, most);
+                rotations.turns.push(turn);
+            }
         }
         let name_of = |variable: usize| {
             let joint = &leading_joint(variable).name;
@@ -206,6 +214,10 @@ impl<'m> ProblemBuilder<'m> {
             model: model.name().to_owned(),
             length_unit: model.length_unit(),
             variables: variables.clone().map(name_of).collect(),
+            joints: variables
+                .clone()
+                .map(|v| leading_joint(v).name.clone())
+                .collect(),
             variable_is_angle: variables.map(|v| !leading_joint(v).kind.slides()).collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
             loops: model.loops().iter().map(|own| own.name.clone()).collect(),

@@ -305,19 +305,6 @@ impl Problem {
         self.floating.contains(&true)
     }
 
-    /// How far a variable may go for its joint to turn by no more than one radian: less than that for the
-    /// three of a ball, whose angle is at most the length of a rotation vector's change, or that of the swing's and the
-    /// twist's together.
-    pub(crate) fn share_of_turn(&self, variable: usize) -> f64 {
-        let balls = self.map.balls().iter();
-        let mut own = balls.filter(|b| (b.variable..b.variable + 3).contains(&variable));
-        match own.next().map(|ball| ball.swing) {
-            None => 1.0,
-            Some(None) => 1.0 / 3.0_f64.sqrt(),
-            Some(Some(_)) => 1.0 / (1.0 + 2.0_f64.sqrt()),
-        }
-    }
-
     /// The bounded swing that a variable is one of the two numbers of.
     pub(crate) fn swing_at(&self, variable: usize) -> Option<&Swing> {
         self.rotations.swing_of(variable)

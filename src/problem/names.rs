@@ -9,8 +9,11 @@ use crate::model::LengthUnit;
 pub(crate) struct ReportNames {
     pub(crate) model: String,
     pub(crate) length_unit: LengthUnit,
-    /// The joint that each variable moves directly.
+    /// The joint that each variable moves directly, or which part of a ball joint.
     pub(crate) variables: Vec<String>,
+    /// The joints themselves.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) joints: Vec<String>,
     /// Whether that joint turns, rather than slides.
     pub(crate) variable_is_angle: Vec<bool>,
     pub(crate) tasks: Vec<String>,

@@ -3,7 +3,7 @@
 use super::{Problem, Scratch, Targets};
 use crate::kinematics::Tree;
 use crate::model::{Limits, ParameterMap};
-use crate::solver::ConfigurationSpace;
+use crate::solver::{ConfigurationSpace, TurnLimit};
 use crate::task::ErasedResidual;
 
 /// One question to a [`Problem`]. A reference to a problem is one: with the targets that it was built
@@ -14,6 +14,8 @@ pub struct Question<'a> {
     pub(crate) targets: &'a Targets,
     lower: &'a [f64],
     upper: &'a [f64],
+    /// How far balls may go from where they stood.
+    moves: &'a [TurnLimit],
     tree: &'a Tree,
 }
 
@@ -24,6 +26,7 @@ impl<'a> From<&'a Problem> for Question<'a> {
             targets: &problem.targets,
             lower: problem.lower(),
             upper: problem.upper(),
+            moves: &[],
             tree: &problem.tree,
         }
     }
@@ -52,7 +55,8 @@ impl<'a> Question<'a> {
     /// The space of the variables, within these bounds.
     #[must_use]
     pub fn space(&self) -> ConfigurationSpace<'a> {
-        ConfigurationSpace::new(self.lower, self.upper).with_rotations(&self.problem.rotations)
+        ConfigurationSpace::new(self.lower, self.upper)
+            .with_rotations(&self.problem.rotations, self.moves)
     }
 
     /// The same with other targets, which are of this problem.
@@ -60,11 +64,12 @@ impl<'a> Question<'a> {
         Self { targets, ..self }
     }
 
-    /// The same within other bounds, which lie within the problem's.
-    pub(crate) fn within(self, lower: &'a [f64], upper: &'a [f64]) -> Self {
+    /// The same within other bounds, which lie within the problem's, and with balls no further than these moves.
+    pub(crate) fn within(self, lower: &'a [f64], upper: &'a [f64], moves: &'a [TurnLimit]) -> Self {
         Self {
             lower,
             upper,
+            moves,
             ..self
         }
     }
@@ -87,6 +92,10 @@ impl<'a> Question<'a> {
     /// Where random values of a variable are drawn from: its bounds, or where one is missing or
     /// endlessly far away π or the reach from `at`.
     pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
+        let mut moves = self.moves.iter();
+        if let Some(turn) = moves.find(|turn| turn.variables().contains(&variable)) {
+            return turn.range_of(variable);
+        }
         let bounds = Limits::new(self.lower[variable], self.upper[variable]);
         bounds.sampling_range(at, self.problem.spread(variable))
     }

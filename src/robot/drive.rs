@@ -35,6 +35,18 @@ impl Robot {
         self.drives.get(joint.index())?.velocity
     }
 
+    /// How far each joint gets in a time, in radians or metres: its [`velocity_limit`](Self::velocity_limit) times
+    /// `seconds`, one for every number of a configuration, infinity for what has no limit. For
+    /// [`MoveLimits::new`](crate::ik::MoveLimits::new), which refuses what a negative time makes of it. A ball turns by
+    /// the angle; a free joint's slides and ball each have their own.
+    #[must_use]
+    pub fn moves_within(&self, seconds: f64) -> Vec<f64> {
+        let joints = self.model.moving_joints().iter();
+        let speeds = joints.map(|&joint| self.velocity_limit(joint));
+        let moves = speeds.map(|speed| speed.map_or(f64::INFINITY, |speed| speed * seconds));
+        moves.collect()
+    }
+
     /// How hard a joint may push, in N·m or N: `effort` of its `<limit>` in the file. `None` as for
     /// [`velocity_limit`](Self::velocity_limit).
     #[must_use]

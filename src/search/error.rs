@@ -35,4 +35,30 @@ pub enum SolveError {
         /// The value.
         value: f64,
     },
+    /// Another number of moves than a configuration has numbers.
+    #[error("{given} moves are given, a configuration of `{model}` has {expected} numbers")]
+    MovesLength {
+        /// The model.
+        model: String,
+        /// Moves given.
+        given: usize,
+        /// The numbers of a configuration.
+        expected: usize,
+    },
+    /// Several moves for one ball joint, which turns by one angle.
+    #[error("the four moves of ball joint `{joint}` are not the same")]
+    MovesOfBall {
+        /// The joint.
+        joint: String,
+    },
+    /// Moves of a problem with other variables.
+    #[error("moves of a problem of {given} variables; that on `{model}` has {expected}")]
+    ForeignMoves {
+        /// The model.
+        model: String,
+        /// The variables of the moves.
+        given: usize,
+        /// The variables of the problem.
+        expected: usize,
+    },
 }

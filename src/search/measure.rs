@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::solution::Blocked;
 use super::{BoundKind, RowsReport, Solution};
 use crate::problem::{Evaluation, Question, ReportNames, Scratch, Share};
-use crate::solver::{Side, SolverState, Stopping, half_squared, negligible_slope};
+use crate::solver::{Edge, Side, SolverState, Stopping, half_squared, negligible_slope};
 use crate::task::{Quantity, Role};
 
 /// Where a search ended, and what is known of that place.
@@ -126,18 +126,30 @@ impl Solution {
                 Side::Lower => limits.lower()[variable],
                 Side::Upper => limits.upper()[variable],
             };
-            let swing = limits.swing_at(variable);
-            let value = swing.map_or(x[variable], |swing| swing.angle(x));
             // The bounds of a move lie within the limits.
-            let kind = match value == limit || swing.is_some() {
+            let kind_of = |value: f64| match value == limit {
                 true => BoundKind::Limit,
                 false => BoundKind::Move,
+            };
+            let value = x[variable];
+            let (side, kind, value, is_whole) = match space.edge_at(x, variable) {
+                None => (side, kind_of(value), value, false),
+                Some(Edge::Swing) => {
+                    let swing = limits.swing_at(variable);
+                    let angle = swing.map_or(value, |swing| swing.angle(x));
+                    (side, BoundKind::Limit, angle, false)
+                }
+                Some(Edge::Twist { upper: true }) => (side, BoundKind::Limit, value, false),
+                Some(Edge::Twist { upper: false }) => (Side::Lower, BoundKind::Limit, value, false),
+                Some(Edge::Angle(most)) => (side, BoundKind::Limit, most, true),
+                Some(Edge::Move(most)) => (side, BoundKind::Move, most, true),
             };
             self.blocked.push(Blocked {
                 variable,
                 side,
                 kind,
                 value,
+                is_whole,
                 push: g.abs(),
             });
         }

@@ -15,6 +15,7 @@ mod explain;
 mod hops;
 mod keeper;
 mod measure;
+mod move_limits;
 #[cfg(feature = "serde")]
 mod non_finite;
 mod open_loops;
@@ -29,6 +30,8 @@ pub(crate) use attempts::{Attempts, Engine, run};
 pub(crate) use check_start::{check_start, variables_at};
 pub use error::SolveError;
 pub(crate) use measure::End;
+pub use move_limits::MoveLimits;
+pub(crate) use move_limits::{slide_per_radian, within};
 pub use open_loops::OpenLoop;
 pub(crate) use pulling::Pulls;
 pub use restarts::Restarts;

@@ -25,13 +25,13 @@ pub enum BoundKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ActiveLimit<'a> {
-    /// The joint's name.
+    /// The joint's name; of a ball with a cone, with "swing" or "twist" where it is one of those.
     pub joint: &'a str,
     /// Which limit.
     pub side: Side,
     /// The joint's limit, or that of its move.
     pub kind: BoundKind,
-    /// The limit, in radians or metres.
+    /// The limit, in radians or metres; of a ball's swing, its whole angle or its move, that angle.
     pub value: f64,
     /// Whether the limit is an angle.
     pub is_angle: bool,
@@ -46,6 +46,9 @@ pub(super) struct Blocked {
     pub(super) side: Side,
     pub(super) kind: BoundKind,
     pub(super) value: f64,
+    /// Of the joint as a whole, not of one of a ball's variables.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) is_whole: bool,
     #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub(super) push: f64,
 }
@@ -251,8 +254,12 @@ impl Solution {
     pub fn active_limits(&self) -> impl Iterator<Item = ActiveLimit<'_>> {
         self.blocked.iter().filter_map(|blocked| {
             let names = self.names.as_deref()?;
+            let own = match blocked.is_whole {
+                true => &names.joints,
+                false => &names.variables,
+            };
             Some(ActiveLimit {
-                joint: names.variables.get(blocked.variable)?,
+                joint: own.get(blocked.variable)?,
                 side: blocked.side,
                 kind: blocked.kind,
                 value: blocked.value,

@@ -1,6 +1,7 @@
 //! The space that x is from: the one place that knows how it is moved and bounded.
 
-use super::rotation_sets::{self, RotationSets, Swing};
+use super::rotation_sets::{self, RotationSets};
+use super::turn_limit::TurnLimit;
 
 /// Which end of a joint's range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,14 +16,17 @@ pub enum Side {
 /// How variables are moved by a step, compared, and kept within their bounds.
 ///
 /// Every variable is a number within its bounds. Beside those, three may be a rotation vector, of which
-/// one by more than half a turn is replaced by a shorter one, and two a ball joint's swing, within an ellipse:
-/// on its edge a step has for the first of them what leads across it, outward, and for the second what leads
-/// along, so that on an edge as on a bound one variable is held and the others are free.
+/// one by more than half a turn is replaced by a shorter one, two a ball joint's swing, within an ellipse, and three
+/// a ball joint that turns no further than an angle from some place: on an edge a step has for one of them what
+/// leads across it, outward, and for the others what leads along, so that on an edge as on a bound one variable is
+/// held and the others are free.
 #[derive(Clone, Copy, Debug)]
 pub struct ConfigurationSpace<'a> {
-    lower: &'a [f64],
-    upper: &'a [f64],
-    rotations: &'a RotationSets,
+    pub(super) lower: &'a [f64],
+    pub(super) upper: &'a [f64],
+    pub(super) rotations: &'a RotationSets,
+    /// How far balls may go from where they stood.
+    pub(super) moves: &'a [TurnLimit],
 }
 
 impl<'a> ConfigurationSpace<'a> {
@@ -33,12 +37,21 @@ impl<'a> ConfigurationSpace<'a> {
             lower,
             upper,
             rotations: const { &RotationSets::NONE },
+            moves: &[],
         }
     }
 
-    /// The same with variables that turn ball joints.
-    pub(crate) fn with_rotations(self, rotations: &'a RotationSets) -> Self {
-        Self { rotations, ..self }
+    /// The same with variables that turn ball joints, no further than these moves.
+    pub(crate) fn with_rotations(
+        self,
+        rotations: &'a RotationSets,
+        moves: &'a [TurnLimit],
+    ) -> Self {
+        Self {
+            rotations,
+            moves,
+            ..self
+        }
     }
 
     /// Whether there is a bound on either side for each of so many variables.
@@ -59,35 +72,8 @@ impl<'a> ConfigurationSpace<'a> {
         for ((to, &x), &step) in to.iter_mut().zip(x).zip(step) {
             *to = x + share * step;
         }
-        for (swing, [across, along]) in self.edges(x) {
-            let [out, on] = [0, 1].map(|k| share * step[swing.first + k]);
-            to[swing.first] = x[swing.first] + across * out - along * on;
-            to[swing.first + 1] = x[swing.first + 1] + along * out + across * on;
-        }
-    }
-
-    /// The swings at their edges, with the outward normals there.
-    fn edges(&self, x: &[f64]) -> impl Iterator<Item = (&'a Swing, [f64; 2])> {
-        let swings = self.rotations.swings.iter();
-        swings.filter_map(move |swing| Some((swing, swing.normal(x)?)))
-    }
-
-    /// Turns derivatives by the variables into derivatives by a step's components: the columns of a Jacobian
-    /// of so many rows, or with one row a gradient.
-    pub(crate) fn by_steps(&self, x: &[f64], rows: usize, derivatives: &mut [f64]) {
-        for (swing, [across, along]) in self.edges(x) {
-            let from = swing.first * rows;
-            let Some(pair) = derivatives.get_mut(from..from + 2 * rows) else {
-                return;
-            };
-            let (first, second) = pair.split_at_mut(rows);
-            for (first, second) in first.iter_mut().zip(second) {
-                let (out, on) = (
-                    across * *first + along * *second,
-                    across * *second - along * *first,
-                );
-                (*first, *second) = (out, on);
-            }
+        for frame in self.frames(x) {
+            frame.integrate(x, share, step, to);
         }
     }
 
@@ -95,15 +81,8 @@ impl<'a> ConfigurationSpace<'a> {
     /// that was really taken, after rounding.
     #[inline]
     pub fn integrate_one(&self, x: &[f64], component: usize, step: f64, to: &mut [f64]) -> f64 {
-        if let Some(swing) = self.rotations.swing_of(component)
-            && let Some([across, along]) = swing.normal(x)
-        {
-            let (first, second) = match component == swing.first {
-                true => (across, along),
-                false => (-along, across),
-            };
-            to[swing.first] = x[swing.first] + first * step;
-            to[swing.first + 1] = x[swing.first + 1] + second * step;
+        if let Some(frame) = self.frame_of(x, component) {
+            frame.integrate_one(x, component, step, to);
             return step;
         }
         to[component] = x[component] + step;
@@ -114,9 +93,8 @@ impl<'a> ConfigurationSpace<'a> {
     #[inline]
     pub fn return_one(&self, x: &[f64], component: usize, to: &mut [f64]) {
         to[component] = x[component];
-        if let Some(swing) = self.rotations.swing_of(component) {
-            let pair = swing.first..swing.first + 2;
-            to[pair.clone()].copy_from_slice(&x[pair]);
+        if let Some(frame) = self.frame_of(x, component) {
+            to[frame.variables()].copy_from_slice(&x[frame.variables()]);
         }
     }
 
@@ -129,14 +107,16 @@ impl<'a> ConfigurationSpace<'a> {
         for &first in &self.rotations.vectors {
             rotation_sets::shorten(&mut step[first..first + 3], &to[first..first + 3]);
         }
-        self.by_steps(from, 1, step);
+        for frame in self.frames(from) {
+            frame.components(step);
+        }
     }
 
-    /// ‖to ⊖ from‖∞.
+    /// ‖to ⊖ from‖∞; `step` is room for the [`difference`](Self::difference).
     #[must_use]
-    pub fn distance(&self, to: &[f64], from: &[f64]) -> f64 {
-        let moves = to.iter().zip(from).map(|(to, from)| (to - from).abs());
-        moves.fold(0.0, f64::max)
+    pub fn distance(&self, to: &[f64], from: &[f64], step: &mut [f64]) -> f64 {
+        self.difference(to, from, step);
+        step.iter().fold(0.0, |most, part| most.max(part.abs()))
     }
 
     /// Moves x to the nearest place within the bounds; NaN stays NaN.
@@ -159,7 +139,10 @@ impl<'a> ConfigurationSpace<'a> {
             }
         }
         for swing in &self.rotations.swings {
-            swing.project(x, self.lower, self.upper);
+            swing.project(x);
+        }
+        for (turn, is_move) in self.turns() {
+            turn.project(x, |own| self.keeps(turn.first, own, is_move));
         }
     }
 
@@ -184,17 +167,6 @@ impl<'a> ConfigurationSpace<'a> {
         let (lower, upper) = (self.lower[component], self.upper[component]);
         let within = lower <= to && to <= upper;
         (!within).then(|| to.clamp(lower, upper) - x[component])
-    }
-
-    /// How far a component of a swing at its edge may go up: nowhere across it.
-    #[inline]
-    fn room_on_edge(&self, x: &[f64], component: usize) -> Option<f64> {
-        let swing = self.rotations.swing_of(component)?;
-        let near = swing.normal(x).is_some();
-        near.then_some(match component == swing.first && swing.is_on(x) {
-            true => 0.0,
-            false => f64::INFINITY,
-        })
     }
 
     /// Which bound holds one component of x, if one does: it stands there, and a slope of more than
@@ -246,7 +218,7 @@ impl<'a> ConfigurationSpace<'a> {
         let moves = |j: &usize| self.lower[*j] < self.upper[*j];
         free.clear();
         // What no edge can hold, a bound can: most models have no swings.
-        match self.rotations.swings.is_empty() {
+        match !self.has_edges() {
             true => {
                 free.extend((0..x.len()).filter(|&j| {
                     moves(&j) && self.bound_holding(x[j], j, gradient[j], 0.0).is_none()
@@ -263,21 +235,23 @@ impl<'a> ConfigurationSpace<'a> {
     pub fn projected_gradient_norm(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {
         let bounds = self.lower.iter().zip(self.upper);
         let mut largest = 0.0_f64;
-        for ((&x, &slope), (&lower, &upper)) in x.iter().zip(gradient).zip(bounds) {
+        for ((&value, &slope), (&lower, &upper)) in x.iter().zip(gradient).zip(bounds) {
             if !slope.is_finite() {
                 // `min` and `max` would drop a NaN.
                 return f64::NAN;
             }
-            let room = if slope > 0.0 { x - lower } else { upper - x };
+            let room = if slope > 0.0 {
+                value - lower
+            } else {
+                upper - value
+            };
             largest = largest.max((slope.abs() / curvature).min(room));
         }
-        for swing in &self.rotations.swings {
-            // What the box has said of a swing at its edge was of other components.
-            if swing.normal(x).is_some() {
-                return self.projected_gradient_norm_at_edges(x, gradient, curvature);
-            }
+        // What the box has said of a ball at an edge was of other components.
+        match self.frames(x).next() {
+            Some(_) => self.projected_gradient_norm_at_edges(x, gradient, curvature),
+            None => largest,
         }
-        largest
     }
 
     fn projected_gradient_norm_at_edges(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {

@@ -5,6 +5,8 @@
 
 mod configuration_space;
 mod curvature;
+mod edge_frame;
+mod edges;
 mod gauss_newton;
 mod iterate;
 mod least_squares;
@@ -21,8 +23,10 @@ mod rotation_sets;
 mod snapshot;
 mod state;
 mod stopping;
+mod turn_limit;
 
 pub use configuration_space::{ConfigurationSpace, Side};
+pub(crate) use edge_frame::Edge;
 pub use gauss_newton::{GaussNewton, GaussNewtonState};
 pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
@@ -41,3 +45,4 @@ pub(crate) use snapshot::Snapshot;
 pub(crate) use state::half_squared;
 pub use state::{Counts, SolverState};
 pub use stopping::{Stopping, Termination};
+pub(crate) use turn_limit::TurnLimit;

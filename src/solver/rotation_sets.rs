@@ -1,6 +1,10 @@
-//! Variables that belong together as rotations: rotation vectors, and swings within an ellipse.
+//! Variables that belong together as rotations: rotation vectors, swings within an ellipse, turns within an angle.
 
 use std::f64::consts::{PI, TAU};
+
+use super::TurnLimit;
+use super::edge_frame::{Edge, Near};
+use crate::spatial::Vector3;
 
 /// Which variables of a problem turn ball joints.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,6 +13,8 @@ pub(crate) struct RotationSets {
     pub(crate) vectors: Vec<usize>,
     /// The swings that are bounded.
     pub(crate) swings: Vec<Swing>,
+    /// The balls that turn no further than an angle.
+    pub(crate) turns: Vec<TurnLimit>,
 }
 
 impl RotationSets {
@@ -16,6 +22,7 @@ impl RotationSets {
     pub(crate) const NONE: Self = Self {
         vectors: Vec::new(),
         swings: Vec::new(),
+        turns: Vec::new(),
     };
 
     /// The swing that a variable is one of the two numbers of.
@@ -93,31 +100,35 @@ impl Swing {
         ))
     }
 
-    /// Puts it into the ellipse and the box, both of which hold the box's centre: to the nearest point of the
-    /// ellipse, or towards that centre where the box is the narrower.
-    pub(super) fn project(&self, x: &mut [f64], lower: &[f64], upper: &[f64]) {
+    /// Its edge, where that is near.
+    pub(super) fn near(&self, x: &[f64]) -> Option<Near> {
+        let [first, second] = self.normal(x)?;
+        Some(Near {
+            edge: Edge::Swing,
+            is_on: self.is_on(x),
+            normal: Vector3::new(first, second, 0.0),
+        })
+    }
+
+    /// Whether two angles are within the ellipse.
+    pub(super) fn holds(&self, pair: [f64; 2]) -> bool {
+        self.share(pair) <= 1.0
+    }
+
+    /// Puts it into the ellipse, to the nearest point of that.
+    pub(super) fn project(&self, x: &mut [f64]) {
         let place = self.of(x);
         let share = self.share(place);
         if share <= 1.0 - WITHIN || !share.is_finite() {
             return;
         }
-        let pair = self.first..self.first + 2;
-        let [lower, upper] = [lower, upper].map(|ends| &ends[pair.clone()]);
-        let sizes = self.half_angles.iter().zip(lower.iter().zip(upper));
-        let is_whole = sizes.clone().all(|(a, (l, u))| *l <= -a && *u >= *a);
-        let put = match is_whole {
-            true => self.nearest(place),
-            false => {
-                let centre = [0, 1].map(|k| 0.5 * (lower[k] + upper[k]));
-                self.towards(centre, place)
-            }
-        };
+        let put = self.nearest(place);
         let outside = self.share(put) / (1.0 - WITHIN);
-        let put = match outside > 1.0 && is_whole {
+        let put = match outside > 1.0 {
             true => put.map(|value| value / outside),
             false => put,
         };
-        x[pair].copy_from_slice(&put);
+        x[self.first..self.first + 2].copy_from_slice(&put);
     }
 
     /// The nearest point of the ellipse: a_i² p_i / (t + a_i²) for the t ≥ 0 at which it is on the edge.
@@ -137,21 +148,6 @@ impl Swing {
             t -= value / slope;
         }
         [0, 1].map(|k| squares[k] * place[k] / (t + squares[k]))
-    }
-
-    /// The last point within the ellipse on the way from one within it.
-    fn towards(&self, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
-        // |from + t (to − from)|² = 1 as the ellipse measures.
-        let [c, d] = [0, 1].map(|k| from[k] / self.half_angles[k]);
-        let [u, v] = [0, 1].map(|k| (to[k] - from[k]) / self.half_angles[k]);
-        let edge = (1.0 - WITHIN) * (1.0 - WITHIN);
-        let (square, half, rest) = (u * u + v * v, c * u + d * v, c * c + d * d - edge);
-        let root = (half * half - square * rest).max(0.0).sqrt();
-        let t = match square > 0.0 {
-            true => ((root - half) / square).clamp(0.0, 1.0),
-            false => 0.0,
-        };
-        [0, 1].map(|k| from[k] + t * (to[k] - from[k]))
     }
 }
 

@@ -1,14 +1,14 @@
 //! Promise: no configuration that is returned is outside a limit, whatever the joints (cones and twists of balls,
-//! rooms of bases, followers and what is held included), the tasks, the method and the start, reached or not,
+//! whole angles, rooms of bases, followers, what is held and how far joints may go from the start included), the tasks, the method and the start, reached or not,
 //! and its quaternions are of unit length to 1e-12.
 //!
 //! A longer search: `KINOPT_CASES=1000000 cargo test --release --test solver every_kind_of_limit`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
-use kinopt::ik::{Drag, Restarts, Solution};
+use kinopt::ik::{BoundKind, Drag, MoveLimits, Restarts, Solution};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::problem::{Preferences, ProblemBuilder};
+use kinopt::problem::{Preferences, ProblemBuilder, Question};
 use kinopt::solver::{Silent, Stopping};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
@@ -114,6 +114,21 @@ fn start(body: &Body, random: &mut Random) -> Vec<f64> {
     }
 }
 
+/// How far joints may go: not at all, hardly, a step, as far as they can.
+fn moves(body: &Body, random: &mut Random) -> Vec<f64> {
+    let mut most = Vec::new();
+    let size = [1e-6, 0.01, 0.3, 2.0][random.below(4)];
+    for rule in &body.rules {
+        let own = match random.below(8) {
+            0 => 0.0,
+            1 => f64::INFINITY,
+            _ => random.within(0.0, size),
+        };
+        most.resize(most.len() + rule.coordinates(), own);
+    }
+    most
+}
+
 /// Most in a few steps, so that they are cut off anywhere; some to their ends.
 fn settings(solver: Solver, random: &mut Random) -> Solver {
     if random.below(40) == 0 {
@@ -131,6 +146,7 @@ struct Tally {
     reached: usize,
     missed: usize,
     against_a_limit: usize,
+    against_a_move: usize,
 }
 
 /// One question to a body, by one of all ways to answer it.
@@ -142,7 +158,7 @@ fn ask(body: &Body, random: &mut Random, tally: &mut Tally, workspace: &mut Work
     };
     let problem = problem(body, random);
     let start = start(body, random);
-    match random.below(8) {
+    match random.below(10) {
         0 => {
             let mut drag = Drag::new(problem, &start).unwrap();
             for _ in 0..1 + random.below(4) {
@@ -162,6 +178,26 @@ fn ask(body: &Body, random: &mut Random, tally: &mut Tally, workspace: &mut Work
                     look(&solution, method.name());
                 }
             }
+        }
+        2 | 3 => {
+            let most = moves(body, random);
+            let limits = MoveLimits::new(&problem, &most, &start).unwrap();
+            let mut stood = vec![0.0; start.len()];
+            let mut x = vec![0.0; problem.variables()];
+            let question = Question::from(&problem).with_moves(&limits).unwrap();
+            problem.parameters().reduce(&start, &mut x).unwrap();
+            question.space().project(&mut x);
+            problem.parameters().expand(&x, &mut stood).unwrap();
+            let solver = settings(Solver::default(), random);
+            let solution = solver.solve(question, &start, workspace).unwrap();
+            look(solution, "moves");
+            let fault =
+                support::kept_limits::moved_too_far(&body.rules, &most, &stood, &solution.q);
+            assert_eq!(fault, None, "{}", solution.explain());
+            let blocked = solution
+                .active_limits()
+                .any(|limit| limit.kind == BoundKind::Move);
+            tally.against_a_move += usize::from(blocked);
         }
         _ => {
             let mut methods = solvers();
@@ -200,13 +236,11 @@ fn none_is_left_by_what_is_returned() {
         }
     }
     let least = wanted / 20;
-    let Tally {
-        reached,
-        missed,
-        against_a_limit,
-    } = tally;
-    assert!(
-        reached > least && missed > least && against_a_limit > least,
-        "{tally:?}"
-    );
+    let counts = [
+        tally.reached,
+        tally.missed,
+        tally.against_a_limit,
+        tally.against_a_move,
+    ];
+    assert!(counts.iter().all(|count| *count > least), "{tally:?}");
 }

@@ -10,6 +10,7 @@ mod from_outside;
 mod invariance;
 mod limits_hold;
 mod method_battery;
+mod moves;
 mod not_finite;
 mod nudges;
 mod overextended_arm;

@@ -151,15 +151,28 @@ impl Parts {
                 joint
             }
             4 | 5 => {
-                let cone = (random.below(4) > 0).then(|| Cone {
-                    axis: direction.into(),
-                    about: across.into(),
-                    swing: swing(random),
-                    twist: twist(random),
+                let cone = match random.below(4) {
+                    0 => None,
+                    kind => Some(Cone {
+                        axis: direction.into(),
+                        about: across.into(),
+                        swing: if kind == 1 { [PI; 2] } else { swing(random) },
+                        twist: if kind == 1 {
+                            Limits::UNBOUNDED
+                        } else {
+                            twist(random)
+                        },
+                        angle: PI,
+                    }),
+                };
+                let cone = cone.map(|cone| whole_angle(cone, random));
+                let limits = cone.as_ref().map(|cone| {
+                    let limits = BallLimits::elliptic(about, cone.swing, cone.twist);
+                    match cone.angle < PI {
+                        true => limits.with_angle(cone.angle),
+                        false => limits,
+                    }
                 });
-                let limits = cone
-                    .as_ref()
-                    .map(|cone| BallLimits::elliptic(about, cone.swing, cone.twist));
                 let joint = builder.ball(name, parent, at, axis, limits);
                 self.moving.push((own, Rule::Ball(cone)));
                 joint
@@ -228,6 +241,17 @@ fn swing(random: &mut Random) -> [f64; 2] {
         0 => [a, a],
         _ => [a, b],
     }
+}
+
+/// A ball that turns no further than an angle, in two of three that have limits at all.
+fn whole_angle(cone: Cone, random: &mut Random) -> Cone {
+    let least = cone.twist.clamp(0.0).abs();
+    let angle = match random.below(3) {
+        0 => PI,
+        1 => least + random.within(1e-3, 0.1),
+        _ => least + random.within(0.1, 2.0),
+    };
+    Cone { angle, ..cone }
 }
 
 fn twist(random: &mut Random) -> Limits {

@@ -18,6 +18,8 @@ pub struct Cone {
     pub about: [f64; 3],
     pub swing: [f64; 2],
     pub twist: Limits,
+    /// How far it may turn in all.
+    pub angle: f64,
 }
 
 /// What one joint's numbers of a configuration may be.
@@ -91,6 +93,10 @@ impl Cone {
     /// Swing and twist as they are defined: the swing is the shortest turn that takes the axis to where the
     /// rotation takes it, and the twist what is left to turn about it.
     pub fn fault(&self, q: &[f64]) -> Option<String> {
+        let angle = angle_between(&[1.0, 0.0, 0.0, 0.0], q);
+        if angle > self.angle + ROUNDING {
+            return Some(format!("turned by {angle:?} of {:?}", self.angle));
+        }
         let (axis, about) = (self.axis, self.about);
         let (tipped, turned) = (rotated(q, axis), rotated(q, about));
         let across = cross(axis, tipped);
@@ -137,6 +143,24 @@ impl Cone {
             exponential(self.axis.map(|a| a * angle)),
         )
     }
+}
+
+/// What has gone further from one configuration to another than it may, by number of the configuration.
+pub fn moved_too_far(rules: &[Rule], most: &[f64], from: &[f64], to: &[f64]) -> Option<String> {
+    let mut at = 0;
+    rules.iter().enumerate().find_map(|(joint, rule)| {
+        let own = at..at + rule.coordinates();
+        at = own.end;
+        let moved = match rule {
+            Rule::Number(_) => (to[own.start] - from[own.start]).abs(),
+            Rule::Ball(_) => angle_between(&from[own.clone()], &to[own.clone()]),
+        };
+        let size = from[own.start].abs().max(1.0);
+        let most = most[own.start];
+        let is_within = moved <= most + 1e-12 * size;
+        (!is_within)
+            .then(|| format!("joint {joint} of the configuration moved by {moved:?}, not {most:?}"))
+    })
 }
 
 /// How far one rotation is from another, in radians.

@@ -95,3 +95,35 @@ fn every_moving_joint_of_a_shipped_arm_has_its_speed() {
     let first = panda.model().joint("joint1").unwrap();
     assert_eq!(panda.velocity_limit(first), Some(2.175));
 }
+
+#[test]
+fn a_step_of_a_controller_goes_no_further_than_speeds_let_it() {
+    let text = r#"<robot name="arm"><link name="a"/><link name="b"/><link name="c"/>
+      <joint name="base" type="floating"><parent link="a"/><child link="b"/>
+        <limit velocity="2" effort="1"/></joint>
+      <joint name="hinge" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/>
+        <limit lower="-2" upper="2" velocity="3" effort="1"/></joint></robot>"#;
+    let robot = Robot::parse(text, "arm.urdf").unwrap();
+    let most = robot.moves_within(0.01);
+    assert_eq!(most.len(), 8);
+    assert_eq!(most[7], 0.03);
+    let model = robot.model();
+    let mut tasks = kinopt::Problem::builder(model);
+    let tip = model.frame("c").unwrap();
+    let turned = kinopt::spatial::Matrix3::from(nalgebra::Matrix3::new(
+        0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+    ));
+    tasks.add(kinopt::task::Orientation::new(tip, turned));
+    let problem = tasks.build().unwrap();
+    let start = model.neutral();
+    let moves = kinopt::ik::MoveLimits::new(&problem, &most, &start).unwrap();
+    let question = kinopt::problem::Question::from(&problem)
+        .with_moves(&moves)
+        .unwrap();
+    let step = kinopt::Solver::default()
+        .solve_once(question, &start)
+        .unwrap();
+    assert!((step.q[7] - 0.03).abs() < 1e-15 && step.q[7] <= 0.03);
+    let negative = robot.moves_within(-0.01);
+    assert!(kinopt::ik::MoveLimits::new(&problem, &negative, &start).is_err());
+}

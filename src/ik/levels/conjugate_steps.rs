@@ -121,7 +121,9 @@ impl Descent {
                     cut: None,
                 };
             };
-            moved = question.space().distance(&self.trial, &self.x);
+            // What was best before is done with.
+            let way = &mut self.last_best;
+            moved = question.space().distance(&self.trial, &self.x, way);
             std::mem::swap(&mut self.x, &mut self.trial);
             std::mem::swap(&mut self.best, &mut self.last_best);
             cost = now;

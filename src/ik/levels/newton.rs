@@ -129,7 +129,9 @@ impl Descent {
             if !gained {
                 return end(iterations, None);
             }
-            moved = question.space().distance(&self.trial, &self.x);
+            // What was best before is done with.
+            let way = &mut self.last_best;
+            moved = question.space().distance(&self.trial, &self.x, way);
             std::mem::swap(&mut self.x, &mut self.trial);
         }
     }

@@ -20,10 +20,15 @@ pub(super) struct Limits {
 impl System {
     /// Says which bounds hold, and takes the held rows and their multipliers with those held.
     pub(super) fn take_limits(&mut self, question: Question<'_>, place: &mut Place) -> Limits {
-        match place.roles.pulled.is_empty() {
+        let mut limits = match place.roles.pulled.is_empty() {
             true => self.hold_idle(question, place),
             false => self.hold_pushed(question, place),
-        }
+        };
+        // How the edge of a whole angle or of a move bends is not known here: what is told there is no derivative.
+        let edge = question.space().on_edge_of_turn(&place.x);
+        let told = limits.weak.take();
+        limits.weak = told.or_else(|| edge.map(|variable| on_limit(question, variable)));
+        limits
     }
 
     /// Where nothing pulls nothing pushes: joints stay on their limits where the held rows can do without them.

@@ -9,9 +9,8 @@ use super::joint::{JointElement, Kind};
 use super::names::{self, FreshNames, Names, WORLD};
 use super::orientation::direction;
 use crate::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
-use crate::robot::xml::{Fault, Mended, Repair, RobotFileError, clean_sin_cos};
+use crate::robot::xml::{Fault, RobotFileError, clean_sin_cos};
 use crate::robot::{Drive, Mimic};
-use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
 /// A model as it grows, and what goes with it.
@@ -21,7 +20,6 @@ pub(super) struct Build<'a> {
     /// The configuration in which the file draws the robot: MuJoCo's `qpos0`.
     pub(super) drawn: Vec<f64>,
     pub(super) drives: Vec<Drive>,
-    pub(super) repairs: Vec<Repair>,
 }
 
 /// What something stands on, and where.
@@ -34,7 +32,6 @@ impl<'a> Build<'a> {
             names: Names::default(),
             drawn: Vec::new(),
             drives: Vec::new(),
-            repairs: Vec::new(),
         }
     }
 
@@ -106,7 +103,9 @@ impl<'a> Build<'a> {
                 self.drawn.extend([1.0, 0.0, 0.0, 0.0]);
                 let limits = element
                     .range
-                    .and_then(|range| self.cone(element, range.upper));
+                    .map(|range| range.upper)
+                    .filter(|angle| *angle < std::f64::consts::PI)
+                    .map(BallLimits::within_angle);
                 self.builder.ball(name, carrier, anchored, axis, limits)
             }
             Kind::Slide | Kind::Hinge => {
@@ -139,20 +138,6 @@ impl<'a> Build<'a> {
             Kind::Free => (Some(id), Placement::identity()),
             _ => (Some(id), Placement::translation(-element.anchor)),
         }
-    }
-
-    /// A cone and a twist that together stay within a whole angle: cos ½angle = cos ½swing · cos ½twist.
-    fn cone(&mut self, element: &JointElement<'_>, angle: f64) -> Option<BallLimits> {
-        if angle >= std::f64::consts::PI {
-            return None;
-        }
-        let cone = 2.0 * elementary::acos(elementary::cos(angle / 2.0).sqrt());
-        self.repairs.push(Repair {
-            line: element.tag.line(),
-            element: element.tag.label(),
-            mended: Mended::ConeWithin { angle, cone },
-        });
-        Some(BallLimits::cone(cone, Limits::new(-cone, cone)))
     }
 
     /// The joints that follow others; what couples them otherwise is left out.

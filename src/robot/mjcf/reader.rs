@@ -102,8 +102,6 @@ fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {
         names,
         drawn,
         drives,
-        mut repairs,
-        ..
     } = build;
 
     let unsound = |source| RobotFileError::Model {
@@ -124,9 +122,9 @@ fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {
         .into_iter()
         .map(|body| link(body, &compiler))
         .collect();
-    repairs.extend(left_out.into_iter().filter_map(Repair::left_out));
-    repairs.sort_by_key(|repair| repair.line);
-    robot.repairs = repairs;
+    let repairs = left_out.into_iter().filter_map(Repair::left_out);
+    robot.repairs = repairs.collect();
+    robot.repairs.sort_by_key(|repair| repair.line);
     Ok(robot)
 }
 

@@ -229,18 +229,6 @@ impl<'a> Tag<'a> {
         self.stored().line
     }
 
-    /// What messages call it: with its name if it has one, and its file if that is an included one.
-    pub(super) fn label(&self) -> String {
-        let named = match self.text("name") {
-            Some(name) => format!("{} `{name}`", self.name()),
-            None => format!("<{}>", self.name()),
-        };
-        match self.stored().file {
-            0 => named,
-            file => format!("{named} of {}", self.tree.files[file]),
-        }
-    }
-
     /// What is wrong with it.
     pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
         let named = self.text("name");

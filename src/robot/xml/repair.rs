@@ -83,14 +83,6 @@ pub enum Mended {
         /// The prefix.
         prefix: String,
     },
-    /// MuJoCo limits the whole angle by which a ball turns; its cone and its twist are so far apart that what
-    /// they allow together stays within that angle.
-    ConeWithin {
-        /// What the file says, in radians.
-        angle: f64,
-        /// The half angle of the cone and the twist to either side, in radians.
-        cone: f64,
-    },
 }
 
 impl fmt::Display for Mended {
@@ -117,10 +109,6 @@ impl fmt::Display for Mended {
                 write!(f, "commas in `{attribute}` are taken as blanks")
             }
             Self::Named { name } => write!(f, "there is no name; the robot is called `{name}`"),
-            Self::ConeWithin { angle, cone } => write!(
-                f,
-                "the whole angle is limited to {angle:.4} rad: a cone and a twist of {cone:.4} rad each stay within it"
-            ),
             Self::DeclarationRemoved => write!(f, "it is not at the start, and is not looked at"),
             Self::PrefixDeclared { prefix } => {
                 write!(

@@ -1,0 +1,135 @@
+//! Where balls stand at the edges of their sets, and how steps are told there.
+
+use super::ConfigurationSpace;
+use super::edge_frame::{Edge, EdgeFrame, Near};
+use super::turn_limit::TurnLimit;
+use crate::spatial::Vector3;
+
+impl<'a> ConfigurationSpace<'a> {
+    /// Whether anything but bounds can hold a variable.
+    #[inline]
+    pub(super) fn has_edges(&self) -> bool {
+        let sets = self.rotations;
+        !(sets.swings.is_empty() && sets.turns.is_empty() && self.moves.is_empty())
+    }
+
+    /// The angles that balls turn within, those of moves last.
+    pub(super) fn turns(&self) -> impl Iterator<Item = (&'a TurnLimit, bool)> {
+        let whole = self.rotations.turns.iter().map(|turn| (turn, false));
+        whole.chain(self.moves.iter().map(|turn| (turn, true)))
+    }
+
+    /// The frames of steps where edges are near.
+    #[inline]
+    pub(super) fn frames(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
+        let turned = self.turns().enumerate().filter_map(|(k, (turn, _))| {
+            turn.near_edge(x)?;
+            let mut before = self
+                .turns()
+                .take(k)
+                .filter(|(own, _)| own.first == turn.first);
+            let is_first = before.all(|(own, _)| own.near_edge(x).is_none());
+            is_first.then(|| EdgeFrame::of_ball(turn.first, self.edges_near(x, turn.first)))
+        });
+        let swung = self.rotations.swings.iter().filter_map(|swing| {
+            let near = swing.near(x)?;
+            let mut turns = self.turns().filter(|(turn, _)| turn.first == swing.first);
+            let is_alone = turns.all(|(turn, _)| turn.near_edge(x).is_none());
+            is_alone.then(|| EdgeFrame::of_swing(swing.first, near))
+        });
+        turned.chain(swung)
+    }
+
+    /// The edges near a ball.
+    fn edges_near(&self, x: &[f64], first: usize) -> impl Iterator<Item = Near> {
+        let swings = self.rotations.swings.iter();
+        let swing = swings.filter(move |swing| swing.first == first);
+        let swing = swing.filter_map(|swing| swing.near(x));
+        let turned = first + 2;
+        let twist = [
+            (x[turned] >= self.upper[turned], true),
+            (x[turned] <= self.lower[turned], false),
+        ];
+        let twist = twist
+            .into_iter()
+            .filter(|(is_on, _)| *is_on)
+            .map(|(_, upper)| Near {
+                edge: Edge::Twist { upper },
+                is_on: true,
+                normal: Vector3::UNITS[2] * if upper { 1.0 } else { -1.0 },
+            });
+        let turns = self.turns().filter(move |(turn, _)| turn.first == first);
+        let turns = turns.filter_map(|(turn, is_move)| {
+            let (is_on, normal) = turn.near_edge(x)?;
+            let edge = match is_move {
+                true => Edge::Move(turn.most),
+                false => Edge::Angle(turn.most),
+            };
+            Some(Near {
+                edge,
+                is_on,
+                normal,
+            })
+        });
+        swing.chain(twist).chain(turns)
+    }
+
+    /// The frame that a component belongs to, where edges are near.
+    #[inline]
+    pub(super) fn frame_of(&self, x: &[f64], component: usize) -> Option<EdgeFrame> {
+        let sets = self.rotations;
+        let is_swung = sets.swing_of(component).is_some();
+        if !is_swung
+            && !self
+                .turns()
+                .any(|(turn, _)| turn.variables().contains(&component))
+        {
+            return None;
+        }
+        let mut frames = self.frames(x);
+        frames.find(|frame| frame.variables().contains(&component))
+    }
+
+    /// Turns derivatives by the variables into derivatives by a step's components: the columns of a Jacobian
+    /// of so many rows, or with one row a gradient.
+    pub(crate) fn by_steps(&self, x: &[f64], rows: usize, derivatives: &mut [f64]) {
+        for frame in self.frames(x) {
+            frame.by_steps(rows, derivatives);
+        }
+    }
+
+    /// How far a component of a ball at an edge may go up: nowhere across it.
+    #[inline]
+    pub(super) fn room_on_edge(&self, x: &[f64], component: usize) -> Option<f64> {
+        // What does not move at all is held by its bounds.
+        let moves = self.lower[component] < self.upper[component];
+        let frame = self.frame_of(x, component).filter(|_| moves)?;
+        let is_on = frame.near(component).is_some_and(|near| near.is_on);
+        Some(if is_on { 0.0 } else { f64::INFINITY })
+    }
+
+    /// The first variable of a ball that stands on the edge of its whole angle or of its move.
+    pub(crate) fn on_edge_of_turn(&self, x: &[f64]) -> Option<usize> {
+        let mut turns = self.turns().map(|(turn, _)| turn);
+        let on = turns.find(|turn| turn.near_edge(x).is_some_and(|(is_on, _)| is_on));
+        on.map(|turn| turn.first)
+    }
+
+    /// The edge that one component leads across, where one is near.
+    pub(crate) fn edge_at(&self, x: &[f64], component: usize) -> Option<Edge> {
+        let frame = self.frame_of(x, component)?;
+        frame.near(component).map(|near| near.edge)
+    }
+
+    /// Whether a ball's three variables are within its bounds, its cone and, if that is asked too, its whole angle.
+    pub(super) fn keeps(&self, first: usize, own: [f64; 3], whole_angle_too: bool) -> bool {
+        let bounds = self.lower[first..].iter().zip(&self.upper[first..]);
+        let mut swings = self.rotations.swings.iter();
+        let mut turns = self.rotations.turns.iter();
+        own.iter()
+            .zip(bounds)
+            .all(|(v, (low, high))| low <= v && v <= high)
+            && swings.all(|swing| swing.first != first || swing.holds([own[0], own[1]]))
+            && (!whole_angle_too || turns.all(|turn| turn.first != first || turn.is_within(own)))
+    }
+}

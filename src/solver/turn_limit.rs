@@ -1,0 +1,153 @@
+//! A ball joint that turns no further than an angle from where it stood, or from its zero.
+
+use crate::model::RotationChart;
+use crate::spatial::{Quaternion, Vector3};
+
+/// Within this share of its edge a turn is moved along the edge and across, so that what holds it is one variable.
+const NEAR: f64 = 1e-6;
+/// Within this share it stands on the edge …
+const ON: f64 = 1e-12;
+/// … and is put so far within it, for rounding, …
+const WITHIN: f64 = 1e-14;
+/// … and by so much more, in radians, for that of quaternions.
+const ROUNDING: f64 = 1e-15;
+/// What halves a way until nothing is left between two numbers.
+const HALVINGS: usize = 52;
+
+/// The rotations within an angle of one: three variables of which the turn to there has a length, as a ball has.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TurnLimit {
+    /// The first variable; two others follow.
+    pub(crate) first: usize,
+    chart: RotationChart,
+    centre: Quaternion<f64>,
+    at_centre: [f64; 3],
+    /// A place within all limits of the joint.
+    inside: [f64; 3],
+    /// The angle, in radians.
+    pub(crate) most: f64,
+}
+
+impl TurnLimit {
+    /// At most so far from the joint's zero, for a joint that has the variables `inside` within its limits.
+    pub(crate) fn from_zero(
+        first: usize,
+        chart: RotationChart,
+        inside: [f64; 3],
+        most: f64,
+    ) -> Self {
+        let own = Self {
+            first,
+            chart,
+            centre: Quaternion::exp(Vector3::zero()),
+            at_centre: [0.0; 3],
+            inside,
+            most,
+        };
+        debug_assert!(own.angle(inside) <= most);
+        own
+    }
+
+    /// Takes for its centre where x is, which is within all limits of the joint.
+    pub(crate) fn centre_at(&mut self, x: &[f64]) {
+        let own = self.of(x);
+        self.centre = self.chart.rotation(own);
+        (self.at_centre, self.inside) = (own, own);
+    }
+
+    pub(crate) fn variables(&self) -> std::ops::Range<usize> {
+        self.first..self.first + 3
+    }
+
+    /// How far around a variable of its own it lets go at most, but for what charts stretch.
+    pub(crate) fn range_of(&self, variable: usize) -> (f64, f64) {
+        let centre = self.at_centre[variable - self.first];
+        (centre - self.most, centre + self.most)
+    }
+
+    fn of(&self, x: &[f64]) -> [f64; 3] {
+        [0, 1, 2].map(|k| x[self.first + k])
+    }
+
+    /// The rotation vector from the centre.
+    fn turn(&self, own: [f64; 3]) -> Vector3<f64> {
+        (self.chart.rotation(own) * self.centre.conjugate()).log()
+    }
+
+    fn angle(&self, own: [f64; 3]) -> f64 {
+        self.turn(own).norm()
+    }
+
+    /// Whether it is further from the edge than `share` of the angle, told without trigonometry where it can be:
+    /// no rotation vector is longer than what it turns by, and a swing and a twist add up.
+    fn is_well_within(&self, own: [f64; 3], share: f64) -> bool {
+        let [a, b, c] = [0, 1, 2].map(|k| own[k] - self.at_centre[k]);
+        let swing = (a * a + b * b).sqrt();
+        let most = match self.chart {
+            RotationChart::Exponential => (a * a + b * b + c * c).sqrt(),
+            RotationChart::SwingTwist(_) => swing + c.abs(),
+        };
+        most < self.most * (1.0 - share) - ROUNDING
+    }
+
+    /// Whether it is as far as it may be.
+    pub(super) fn is_within(&self, own: [f64; 3]) -> bool {
+        self.is_well_within(own, 0.0) || self.angle(own) <= self.most
+    }
+
+    /// Whether it stands on the edge, where it is near: with the outward normal there.
+    pub(super) fn near_edge(&self, x: &[f64]) -> Option<(bool, Vector3<f64>)> {
+        let own = self.of(x);
+        if self.is_well_within(own, NEAR) {
+            return None;
+        }
+        let turn = self.turn(own);
+        let angle = turn.norm();
+        if angle < self.most * (1.0 - NEAR) - ROUNDING {
+            return None;
+        }
+        let about = turn * (1.0 / angle);
+        let [a, b, c] = self.chart.axes(own).map(|axis| axis.dot(about));
+        let slope = Vector3::new(a, b, c);
+        let length = slope.norm();
+        let is_on = angle >= self.most * (1.0 - ON) - 8.0 * ROUNDING;
+        (length > 0.0).then(|| (is_on, slope * (1.0 / length)))
+    }
+
+    /// Puts x within the angle: straight back towards the centre, or where that would leave the joint's other limits,
+    /// by the variables' way to a place within all.
+    pub(super) fn project(&self, x: &mut [f64], keeps_others: impl Fn([f64; 3]) -> bool) {
+        let own = self.of(x);
+        let most = self.most * (1.0 - WITHIN) - ROUNDING;
+        if self.is_well_within(own, WITHIN) {
+            return;
+        }
+        let turn = self.turn(own);
+        let angle = turn.norm();
+        // NaN stays NaN.
+        if angle.is_nan() || angle <= most {
+            return;
+        }
+        let back = Quaternion::exp(turn * (most / angle)) * self.centre;
+        let back = self.chart.variables(back);
+        let put = match self.is_within(back) && keeps_others(back) {
+            true => back,
+            false => self.last_within(own, most),
+        };
+        x[self.variables()].copy_from_slice(&put);
+    }
+
+    /// The last place within the angle on the variables' way from the inside.
+    fn last_within(&self, to: [f64; 3], most: f64) -> [f64; 3] {
+        let at = |share: f64| [0, 1, 2].map(|k| self.inside[k] + share * (to[k] - self.inside[k]));
+        let (mut within, mut beyond) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (within + beyond);
+            match self.angle(at(middle)) <= most {
+                true => within = middle,
+                false => beyond = middle,
+            }
+        }
+        at(within)
+    }
+}
