@@ -57,6 +57,7 @@ impl Node {
 
 impl Tree {
     /// Places some nodes in a row, none of which turns as a ball does.
+    #[inline(always)]
     fn place<S: Scalar>(&self, nodes: Range<usize>, state: &mut TreeState<S>) {
         let placed = &mut state.origin_from_node;
         let trigonometry = state.sines[nodes.clone()]
@@ -71,12 +72,9 @@ impl Tree {
         }
     }
 
-    /// Places every node and frame for the variables `x` (shape: [`variables`](Self::variables)).
-    pub(crate) fn forward<S: Scalar>(&self, x: &[S], state: &mut TreeState<S>) {
-        for (node, value) in self.nodes.iter().zip(&mut state.values) {
-            *value = x[node.variable] * S::constant(node.ratio) + S::constant(node.offset);
-        }
-        S::sin_cos_all(&state.values, &mut state.sines, &mut state.cosines);
+    /// Places all nodes, balls among them.
+    #[inline(never)]
+    fn place_with_balls<S: Scalar>(&self, state: &mut TreeState<S>) {
         let mut placed = 0;
         for (ball, Ball { last, chart }) in self.balls.iter().enumerate() {
             // origin_from_ball = origin_from_parent · parent_from_ball · rotation(x).
@@ -95,6 +93,19 @@ impl Tree {
             placed = last + 1;
         }
         self.place(placed..self.nodes.len(), state);
+    }
+
+    /// Places every node and frame for the variables `x` (shape: [`variables`](Self::variables)).
+    pub(crate) fn forward<S: Scalar>(&self, x: &[S], state: &mut TreeState<S>) {
+        for (node, value) in self.nodes.iter().zip(&mut state.values) {
+            *value = x[node.variable] * S::constant(node.ratio) + S::constant(node.offset);
+        }
+        S::sin_cos_all(&state.values, &mut state.sines, &mut state.cosines);
+        // Apart, so that a tree of hinges pays nothing for balls that it does not have.
+        match self.balls.is_empty() {
+            true => self.place(0..self.nodes.len(), state),
+            false => self.place_with_balls(state),
+        }
         let frames = state.world_from_frame.iter_mut();
         for (leaf, (frame, seen)) in self
             .leaves
