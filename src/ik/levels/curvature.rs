@@ -8,8 +8,9 @@ use nalgebra::DMatrix;
 
 use super::asked::Asked;
 use super::held::HeldRank;
+use super::slope_differences::{SlopeDifferences, Weighted};
 use crate::problem::{Problem, Share};
-use crate::solver::{LeastSquares, RowSpan, half_squared, negligible_slope};
+use crate::solver::{RowSpan, dot, half_squared, negligible_slope};
 
 /// A row adds to those above it if so much of it is new, as a share of its rank's length, …
 pub(super) const NEW: f64 = 1e-9;
@@ -24,15 +25,13 @@ pub(super) struct Curvature {
     rows: DMatrix<f64>,
     /// By how much it has changed.
     change: Vec<f64>,
-    slopes: [Vec<f64>; 2],
-    residual: Vec<f64>,
-    jacobian: DMatrix<f64>,
+    slope: Vec<f64>,
+    differences: SlopeDifferences,
     /// What multiplies the gradients of the rows in each missed rank's L, rank by rank.
     multipliers: Vec<f64>,
     /// What the ranks above each missed one take, and leave.
     above: Vec<RowSpan>,
     running: RowSpan,
-    trial: Vec<f64>,
 }
 
 impl Curvature {
@@ -40,13 +39,8 @@ impl Curvature {
     pub(super) fn fit(&mut self, problem: &Problem, rank: usize) -> usize {
         let n = problem.variables();
         let rows = problem.rows_of(Share::above(rank));
-        for vector in self.slopes.iter_mut().chain([&mut self.trial]) {
-            vector.resize(n, 0.0);
-        }
-        self.residual.resize(rows, 0.0);
-        if self.jacobian.shape() != (rows, n) {
-            self.jacobian = DMatrix::zeros(rows, n);
-        }
+        self.slope.resize(n, 0.0);
+        self.differences.fit(n, rows);
         let own = match rank {
             1 => n,
             _ => rows + n * rank,
@@ -67,33 +61,20 @@ impl Curvature {
         &self.rows
     }
 
-    /// The second derivative of a lone rank's cost at x, by differences of its gradient.
-    pub(super) fn of_first(
-        &mut self,
-        asked: &mut Asked<'_, '_>,
-        x: &[f64],
-        jacobian: &mut DMatrix<f64>,
-    ) {
+    /// The second derivative of a lone rank's cost at x.
+    pub(super) fn of_first(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &[bool]) {
         let n = x.len();
-        let space = asked.question.space();
-        asked.counts.residuals += n + 1;
-        asked.counts.gradients += n + 1;
-        let mut goals = asked.evaluate(Share::rank(0));
-        let [here, there] = &mut self.slopes;
-        goals.residual(x, &mut self.residual);
-        goals.gradient(x, &self.residual, here, jacobian);
-        self.trial.copy_from_slice(x);
-        for j in 0..n {
-            let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
-            let taken = space.integrate_one(x, j, shift, &mut self.trial);
-            goals.residual(&self.trial, &mut self.residual);
-            goals.gradient(&self.trial, &self.residual, there, jacobian);
-            space.return_one(x, j, &mut self.trial);
-            let column = &mut self.rows.as_mut_slice()[j * n..(j + 1) * n];
-            for ((entry, there), here) in column.iter_mut().zip(&*there).zip(&*here) {
-                *entry = (there - here) / taken;
-            }
-        }
+        let Self {
+            rows, differences, ..
+        } = self;
+        let of = Weighted {
+            share: Share::rank(0),
+            multipliers: &[],
+            own: 0..0,
+        };
+        differences.columns(asked, &of, x, fixed, |j, column| {
+            rows.as_mut_slice()[j * n..(j + 1) * n].copy_from_slice(column);
+        });
     }
 
     /// The rows of all ranks at x, by their Jacobian and residual there.
@@ -117,7 +98,7 @@ impl Curvature {
             }
             self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual), fixed);
             self.above[held.rank].clone_from(&above);
-            self.differentiate_slope(asked, held, x, fixed);
+            self.differentiate_slope(asked, (ranks, held), x, fixed);
             let first = residual.len() + held.rank * x.len();
             let own = first..first + x.len();
             add_rows(&mut above, &self.rows, own, fixed, NEW_CURVATURE);
@@ -155,15 +136,15 @@ impl Curvature {
             let multipliers = &self.multipliers[held.rank * rows..(held.rank + 1) * rows];
             let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
             let mut steepest = 0.0_f64;
-            for (slope, column) in self.slopes[0].iter_mut().zip(columns) {
-                *slope = inner(column, multipliers);
+            for (slope, column) in self.slope.iter_mut().zip(columns) {
+                *slope = dot(column, multipliers);
                 let own = &column[own.clone()];
-                steepest = steepest.max(inner(own, own).sqrt());
+                steepest = steepest.max(dot(own, own).sqrt());
             }
             let cost = half_squared(&residual[own]);
             let negligible = negligible_slope(steepest, cost, &asked.stopping);
             for (j, fixed) in fixed.iter_mut().enumerate() {
-                *fixed |= space.holds(x, j, self.slopes[0][j], negligible);
+                *fixed |= space.holds(x, j, self.slope[j], negligible);
             }
         }
         self.running = above;
@@ -181,12 +162,12 @@ impl Curvature {
     ) {
         let rows = residual.len();
         let own = asked.question.problem.ranks().rows_of(missed.rank);
-        let [slope, _] = &mut self.slopes;
+        let slope = &mut self.slope;
         let columns = jacobian.as_slice().chunks_exact(rows.max(1));
         for ((slope, column), fixed) in slope.iter_mut().zip(columns).zip(fixed) {
             *slope = match fixed {
                 true => 0.0,
-                false => inner(&column[own.clone()], &residual[own.clone()]),
+                false => dot(&column[own.clone()], &residual[own.clone()]),
             };
         }
         let multipliers = &mut self.multipliers[missed.rank * rows..(missed.rank + 1) * rows];
@@ -202,75 +183,55 @@ impl Curvature {
         multipliers[own.clone()].copy_from_slice(&residual[own]);
     }
 
-    /// P ∇L of every missed rank at a trial with this residual of all ranks.
+    /// P ∇L of every missed rank at a trial.
     pub(super) fn slopes(
         &mut self,
         asked: &mut Asked<'_, '_>,
         ranks: &[HeldRank],
         trial: &[f64],
-        residual: &[f64],
         fixed: &[bool],
     ) {
-        let (rows, n) = (residual.len(), trial.len());
-        let share = Share::above(ranks.len());
+        let (rows, n) = (self.change.len() - ranks.len() * trial.len(), trial.len());
         for missed in ranks.iter().filter(|held| !held.reached) {
-            let own = asked.question.problem.ranks().rows_of(missed.rank);
-            self.residual
-                .copy_from_slice(&self.multipliers[missed.rank * rows..(missed.rank + 1) * rows]);
-            self.residual[own.clone()].copy_from_slice(&residual[own]);
-            let [slope, _] = &mut self.slopes;
-            asked.counts.gradients += 1;
-            let mut goals = asked.evaluate(share);
-            goals.gradient(trial, &self.residual, slope, &mut self.jacobian);
-            release(slope, fixed);
-            self.above[missed.rank].project_out(slope);
+            let Self {
+                change,
+                differences,
+                multipliers,
+                above,
+                ..
+            } = self;
+            let of = lagrangian(asked, ranks, missed, multipliers, rows);
+            let slope = differences.slope(asked, &of, trial, fixed);
+            above[missed.rank].project_out(slope);
             let first = rows + missed.rank * n;
-            self.change[first..first + n].copy_from_slice(slope);
+            change[first..first + n].copy_from_slice(slope);
         }
     }
 
-    /// P ∇²L of a missed rank, by differences of ∇L.
+    /// P ∇²L of a missed rank.
     fn differentiate_slope(
         &mut self,
         asked: &mut Asked<'_, '_>,
-        missed: &HeldRank,
+        (ranks, missed): (&[HeldRank], &HeldRank),
         x: &[f64],
         fixed: &[bool],
     ) {
-        let (rows, n) = (self.residual.len(), x.len());
-        let own = asked.question.problem.ranks().rows_of(missed.rank);
-        let share = Share::above(self.above.len());
-        let space = asked.question.space();
-        asked.counts.residuals += n + 1;
-        asked.counts.gradients += n + 1;
-        let order = self.rows.nrows();
-        let multipliers = &self.multipliers[missed.rank * rows..(missed.rank + 1) * rows];
-        let mut goals = asked.evaluate(share);
-        let [here, there] = &mut self.slopes;
-        let mut slope_at = |x: &[f64], residual: &mut [f64], slope: &mut [f64]| {
-            goals.residual(x, residual);
-            for (row, (value, multiplier)) in residual.iter_mut().zip(multipliers).enumerate() {
-                if !own.contains(&row) {
-                    *value = *multiplier;
-                }
-            }
-            goals.gradient(x, residual, slope, &mut self.jacobian);
-            release(slope, fixed);
-        };
-        slope_at(x, &mut self.residual, here);
-        self.trial.copy_from_slice(x);
-        for j in (0..n).filter(|&j| !fixed[j]) {
-            let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
-            let taken = space.integrate_one(x, j, shift, &mut self.trial);
-            slope_at(&self.trial, &mut self.residual, there);
-            space.return_one(x, j, &mut self.trial);
-            for (there, here) in there.iter_mut().zip(&*here) {
-                *there = (*there - here) / taken;
-            }
-            self.above[missed.rank].project_out(there);
+        let n = x.len();
+        let Self {
+            rows: to,
+            differences,
+            multipliers,
+            above,
+            ..
+        } = self;
+        let order = to.nrows();
+        let rows = order - ranks.len() * n;
+        let of = lagrangian(asked, ranks, missed, multipliers, rows);
+        differences.columns(asked, &of, x, fixed, |j, column| {
+            above[missed.rank].project_out(column);
             let first = j * order + rows + missed.rank * n;
-            self.rows.as_mut_slice()[first..first + n].copy_from_slice(there);
-        }
+            to.as_mut_slice()[first..first + n].copy_from_slice(column);
+        });
     }
 
     /// Newton's system at a trial: the rows there, of reached ranks by their Jacobian and of missed ones as they
@@ -318,22 +279,24 @@ pub(super) fn add_rows(
     };
     let moving = columns().filter(|(_, fixed)| !**fixed);
     let squared: f64 =
-        (moving.map(|(column, _)| inner(&column[rows.clone()], &column[rows.clone()]))).sum();
+        (moving.map(|(column, _)| dot(&column[rows.clone()], &column[rows.clone()]))).sum();
     for row in rows {
         let entries = columns().map(|(column, fixed)| if *fixed { 0.0 } else { column[row] });
         space.add(row, entries, share * squared.sqrt());
     }
 }
 
-/// What fixed variables would do counts for nothing.
-fn release(slope: &mut [f64], fixed: &[bool]) {
-    for (slope, fixed) in slope.iter_mut().zip(fixed) {
-        if *fixed {
-            *slope = 0.0;
-        }
+/// A missed rank's L: its own residual, and the multipliers of the others.
+fn lagrangian<'a>(
+    asked: &Asked<'_, '_>,
+    ranks: &[HeldRank],
+    missed: &HeldRank,
+    multipliers: &'a [f64],
+    rows: usize,
+) -> Weighted<'a> {
+    Weighted {
+        share: Share::above(ranks.len()),
+        multipliers: &multipliers[missed.rank * rows..(missed.rank + 1) * rows],
+        own: asked.question.problem.ranks().rows_of(missed.rank),
     }
-}
-
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

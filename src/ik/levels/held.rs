@@ -162,7 +162,7 @@ impl Held {
         let share = self.share();
         match self.above {
             Above::Reached => asked.held_jacobian(share, x, &mut self.jacobian),
-            Above::FirstMissed => self.curvature.of_first(asked, x, &mut self.jacobian),
+            Above::FirstMissed => self.curvature.of_first(asked, x, &[]),
             Above::Mixed => {
                 asked.held_jacobian(share, x, &mut self.jacobian);
                 asked.residual(share, x, &mut self.now);
@@ -253,8 +253,7 @@ impl Held {
             asked.residual(share, trial, &mut self.now);
             let stands = self.stand(question.problem);
             if self.above == Above::Mixed && round < CORRECTIONS {
-                self.curvature
-                    .slopes(asked, &self.ranks, trial, &self.now, fixed);
+                self.curvature.slopes(asked, &self.ranks, trial, fixed);
             }
             for (now, kept) in self.now.iter_mut().zip(&self.kept) {
                 *now -= kept;

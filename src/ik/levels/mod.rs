@@ -15,6 +15,7 @@ mod descent;
 mod extent;
 mod held;
 mod newton;
+mod slope_differences;
 
 use std::time::Instant;
 

@@ -10,10 +10,9 @@ use nalgebra::DMatrix;
 use super::asked::Asked;
 use super::descent::{Descended, Descent, multiply};
 use super::extent::Steps;
+use super::slope_differences::{SlopeDifferences, Weighted, release};
 use crate::problem::Share;
-use crate::solver::{
-    Iteration, LeastSquares, Observer, RowSpan, StepBounds, TangentNewton, Termination,
-};
+use crate::solver::{Iteration, Observer, RowSpan, StepBounds, TangentNewton, Termination, dot};
 
 /// The first damping, and the least that is more than none, as shares of the stiffest entry of the Hessian.
 const FIRST_DAMPING: f64 = 1e-4;
@@ -39,8 +38,7 @@ pub(super) struct NewtonMemory {
     slopes: [Vec<f64>; 2],
     /// What multiplies the gradients of all rows in ∇L.
     weights: Vec<f64>,
-    room: Vec<f64>,
-    jacobian: DMatrix<f64>,
+    differences: SlopeDifferences,
     hessian: DMatrix<f64>,
     model: TangentNewton,
 }
@@ -53,9 +51,8 @@ impl NewtonMemory {
             slope.resize(variables, 0.0);
         }
         self.weights.resize(rows, 0.0);
-        self.room.resize(rows, 0.0);
-        if self.jacobian.shape() != (rows, variables) {
-            self.jacobian = DMatrix::zeros(rows, variables);
+        self.differences.fit(variables, rows);
+        if self.hessian.ncols() != variables {
             self.hessian = DMatrix::zeros(variables, variables);
         }
     }
@@ -151,7 +148,7 @@ impl Descent {
         let columns = || jacobian.as_slice().chunks_exact(pulls.len().max(1));
         let mut longest = 0.0_f64;
         for (j, column) in columns().enumerate() {
-            longest = longest.max(inner(column, column));
+            longest = longest.max(dot(column, column));
             let (down, up) = space.room(&self.x, j);
             newton.pinned[j] = self.fixed[j] || down <= 0.0 || up <= 0.0;
         }
@@ -160,7 +157,7 @@ impl Descent {
         for round in 0..2 {
             let [slope, _] = &mut newton.slopes;
             for (slope, column) in slope.iter_mut().zip(columns()) {
-                *slope = inner(column, pulls);
+                *slope = dot(column, pulls);
             }
             newton.above.clear();
             newton.weights.fill(0.0);
@@ -184,54 +181,32 @@ impl Descent {
         let [slope, _] = &mut newton.slopes;
         release(slope, &newton.pinned);
         newton.above.project_out(slope);
-        let left = inner(slope, slope).sqrt();
-        left <= LEVEL * (longest * inner(pulls, pulls)).sqrt()
+        let left = dot(slope, slope).sqrt();
+        left <= LEVEL * (longest * dot(pulls, pulls)).sqrt()
     }
 
-    /// P ∇²L P at x, by differences of ∇L.
+    /// P ∇²L P at x.
     fn take_hessian(&mut self, asked: &mut Asked<'_, '_>) {
-        let Self {
-            newton, x, trial, ..
-        } = self;
-        let n = x.len();
-        let share = Share::above(self.rank + 1);
-        let own = newton.weights.len() - self.pulls.len();
-        let space = asked.question.space();
-        asked.counts.residuals += n + 1;
-        asked.counts.gradients += n + 1;
-        let mut rows = asked.evaluate(share);
+        let n = self.x.len();
         let NewtonMemory {
             weights,
-            room,
-            jacobian,
+            differences,
             hessian,
             pinned,
+            above,
+            model,
             ..
-        } = newton;
-        let (mut here, mut there) = (vec![0.0; n], vec![0.0; n]);
-        let mut slope_at = |x: &[f64], slope: &mut [f64]| {
-            rows.residual(x, room);
-            room[..own].copy_from_slice(&weights[..own]);
-            rows.gradient(x, room, slope, jacobian);
-            release(slope, pinned);
+        } = &mut self.newton;
+        let of = Weighted {
+            share: Share::above(self.rank + 1),
+            multipliers: weights,
+            own: weights.len() - self.pulls.len()..weights.len(),
         };
-        slope_at(x, &mut here);
-        trial.copy_from_slice(x);
-        for j in 0..n {
-            let column = &mut hessian.as_mut_slice()[j * n..(j + 1) * n];
-            column.fill(0.0);
-            if pinned[j] {
-                continue;
-            }
-            let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
-            let taken = space.integrate_one(x, j, shift, trial);
-            slope_at(trial, &mut there);
-            space.return_one(x, j, trial);
-            for ((entry, there), here) in column.iter_mut().zip(&there).zip(&here) {
-                *entry = (there - here) / taken;
-            }
-        }
-        newton.model.take(&newton.hessian, &newton.above);
+        hessian.as_mut_slice().fill(0.0);
+        differences.columns(asked, &of, &self.x, pinned, |j, column| {
+            hessian.as_mut_slice()[j * n..(j + 1) * n].copy_from_slice(column);
+        });
+        model.take(hessian, above);
     }
 
     /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
@@ -262,8 +237,8 @@ impl Descent {
         }
         let [slope, effect] = &mut self.newton.slopes;
         multiply(&self.newton.model.rows, &self.best, effect);
-        let linear = inner(slope, &self.best);
-        let promised = -linear - 0.5 * inner(effect, effect);
+        let linear = dot(slope, &self.best);
+        let promised = -linear - 0.5 * dot(effect, effect);
         (promised > 0.0).then_some(promised)
     }
 
@@ -288,17 +263,4 @@ impl Descent {
             false => f64::INFINITY,
         }
     }
-}
-
-/// What fixed variables would do counts for nothing.
-fn release(slope: &mut [f64], fixed: &[bool]) {
-    for (slope, fixed) in slope.iter_mut().zip(fixed) {
-        if *fixed {
-            *slope = 0.0;
-        }
-    }
-}
-
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

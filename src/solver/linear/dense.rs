@@ -3,7 +3,7 @@
 
 /// aᵀb over the shorter length. Four sums run side by side: a single one would wait for each addition.
 #[inline]
-pub(in crate::solver) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let shorter = if a.len() < b.len() { a.len() } else { b.len() };
     let (mut a, mut b) = (&a[..shorter], &b[..shorter]);
     let mut sums = [0.0; 4];

@@ -1,0 +1,100 @@
+//! Second derivatives of a rank's Lagrangian, by differences of its exact gradient.
+
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+
+use super::asked::Asked;
+use crate::problem::Share;
+use crate::solver::LeastSquares;
+
+/// A gradient Jᵀw: of some rows w is their residual, of the others the multiplier that holds them.
+#[derive(Clone, Debug)]
+pub(super) struct Weighted<'a> {
+    pub(super) share: Share,
+    /// By row of the share.
+    pub(super) multipliers: &'a [f64],
+    /// The rows that stand for themselves.
+    pub(super) own: Range<usize>,
+}
+
+/// Room to differentiate a gradient.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SlopeDifferences {
+    here: Vec<f64>,
+    there: Vec<f64>,
+    weights: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    trial: Vec<f64>,
+}
+
+impl SlopeDifferences {
+    /// Makes room for so many variables and rows.
+    pub(super) fn fit(&mut self, variables: usize, rows: usize) {
+        for vector in [&mut self.here, &mut self.there, &mut self.trial] {
+            vector.resize(variables, 0.0);
+        }
+        self.weights.resize(rows, 0.0);
+        if self.jacobian.shape() != (rows, variables) {
+            self.jacobian = DMatrix::zeros(rows, variables);
+        }
+    }
+
+    /// Jᵀw at x, without what fixed variables would do; none are where `fixed` is empty.
+    pub(super) fn slope(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        of: &Weighted<'_>,
+        x: &[f64],
+        fixed: &[bool],
+    ) -> &mut [f64] {
+        asked.counts.residuals += 1;
+        asked.counts.gradients += 1;
+        let mut rows = asked.evaluate(of.share);
+        rows.residual(x, &mut self.weights);
+        for (row, (weight, multiplier)) in self.weights.iter_mut().zip(of.multipliers).enumerate() {
+            if !of.own.contains(&row) {
+                *weight = *multiplier;
+            }
+        }
+        rows.gradient(x, &self.weights, &mut self.there, &mut self.jacobian);
+        release(&mut self.there, fixed);
+        &mut self.there
+    }
+
+    /// Hands over the columns of its derivative at x, of the variables that are not fixed.
+    pub(super) fn columns(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        of: &Weighted<'_>,
+        x: &[f64],
+        fixed: &[bool],
+        mut take: impl FnMut(usize, &mut [f64]),
+    ) {
+        let space = asked.question.space();
+        self.slope(asked, of, x, fixed);
+        std::mem::swap(&mut self.here, &mut self.there);
+        let mut trial = std::mem::take(&mut self.trial);
+        trial.copy_from_slice(x);
+        for j in (0..x.len()).filter(|&j| fixed.get(j) != Some(&true)) {
+            let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
+            let taken = space.integrate_one(x, j, shift, &mut trial);
+            self.slope(asked, of, &trial, fixed);
+            space.return_one(x, j, &mut trial);
+            for (there, here) in self.there.iter_mut().zip(&self.here) {
+                *there = (*there - here) / taken;
+            }
+            take(j, &mut self.there);
+        }
+        self.trial = trial;
+    }
+}
+
+/// What fixed variables would do counts for nothing.
+pub(super) fn release(slope: &mut [f64], fixed: &[bool]) {
+    for (slope, fixed) in slope.iter_mut().zip(fixed) {
+        if *fixed {
+            *slope = 0.0;
+        }
+    }
+}
