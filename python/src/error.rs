@@ -85,6 +85,7 @@ faults!(
     kinopt::io::rig::RigPosingError,
     kinopt::geometric::GeometricError,
     kinopt::ik::DerivativeError,
+    kinopt::ik::LoopClosureError,
     kinopt::ik::SolveError,
     kinopt::kinematics::CentreOfMassError,
     kinopt::kinematics::KinematicsError,

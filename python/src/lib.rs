@@ -18,6 +18,7 @@ mod has_model;
 mod io;
 mod items;
 mod kinematics;
+mod loops;
 mod masses;
 mod mesh;
 mod model;
@@ -53,6 +54,8 @@ mod _kinopt {
     use super::io::io;
     #[pymodule_export]
     use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
+    #[pymodule_export]
+    use super::loops::LoopClosure;
     #[pymodule_export]
     use super::mesh::TriangleMesh;
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kinopt::model::{BallLimits, JointId, JointKind, LengthUnit, Limits};
+use kinopt::model::{BallLimits, FrameId, JointId, JointKind, LengthUnit, Limits};
 use kinopt::spatial::Placement;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -11,6 +11,7 @@ use pyo3::types::PyType;
 use crate::arrays;
 use crate::configuration::of_two;
 use crate::error::{OrRaise, invalid};
+use crate::loops::{self, NamedLoop, Told};
 use crate::pickling;
 use crate::placement;
 
@@ -118,6 +119,13 @@ impl Model {
     fn frames(&self) -> Vec<Frame> {
         let frames = self.inner.frames().iter();
         frames.map(|frame| Frame::of(&self.inner, frame)).collect()
+    }
+
+    /// The loops that every problem on the model closes: tuples of (name, "connect" or "weld", the two frames' names,
+    /// where on them, shape (2, 4, 4): frame_from_place).
+    #[getter]
+    pub(crate) fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Told<'py>>> {
+        loops::told(py, &self.inner)
     }
 
     /// The unit of lengths: "m", or "units" where the model says nothing of its size in the world.
@@ -278,7 +286,7 @@ impl Model {
 }
 
 /// A whole number, or one drawn from a generator of numpy's.
-fn first_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
+pub(crate) fn first_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
     if seed.hasattr("integers")? {
         return seed.call_method1("integers", (0, 1_i64 << 62))?.extract();
     }
@@ -408,6 +416,8 @@ pub(crate) struct ModelBuilder {
     inner: kinopt::model::ModelBuilder,
     /// The joints that others can stand on, by the names they were added by.
     joints: Vec<(String, JointId)>,
+    /// The frames that loops can join.
+    frames: Vec<(String, FrameId)>,
 }
 
 impl ModelBuilder {
@@ -463,6 +473,7 @@ impl ModelBuilder {
         Ok(Self {
             inner,
             joints: Vec::new(),
+            frames: Vec::new(),
         })
     }
 
@@ -620,7 +631,34 @@ impl ModelBuilder {
             None => Placement::identity(),
         };
         let joint = self.parent(joint)?;
-        self.inner.frame(name, joint, placement);
+        let id = self.inner.frame(name.as_str(), joint, placement);
+        self.frames.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a loop: the origins of two `frames` that are there fall together ("connect"), or origins and axes
+    /// ("weld"); with `places`, a pair of 4 x 4 placements, not the frames themselves but those places on them. Every
+    /// problem on the model keeps it closed.
+    ///
+    /// Raises `UnknownNameError` for a kind or a frame that does not exist; what does not go together, and a loop that
+    /// no configuration closes, is said by `build`.
+    #[pyo3(signature = (name, frames, kind = "connect", places = None))]
+    fn close(
+        &mut self,
+        name: String,
+        frames: [String; 2],
+        kind: &str,
+        places: Option<[Bound<'_, PyAny>; 2]>,
+    ) -> PyResult<()> {
+        let own = NamedLoop::new(name, frames, kind, places)?;
+        let id = |name: &String| -> PyResult<FrameId> {
+            let found = self.frames.iter().find(|(frame, _)| frame == name);
+            let names = self.frames.iter().map(|(frame, _)| frame.as_str());
+            let unknown = || kinopt::model::UnknownName::new("frame", name, names);
+            found.map(|&(_, id)| id).ok_or_else(unknown).or_raise()
+        };
+        let frames = [id(&own.frames[0])?, id(&own.frames[1])?];
+        self.inner.close(own.of(frames));
         Ok(())
     }
 

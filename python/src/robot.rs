@@ -6,12 +6,13 @@ use std::sync::Arc;
 use kinopt::model::Limits;
 use kinopt::robot::BaseJoint;
 use kinopt::spatial::Placement;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
 use crate::arrays;
 use crate::error::{Kind, OrRaise, invalid, raise};
+use crate::loops::{self, NamedLoop, Told};
 use crate::model::Model;
 use crate::pickling;
 use crate::placement;
@@ -36,6 +37,15 @@ struct Source {
     soft_limits: bool,
     base: Base,
     tools: Vec<(String, String, Placement<f64>)>,
+    loops: Loops,
+}
+
+/// What of its loops is not the file's.
+#[derive(Clone, Default)]
+struct Loops {
+    without: bool,
+    added: Vec<NamedLoop>,
+    passive: Option<Vec<String>>,
 }
 
 /// What its root moves on: a name, and ranges by axis.
@@ -44,6 +54,9 @@ struct Base {
     joint: Option<String>,
     room: Vec<(String, (f64, f64))>,
 }
+
+/// A loop as it is pickled.
+type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
 
 impl Base {
     fn new(joint: Option<String>, room: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
@@ -106,6 +119,18 @@ impl Robot {
         for (name, link, tool) in &source.tools {
             robot = robot.with_tool(name, link, tool).or_raise()?;
         }
+        if source.loops.without {
+            robot = robot.without_loops();
+        }
+        for own in &source.loops.added {
+            let model = robot.model();
+            let [first, second] = own.frames.each_ref().map(|name| model.frame(name));
+            let closed = own.of([first.or_raise()?, second.or_raise()?]);
+            robot = robot.with_loop(closed).or_raise()?;
+        }
+        if let Some(names) = &source.loops.passive {
+            robot = robot.with_passive_joints(names).or_raise()?;
+        }
         Ok(Self {
             model: Arc::new(robot.model().clone()),
             inner: Arc::new(robot),
@@ -160,6 +185,7 @@ impl Robot {
             soft_limits,
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
+            loops: Loops::default(),
         })
     }
 
@@ -191,6 +217,7 @@ impl Robot {
             soft_limits: false,
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
+            loops: Loops::default(),
         })
     }
 
@@ -217,6 +244,7 @@ impl Robot {
             soft_limits,
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
+            loops: Loops::default(),
         })
     }
 
@@ -344,21 +372,57 @@ impl Robot {
         Ok(mimics)
     }
 
-    /// Loops of the model (of an MJCF file its `connect` and `weld`), which every problem closes: a list of (name,
-    /// "connect" or "weld", the two frames' names, where on them, shape (2, 4, 4): frame_from_place).
+    /// Loops of the model, of an MJCF file its `connect` and `weld`: see `Model.loops`.
     #[getter]
-    #[allow(clippy::type_complexity, reason = "a tuple a loop")]
-    fn loops<'py>(
+    fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Told<'py>>> {
+        loops::told(py, &self.model)
+    }
+
+    /// Names of the joints that nothing drives: of an MJCF file with actuators those that none of them moves, by
+    /// itself or through a fixed tendon, and that follow no other; else those that were said to be.
+    #[getter]
+    fn passive_joints(&self) -> Vec<&str> {
+        let joints = self.inner.passive_joints().iter();
+        joints
+            .map(|id| self.model.joints()[id.index()].name.as_str())
+            .collect()
+    }
+
+    /// The same robot with a loop that its file does not know of, as URDF has none: the origins of two `frames` fall
+    /// together ("connect"), or origins and axes ("weld"); with `places`, a pair of 4 x 4 placements, not the frames
+    /// themselves but those places on them. Every problem on the robot keeps it closed.
+    ///
+    /// Raises `UnknownNameError` for a kind or a frame that there is not, `InvalidValueError` for a name that is
+    /// taken, what is no rigid motion, and a loop that no configuration closes.
+    #[pyo3(signature = (name, frames, kind = "connect", places = None))]
+    fn with_loop(
         &self,
-        py: Python<'py>,
-    ) -> PyResult<Vec<(String, &'static str, [String; 2], Bound<'py, PyArray3<f64>>)>> {
-        let loops = self.inner.model().loops().iter().map(|closed| {
-            let name = |id: kinopt::model::FrameId| self.model.frames()[id.index()].name.clone();
-            let places = placement::to_arrays(py, &closed.frame_from_place)?;
-            let frames = closed.frames.map(name);
-            Ok((closed.name.clone(), closed.kind.name(), frames, places))
-        });
-        loops.collect()
+        name: String,
+        frames: [String; 2],
+        kind: &str,
+        places: Option<[Bound<'_, PyAny>; 2]>,
+    ) -> PyResult<Self> {
+        let mut source = self.source.clone();
+        let own = NamedLoop::new(name, frames, kind, places)?;
+        source.loops.added.push(own);
+        Self::build(source)
+    }
+
+    /// The same robot without loops, for a file whose loops contradict each other or are not meant.
+    fn without_loops(&self) -> PyResult<Self> {
+        let mut source = self.source.clone();
+        source.loops.added.clear();
+        source.loops.without = true;
+        Self::build(source)
+    }
+
+    /// The same robot with these as its `passive_joints`, as an SRDF file names them.
+    ///
+    /// Raises `UnknownNameError` for a joint that there is not.
+    fn with_passive_joints(&self, names: Vec<String>) -> PyResult<Self> {
+        let mut source = self.source.clone();
+        source.loops.passive = Some(names);
+        Self::build(source)
     }
 
     /// Names of the moving joints between two frames, from base to tip.
@@ -514,7 +578,11 @@ impl Robot {
     }
 
     #[classmethod]
-    #[allow(clippy::type_complexity, reason = "it is what `__reduce__` gives")]
+    #[allow(
+        clippy::type_complexity,
+        clippy::too_many_arguments,
+        reason = "it is what `__reduce__` gives"
+    )]
     fn _rebuild(
         _class: &Bound<'_, PyType>,
         text: &str,
@@ -523,7 +591,11 @@ impl Robot {
         soft_limits: bool,
         base: (Option<String>, Option<Bound<'_, PyDict>>),
         tools: Vec<(String, String, Bound<'_, PyAny>)>,
+        loops: (bool, Vec<PickledLoop<'_>>, Option<Vec<String>>),
     ) -> PyResult<Self> {
+        let added = loops.1.into_iter();
+        let added = added
+            .map(|(name, kind, frames, places)| NamedLoop::new(name, frames, &kind, Some(places)));
         let tools = tools.into_iter().map(|(name, link, tool)| {
             Ok((name, link, placement::placement(&tool, "link_from_tool")?))
         });
@@ -534,6 +606,11 @@ impl Robot {
             soft_limits,
             base: Base::new(base.0, base.1)?,
             tools: tools.collect::<PyResult<_>>()?,
+            loops: Loops {
+                without: loops.0,
+                added: added.collect::<PyResult<_>>()?,
+                passive: loops.2,
+            },
         })
     }
 
@@ -544,6 +621,8 @@ impl Robot {
         });
         let tools: Vec<(String, String, Bound<'py, PyArray2<f64>>)> =
             tools.collect::<PyResult<_>>()?;
+        let added = source.loops.added.iter().map(|own| own.pickled(py));
+        let added: Vec<Told<'py>> = added.collect::<PyResult<_>>()?;
         let room = PyDict::new(py);
         for (axis, range) in &source.base.room {
             room.set_item(axis, *range)?;
@@ -555,6 +634,7 @@ impl Robot {
             source.soft_limits,
             (source.base.joint.as_deref(), room),
             tools,
+            (source.loops.without, added, source.loops.passive.clone()),
         );
         pickling::by_rebuild::<Self>(py, arguments)
     }

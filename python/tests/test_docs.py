@@ -17,6 +17,7 @@ CANNOT_RAISE = {
     "kinopt.Model.neutral",
     "kinopt.Model.to_json",
     "kinopt.Robot.neutral",
+    "kinopt.Robot.without_loops",
     "kinopt.Skeleton.builder",
     "kinopt.Skeleton.to_json",
     "kinopt.Solution.explain",

@@ -12,6 +12,7 @@ viser = pytest.importorskip(
 )
 
 from kinopt.view import Scene, solids  # noqa: E402
+from kinopt.view.posing import Posing  # noqa: E402
 from kinopt.view.transforms import between, matrix_of, wxyz_of  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -299,3 +300,22 @@ def test_a_scene_tells_what_is_in_it_and_embeds_itself_without_ipython(scene):
     assert "arm" in repr(scene) and scene.bodies == [body]
     shown = scene.show(height=300)._repr_html_()
     assert scene.url in shown and 'height="300"' in shown and scene.url in scene._repr_html_()
+
+
+def test_a_robot_with_loops_stands_with_them_closed_and_sliders_keep_them_so(scene):
+    robot = kinopt.Robot.from_mjcf(Path(__file__).parents[2] / "tests" / "loops" / "files" / "knee.xml")
+    body = scene.add(robot)
+    gaps = kinopt.LoopClosure(robot).gaps
+    names = robot.coordinate_names
+
+    def is_closed(q):
+        return max(gap for _, gap, _ in gaps(q)) <= 1e-9
+
+    assert is_closed(body.q)
+    posing = Posing(body)
+    for joint, value, follows in [("knee_motor", 0.5, "knee"), ("knee", 0.4, "knee_motor")]:
+        answer = posing.with_joint(joint, value, [])
+        assert answer.q[names.index(joint)] == value
+        assert is_closed(answer.q) and abs(answer.q[names.index(follows)]) > 0.2
+    # No farther than the rod goes.
+    np.testing.assert_array_equal(posing.with_joint("knee_motor", 1.6, []).q, body.q)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 import kinopt
 
 from .canvas import Canvas
+from .closing import closed
 from .holding import Holding
 from .look import Color, DrawnKinematics, extent
 from .solids import Solid
@@ -57,7 +58,9 @@ class Body(ABC):
         self.model = getattr(thing, "model", thing)
         self._kinematics = DrawnKinematics(self.model)
         self._index = self._kinematics.index
-        self._q: Array = self.model.neutral()
+        rest = self.model.neutral()
+        standing = closed(thing, rest)
+        self._q: Array = rest if standing is None else standing
 
     @property
     def frame_names(self) -> list[str]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import kinopt
 
+from .closing import closed
 from .dragging import Dragging
 
 #: More joints than this are grouped, and their groups closed.
@@ -84,9 +86,14 @@ class JointsPanel:
                 slider.value = value
 
     def _rest(self) -> None:
-        self._page.stand_at(self._page.body.model.neutral())
+        self._stand_at(self._page.body.model.neutral())
 
     def _random(self) -> None:
         thing = self._page.body.thing
         draw = thing if isinstance(thing, kinopt.Robot) else self._page.body.model
-        self._page.stand_at(draw.random_configuration(np.random.default_rng()))
+        self._stand_at(draw.random_configuration(np.random.default_rng()))
+
+    def _stand_at(self, q: NDArray[np.float64]) -> None:
+        """There, or where the body stands if its loops do not close there."""
+        going_along = closed(self._page.body.thing, q)
+        self._page.stand_at(self._page.body.q if going_along is None else going_along)

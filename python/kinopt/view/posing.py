@@ -14,6 +14,7 @@ import kinopt
 from kinopt import tasks
 
 from .body import Body
+from .closing import closed
 from .transforms import inverse
 
 Array = NDArray[np.float64]
@@ -121,7 +122,9 @@ class Posing:
         q = follows.expand(follows.reduce(q))
         self.state_anew()
         if not goals:
-            return Answer(q, None, 0.0, False)
+            going_along = closed(self.body.thing, q, joint)
+            # A joint goes no farther than loops let it.
+            return Answer(self.body.q if going_along is None else going_along, None, 0.0, False)
         before = time.perf_counter()
         held = kinopt.ParameterMap(self.body.thing, lock={joint: float(q[moving.index(joint)])})
         problem = kinopt.Problem(

@@ -27,7 +27,7 @@ use crate::robot::Robot;
 pub(crate) use camera::Camera;
 pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
-pub(crate) use parameters::ParameterMap;
+pub(crate) use parameters::{ParameterMap, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
 pub(crate) use task::{Aimed, AnyTask, Move};
 use task::{Numbers, items};

@@ -53,7 +53,7 @@ impl ParameterMap {
             let name = arrays::name(name, "a joint of a parameter map")?;
             own.joint(&name).or_raise()
         };
-        let mut builder = start(model, &own);
+        let mut builder = parameters_of(model, &own);
         for (name, value) in items(lock, "lock")? {
             let what = format!("the locked value of {name}");
             let id = joint(&name)?;
@@ -178,7 +178,10 @@ impl ParameterMap {
 }
 
 /// Every joint free, but for those that follow others in a robot's file.
-fn start<'a>(given: &'a Bound<'_, PyAny>, model: &'a kinopt::Model) -> ParameterMapBuilder<'a> {
+pub(crate) fn parameters_of<'a>(
+    given: &'a Bound<'_, PyAny>,
+    model: &'a kinopt::Model,
+) -> ParameterMapBuilder<'a> {
     match given.cast::<Robot>() {
         Ok(robot) => robot.get().inner.parameters(),
         Err(_) => kinopt::model::ParameterMap::builder(model),

@@ -111,7 +111,7 @@ impl Solution {
         self.inner.counts.into()
     }
 
-    /// How every task came out, in the order in which the tasks were given.
+    /// How every task came out, in the order in which the tasks were given, then the model's loops.
     #[getter]
     fn tasks(&self) -> Vec<TaskReport> {
         self.inner.tasks().map(TaskReport::from).collect()
@@ -121,6 +121,21 @@ impl Solution {
     #[getter]
     fn active_limits(&self) -> Vec<ActiveLimit> {
         self.inner.active_limits().map(ActiveLimit::from).collect()
+    }
+
+    /// Whether every loop of the model is closed at `q`, to 1e-9 m and rad; True where it has none. A solution that
+    /// is reached has closed them all.
+    #[getter]
+    fn loops_closed(&self) -> bool {
+        self.inner.loops_closed()
+    }
+
+    /// The loops that are open at `q`: tuples of the name, the gap in metres, and the angle in radians, 0 for a
+    /// "connect".
+    #[getter]
+    fn open_loops(&self) -> Vec<(&str, f64, f64)> {
+        let open = self.inner.open_loops();
+        open.map(|open| (open.name, open.gap, open.angle)).collect()
     }
 
     /// Whether a missed goal is certainly out of reach: its place is farther from where the chain begins

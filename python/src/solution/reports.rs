@@ -48,6 +48,9 @@ pub(crate) struct TaskReport {
     #[pyo3(get)]
     frame: Option<String>,
     role: Role,
+    /// Whether it closes a loop of the model: nobody gave it.
+    #[pyo3(get)]
+    is_loop: bool,
     /// Whether all its rows that have a weight are within tolerance.
     #[pyo3(get)]
     reached: bool,
@@ -64,6 +67,7 @@ impl From<kinopt::ik::TaskReport<'_>> for TaskReport {
             name: report.name.to_owned(),
             frame: report.frame.map(str::to_owned),
             role: report.role,
+            is_loop: report.is_loop,
             reached: report.reached,
             rows: report.rows.iter().map(RowsReport::from).collect(),
             position_error: report.position_error(),
