@@ -25,7 +25,7 @@ const FEW: u64 = 5;
 const MANY: u64 = 25;
 
 /// The stages that are counted; the others only repeat what these show.
-const COUNTED: [&str; 22] = [
+const COUNTED: [&str; 29] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
     "Jacobian, analytic, 22 bones",
@@ -35,6 +35,13 @@ const COUNTED: [&str; 22] = [
     "lane engine, first solutions of a batch",
     "arm of seven joints, track",
     "arm of seven joints, target out of reach",
+    "solve near, arm of six joints",
+    "derivative backward, arm of six joints",
+    "derivative of an arm by its target, six joints",
+    "solve near, humanoid, four poses",
+    "derivative backward, humanoid, four poses",
+    "solve near, humanoid with a posture",
+    "derivative backward, humanoid with a posture",
     "two bones, bare",
     "two bones, turn-lift-bend arm, whole solve",
     "CCD sweep, 22 bones, 5 tips",

@@ -3,6 +3,7 @@
 //! same work.
 
 mod arms;
+mod derivatives;
 mod geometric;
 mod kinematics;
 mod lanes;
@@ -43,6 +44,7 @@ pub fn stages() -> Vec<Stage> {
         solvers::stages(),
         lanes::stages(),
         arms::stages(),
+        derivatives::stages(),
         geometric::stages(),
         posing::stages(),
     ]

@@ -120,14 +120,14 @@ impl System {
         self.add_edges(place);
         let (free, nullity) = (self.free, self.nullity());
         self.null.clear();
-        self.null.resize(free * nullity, 0.0);
-        for (k, direction) in self.null.chunks_exact_mut(free.max(1)).enumerate() {
-            self.held_space.null_direction(k, direction);
-        }
         if self.pulled.is_empty() {
             self.reduced.clear();
             self.reduced_space.factorise(&[], nullity, 0.0);
             return nullity;
+        }
+        self.null.resize(free * nullity, 0.0);
+        for (k, direction) in self.null.chunks_exact_mut(free.max(1)).enumerate() {
+            self.held_space.null_direction(k, direction);
         }
         // W Z, then Zᵀ of it.
         self.image.clear();

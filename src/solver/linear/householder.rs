@@ -54,6 +54,12 @@ impl HouseholderQr {
 
     /// Reduces the next column and carries the reflection to all later ones.
     pub(super) fn reduce_next(&mut self) {
+        self.reduce_next_by(reflect);
+    }
+
+    /// The same with a loop of one's own for x ← (I − scale · v vᵀ) x, given v, scale and x.
+    #[inline]
+    pub(super) fn reduce_next_by(&mut self, reflect: impl Fn(&[f64], f64, &mut [f64])) {
         let (k, rows) = (self.reduced(), self.rows);
         let norm = self.tail_norm(k, k);
         let (done, later) = self.entries.split_at_mut((k + 1) * rows);

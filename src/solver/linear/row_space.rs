@@ -1,6 +1,6 @@
 //! The rows of a matrix of any rank: what they span, what they leave alone, and their pseudoinverse.
 
-use super::dense::dot;
+use super::dense::{add_scaled, dot};
 use super::householder::HouseholderQr;
 
 /// Aᵀ P = Q [R; 0] with pivoting, so that the first columns of Q span A's rows and the others its null space
@@ -21,6 +21,12 @@ pub(crate) struct RowSpace {
 
 /// What is left of a squared length after so much of it was taken away is rounding, and is taken anew.
 const CANCELLED: f64 = 1e-6;
+
+/// With several sums side by side, which no digest of a solver's rests on.
+#[inline]
+fn reflect(v: &[f64], scale: f64, x: &mut [f64]) {
+    add_scaled(x, -scale * dot(v, x), v);
+}
 
 impl RowSpace {
     /// Takes a matrix by its rows, one after the other, each of `columns` numbers. Rows of which a length of at
@@ -60,7 +66,7 @@ impl RowSpace {
             self.q_r.swap_columns(k, best);
             self.pivots.swap(k, best);
             self.left.swap(k, best);
-            self.q_r.reduce_next();
+            self.q_r.reduce_next_by(reflect);
             for row in k + 1..self.rows {
                 let taken = self.q_r.r(k, row);
                 self.left[row] = (self.left[row] - taken * taken).max(0.0);

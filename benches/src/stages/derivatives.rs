@@ -1,0 +1,131 @@
+//! The derivative of a solution beside the solve that it follows: a whole reverse product, factorisation
+//! included, from near the target.
+
+use std::error::Error;
+use std::hint::black_box;
+
+use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
+use kinopt::model::{FrameId, Model};
+use kinopt::problem::ParameterVector;
+use kinopt::robot::Robot;
+use kinopt::task::{Pose, Posture};
+use kinopt::{Arm, Problem, Solver, Workspace};
+
+use super::{Run, Stage, single};
+use crate::Sequence;
+
+pub(super) fn stages() -> Vec<Stage> {
+    vec![
+        single("solve near, arm of six joints", || {
+            solve(&arm("universal_ur5e")?)
+        }),
+        single("derivative backward, arm of six joints", || {
+            reverse(&arm("universal_ur5e")?)
+        }),
+        single("derivative of an arm by its target, six joints", by_target),
+        single("solve near, humanoid, four poses", || solve(&body(false)?)),
+        single("derivative backward, humanoid, four poses", || {
+            reverse(&body(false)?)
+        }),
+        single("solve near, humanoid with a posture", || {
+            solve(&body(true)?)
+        }),
+        single("derivative backward, humanoid with a posture", || {
+            reverse(&body(true)?)
+        }),
+    ]
+}
+
+struct Asked {
+    problem: Problem,
+    start: Vec<f64>,
+}
+
+fn model_of(name: &str) -> Result<Robot, Box<dyn Error>> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
+    Ok(Robot::read(format!("{folder}/{name}.urdf"))?)
+}
+
+/// Some frames where a configuration near the start has them.
+fn asked(model: &Model, frames: &[FrameId], posture: bool) -> Result<Asked, Box<dyn Error>> {
+    let mut random = Sequence::new(0.5);
+    let neutral = model.neutral();
+    let mut beside = |by: f64| -> Result<Vec<f64>, Box<dyn Error>> {
+        let mut q = neutral.clone();
+        for (value, limits) in q.iter_mut().zip(model.limits()) {
+            *value = limits.clamp(*value + by * (2.0 * random.unit() - 1.0));
+        }
+        Ok(q)
+    };
+    let there = beside(0.8)?;
+    let start: Vec<f64> = {
+        let moved = beside(0.2)?;
+        let apart = moved.iter().zip(&neutral);
+        there
+            .iter()
+            .zip(apart)
+            .map(|(there, (a, b))| there + a - b)
+            .collect()
+    };
+    let mut kinematics = kinopt::kinematics::ForwardKinematics::of_frames(model, frames)?;
+    let mut tasks = Problem::builder(model);
+    for (&frame, &at) in frames.iter().zip(kinematics.place(&there)?) {
+        tasks.add(Pose::new(frame, at));
+    }
+    if posture {
+        tasks.add(Posture::new(model, &neutral));
+    }
+    Ok(Asked {
+        problem: tasks.build()?,
+        start,
+    })
+}
+
+fn arm(name: &str) -> Result<Asked, Box<dyn Error>> {
+    let robot = model_of(name)?;
+    let flange = robot.model().frame("flange")?;
+    asked(robot.model(), &[flange], false)
+}
+
+fn body(posture: bool) -> Result<Asked, Box<dyn Error>> {
+    let robot = model_of("aldebaran_nao")?;
+    let robot = robot.with_base_joint(kinopt::robot::BaseJoint::FREE)?;
+    let ends = ["left_sole", "right_sole", "left_hand", "right_hand"];
+    let frames: Result<Vec<_>, _> = ends.iter().map(|name| robot.model().frame(name)).collect();
+    asked(robot.model(), &frames?, posture)
+}
+
+fn solve(asked: &Asked) -> Result<Run, Box<dyn Error>> {
+    let (problem, start) = (asked.problem.clone(), asked.start.clone());
+    let (solver, mut workspace) = (Solver::default(), Workspace::new());
+    if !solver.solve(&problem, &start, &mut workspace)?.reached {
+        return Err("what was near is not reached".into());
+    }
+    Ok(Box::new(move || {
+        let solution = solver.solve(&problem, &start, &mut workspace);
+        black_box(solution.is_ok());
+    }))
+}
+
+fn reverse(asked: &Asked) -> Result<Run, Box<dyn Error>> {
+    let problem = asked.problem.clone();
+    let q = Solver::default().solve_once(&problem, &asked.start)?.q;
+    let mut memory = DerivativeWorkspace::default();
+    let mut gradient = ParameterVector::new(&problem);
+    let dof = SolutionDerivative::new(&problem, &q, &mut memory)?.degrees_of_freedom();
+    let slope = vec![1.0; dof];
+    Ok(Box::new(move || {
+        let derivative = SolutionDerivative::new(&problem, &q, &mut memory);
+        let done = derivative.is_ok_and(|mut own| own.gradient(&slope, &mut gradient).is_ok());
+        black_box((done, &gradient));
+    }))
+}
+
+fn by_target() -> Result<Run, Box<dyn Error>> {
+    let arm = Arm::builder(&model_of("universal_ur5e")?, "base", "flange").build()?;
+    let q = vec![0.4, -1.2, 1.1, -0.8, 1.2, 0.5];
+    let target = arm.base_from_tool(&q)?;
+    Ok(Box::new(move || {
+        black_box(arm.derivative(target, &q).is_ok());
+    }))
+}
