@@ -4,7 +4,6 @@ use clap::{Args, ValueEnum};
 use kinopt::model::Limits;
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::skeleton::SkeletonRoot;
-use kinopt::spatial::Vector3;
 
 use crate::failure::Outcome;
 use crate::help_headings::MODEL;
@@ -36,6 +35,8 @@ enum BaseKind {
     SlideZ,
 }
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// A range along one of the world's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Room {
@@ -47,7 +48,7 @@ impl Room {
     fn parse(text: &str) -> Result<Self, String> {
         const SHAPE: &str = "expected AXIS=LOW..HIGH, the axis one of x, y, z";
         let (axis, range) = text.split_once('=').ok_or(SHAPE)?;
-        let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
+        let axis = AXES.iter().position(|name| *name == axis.trim());
         let (low, high) = range.split_once("..").ok_or(SHAPE)?;
         let limits = Limits::new(number(low.trim())?, number(high.trim())?);
         match axis {
@@ -86,35 +87,14 @@ impl BaseJointOptions {
 
     /// The robot on its base.
     pub(crate) fn put_under(&self, robot: Robot, file: &str) -> Outcome<Robot> {
-        let along = |axis: usize| self.along(axis);
-        let sliding = |axis: usize| BaseJoint::Sliding {
-            axis: Vector3::UNITS[axis],
-            limits: along(axis),
-        };
-        let (base, axes): (_, &[usize]) = match self.base_joint {
-            None | Some(BaseKind::Fixed) => (BaseJoint::Fixed, &[]),
-            Some(BaseKind::Free) => {
-                let room = [along(0), along(1), along(2)];
-                (BaseJoint::Free { room }, &[0, 1, 2])
-            }
-            Some(BaseKind::Planar) => {
-                let (room, yaw) = ([along(0), along(1)], Limits::UNBOUNDED);
-                (BaseJoint::Planar { room, yaw }, &[0, 1])
-            }
-            Some(BaseKind::SlideX) => (sliding(0), &[0]),
-            Some(BaseKind::SlideY) => (sliding(1), &[1]),
-            Some(BaseKind::SlideZ) => (sliding(2), &[2]),
-        };
-        if let Some(room) = self
-            .base_room
-            .iter()
-            .find(|room| !axes.contains(&room.axis))
-        {
-            let axis = ["x", "y", "z"][room.axis];
-            return Err(usage!(
-                "--base-room {axis}=…: this base does not move along {axis}"
-            ));
-        }
+        let kind = self.base_joint.and_then(|kind| kind.to_possible_value());
+        let kind = kind.as_ref().map_or("fixed", |kind| kind.get_name());
+        let ranges = self.base_room.iter();
+        let ranges = ranges.map(|room| (AXES[room.axis], room.limits));
+        let base = BaseJoint::named(kind, ranges).map_err(|unknown| {
+            let axis = unknown.name;
+            usage!("--base-room {axis}=…: this base does not move along {axis}")
+        })?;
         let robot = robot.with_base_joint(base);
         robot.map_err(|error| failure!("{file}: base joint: {error}"))
     }

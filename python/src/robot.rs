@@ -75,32 +75,10 @@ impl Base {
     }
 
     fn joint(&self) -> PyResult<BaseJoint> {
-        const KINDS: [&str; 6] = ["fixed", "free", "planar", "slide-x", "slide-y", "slide-z"];
-        const AXES: [&str; 4] = ["x", "y", "z", "yaw"];
         let kind = self.joint.as_deref().unwrap_or("fixed");
-        let kind = KINDS
-            .iter()
-            .position(|known| *known == kind)
-            .ok_or_else(|| kinopt::model::UnknownName::new("base joint", kind, KINDS));
-        let kind = kind.or_raise()?;
-        let moves: &[usize] = [&[][..], &[0, 1, 2], &[0, 1, 3], &[0], &[1], &[2]][kind];
-        let mut ranges = [Limits::UNBOUNDED; 4];
-        for (axis, (lower, upper)) in &self.room {
-            let known = moves.iter().find(|&&known| AXES[known] == axis);
-            let valid = moves.iter().map(|&known| AXES[known]);
-            let unknown = || kinopt::model::UnknownName::new("axis of this base", axis, valid);
-            ranges[*known.ok_or_else(unknown).or_raise()?] = Limits::new(*lower, *upper);
-        }
-        let [x, y, z, yaw] = ranges;
-        Ok(match kind {
-            0 => BaseJoint::Fixed,
-            1 => BaseJoint::Free { room: [x, y, z] },
-            2 => BaseJoint::Planar { room: [x, y], yaw },
-            slide => BaseJoint::Sliding {
-                axis: kinopt::spatial::Vector3::UNITS[slide - 3],
-                limits: ranges[slide - 3],
-            },
-        })
+        let ranges = self.room.iter();
+        let ranges = ranges.map(|(axis, (lower, upper))| (axis, Limits::new(*lower, *upper)));
+        BaseJoint::named(kind, ranges).or_raise()
     }
 }
 

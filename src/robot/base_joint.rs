@@ -1,7 +1,7 @@
 //! What a robot's root link moves on.
 
 use super::{Mimic, Robot};
-use crate::model::{JointId, Limits, ModelBuilder, ModelError};
+use crate::model::{JointId, Limits, ModelBuilder, ModelError, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
 /// The name of the joint that is put under a robot, or what its parts' names begin with.
@@ -48,6 +48,54 @@ impl BaseJoint {
         room: [Limits::UNBOUNDED; 2],
         yaw: Limits::UNBOUNDED,
     };
+
+    /// What it is called from outside: `fixed`, `free`, `planar`, or `slide-x` and its like along an axis of the
+    /// world.
+    pub const KINDS: [&'static str; 6] =
+        ["fixed", "free", "planar", "slide-x", "slide-y", "slide-z"];
+
+    /// The base joint of a [kind](Self::KINDS), within ranges along the axes on which it moves: `x`, `y` and `z` in
+    /// metres, of a planar one `yaw` in radians. What no range is given for is anywhere; of two along one axis both count.
+    ///
+    /// ```
+    /// # use kinopt::model::Limits;
+    /// # use kinopt::robot::BaseJoint;
+    /// let rail = BaseJoint::named("slide-y", [("y", Limits::new(-1.0, 1.0))])?;
+    /// assert!(matches!(rail, BaseJoint::Sliding { limits, .. } if limits.upper == 1.0));
+    /// let error = BaseJoint::named("planar", [("z", Limits::new(0.0, 1.0))]).unwrap_err();
+    /// assert_eq!(error.valid, ["x", "y", "yaw"]);
+    /// # Ok::<(), kinopt::model::UnknownName>(())
+    /// ```
+    ///
+    /// # Errors
+    /// An unknown kind, or an axis on which such a base does not move; the error tells those that there are.
+    pub fn named<A: AsRef<str>>(
+        kind: &str,
+        ranges: impl IntoIterator<Item = (A, Limits)>,
+    ) -> Result<Self, UnknownName> {
+        const AXES: [&str; 4] = ["x", "y", "z", "yaw"];
+        let known = Self::KINDS.iter().position(|known| *known == kind);
+        let kind = known.ok_or_else(|| UnknownName::new("base joint", kind, Self::KINDS))?;
+        let moves: &[usize] = [&[][..], &[0, 1, 2], &[0, 1, 3], &[0], &[1], &[2]][kind];
+        let mut room = [Limits::UNBOUNDED; 4];
+        for (axis, range) in ranges {
+            let axis = axis.as_ref();
+            let own = moves.iter().find(|&&own| AXES[own] == axis);
+            let valid = moves.iter().map(|&own| AXES[own]);
+            let own = own.ok_or_else(|| UnknownName::new("axis of this base", axis, valid))?;
+            room[*own] = room[*own].intersection(&range);
+        }
+        let [x, y, z, yaw] = room;
+        Ok(match kind {
+            0 => Self::Fixed,
+            1 => Self::Free { room: [x, y, z] },
+            2 => Self::Planar { room: [x, y], yaw },
+            slide => Self::Sliding {
+                axis: Vector3::UNITS[slide - 3],
+                limits: room[slide - 3],
+            },
+        })
+    }
 
     fn add_to(self, builder: &mut ModelBuilder) -> Option<JointId> {
         let at = Placement::identity();

@@ -35,6 +35,57 @@ use crate::spatial::Placement;
 /// assert!(solution.reached, "{}", solution.explain());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// A limit that depends on where other joints are is one of these over a residual of one's own. Only the limits of
+/// joints, cones and moves are hard, held by sets that a solver projects onto, which a function says nothing of: such
+/// a limit is penalised. As a goal it is told when it is not kept, and on a [level](super::Task::at_level) of its own, above
+/// the others, no other goal costs it anything.
+///
+/// ```
+/// # use kinopt::model::{FrameId, JointId, Limits, Model};
+/// # use kinopt::spatial::{Placement, Vector3};
+/// # use kinopt::task::{Point, Quantity, Residual, Rows, Task, Within};
+/// # use kinopt::{Problem, Scalar, Solver};
+/// /// How far a wrist is bent beyond 1.2 rad, and half a radian less for each radian of the elbow.
+/// #[derive(Clone)]
+/// struct WristByElbow([JointId; 2]);
+///
+/// impl Residual for WristByElbow {
+///     fn kind(&self) -> &'static str {
+///         "wrist by elbow"
+///     }
+///     fn frames(&self) -> Vec<FrameId> {
+///         Vec::new()
+///     }
+///     fn joints(&self) -> Vec<JointId> {
+///         self.0.to_vec()
+///     }
+///     fn rows(&self) -> Vec<Rows> {
+///         vec![Rows::new(Quantity::Radians, 1)]
+///     }
+///     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+///         residual[0] = joints[0] + joints[1] * S::constant(0.5) - S::constant(1.2);
+///     }
+/// }
+/// # let mut builder = Model::builder("two links");
+/// # let link = Placement::translation([1.0, 0.0, 0.0].into());
+/// # let turns = Limits::new(-3.0, 3.0);
+/// # let y = Vector3::UNITS[1];
+/// # let elbow = builder.revolute("elbow", None, Placement::identity(), y, turns);
+/// # let wrist = builder.revolute("wrist", Some(elbow), link, y, turns);
+/// # let hand = builder.frame("hand", Some(wrist), link);
+/// # let model = builder.build()?;
+///
+/// let mut tasks = Problem::builder(&model);
+/// tasks.add(Within::at_most(WristByElbow([wrist, elbow]), 0.0));
+/// // Where the elbow at 1 rad and the wrist at 0.9 would have the hand.
+/// let place = [1f64.cos() + 1.9f64.cos(), 0.0, -1f64.sin() - 1.9f64.sin()];
+/// tasks.add(Task::new(Point::new(hand, place)).at_level(1));
+/// let solution = Solver::default().solve_once(&tasks.build()?, &[1.0, 0.7])?;
+/// // 0.9 is too far by 0.2 there: the limit holds, and the place gives way unless there is another way to it.
+/// assert!(solution.q[1] + 0.5 * solution.q[0] < 1.2 + 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Within<R> {
     residual: R,

@@ -6,13 +6,14 @@
 use std::f64::consts::PI;
 
 use kinopt::kinematics::{ForwardKinematics, centre_of_mass};
-use kinopt::model::{FrameId, Limits, Masses, Model, ParameterMap, PointMass};
+use kinopt::model::{FrameId, JointId, Limits, Masses, Model, ParameterMap, PointMass};
 use kinopt::problem::{Derivatives, Evaluation, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, CentreOfMass, FrameVelocity, Gaze, JointCoupling, Manipulability, Point, Pose, Posture,
-    Quantity, Residual, Rows, Smoothness, SupportPolygon, Task, Within,
+    Axis, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LimitCentring, LookAt,
+    Manipulability, Orientation, Plane, Point, Pose, Posture, Quantity, Ray, Residual, Rows,
+    Smoothness, SupportPolygon, Task, Within,
 };
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
@@ -146,7 +147,60 @@ fn tasks<'a>(figure: &'a Figure, masses: &'a Masses, seed: u64) -> Vec<Add<'a>> 
                 b.add(Pose::new(last, previous).relative_to(base));
             }),
         ),
+        (
+            "poses with tools, free axes and room",
+            Box::new(move |b| {
+                b.add(Pose::new(last, previous).with_tool(previous));
+                b.add(Pose::new(last, previous).with_goal(Goal::free_about(Axis::Y)));
+                b.add(Pose::new(last, previous).with_goal(Goal::within([0.01; 6])));
+                b.add(Within::new(Pose::new(base, previous), 0.05));
+            }),
+        ),
+        (
+            "places",
+            Box::new(move |b| {
+                b.add(Point::new(last, target).at(axis));
+                b.add(Point::new(last, target).at(axis).relative_to(base));
+                b.add(Orientation::new(last, previous.rotation));
+                b.add(Orientation::new(last, previous.rotation).relative_to(base));
+                b.add(Distance::new(last, base, 0.3));
+                b.add(Plane::new(last, target, aim));
+                b.add(Ray::new(last, target, aim));
+                b.add(LookAt::new(last, axis, aim * 5.0));
+            }),
+        ),
+        (
+            "joints of one number",
+            Box::new(move |b| {
+                let moving = model.moving_joints().iter().copied();
+                let kind = |id: JointId| model.joints()[id.index()].kind;
+                let single = moving.filter(|&id| kind(id).coordinates() == 1);
+                let shares = single.zip([0.5, -1.0, 2.0].into_iter().cycle());
+                b.add(JointCoupling::new(model, shares, 0.1));
+                b.add(LimitCentring::new(model));
+            }),
+        ),
     ]
+}
+
+/// Of the residual alone, by differences of the fourth order: (8 (r₁ − r₋₁) − (r₂ − r₋₂)) / 12 h.
+fn by_differences(problem: &Problem, x: &[f64]) -> DMatrix<f64> {
+    const STEP: f64 = 1e-3;
+    let mut scratch = problem.scratch();
+    let mut residual_at = |component: usize, steps: f64| {
+        let mut x = x.to_vec();
+        x[component] += steps * STEP;
+        let mut residual = nalgebra::DVector::zeros(problem.rows());
+        Evaluation::new(problem, &mut scratch).residual(&x, residual.as_mut_slice());
+        residual
+    };
+    let columns: Vec<_> = (0..x.len())
+        .map(|j| {
+            let [near, far] = [1.0, 2.0].map(|h| residual_at(j, h) - residual_at(j, -h));
+            (near * 8.0 - far) / (12.0 * STEP)
+        })
+        .collect();
+    DMatrix::from_columns(&columns)
 }
 
 #[test]
@@ -187,6 +241,30 @@ fn every_derivative_route_agrees_on_balls_and_free_bases() {
                 let central = jacobian(&problem, Derivatives::CentralDifference, &x);
                 let off = (&central - &dual).amax() / size;
                 assert!(off < 1e-7, "{name}, seed {seed}, case {case}: {off:e}");
+                // Its long steps cross the edges of a room.
+                let is_smooth = !name.contains("room");
+                let off = match is_smooth {
+                    true => (by_differences(&problem, &x) - &dual).amax() / size,
+                    false => 0.0,
+                };
+                assert!(off < 1e-8, "{name}, seed {seed}, case {case}: {off:e}");
+                for route in [Derivatives::Analytic, Derivatives::Dual] {
+                    let problem = problem.clone().with_derivatives(route);
+                    let mut scratch = problem.scratch();
+                    let mut evaluation = Evaluation::new(&problem, &mut scratch);
+                    let mut residual = vec![0.0; problem.rows()];
+                    evaluation.residual(&x, &mut residual);
+                    let mut gradient = vec![0.0; x.len()];
+                    let mut room = DMatrix::zeros(residual.len(), x.len());
+                    evaluation.gradient(&x, &residual, &mut gradient, &mut room);
+                    let wanted = dual.transpose() * nalgebra::DVector::from_vec(residual);
+                    let scale = wanted.amax().max(1.0);
+                    let off = (nalgebra::DVector::from_vec(gradient) - &wanted).amax() / scale;
+                    assert!(
+                        off < 1e-11,
+                        "{name}, seed {seed}, case {case}, {route:?}: {off:e}"
+                    );
+                }
             }
         }
     }
