@@ -1,6 +1,7 @@
 //! Models whose joints close loops.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod drags;
 mod four_bars;
 mod grippers;
 mod knees;
