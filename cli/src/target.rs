@@ -104,6 +104,7 @@ fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Start {
     Rest,
+    Bent,
     Random,
     Numbers(Vec<f64>),
 }
@@ -112,11 +113,14 @@ impl Start {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         match text.trim() {
             "rest" => Ok(Self::Rest),
+            "bent" => Ok(Self::Bent),
             "random" => Ok(Self::Random),
             numbers => match crate::number_list::parse(numbers) {
                 Ok(numbers) => Ok(Self::Numbers(numbers)),
                 Err(problem) if number(first_word(numbers)).is_ok() => Err(problem),
-                Err(_) => Err("expected `rest`, `random` or the configuration's numbers".into()),
+                Err(_) => {
+                    Err("expected `rest`, `bent`, `random` or the configuration's numbers".into())
+                }
             },
         }
     }

@@ -83,7 +83,7 @@ class Task:
         for name in names:
             self._check_name(name, getattr(self, name), optional=name == "base")
 
-    def _joint_weights(self) -> None:
+    def _joint_weights(self, *words: str) -> None:
         weights = getattr(self, "joint_weights", None)
         if isinstance(weights, Mapping):
             for joint, value in weights.items():
@@ -91,8 +91,9 @@ class Task:
                 _check_number(f"the weight of {joint}", value)
             self._keep("joint_weights", dict(weights))
         elif isinstance(weights, str):
-            if weights != "by range":
-                raise InvalidValueError(f"joint_weights must be numbers or \"by range\", not {weights!r}")
+            if weights not in words:
+                known = " or ".join(f'"{word}"' for word in words)
+                raise InvalidValueError(f"joint_weights must be numbers or {known}, not {weights!r}")
         elif weights is not None:
             self._numbers("joint_weights", None)
 
@@ -311,13 +312,16 @@ class Posture(Task):
     The reference is a configuration, shape (dof,), or a dict of some joints' values, radians or metres.
     ``joint_weights`` multiplies the rows of each joint by a number of at least 0: one for each of ``joint_names``, or a dict of
     some joints', the others 1, or ``"by range"``, which counts each joint in half its range, so that all give the
-    same share of theirs.
+    same share of theirs, or ``"upright"``: what several limbs hang on (a back, the turn of a free base) counts five times
+    as much as limbs do, and where a free base is not at all, so that legs bend where a back would.
 
     Raises ``InvalidValueError`` for what are no numbers.
     """
 
     reference: ArrayLike | Mapping[str, float]
-    joint_weights: ArrayLike | Mapping[str, float] | Literal["by range"] | None = field(default=None, kw_only=True)
+    joint_weights: ArrayLike | Mapping[str, float] | Literal["by range", "upright"] | None = field(
+        default=None, kw_only=True
+    )
 
     _kind: ClassVar[str] = "posture"
 
@@ -329,7 +333,7 @@ class Posture(Task):
             self._keep("reference", dict(self.reference))
         else:
             self._numbers("reference", None)
-        self._joint_weights()
+        self._joint_weights("by range", "upright")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -352,7 +356,7 @@ class Smoothness(Task):
         super().__post_init__()
         self._numbers("previous", None)
         _check_number("time_step_s", self.time_step_s)
-        self._joint_weights()
+        self._joint_weights("by range")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

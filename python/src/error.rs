@@ -87,6 +87,7 @@ faults!(
     kinopt::ik::DerivativeError,
     kinopt::ik::LoopClosureError,
     kinopt::ik::SolveError,
+    kinopt::ik::StanceError,
     kinopt::kinematics::CentreOfMassError,
     kinopt::kinematics::KinematicsError,
     kinopt::mesh::MeshError,

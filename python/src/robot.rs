@@ -414,6 +414,31 @@ impl Robot {
             .collect())
     }
 
+    /// The configuration `q`, shape (n,), with a free base a fifteenth of its height lower, the frames `feet` where they
+    /// are and the rest near `q`: knees bent a little, so that a hand that is dragged down bends them more. `up` is
+    /// the way up, shape (3,). A robot without a free base, and one whose feet cannot stay, keeps `q`.
+    ///
+    /// Raises `UnknownNameError` for a frame that there is not, `InvalidValueError` for another shape.
+    #[pyo3(signature = (feet, q, *, up = None))]
+    fn bent_stance<'py>(
+        &self,
+        py: Python<'py>,
+        feet: Vec<String>,
+        q: &Bound<'py, PyAny>,
+        up: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let feet = feet.iter().map(|foot| self.model.frame(foot).or_raise());
+        let feet = feet.collect::<PyResult<Vec<_>>>()?;
+        let q = arrays::vector_of(q, "q", self.model.configuration_len())?.to_vec();
+        let up = match up {
+            Some(up) => arrays::array(up, "up")?,
+            None => [0.0, 0.0, 1.0],
+        };
+        let (model, map) = (&self.model, self.inner.map());
+        let stance = py.detach(|| kinopt::ik::bent_stance(model, map, &feet, &q, up));
+        Ok(arrays::list(py, &stance.or_raise()?))
+    }
+
     /// What a link looks like: a list of `Shape`; empty for frames that are no links.
     ///
     /// Raises `UnknownNameError` for a frame that there is not.

@@ -9,6 +9,7 @@ mod loop_gap;
 mod minimiser;
 mod solution_derivative;
 mod solver;
+mod stance;
 mod workspace;
 
 pub use crate::search::{
@@ -23,4 +24,5 @@ pub use solution_derivative::{
     DerivativeError, DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative,
 };
 pub use solver::Solver;
+pub use stance::{StanceError, bent_stance};
 pub use workspace::Workspace;

@@ -200,6 +200,12 @@ impl Model {
         })
     }
 
+    /// The first slide of each [free](ModelBuilder::free) joint; its other slides and its ball follow.
+    #[must_use]
+    pub fn free_joints(&self) -> &[JointId] {
+        &self.free
+    }
+
     /// The longest way from the first moving joint above a frame to it, by offsets and what `travel`
     /// adds for a moving joint, which hears whether one above it turns.
     fn longest_way(&self, travel: impl Fn(&Joint, bool) -> f64) -> f64 {

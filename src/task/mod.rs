@@ -34,6 +34,7 @@ mod ray;
 mod residual;
 mod smoothness;
 mod support_polygon;
+mod upright;
 mod weighted;
 mod within;
 

@@ -88,6 +88,15 @@ impl Posture {
         self.with_weights(weights)
     }
 
+    /// Has a body of `model` stay upright, as a person does who reaches: what several limbs hang on (a back, the turn
+    /// of a [free](crate::model::ModelBuilder::free) base) keeps to its posture five times as much as limbs do, and where a free base is does not
+    /// count. So legs bend where a back would.
+    #[must_use]
+    pub fn upright(self, model: &Model) -> Self {
+        let weights = super::upright::upright_weights(model, &self.joints);
+        self.with_weights(weights)
+    }
+
     /// Changes the values; missing ones keep what they were.
     pub fn set_reference(&mut self, reference: &[f64]) {
         for (own, &new) in self.reference.iter_mut().zip(reference) {

@@ -24,6 +24,7 @@ mod singular_rest_poses;
 mod small_chains;
 mod solution_derivatives;
 mod solutions_without_derivative;
+mod standing_bodies;
 mod step_lengths;
 mod stopping;
 mod strict_levels;

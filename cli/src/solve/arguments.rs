@@ -31,7 +31,7 @@ Examples:
         for the tip of a drill that long on it, with a joint held
   kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0 --interval z=0..0.05,rz=free
         up to 5 cm further along the target's z axis, and turned about it at will
-  kinopt solve humanoid.urdf --base-joint free --hold left_foot --hold right_foot \\
+  kinopt solve humanoid.urdf --base-joint free --hold left_foot --hold right_foot --start bent \\
         --balance left_foot --balance right_foot --target left_hand=0.5,0.2,0.9
         a whole body on a free base: feet stay, the centre of mass over them, a hand reaches
   kinopt solve humanoid.urdf --base-joint free --hold left_foot --hold right_foot --tasks tasks.json
@@ -155,10 +155,10 @@ pub(crate) struct Arguments {
     /// points into a cone; "look at" ("frame", "axis", "target") without room; "frame velocity" ("frame", "time_step_s", "linear", "angular"), since where the start
     /// has it; "joint coupling" ("coefficients" by joint, "offset"); "manipulability" ("frame", "least", and where
     /// wanted "base" and "of": "pose", "position" or "orientation"); "posture" (near "q", or else the start;
-    /// "joint_weights" by joint, or "by range" for an equal share of each joint's range). Each may have a "name", a
+    /// "joint_weights" by joint, "by range" for an equal share of each joint's range, or "upright"). Each may have a "name", a
     /// "weight" that multiplies its errors, a "tolerance" and a "role", "goal" or "preference". Radians, metres,
     /// seconds.
-    #[arg(long, value_name = "FILE", help_heading = TARGETS)]
+    #[arg(long, value_name = "FILE", help_heading = TARGETS, hide_short_help = true)]
     pub(super) tasks: Option<PathBuf>,
 
     #[command(flatten)]
@@ -190,6 +190,8 @@ pub(crate) struct Arguments {
     ///
     /// Default: the tips that a rig's file pins; in a scene the trunk, which does not turn, and the ends
     /// of the other limbs; of a robot nothing. Its tip stays, and a link as it is turned; a bone that carries what has a target does not turn, nor do those above it.
+    /// On a free base what is held counts ten times as much as targets do, unless --weight says otherwise, and the body
+    /// keeps upright and near its start where the targets leave room.
     /// Repeat it for several.
     #[arg(long, value_name = "NAME", help_heading = MODEL)]
     pub(super) hold: Vec<String>,
@@ -202,10 +204,11 @@ pub(crate) struct Arguments {
 
     /// Where the search starts: a word, or numbers in radians and metres.
     ///
-    /// `rest` is all zeros, moved into the limits; `random` is drawn within the limits from
+    /// `rest` is all zeros, moved into the limits; `bent` the same with the knees of a body on a free base bent a
+    /// little over what --hold names, so that it crouches rather than bows; `random` is drawn within the limits from
     /// --rng-seed; numbers are a configuration in the order of `kinopt info`: radians (degrees with
     /// --degrees) and, for sliding joints, metres. They are moved into the limits.
-    #[arg(long, value_name = "NUMBERS|rest|random", default_value = "rest", allow_hyphen_values = true,
+    #[arg(long, value_name = "NUMBERS|rest|bent|random", default_value = "rest", allow_hyphen_values = true,
           value_parser = Start::parse, help_heading = SEARCH)]
     pub(super) start: Start,
 

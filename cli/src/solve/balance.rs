@@ -104,6 +104,15 @@ impl Foot {
 }
 
 impl BalanceArguments {
+    /// Which axis of the world is up.
+    pub(super) fn up(&self, loaded: &LoadedModel) -> usize {
+        match self.up {
+            Some(up) => up as usize,
+            None if loaded.is_bare_figure() => 1,
+            None => 2,
+        }
+    }
+
     /// Whether anything is asked of the centre of mass.
     pub(super) fn given(&self) -> bool {
         self.center_of_mass.is_some() || !self.balance.is_empty()
@@ -133,11 +142,7 @@ impl Balance {
             (None, None) => Masses::new(&loaded.model, []),
         };
         let masses = masses.map_err(|error| failure!("{}: {error}", loaded.file))?;
-        let up = match arguments.up {
-            Some(up) => up as usize,
-            None if loaded.is_bare_figure() => 1,
-            None => 2,
-        };
+        let up = arguments.up(loaded);
         let centre = arguments.center_of_mass.as_ref();
         let centre = centre.map(|centre| centre.task(&masses, up));
         let polygon = match arguments.balance.as_slice() {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::solver::Observer;
-use kinopt::spatial::Placement;
+use kinopt::spatial::{Placement, Quaternion};
 use kinopt::task::{Quantity, Ray, Task};
 use kinopt::{Problem, Workspace};
 
@@ -84,6 +84,7 @@ impl<'a> GeneralBackend<'a> {
             .chain(others.iter().flat_map(TaskFile::names))
             .collect();
         let moved = frames.iter().copied().chain(base.moving_frame());
+        let moved = moved.chain(held.tips.iter().map(|(_, frame)| *frame));
         let moved = moved.chain(asked.flat_map(Balance::frames));
         let others_of = others.as_ref().map(|others| others.frames(loaded));
         let moved = moved.chain(others_of.transpose()?.into_iter().flatten());
@@ -92,7 +93,7 @@ impl<'a> GeneralBackend<'a> {
             loaded,
             arguments,
             goals,
-            finder: PoseFinder::new(loaded, arguments),
+            finder: PoseFinder::new(loaded, arguments, held.stands(loaded)),
             base,
             frames,
             rooms: Room::asked(arguments, goals)?,
@@ -112,6 +113,21 @@ impl<'a> GeneralBackend<'a> {
             self.base.aim(body, task, target)?;
         }
         Ok(())
+    }
+
+    /// Where the frames that have targets stand at the start of a query, as targets are given.
+    fn standing(&self, query: &Query) -> Vec<Placement<f64>> {
+        let placed = self.loaded.all_frames(&query.start);
+        let at = |frame: &FrameId| placed.get(frame.index()).copied();
+        let world_from_base = match self.base {
+            Base::Still(placed) => placed,
+            Base::Moving(frame) => at(&frame).unwrap_or_else(Placement::identity),
+        };
+        let frames = self.frames.iter().zip(&query.targets);
+        let stand = frames.map(|(frame, target)| {
+            at(frame).map_or(*target, |placed| world_from_base.inverse() * placed)
+        });
+        stand.collect()
     }
 
     /// The problem for queries that start at `start`, where what is held still stays. Targets and held
@@ -143,7 +159,8 @@ impl<'a> GeneralBackend<'a> {
         let (world, anywhere) = (Base::Still(Placement::identity()), Placement::identity());
         let turns = self.loaded.rig.is_none();
         let held = self.held.tips.iter().map(|(name, frame)| {
-            let named = (format!("hold {name}"), self.weights.weight(*frame));
+            let weight = self.held.weight(self.loaded, &self.weights, *frame);
+            let named = (format!("hold {name}"), weight);
             let task = world.add_target(&mut builder, *frame, anywhere, (turns, None), named);
             (*frame, task)
         });
@@ -165,6 +182,17 @@ impl<'a> GeneralBackend<'a> {
             start: start.to_vec(),
         })
     }
+}
+
+/// A placement at a share of the way from one to another, straight and turned evenly.
+fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
+    if share >= 1.0 {
+        return *to;
+    }
+    let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
+    let rotation = from.rotation * Quaternion::exp(turn * share).to_matrix();
+    let way = to.translation - from.translation;
+    Placement::new(rotation, from.translation + way * share)
 }
 
 impl Statement {
@@ -203,8 +231,25 @@ impl QueryBackend for GeneralBackend<'_> {
             None => workspace.statement.insert(self.state(&query.start)?),
         };
         statement.aim(self, query)?;
+        let targets = statement.targets.clone();
         let (body, solver) = (&mut statement.body, &mut workspace.solver);
-        self.finder.find(body, &query.start, solver, observer)
+        let froms = self.held.stands(self.loaded).then(|| self.standing(query));
+        let way = froms.map(|froms| {
+            move |body: &mut Drag, share: f64| {
+                let ways = froms.iter().zip(&query.targets);
+                let between = ways.map(|(from, to)| between(from, to, share));
+                let targets_then = Query {
+                    targets: between.collect(),
+                    start: Vec::new(),
+                };
+                self.aim(body, &targets, &targets_then)
+            }
+        });
+        let way = way
+            .as_ref()
+            .map(|way| way as &dyn Fn(&mut Drag, f64) -> Outcome<()>);
+        let from = (query.start.as_slice(), way);
+        self.finder.find(body, from, solver, observer)
     }
 
     fn path(&self, queries: &[Query], answered: &dyn Fn()) -> Outcome<Path> {

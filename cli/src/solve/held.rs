@@ -5,12 +5,16 @@ use kinopt::skeleton::{BoneId, Holds};
 use kinopt::task::{Posture, Task};
 
 use super::arguments::Arguments;
+use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 
+/// How much more feet count than what is dragged, on a free base: they stay where a hand is beyond reach.
+const FEET: f64 = 10.0;
+
 /// What `--hold none` is called.
-const NOTHING: &str = "none";
+pub(super) const NOTHING: &str = "none";
 
 /// What is held.
 #[derive(Clone, Debug, Default)]
@@ -44,6 +48,7 @@ impl Held {
                     held.tips.push((name.clone(), frame));
                 }
             }
+            held.keeps_posture = held.stands(loaded);
             return Ok(held);
         };
         let skeleton = &rig.skeleton;
@@ -82,7 +87,19 @@ impl Held {
             .filter(|(_, tip)| !dragged.contains(tip))
             .filter_map(|(bone, tip)| Some((skeleton.bones().get(bone.index())?.name.clone(), tip)))
             .collect();
+        held.keeps_posture |= held.stands(loaded);
         Ok(held)
+    }
+
+    /// What the errors of something held are multiplied by.
+    pub(super) fn weight(&self, loaded: &LoadedModel, weights: &Weights, frame: FrameId) -> f64 {
+        let usual = if self.stands(loaded) { FEET } else { 1.0 };
+        weights.given(frame).unwrap_or(usual)
+    }
+
+    /// Whether a body on a free base stands on what is held, its feet.
+    pub(super) fn stands(&self, loaded: &LoadedModel) -> bool {
+        !loaded.model.free_joints().is_empty() && !self.tips.is_empty()
     }
 
     /// Whether some bones stay as the start has them.
@@ -126,9 +143,11 @@ impl Held {
     pub(super) fn posture(&self, loaded: &LoadedModel, start: &[f64]) -> Vec<Task<Posture>> {
         match (&loaded.rig, &loaded.balls) {
             _ if !self.keeps_posture => Vec::new(),
-            (_, Some(balls)) => vec![self.holds.posture_of_balls(balls, start)],
             (Some(rig), None) => self.holds.postures(&rig.skeleton, start),
-            (None, None) => Vec::new(),
+            _ => {
+                let posture = Posture::new(&loaded.model, start).upright(&loaded.model);
+                vec![Task::new(posture).named("posture")]
+            }
         }
     }
 }

@@ -14,6 +14,8 @@ use crate::loaded_model::LoadedModel;
 
 /// Frames until a figure rests at most; in a path, at 0.15 rad each, several turns.
 const FRAMES: usize = 200;
+/// Steps on the way to a target, where one is gone.
+const STEPS_OF_A_WAY: u32 = 30;
 /// Steps of a frame at most.
 const FRAME_STEPS: usize = 40;
 /// A search from elsewhere has found better where its cost is lower by a thousandth.
@@ -33,22 +35,24 @@ pub(super) struct PoseFinder {
 }
 
 impl PoseFinder {
-    pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments) -> Self {
+    /// A figure settles, and so does a body that `stands` on what is held.
+    pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments, stands: bool) -> Self {
         Self {
             solver: arguments.general_solver(),
             stopping: arguments.stopping(),
-            settles: loaded.rig.is_some() && arguments.settles(),
+            settles: (loaded.rig.is_some() || stands) && arguments.settles(),
             searches: arguments.attempts() != Some(1),
             anywhere: arguments.arm.global_search_on_miss,
             limit: arguments.time_limit,
         }
     }
 
-    /// The pose for the targets as they are, from `start`.
+    /// The pose for the targets as they are, from `start`; a figure that settles goes there on the `way` first, which
+    /// aims at a share of it.
     pub(super) fn find(
         &self,
         body: &mut Drag,
-        start: &[f64],
+        (start, way): (&[f64], Option<&dyn Fn(&mut Drag, f64) -> Outcome<()>>),
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) -> Outcome<Answer> {
@@ -63,6 +67,12 @@ impl PoseFinder {
             return Ok(answer(solved.clone(), None));
         }
         body.stand_at(start)?;
+        if let Some(aim) = way {
+            for step in 1..=STEPS_OF_A_WAY {
+                aim(body, f64::from(step) / f64::from(STEPS_OF_A_WAY))?;
+                body.advance();
+            }
+        }
         let settled = body.settle(FRAMES).clone();
         let left = self
             .limit

@@ -2,14 +2,17 @@
 
 use kinopt::Solver;
 use kinopt::arm::Search;
-use kinopt::ik::Restarts;
+use kinopt::ik::{Restarts, bent_stance};
 use kinopt::problem::Derivatives;
 use kinopt::robot::Robot;
 use kinopt::solver::Stopping;
+use kinopt::spatial::Vector3;
 
 use super::arguments::Arguments;
 use super::goals::Goals;
+use super::held;
 use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::{LoadedModel, Moment};
 use crate::method_choice;
@@ -140,6 +143,21 @@ impl Arguments {
         Ok(())
     }
 
+    /// At rest, knees bent a little over what is held.
+    fn bent(&self, loaded: &LoadedModel) -> Outcome<Vec<f64>> {
+        if loaded.model.free_joints().is_empty() {
+            return Err(usage!(
+                "--start bent is for bodies on a free base (--base-joint free), which stand on what --hold names"
+            ));
+        }
+        let named = self.hold.iter().filter(|name| *name != held::NOTHING);
+        let feet = named.map(|name| loaded.frame(name, BareName::Tip));
+        let feet = feet.collect::<Result<Vec<_>, _>>()?;
+        let (parameters, up) = (loaded.parameters(), Vector3::UNITS[self.balance.up(loaded)]);
+        let rest = loaded.rest();
+        Ok(bent_stance(&loaded.model, &parameters, &feet, &rest, up)?)
+    }
+
     /// Ends with a code of its own where --fail-on-miss wants it and targets were missed.
     pub(super) fn fail_on_misses(&self, missed: usize, targets: usize) -> Outcome<()> {
         if missed == 0 || !self.fail_on_miss {
@@ -161,6 +179,7 @@ impl Arguments {
     ) -> Outcome<Vec<f64>> {
         let start = match &self.start {
             Start::Rest => return Ok(loaded.rest()),
+            Start::Bent => return self.bent(loaded),
             Start::Random => loaded.model.random_configuration(self.rng_seed),
             Start::Numbers(numbers) => {
                 let columns = arm.filter(|columns| {

@@ -140,16 +140,21 @@ struct PostureEntry {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(untagged, expecting = "expected \"by range\", or a weight by joint")]
+#[serde(
+    untagged,
+    expecting = "expected \"by range\", \"upright\", or a weight by joint"
+)]
 enum JointWeights {
-    Word(ByRange),
+    Word(Share),
     Each(BTreeMap<String, f64>),
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
-enum ByRange {
+enum Share {
     #[serde(rename = "by range")]
     ByRange,
+    #[serde(rename = "upright")]
+    Upright,
 }
 
 impl TaskFile {
@@ -360,7 +365,8 @@ impl Entry {
                     builder,
                     match &own.joint_weights {
                         None => posture,
-                        Some(JointWeights::Word(ByRange::ByRange)) => posture.by_range(model),
+                        Some(JointWeights::Word(Share::ByRange)) => posture.by_range(model),
+                        Some(JointWeights::Word(Share::Upright)) => posture.upright(model),
                         Some(JointWeights::Each(each)) => {
                             posture.with_weights(self.joint_weights(model, each)?)
                         }

@@ -53,7 +53,12 @@ impl Weights {
 
     /// What a frame's errors are multiplied by.
     pub(super) fn weight(&self, frame: FrameId) -> f64 {
+        self.given(frame).unwrap_or(1.0)
+    }
+
+    /// The same, where it was typed.
+    pub(super) fn given(&self, frame: FrameId) -> Option<f64> {
         let own = self.0.iter().find(|(other, _)| *other == frame);
-        own.map_or(1.0, |(_, weight)| *weight)
+        own.map(|(_, weight)| *weight)
     }
 }

@@ -5,6 +5,7 @@ use crate::forked_rig::*;
 use serde_json::Value;
 
 const UR5E: &str = "../models/universal_ur5e.urdf";
+const NAO: &str = "../models/aldebaran_nao.urdf";
 
 fn norm(a: &[f64], b: &[f64]) -> f64 {
     a.iter()
@@ -79,4 +80,40 @@ fn a_link_that_is_held_stays_as_it_is_turned() {
     assert!(norm(&position(&after, "link1"), &at) < 1e-5);
     let turned = |answer: &Value| numbers(&answer["frames"]["link1"]["quaternion"]);
     assert!(norm(&turned(&after), &turned(&before)) < 1e-5);
+}
+
+#[test]
+fn a_body_crouches_from_bent_knees_over_its_feet() {
+    let feet = "--base-joint free --hold left_sole --hold right_sole";
+    let body = format!("{NAO} {feet}");
+    let placed = |q: &str, frame: &str| {
+        let placed = answer!("fk {NAO} --base-joint free {q} --frame {frame}");
+        position(&placed, frame)
+    };
+    let target = "--target left_hand=0.12,0.1,-0.2";
+    let solution = answer!("solve {body} --start bent {target}");
+    assert_eq!(solution["reached"], true);
+    let q = format!("--q={}", commas(&numbers(&solution["q"])));
+    for sole in ["left_sole", "right_sole"] {
+        assert!(norm(&placed(&q, sole), &placed("", sole)) < 1e-5);
+    }
+    let joints = list(&solution["joints"]);
+    let knee = joints
+        .iter()
+        .position(|name| name == "left_knee_pitch")
+        .unwrap();
+    assert!(numbers(&solution["q"])[knee] > 0.5, "the knees give way");
+    // What is told of it has the legs too, which the target alone does not move.
+    says(
+        &text!("solve {body} --start bent {target}"),
+        "left_knee_pitch | right_ankle_roll | hold left_sole",
+    );
+    refused!("solve {NAO} --hold left_sole --start bent {target}" => 2, "--start bent | --base-joint free");
+    // Beyond reach the feet hardly move: they count ten times as much as the hand.
+    let missed = answer!("solve {body} --start bent --target left_hand=2,0.1,0 --attempts 1");
+    let q = format!("--q={}", commas(&numbers(&missed["q"])));
+    assert!(
+        missed["reached"] == false
+            && norm(&placed(&q, "left_sole"), &placed("", "left_sole")) < 0.05
+    );
 }

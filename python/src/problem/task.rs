@@ -192,6 +192,7 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
             visitor.visit(match given.joint_weights(&posture.joints())? {
                 None => posture,
                 Some(JointWeights::ByRange) => posture.by_range(model),
+                Some(JointWeights::Upright) => posture.upright(model),
                 Some(JointWeights::Given(weights)) => posture.with_weights(weights),
             })
         }
@@ -203,7 +204,8 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
             let smoothness = Smoothness::new(model, &previous, time_step_s);
             visitor.visit(match given.joint_weights(&smoothness.joints())? {
                 None => smoothness,
-                Some(JointWeights::ByRange) => smoothness.by_range(model),
+                // The class of this one lets no other text through.
+                Some(JointWeights::ByRange | JointWeights::Upright) => smoothness.by_range(model),
                 Some(JointWeights::Given(weights)) => smoothness.with_weights(weights),
             })
         }
@@ -227,6 +229,7 @@ pub(super) struct Given<'a, 'py> {
 /// How much each joint of a posture counts.
 enum JointWeights {
     ByRange,
+    Upright,
     Given(Vec<f64>),
 }
 
@@ -261,9 +264,12 @@ impl<'py> Given<'_, 'py> {
         let Some(given) = self.optional("joint_weights")? else {
             return Ok(None);
         };
-        // The only text that the class lets through.
-        if given.is_instance_of::<PyString>() {
-            return Ok(Some(JointWeights::ByRange));
+        if let Ok(word) = given.cast::<PyString>() {
+            // One of the two that the class lets through.
+            return Ok(Some(match word.to_str()? {
+                "upright" => JointWeights::Upright,
+                _ => JointWeights::ByRange,
+            }));
         }
         let Ok(named) = given.cast::<PyMapping>() else {
             let weights = arrays::vector_of(&given, "joint_weights", joints.len())?;

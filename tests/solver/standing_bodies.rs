@@ -1,0 +1,170 @@
+//! Promise: a body on a free base whose hand is dragged down crouches and stays upright, its feet where they are; one that
+//! is dragged beyond its reach stays on them.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Problem;
+use kinopt::ik::{Drag, bent_stance};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, JointId, Limits, Model, ParameterMap};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Pose, Posture, Task};
+
+struct Body {
+    model: Model,
+    feet: [FrameId; 2],
+    hand: FrameId,
+    chest: FrameId,
+    knees: [JointId; 2],
+}
+
+/// A person of hinges: hips, knees and ankles, a back, shoulders and elbows. Stretched at zero, arms down.
+fn person() -> Body {
+    let mut builder = Model::builder("person");
+    let at = |x: f64, y: f64, z: f64| Placement::translation(Vector3::new(x, y, z));
+    let [along_x, along_y, _] = Vector3::UNITS;
+    let wide = Limits::new(-2.5, 2.5);
+    let pelvis = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
+    builder.frame("pelvis", Some(pelvis), Placement::identity());
+    let (mut feet, mut knees) = (Vec::new(), Vec::new());
+    for (side, y) in [("left", 0.1), ("right", -0.1)] {
+        let mut hinge = |part: &str, parent, z, axis, limits| {
+            let place = if part == "hip roll" {
+                at(0.0, y, z)
+            } else {
+                at(0.0, 0.0, z)
+            };
+            builder.revolute(format!("{side} {part}"), Some(parent), place, axis, limits)
+        };
+        let roll = hinge("hip roll", pelvis, -0.05, along_x, wide);
+        let hip = hinge("hip", roll, 0.0, along_y, wide);
+        let knee = hinge("knee", hip, -0.4, along_y, Limits::new(0.0, 2.5));
+        let ankle = hinge("ankle", knee, -0.4, along_y, wide);
+        let sole = hinge("ankle roll", ankle, 0.0, along_x, wide);
+        feet.push(builder.frame(format!("{side} foot"), Some(sole), at(0.0, 0.0, -0.05)));
+        knees.push(knee);
+    }
+    let back = builder.revolute("back", Some(pelvis), at(0.0, 0.0, 0.1), along_y, wide);
+    let chest = builder.frame("chest", Some(back), at(0.0, 0.0, 0.3));
+    let mut hands = Vec::new();
+    for (side, y) in [("left", 0.2), ("right", -0.2)] {
+        let name = |part: &str| format!("{side} {part}");
+        let swing = builder.revolute(name("shoulder"), Some(back), at(0.0, y, 0.4), along_y, wide);
+        let lift = builder.revolute(name("lift"), Some(swing), at(0.0, 0.0, 0.0), along_x, wide);
+        let elbow = builder.revolute(name("elbow"), Some(lift), at(0.0, 0.0, -0.3), along_y, wide);
+        hands.push(builder.frame(name("hand"), Some(elbow), at(0.0, 0.0, -0.3)));
+    }
+    Body {
+        model: builder.build().unwrap(),
+        feet: [feet[0], feet[1]],
+        hand: hands[0],
+        chest,
+        knees: [knees[0], knees[1]],
+    }
+}
+
+fn placed(model: &Model, frame: FrameId, q: &[f64]) -> Placement<f64> {
+    ForwardKinematics::of_frames(model, &[frame])
+        .unwrap()
+        .place(q)
+        .unwrap()[0]
+}
+
+/// Drags the hand on a straight way and says where the body ends.
+fn dragged(body: &Body, start: &[f64], way: Vector3<f64>, upright: bool) -> Vec<f64> {
+    let model = &body.model;
+    let mut tasks = Problem::builder(model);
+    let from = placed(model, body.hand, start).translation;
+    let hand = tasks.add(Point::new(body.hand, from));
+    for foot in body.feet {
+        tasks.add(Task::new(Pose::new(foot, placed(model, foot, start))).times(10.0));
+    }
+    let posture = Posture::new(model, start);
+    tasks.add(match upright {
+        true => posture.upright(model),
+        false => posture,
+    });
+    let mut drag = Drag::new(tasks.build().unwrap(), start).unwrap();
+    for step in 1..=30 {
+        let at = from + way * (f64::from(step) / 30.0);
+        drag.target_mut(hand).unwrap().set_target(at);
+        drag.advance();
+    }
+    drag.settle(100).q.clone()
+}
+
+/// How far the chest is tilted, in radians.
+fn lean(body: &Body, q: &[f64]) -> f64 {
+    placed(&body.model, body.chest, q)
+        .rotation
+        .z
+        .z
+        .clamp(-1.0, 1.0)
+        .acos()
+}
+
+fn bent(body: &Body, q: &[f64]) -> f64 {
+    let angles = body
+        .knees
+        .map(|knee| q[body.model.coordinate(knee).unwrap()]);
+    angles[0].min(angles[1])
+}
+
+#[test]
+fn a_stance_bends_the_knees_over_its_feet() {
+    let body = person();
+    let (model, rest) = (&body.model, body.model.neutral());
+    let map = ParameterMap::free(model);
+    let up = Vector3::UNITS[2];
+    let q = bent_stance(model, &map, &body.feet, &rest, up).unwrap();
+    assert!(model.is_within_limits(&q) && bent(&body, &q) > 0.3);
+    for foot in body.feet {
+        let (before, after) = (placed(model, foot, &rest), placed(model, foot, &q));
+        assert!((before.translation - after.translation).norm() < 1e-6);
+    }
+    // A fifteenth of the height over the soles, straight down.
+    assert!(
+        (q[2] + 0.9 / 15.0).abs() < 1e-6 && q[0].abs() < 1e-6,
+        "{q:?}"
+    );
+    assert!(lean(&body, &q) < 1e-6);
+    // Without feet there is no stance, and none without a free base.
+    assert_eq!(bent_stance(model, &map, &[], &rest, up).unwrap(), rest);
+}
+
+#[test]
+fn a_hand_dragged_down_is_followed_by_the_legs() {
+    let body = person();
+    let (map, up) = (ParameterMap::free(&body.model), Vector3::UNITS[2]);
+    let stance = bent_stance(&body.model, &map, &body.feet, &body.model.neutral(), up).unwrap();
+    let down = Vector3::new(0.2, 0.0, -0.45);
+    let q = dragged(&body, &stance, down, true);
+    let reached = placed(&body.model, body.hand, &q).translation;
+    let wanted = placed(&body.model, body.hand, &stance).translation + down;
+    assert!((reached - wanted).norm() < 1e-5);
+    let bowed = dragged(&body, &stance, down, false);
+    assert!(
+        bent(&body, &q) > 1.2 && lean(&body, &q) < 0.5,
+        "{} {}",
+        bent(&body, &q),
+        lean(&body, &q)
+    );
+    assert!(
+        lean(&body, &bowed) > 1.5 * lean(&body, &q),
+        "{}",
+        lean(&body, &bowed)
+    );
+}
+
+#[test]
+fn feet_stay_where_the_hand_is_beyond_reach() {
+    let body = person();
+    let (model, map) = (&body.model, ParameterMap::free(&body.model));
+    let up = Vector3::UNITS[2];
+    let stance = bent_stance(model, &map, &body.feet, &model.neutral(), up).unwrap();
+    let q = dragged(&body, &stance, Vector3::new(3.0, 0.0, 0.5), true);
+    for foot in body.feet {
+        let (before, after) = (placed(model, foot, &stance), placed(model, foot, &q));
+        let apart = (before.translation - after.translation).norm();
+        assert!(apart < 0.02, "{apart}");
+    }
+}
