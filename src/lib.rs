@@ -108,6 +108,11 @@ pub use scalar::Scalar;
 pub use size_mismatch::SizeMismatch;
 pub use skeleton::Skeleton;
 
+/// The examples of the page on whole bodies, run as tests.
+#[cfg(all(doctest, feature = "urdf"))]
+#[doc = include_str!("../docs/whole-bodies.md")]
+struct WholeBodies;
+
 /// The README's examples, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
 #[doc = include_str!("../README.md")]

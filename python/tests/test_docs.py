@@ -51,6 +51,7 @@ CANNOT_RAISE = {
     "kinopt.view.Clip.show",
     "kinopt.view.Piece",
     "kinopt.view.RobotBody",
+    "kinopt.view.RobotBody.holding",
     "kinopt.view.RobotBody.pieces",
     "kinopt.view.RobotBody.remove",
     "kinopt.view.Scene",

@@ -20,6 +20,7 @@ from kinopt.view.saving import saved  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
 HUMANOID = MODELS / "humanoid" / "humanoid.json"
+NAO = MODELS / "aldebaran_nao.urdf"
 PANDA = MODELS / "franka_panda.urdf"
 
 
@@ -73,6 +74,21 @@ def test_a_robot_on_a_free_base_is_dragged_as_a_whole(opened):
     assert "root_joint/x" in sliders and not any(name.endswith(" w") for name in sliders)
     with pytest.raises(kinopt.InvalidValueError, match="for robots"):
         open_page(HUMANOID, base_joint="free")
+
+
+def test_a_body_crouches_over_the_feet_that_it_is_opened_on(opened):
+    page = opened(NAO, base_joint="free", hold=["left_sole", "right_sole"])
+    assert page.pinned == {"left_sole", "right_sole"} and not page.turns
+    stood = {foot: page.body.frame(foot) for foot in page.pinned}
+    knee = page.body.model.coordinate_names.index("left_knee_pitch")
+    assert page.body.q[knee] > 0.2
+    drag(page, "left_hand", [-0.05, 0.0, -0.25], moves=60)
+    assert off(page, "left_hand") < 1e-4
+    assert page.body.q[knee] > 0.6
+    for foot, place in stood.items():
+        np.testing.assert_allclose(page.body.frame(foot), place, atol=1e-5)
+    with pytest.raises(kinopt.UnknownNameError, match="left_sole"):
+        open_page(NAO, base_joint="free", hold=["left_sol"], port=8229)
 
 
 def test_every_solver_of_a_robot_follows(opened):

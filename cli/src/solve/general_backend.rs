@@ -15,7 +15,7 @@ use super::balance::Balance;
 use super::base::{Base, TargetTask};
 use super::goals::Goals;
 use super::held::Held;
-use super::pose_finder::PoseFinder;
+use super::pose_finder::{Aim, PoseFinder};
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use super::room::Room;
 use super::task_file::TaskFile;
@@ -245,9 +245,7 @@ impl QueryBackend for GeneralBackend<'_> {
                 self.aim(body, &targets, &targets_then)
             }
         });
-        let way = way
-            .as_ref()
-            .map(|way| way as &dyn Fn(&mut Drag, f64) -> Outcome<()>);
+        let way = way.as_ref().map(|way| way as &Aim<'_>);
         let from = (query.start.as_slice(), way);
         self.finder.find(body, from, solver, observer)
     }

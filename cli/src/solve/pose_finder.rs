@@ -21,6 +21,9 @@ const FRAME_STEPS: usize = 40;
 /// A search from elsewhere has found better where its cost is lower by a thousandth.
 const BETTER: f64 = 1.0 - 1e-3;
 
+/// Aims a body at a share of the way to its targets.
+pub(super) type Aim<'a> = dyn Fn(&mut Drag, f64) -> Outcome<()> + 'a;
+
 /// How poses are found.
 #[derive(Clone, Debug)]
 pub(super) struct PoseFinder {
@@ -52,7 +55,7 @@ impl PoseFinder {
     pub(super) fn find(
         &self,
         body: &mut Drag,
-        (start, way): (&[f64], Option<&dyn Fn(&mut Drag, f64) -> Outcome<()>>),
+        (start, way): (&[f64], Option<&Aim<'_>>),
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) -> Outcome<Answer> {

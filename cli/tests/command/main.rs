@@ -17,6 +17,7 @@ mod loops;
 mod many_targets;
 mod mjcf;
 mod motion_capture;
+mod pages;
 mod posed_mesh;
 mod robot_files;
 mod robots;

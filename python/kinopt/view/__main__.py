@@ -37,6 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         metavar="KIND",
         help=f"what a robot's root moves on: {', '.join(get_args(BaseJoint))}",
     )
+    parser.add_argument(
+        "--hold", action="append", default=[], metavar="FRAME", help="pin a frame: a robot's feet on a free base"
+    )
     parser.add_argument("--no-browser", action="store_true", help="print the address and open no browser")
     options = parser.parse_args(arguments)
     try:
@@ -48,6 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             capsules=options.capsules,
             up=UPS.get(options.up),
             base_joint=options.base_joint,
+            hold=options.hold,
         )
     except kinopt.KinoptError as error:
         print(error, file=sys.stderr)

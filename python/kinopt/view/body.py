@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -135,8 +136,16 @@ class Body(ABC):
         """What a joint is called within its group."""
         return joint
 
-    def holding(self, dragged: list[str], q: Array, reference: Array | None) -> Holding | None:
-        """What should stay while frames of it are dragged from `q`, and what posture it leans to."""
+    #: Whether it moves as a whole, on a free base, so that what is pinned of it are its feet.
+    stands = False
+
+    def holding(
+        self, dragged: list[str], q: Array, reference: Array | None, pinned: Sequence[str] = ()
+    ) -> Holding | None:
+        """What should stay while frames of it are dragged from `q`, and what posture it leans to.
+
+        Of the `dragged`, the `pinned` are to stay too.
+        """
         return None
 
     @abstractmethod

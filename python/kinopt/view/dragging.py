@@ -63,12 +63,12 @@ class Dragging:
         """A gizmo on a frame; one that is there stays."""
         if frame in self.targets:
             return self.targets[frame]
-        turns = self.turns
+        if pinned:
+            self.pinned.add(frame)
+        turns = self._asks_turn(frame)
         size = (0.15 if turns else 0.11) * self._size()
         target = self.scene.target(f"target/{frame}", self._place(frame), size=size, turns=turns)
         self.targets[frame] = target
-        if pinned:
-            self.pinned.add(frame)
         target.on_grab(lambda place: self._grab(frame))
         target.on_move(lambda place: self._drag(frame))
         target.on_release(lambda place: self.refresh())
@@ -110,7 +110,7 @@ class Dragging:
     def _place(self, frame: str) -> Array:
         """Where the gizmo of a frame belongs: one that is only moved has the world's axes."""
         place = self.body.frame(frame)
-        if not self.turns:
+        if not self._asks_turn(frame):
             place[:3, :3] = np.eye(3)
         return place
 
@@ -129,7 +129,14 @@ class Dragging:
     def goals(self) -> list[Goal]:
         """What is asked of the body now."""
         wanted = [frame for frame in self.targets if frame in self.pinned or frame == self.dragged]
-        return [Goal(frame, self.targets[frame].placement, self.turns) for frame in wanted]
+        return [
+            Goal(frame, self.targets[frame].placement, self._asks_turn(frame), frame in self.pinned)
+            for frame in wanted
+        ]
+
+    def _asks_turn(self, frame: str) -> bool:
+        """Whether a frame is asked how it is turned; feet are."""
+        return self.turns or (self.body.stands and frame in self.pinned)
 
     # Motion.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,9 @@ class Figure(Body):
         joints = self.skeleton.joints(bone) if joint in self._bone_of else []
         return ("twist", "bend", "second twist")[joints.index(joint)] if joint in joints else joint
 
-    def holding(self, dragged: list[str], q: Array, reference: Array | None) -> Holding:
+    def holding(
+        self, dragged: list[str], q: Array, reference: Array | None, pinned: Sequence[str] = ()
+    ) -> Holding:
         """The trunk stays, the back hardly bends, and the ends of other limbs stay where they are.
 
         With a `reference` posture the back keeps to it more than limbs do.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -57,7 +57,8 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
                 robot = kinopt.Robot.from_urdf(path, base_joint=base_joint)
             except kinopt.InvalidFileError:
                 robot = kinopt.Robot.from_urdf(path, base_joint=base_joint, lenient=True)
-            return Opened(robot, turns=True, notes=list(robot.repairs))
+            # A hand of a body is dragged to places.
+            return Opened(robot, turns=base_joint != "free", notes=list(robot.repairs))
         case ".xml" | ".mjcf":
             robot = kinopt.Robot.from_mjcf(path)
             return Opened(robot, turns=True, notes=list(robot.repairs))
@@ -75,16 +76,17 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
     raise kinopt.InvalidValueError(f"{path}: there are pages for {SUPPORTED}")
 
 
-def opening_pose(robot: Any) -> Any:
-    """A pose to begin in: an arm in the middle of its ranges, bent where it would be stretched; others at rest.
+def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
+    """A pose to begin in: an arm in the middle of its ranges, bent where it would be stretched; others at rest, a
+    body on a free base with its knees bent a little over what is held.
 
     At full stretch, where many files have all zeros, an arm cannot be pushed back.
     """
     model, tips = robot.model, robot.tips
     rest = model.neutral()
     if model.configuration_len > model.degrees_of_freedom:
-        # A body on a free base stands as it is; nor has a quaternion a middle.
-        return rest
+        # Nor has a quaternion a middle.
+        return robot.bent_stance(list(hold), rest)
     arms = [robot.chain(robot.frame_names[0], tip) for tip in tips[:1]]
     followed = set(robot.mimics) | {joint for tip in tips for joint in robot.chain(robot.frame_names[0], tip)}
     if not arms or len(arms[0]) < 3 or len(followed - set(arms[0])) > 2:
@@ -126,8 +128,9 @@ def open_page(
     capsules: bool = False,
     up: Up | None = None,
     base_joint: BaseJoint | None = None,
+    hold: Sequence[str] = (),
 ) -> Page:
-    """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model`."""
+    """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model`, `UnknownNameError` for a frame to hold."""
     path = Path(path)
     opened = open_model(path, base_joint)
     scene = Scene(host=host, port=port, up=up or opened.up, title=path.name)
@@ -137,7 +140,10 @@ def open_page(
         beside=path.resolve().parent,
         packages=packages,
     )
+    for frame in hold:
+        # Names what there is, where there is no such frame.
+        body.frame(frame)
     if isinstance(opened.thing, kinopt.Robot):
-        body.q = opening_pose(opened.thing)
+        body.q = opening_pose(opened.thing, hold)
         scene.frame_all()
-    return Page(scene, body, turns=opened.turns, tolerance=opened.tolerance, notes=opened.notes)
+    return Page(scene, body, turns=opened.turns, tolerance=opened.tolerance, notes=opened.notes, hold=hold)

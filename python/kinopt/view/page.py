@@ -29,10 +29,12 @@ class Page(Dragging):
         turns: bool = True,
         tolerance: float = 1e-6,
         notes: Iterable[str] = (),
+        hold: Iterable[str] = (),
     ) -> None:
         super().__init__(scene, body, turns=turns, tolerance=tolerance)
         #: What was mended or is not drawn, one line each.
         self.notes = [*notes, *body.missing]
+        self._hold = list(hold)
         scene.loop.call(self._furnish)
 
     def _furnish(self) -> None:
@@ -51,7 +53,7 @@ class Page(Dragging):
         if self.time is not None:
             self.on_change.append(self.time.follow)
             self.on_grab.append(self.time.pause)
-        for frame in self.body.pinned_first:
+        for frame in dict.fromkeys([*self._hold, *self.body.pinned_first]):
             self.add_target(frame, pinned=True)
         for frame in self.apart(self.body.tips)[:MOST_TARGETS]:
             self.add_target(frame)

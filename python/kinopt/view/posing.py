@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ ARM_SEARCHES = {
 #: Methods for any problem, anew for each place.
 GEOMETRIC = ("ccd", "fabrik")
 METHODS = ("levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd", "fabrik")
+#: How much more feet count than what is dragged, so that they stay where a hand is beyond reach.
+FEET = 10.0
 #: A body whose joints move less in a frame rests, radians or metres.
 STILL = 1e-6
 #: What a body leans to in what its targets leave free.
@@ -38,11 +40,15 @@ POSTURES = ("as it was grabbed", "rest", "none")
 
 @dataclass(frozen=True)
 class Goal:
-    """What one frame should do: stand at `placement` (world_from_frame), turned so too if it `turns`."""
+    """What one frame should do: stand at `placement` (world_from_frame), turned so too if it `turns`.
+
+    What is `pinned` stays while others are dragged: the feet of a body that stands.
+    """
 
     frame: str
     placement: Array
     turns: bool
+    pinned: bool = False
 
 
 @dataclass(frozen=True)
@@ -142,7 +148,8 @@ class Posing:
         made = []
         for goal in goals:
             kind = tasks.Pose if goal.turns else tasks.Point
-            made.append(kind(goal.frame, self._target(goal), name=goal.frame))
+            times = FEET if goal.pinned and self.body.stands else 1.0
+            made.append(kind(goal.frame, self._target(goal), name=goal.frame, times=times))
         return made
 
     def _reference(self) -> Array | None:
@@ -168,15 +175,17 @@ class Posing:
         parameters = None
         holding = None
         if choices.holds:
-            holding = self.body.holding([goal.frame for goal in goals], self.body.q, reference)
+            pinned = [goal.frame for goal in goals if goal.pinned]
+            holding = self.body.holding([goal.frame for goal in goals], self.body.q, reference, pinned)
         if holding is not None:
             made += holding.tasks
             parameters = holding.parameters
         if choices.solver in GEOMETRIC:
             # They know goals alone.
-            made = [task for task in made if not isinstance(task, tasks.Posture)]
+            made = [task for task in made if not isinstance(task, (tasks.Posture, tasks.SupportPolygon))]
         elif reference is not None and not (holding and holding.has_posture):
-            made.append(tasks.Posture(reference, name="posture"))
+            weights: Literal["upright"] | None = "upright" if self.body.stands else None
+            made.append(tasks.Posture(reference, name="posture", joint_weights=weights))
         problem = kinopt.Problem(thing, made, parameters=parameters, tolerance=choices.tolerance)
         if choices.solver in METHODS:
             return _SolverEngine(problem, kinopt.Solver(choices.solver))

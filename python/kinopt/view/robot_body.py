@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 import kinopt
 
-from . import look, solids
+from kinopt import tasks
+
+from . import balance, look, solids
 from .body import Body, Piece
 from .canvas import Canvas
+from .holding import Holding
 from .look import Color
 from .mesh_files import MeshFiles
 from .parts import Parts
@@ -21,6 +24,8 @@ from .solids import Solid
 
 
 Array = NDArray[np.float64]
+#: The ball of the joint that `base_joint="free"` puts under a robot.
+BASE = "root_joint/rotation"
 Style = Literal["auto", "file", "capsules"]
 
 
@@ -66,6 +71,28 @@ class RobotBody(Body):
 
     def _draw(self, q: Array, world_from_frames: Array) -> None:
         self._parts.send(world_from_frames[self._of_frames])
+
+    @property
+    def stands(self) -> bool:
+        """Whether it moves as a whole, on a free base."""
+        return BASE in self.model.joint_names
+
+    @property
+    def can_hold(self) -> bool:
+        """Whether its feet, once pinned, can carry it: it moves as a whole and has masses."""
+        return self.stands and balance.has_masses(self.thing, self._q)
+
+    def holding(
+        self, dragged: list[str], q: Array, reference: Array | None, pinned: Sequence[str] = ()
+    ) -> Holding | None:
+        """The centre of mass stays over the feet, which are the lowest of what is pinned."""
+        if not self.can_hold:
+            return None
+        feet = balance.feet(self.model, pinned, q)
+        if not feet:
+            return None
+        soles = {foot: balance.sole(self.thing, foot) for foot in feet}
+        return Holding([tasks.SupportPolygon(on=soles, name="balance", times=10.0)])
 
     def pieces(self) -> list[Piece]:
         """Its meshes as they stand now, in the world."""
