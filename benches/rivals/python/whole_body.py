@@ -1,0 +1,87 @@
+"""Whole bodies: kinopt beside pink, mink, placo and a loop over Pinocchio.
+
+    python benches/rivals/python/whole_body.py CASE ROBOT.urdf [--problems N] [--peers N] [--limit SECONDS]
+
+from the top of the repository, in an environment with requirements-whole-body.txt; CASE is one of benches/whole_body/
+whose feet and hands are poses. kinopt's program draws the problems and solves them all (Rust, defaults; its time is the
+best of three rounds); the peers get the first N of the same problems from the same starts, in the same run, each question
+once and for a limited time, and are begun anew like kinopt where they get stuck. Tolerance 1e-6 m and rad; every answer
+is judged by Pinocchio: feet, hands, the centre of mass over the soles, joint limits (to 1e-9; kinopt's to the bit).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import tempfile
+import time
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+from whole_body_peers import PEERS, Body
+
+TOLERANCE = 1e-6
+# What rounding may hide between one program's kinematics and another's.
+JUDGED = 1.001 * TOLERANCE
+
+
+def right(body, q, targets, slack):
+    inside = (q[7:] >= body.lower - slack).all() and (q[7:] <= body.upper + slack).all()
+    return inside and max(body.errors(q, targets)) <= JUDGED
+
+
+def row(name, start, solved, micros):
+    print(f"| {name} | {start} | {100 * np.mean(solved):.1f} % of {len(solved)} | {np.median(micros):.0f} "
+          f"| {np.percentile(micros, 99):.0f} |", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("case")
+    parser.add_argument("robot")
+    parser.add_argument("--problems", type=int, default=1000)
+    parser.add_argument("--peers", type=int, default=100, help="problems for the peers")
+    parser.add_argument("--limit", type=float, default=1.0, help="seconds a question")
+    wanted = parser.parse_args()
+
+    build = ["cargo", "build", "--quiet", "--release", "-p", "kinopt-benches", "--bin", "whole_body"]
+    metadata = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
+    subprocess.run(build, check=True)
+    target = json.loads(subprocess.run(metadata, check=True, capture_output=True).stdout)["target_directory"]
+    with tempfile.TemporaryDirectory() as folder:
+        problems = Path(folder) / "problems.json"
+        run = [f"{target}/release/whole_body", wanted.case, wanted.robot, str(wanted.problems), "--write", problems]
+        subprocess.run(run, check=True)
+        document = json.loads(problems.read_text())
+        # Without shapes, whose files may not be there; the numbers stay as they are.
+        tree = ElementTree.parse(wanted.robot)
+        for link in tree.getroot().iter("link"):
+            for shape in link.findall("visual") + link.findall("collision"):
+                link.remove(shape)
+        bare = Path(folder) / "robot.urdf"
+        tree.write(bare)
+        body = Body(bare, document, TOLERANCE)
+        asked = [body.feet + [np.array(at) for at in hands] for hands in document["targets"]]
+        print("| solver | start | solved | median us | p99 us |\n|---|---|---:|---:|---:|")
+        for start in ("near", "standing"):
+            told = document[start]
+            solved = [right(body, body.configuration(one["q"]), at, 0.0) for one, at in zip(told, asked)]
+            row("**kinopt**", start, solved, [one["micros"] for one in told])
+            row("**kinopt**", start, solved[: wanted.peers], [one["micros"] for one in told[: wanted.peers]])
+        for name, peer in PEERS.items():
+            solver = peer(body)
+            for start in ("near", "standing"):
+                solved, micros = [], []
+                for one, at in zip(document[start][: wanted.peers], asked):
+                    begin = body.configuration(one["start"])
+                    begun = time.perf_counter()
+                    q = solver.solve(begin, at, begun + wanted.limit)
+                    micros.append(1e6 * (time.perf_counter() - begun))
+                    solved.append(q is not None and right(body, q, at, 1e-9))
+                row(name, start, solved, micros)
+
+
+if __name__ == "__main__":
+    main()
