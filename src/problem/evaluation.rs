@@ -254,6 +254,12 @@ impl<'a> Evaluation<'a> {
         for row in 0..task.rows.len() {
             wrenches.clear();
             let part = |parts: &[Vector3<f64>]| parts.get(row).copied();
+            let nothing = |parts| part(parts).is_none_or(|v| v.to_array() == [0.0; 3]);
+            // As those of a body that balances are.
+            if (0..task.frames.len()).all(|k| nothing(local.linear(k)) && nothing(local.angular(k)))
+            {
+                continue;
+            }
             for (k, &frame) in task.frames.iter().enumerate() {
                 let wrench = Wrench {
                     force: part(local.linear(k)).unwrap_or(Vector3::zero()),

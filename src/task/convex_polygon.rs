@@ -8,7 +8,7 @@ pub(super) type Point2<S> = [S; 2];
 /// A convex polygon by its corners, counter-clockwise; a segment of two, a point of one.
 ///
 /// Which corners there are is decided by values; where they are carries derivatives.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct ConvexPolygon<S> {
     corners: Vec<Point2<S>>,
     /// The mean of the points that it was drawn around.
@@ -125,17 +125,23 @@ impl<S: Scalar> ConvexPolygon<S> {
 
     /// From the nearest place of the polygon to `at`; zero inside.
     pub(super) fn outside(&self, at: Point2<S>) -> Point2<S> {
+        self.outside_as(at, |number| number)
+    }
+
+    /// The same of a place whose numbers carry more than the corners' do.
+    fn outside_as<T: Scalar>(&self, at: Point2<T>, number: impl Fn(S) -> T) -> Point2<T> {
         let mut inside = self.corners.len() > 2;
         let mut nearest = match self.corners.first() {
-            Some(&corner) => minus(at, corner),
-            None => [S::constant(f64::NAN); 2],
+            Some(&corner) => minus(at, corner.map(&number)),
+            None => [T::constant(f64::NAN); 2],
         };
         let mut shortest = value(dot(nearest, nearest));
         for (from, way, length) in self.edges() {
+            let (from, way, length) = (from.map(&number), way.map(&number), number(length));
             let away = minus(at, from);
             inside &= value(way[0] * away[1] - way[1] * away[0]) >= 0.0;
             let share = dot(away, way) / (length * length);
-            let share = share.max(S::zero()).min(S::one());
+            let share = share.max(T::zero()).min(T::one());
             let miss = minus(away, [way[0] * share, way[1] * share]);
             let squared = value(dot(miss, miss));
             if squared < shortest {
@@ -143,13 +149,18 @@ impl<S: Scalar> ConvexPolygon<S> {
             }
         }
         match inside {
-            true => [S::zero(); 2],
+            true => [T::zero(); 2],
             false => nearest,
         }
     }
 }
 
 impl ConvexPolygon<f64> {
+    /// As [`outside`](Self::outside), where only the place moves.
+    pub(super) fn outside_of<T: Scalar>(&self, at: Point2<T>) -> Point2<T> {
+        self.outside_as(at, T::constant)
+    }
+
     /// Whether anything is at least `margin` from the edges.
     pub(super) fn has_room_for(&self, margin: f64) -> bool {
         let left = self.clone().shrunk(margin);

@@ -53,6 +53,8 @@ pub struct SupportPolygon {
     frames: Vec<FrameId>,
     margin: f64,
     up: Vector3<f64>,
+    /// What the centre may be over, where no point is on a frame.
+    still: Option<ConvexPolygon<f64>>,
 }
 
 /// A point of support.
@@ -73,15 +75,22 @@ impl SupportPolygon {
             frames: Vec::new(),
             margin: 0.0,
             up: Vector3::UNITS[2],
+            still: None,
         }
     }
 
     setters! {
         /// Which way is up, in the world: of any length but zero.
-        pub fn with_up(mut self, up: impl Into<Vector3<f64>>) { self.up = up.into() }
+        pub fn with_up(mut self, up: impl Into<Vector3<f64>>) {
+            self.up = up.into();
+            self.see();
+        }
         /// How far from the polygon's edges it should be inside, metres. Where points on frames come to leave
         /// no room for it, the middle of the points is asked for.
-        pub fn with_margin(mut self, margin: f64) { self.margin = margin }
+        pub fn with_margin(mut self, margin: f64) {
+            self.margin = margin;
+            self.see();
+        }
     }
 
     /// More points of support, metres in the world.
@@ -95,6 +104,7 @@ impl SupportPolygon {
             at: at.into(),
         });
         self.points.extend(points);
+        self.see();
         self
     }
 
@@ -115,7 +125,17 @@ impl SupportPolygon {
             at: at.into(),
         });
         self.points.extend(points);
+        self.see();
         self
+    }
+
+    /// Looks once at what does not move.
+    fn see(&mut self) {
+        let axes = self.across();
+        self.still = self.frames.is_empty().then(|| {
+            let seen = |point: &Support| axes.map(|axis| axis.dot(point.at));
+            ConvexPolygon::around(self.points.iter().map(seen)).shrunk(self.margin)
+        });
     }
 
     /// Two axes across the vertical, a right-handed third with it.
@@ -136,6 +156,9 @@ impl SupportPolygon {
     /// no problem asks for.
     fn outside<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>]) -> [S; 2] {
         let axes = self.across().map(Vector3::constant);
+        if let Some(still) = &self.still {
+            return still.outside_of(axes.map(|axis| axis.dot(centre)));
+        }
         let seen = |at: Vector3<S>| -> Point2<S> { axes.map(|axis| axis.dot(at)) };
         let points = self.points.iter().map(|point| {
             let at = Vector3::constant(point.at);
@@ -189,6 +212,9 @@ impl Residual for SupportPolygon {
             let [x, y, z, ..] = row.derivatives();
             Vector3::new(x, y, z)
         });
+        if feet.is_empty() && slopes.iter().all(|slope| slope.to_array() == [0.0; 3]) {
+            return true;
+        }
         self.body.differentiate(parts, &slopes, jacobian);
         let centre = Vector3::constant(centre);
         for (k, foot) in feet.iter().enumerate() {

@@ -1,33 +1,51 @@
 //! Cholesky's factorisation L Lᵀ, row by row.
 
-use super::dense::{add_scaled, dot};
+use super::dense::{add_scaled, add_two_scaled, dot};
 
 /// Pivots below this share of the largest diagonal entry count as zero.
 const NEGLIGIBLE: f64 = 1e-14;
 
 /// Factorises a symmetric matrix in place in its lower triangle; the diagonal then holds the
 /// inverses of L's. A pivot that rounding has eaten makes its unknown zero. Returns whether no
-/// pivot was clearly negative: whether the matrix is positive semidefinite to rounding.
-pub(super) fn factorise(a: &mut [f64], order: usize, pivot_column: &mut Vec<f64>) -> bool {
+/// pivot was clearly negative: whether the matrix is positive semidefinite to rounding. `columns` is room
+/// for two columns.
+pub(super) fn factorise(a: &mut [f64], order: usize, columns: &mut Vec<f64>) -> bool {
     let largest = (0..order).map(|k| a[k * order + k]).fold(0.0, f64::max);
     let mut semidefinite = true;
-    for k in 0..order {
-        let pivot = a[k * order + k];
+    let mut inverse_of = |pivot: f64| {
         semidefinite &= pivot >= -NEGLIGIBLE * largest;
-        let inverse = if pivot > NEGLIGIBLE * largest {
+        if pivot > NEGLIGIBLE * largest {
             1.0 / pivot.sqrt()
         } else {
             0.0
-        };
-        a[k * order + k] = inverse;
-        // Right-looking: every later row loses its share of this column at once.
-        pivot_column.clear();
-        for row in a[(k + 1) * order..].chunks_exact_mut(order) {
-            row[k] *= inverse;
-            pivot_column.push(row[k]);
-            let behind = &mut row[k + 1..k + 1 + pivot_column.len()];
-            add_scaled(behind, -pivot_column[pivot_column.len() - 1], pivot_column);
         }
+    };
+    columns.resize(2 * order, 0.0);
+    let (first, second) = columns.split_at_mut(order);
+    let mut k = 0;
+    // Right-looking: every later row loses its share of two columns at once, in their order.
+    while k + 1 < order {
+        let (above, below) = a.split_at_mut((k + 2) * order);
+        let inverse = inverse_of(above[k * order + k]);
+        above[k * order + k] = inverse;
+        let next = &mut above[(k + 1) * order..];
+        next[k] *= inverse;
+        let beside = next[k];
+        next[k + 1] -= beside * beside;
+        let next_inverse = inverse_of(next[k + 1]);
+        next[k + 1] = next_inverse;
+        for (i, row) in below.chunks_exact_mut(order).enumerate() {
+            row[k] *= inverse;
+            row[k + 1] = (row[k + 1] - row[k] * beside) * next_inverse;
+            (first[i], second[i]) = (row[k], row[k + 1]);
+            let factors = [-row[k], -row[k + 1]];
+            let behind = &mut row[k + 2..k + 3 + i];
+            add_two_scaled(behind, factors, [&first[..=i], &second[..=i]]);
+        }
+        k += 2;
+    }
+    if k < order {
+        a[k * order + k] = inverse_of(a[k * order + k]);
     }
     semidefinite
 }

@@ -36,7 +36,7 @@ impl CurvedNormal {
         self.factor.clear();
         self.factor.reserve(columns * columns);
         for (vector, room) in [
-            (&mut self.pivot_column, columns),
+            (&mut self.pivot_column, 2 * columns),
             (&mut self.unknown, columns),
             (&mut self.stopped_effect, rows),
         ] {

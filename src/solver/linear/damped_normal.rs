@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::cholesky;
-use super::dense::{add_scaled, dot};
+use super::dense::{add_scaled, add_two_scaled, dot};
 use crate::solver::SolverState;
 
 /// Solves (J_FᵀJ_F + λI) Δ = −J_Fᵀ r over the free columns F; with fewer rows than free columns
@@ -14,7 +14,7 @@ pub(in crate::solver) struct DampedNormal {
     gram: Vec<f64>,
     gram_is_fresh: bool,
     factor: Vec<f64>,
-    /// One column of the factor, side by side.
+    /// Two columns of the factor, side by side.
     pivot_column: Vec<f64>,
     unknown: Vec<f64>,
 }
@@ -26,7 +26,7 @@ impl DampedNormal {
         for (vector, room) in [
             (&mut self.gram, order * order),
             (&mut self.factor, order * order),
-            (&mut self.pivot_column, order),
+            (&mut self.pivot_column, 2 * order),
             (&mut self.unknown, order),
         ] {
             vector.clear();
@@ -106,19 +106,41 @@ impl DampedNormal {
     }
 
     /// J_F J_Fᵀ: one outer product a column, between its first and last entry that is not zero: a
-    /// joint moves few of the frames.
+    /// joint moves few of the frames. Neighbours in a limb, which move the same ones, go two at a time.
     fn add_outer_products(&mut self, jacobian: &DMatrix<f64>, free: &[usize], order: usize) {
         let entries = jacobian.as_slice();
+        let column = |j: usize| &entries[j * order..(j + 1) * order];
+        let mut waiting: Option<(usize, usize, &[f64])> = None;
         for &j in free {
-            let column = &entries[j * order..(j + 1) * order];
+            let column = column(j);
             let Some(first) = column.iter().position(|&v| v != 0.0) else {
                 continue;
             };
             let last = column.iter().rposition(|&v| v != 0.0).unwrap_or(first);
-            for a in first..=last {
-                let row = &mut self.gram[a * order + first..=a * order + a];
-                add_scaled(row, column[a], &column[first..=a]);
+            match waiting.take() {
+                Some((start, end, other)) if (start, end) == (first, last) => {
+                    for a in first..=last {
+                        let row = &mut self.gram[a * order + first..=a * order + a];
+                        let both = [&other[first..=a], &column[first..=a]];
+                        add_two_scaled(row, [other[a], column[a]], both);
+                    }
+                }
+                other => {
+                    self.add_outer_product(other, order);
+                    waiting = Some((first, last, column));
+                }
             }
+        }
+        self.add_outer_product(waiting, order);
+    }
+
+    fn add_outer_product(&mut self, column: Option<(usize, usize, &[f64])>, order: usize) {
+        let Some((first, last, column)) = column else {
+            return;
+        };
+        for a in first..=last {
+            let row = &mut self.gram[a * order + first..=a * order + a];
+            add_scaled(row, column[a], &column[first..=a]);
         }
     }
 }

@@ -35,6 +35,20 @@ pub(in crate::solver) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
     }
 }
 
+/// y ← (y + f₀ · x₀) + f₁ · x₁ over the shortest length: the same bits as one after the other, and y goes through
+/// memory once.
+#[inline]
+pub(in crate::solver) fn add_two_scaled(y: &mut [f64], factors: [f64; 2], x: [&[f64]; 2]) {
+    let shortest = y.len().min(x[0].len()).min(x[1].len());
+    let y = &mut y[..shortest];
+    let x = [&x[0][..shortest], &x[1][..shortest]];
+    let mut k = 0;
+    while k < shortest {
+        y[k] = (y[k] + factors[0] * x[0][k]) + factors[1] * x[1][k];
+        k += 1;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::dot;

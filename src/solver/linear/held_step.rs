@@ -66,7 +66,7 @@ impl HeldStep {
             (&mut self.columns, variables * order),
             (&mut self.bias, order),
             (&mut self.factor, order * order),
-            (&mut self.pivot_column, order),
+            (&mut self.pivot_column, 2 * order),
             (&mut self.unknown, order),
             (&mut self.start, order),
             (&mut self.newton, order),
