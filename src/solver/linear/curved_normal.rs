@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::cholesky;
-use super::damped_normal::fill_inner_products;
 use super::dense::{add_scaled, dot};
+use super::inner_products::InnerProducts;
 use crate::solver::ConfigurationSpace;
 
 /// The quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
@@ -28,6 +28,7 @@ pub(in crate::solver) struct CurvedNormal {
     moving: Vec<usize>,
     /// J Δ of those that a bound has stopped.
     stopped_effect: Vec<f64>,
+    products: InnerProducts,
 }
 
 impl CurvedNormal {
@@ -45,6 +46,7 @@ impl CurvedNormal {
         }
         self.moving.clear();
         self.moving.reserve(columns);
+        self.products.reserve(columns);
     }
 
     /// Writes the step Δ; false where a matrix on the way is not positive definite. A variable that
@@ -91,7 +93,8 @@ impl CurvedNormal {
 
         self.factor.clear();
         self.factor.resize(order * order, 0.0);
-        fill_inner_products(model.jacobian, &self.moving, &mut self.factor);
+        let (moving, factor) = (&self.moving, &mut self.factor);
+        self.products.fill(model.jacobian, moving, factor);
         for (a, &i) in self.moving.iter().enumerate() {
             for (b, &j) in self.moving.iter().enumerate().take(a + 1) {
                 self.factor[a * order + b] += bend(i)[j];

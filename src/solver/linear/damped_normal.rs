@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::cholesky;
 use super::dense::{add_scaled, add_two_scaled, dot};
+use super::inner_products::InnerProducts;
 use crate::solver::SolverState;
 
 /// Solves (J_FᵀJ_F + λI) Δ = −J_Fᵀ r over the free columns F; with fewer rows than free columns
@@ -13,6 +14,7 @@ pub(in crate::solver) struct DampedNormal {
     /// J_FᵀJ_F or J_F J_Fᵀ, lower triangle, row by row.
     gram: Vec<f64>,
     gram_is_fresh: bool,
+    products: InnerProducts,
     factor: Vec<f64>,
     /// Two columns of the factor, side by side.
     pivot_column: Vec<f64>,
@@ -32,6 +34,7 @@ impl DampedNormal {
             vector.clear();
             vector.reserve(room);
         }
+        self.products.reserve(columns);
         self.gram_is_fresh = false;
     }
 
@@ -64,7 +67,7 @@ impl DampedNormal {
             if rows < free.len() {
                 self.add_outer_products(jacobian, free, order);
             } else {
-                fill_inner_products(jacobian, free, &mut self.gram);
+                self.products.fill(jacobian, free, &mut self.gram);
             }
             self.gram_is_fresh = true;
         }
@@ -141,18 +144,6 @@ impl DampedNormal {
         for a in first..=last {
             let row = &mut self.gram[a * order + first..=a * order + a];
             add_scaled(row, column[a], &column[first..=a]);
-        }
-    }
-}
-
-/// J_FᵀJ_F, the lower triangle, row by row, entry by entry.
-pub(super) fn fill_inner_products(jacobian: &DMatrix<f64>, free: &[usize], gram: &mut [f64]) {
-    let (rows, order) = (jacobian.nrows(), free.len());
-    let entries = jacobian.as_slice();
-    let column = |j: usize| &entries[j * rows..(j + 1) * rows];
-    for (a, &ja) in free.iter().enumerate() {
-        for (b, &jb) in free.iter().enumerate().take(a + 1) {
-            gram[a * order + b] = dot(column(ja), column(jb));
         }
     }
 }

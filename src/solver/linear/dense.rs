@@ -23,6 +23,32 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
+/// [`dot`] of vectors of one length of which only some chunks of four are to be looked at, by the bits of `chunks`;
+/// the products of all others are zero.
+#[inline]
+pub(in crate::solver) fn dot_of_chunks(a: &[f64], b: &[f64], mut chunks: u64) -> f64 {
+    let mut sums = [0.0; 4];
+    let mut rest = 0.0;
+    while chunks != 0 {
+        let from = 4 * chunks.trailing_zeros() as usize;
+        chunks &= chunks - 1;
+        match (&a[from..], &b[from..]) {
+            ([p0, p1, p2, p3, ..], [q0, q1, q2, q3, ..]) => {
+                sums[0] += p0 * q0;
+                sums[1] += p1 * q1;
+                sums[2] += p2 * q2;
+                sums[3] += p3 * q3;
+            }
+            (a, b) => {
+                for (p, q) in a.iter().zip(b) {
+                    rest += p * q;
+                }
+            }
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
 /// y ← y + factor · x over the shorter length.
 #[inline]
 pub(in crate::solver) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {

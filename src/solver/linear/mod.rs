@@ -8,6 +8,7 @@ mod damped_normal;
 mod dense;
 mod held_step;
 mod householder;
+mod inner_products;
 mod row_space;
 mod row_span;
 mod tangent_newton;
