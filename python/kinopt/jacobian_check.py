@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,70 +26,113 @@ def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float
     own = model if isinstance(model, Model) else model.model
     places = ForwardKinematics(own, residual.frames).place(q) if residual.frames else np.zeros((0, 4, 4))
     joints = own.joint_names if residual.joints == "all" else residual.joints
-    values = _values(own, joints, np.asarray(q, dtype=float)) if residual.joints else np.zeros(0)
+    parts = _parts(own, joints)
+    values = _values(own, parts, np.asarray(q, dtype=float))
 
     def called(function: Any, places: Array, values: Array) -> Array:
         given = [some for some, read in ((places, residual.frames), (values, residual.joints)) if read]
         return np.asarray(function(*given), dtype=float)
 
     rows = sum(residual.rows.values())
-    columns = 6 * len(residual.frames) + len(joints)
+    columns = 6 * len(residual.frames) + len(values)
     claimed = called(residual.jacobian, places, values)
     if claimed.shape != (rows, columns):
         raise InvalidValueError(
             f"what the residual's jacobian returned has shape {claimed.shape}, expected ({rows}, {columns})"
         )
-    true = np.empty((rows, columns))
-    for column in range(columns):
+    motions = _motions(len(residual.frames), parts, values)
+    # By each motion; the four numbers of a ball's quaternion move together, in three ways.
+    said = claimed @ np.array([motion.rate for motion in motions]).T
+    true = np.empty_like(said)
+    for column, motion in enumerate(motions):
         ahead, behind = (
-            called(residual.function, *_moved(places, values, column, step)).reshape(rows)
-            for step in (STEP, -STEP)
+            called(residual.function, *motion.moved(places, values, step)).reshape(rows) for step in (STEP, -STEP)
         )
         true[:, column] = (ahead - behind) / (2 * STEP)
     # A row's largest derivative says what is small in it; NaN is never small.
-    off = np.abs(claimed - true) / np.maximum(1.0, np.abs(true).max(axis=1, initial=0.0))[:, None]
+    off = np.abs(said - true) / np.maximum(1.0, np.abs(true).max(axis=1, initial=0.0))[:, None]
     wrong = np.argwhere(~(off <= tolerance))
     if len(wrong):
         row, column = wrong[np.argmax(np.nan_to_num(off, nan=np.inf)[tuple(wrong.T)])]
         raise InvalidValueError(
-            f"the jacobian of {residual.name or 'the residual'} is wrong in {len(wrong)} of {claimed.size} "
-            f"entries, most in row {row} by {_of(residual.frames, joints, int(column))}: it says "
-            f"{claimed[row, column]:.6g}, differences say {true[row, column]:.6g}"
+            f"the jacobian of {residual.name or 'the residual'} is wrong in {len(wrong)} of {said.size} "
+            f"entries, most in row {row} by {motions[column].name(residual.frames)}: it says "
+            f"{said[row, column]:.6g}, differences say {true[row, column]:.6g}"
         )
 
 
-def _values(model: Model, joints: Sequence[str], q: Array) -> Array:
-    """What the residual reads of the joints."""
-    names = model.joint_names
-    if q.shape != (len(names),):
-        raise InvalidValueError(f"q has shape {q.shape}, expected ({len(names)},)")
-    missing = [joint for joint in joints if joint not in names]
+def _parts(model: Model, joints: Sequence[str]) -> list[tuple[str, int, int]]:
+    """The name of each joint read, and where its numbers begin and end in a configuration."""
+    moving = {joint.name: joint for joint in model.joints if joint.coordinate is not None}
+    missing = [joint for joint in joints if joint not in moving]
     if missing:
-        raise InvalidValueError(f"{missing[0]} is no moving joint of the model: {', '.join(names)}")
-    return np.array([q[names.index(joint)] for joint in joints])
+        raise InvalidValueError(f"{missing[0]} is no moving joint of the model: {', '.join(moving)}")
+    found = [(name, int(moving[name].coordinate or 0), moving[name].kind == "ball") for name in joints]
+    return [(name, first, first + (4 if is_ball else 1)) for name, first, is_ball in found]
 
 
-def _moved(places: Array, values: Array, column: int, step: float) -> tuple[Array, Array]:
-    """What the residual reads after a small motion along one column."""
-    places, values = places.copy(), values.copy()
-    frame, way = divmod(column, 6)
-    if frame >= len(places):
-        values[column - 6 * len(places)] += step
-    elif way < 3:
-        places[frame, way, 3] += step
-    else:
-        a, b = (way - 2) % 3, (way - 1) % 3
-        turn = np.eye(3)
-        turn[a, a] = turn[b, b] = np.cos(step)
-        turn[b, a], turn[a, b] = np.sin(step), -np.sin(step)
-        places[frame, :3, :3] = turn @ places[frame, :3, :3]
-    return places, values
+def _values(model: Model, parts: Sequence[tuple[str, int, int]], q: Array) -> Array:
+    """What the residual reads of the joints, quaternions of unit length."""
+    if q.shape != (model.configuration_len,):
+        raise InvalidValueError(f"q has shape {q.shape}, expected ({model.configuration_len},)")
+    read = [model.normalise(q)[first:end] for _, first, end in parts]
+    return np.concatenate(read) if read else np.zeros(0)
 
 
-def _of(frames: Sequence[str], joints: Sequence[str], column: int) -> str:
-    """What a column is the derivative by, in words."""
-    frame, way = divmod(column, 6)
-    if frame >= len(frames):
-        return f"the joint {joints[column - 6 * len(frames)]!r}"
-    kind = "velocity along" if way < 3 else "angular velocity about"
-    return f"the {kind} {'xyz'[way % 3]} of the frame {frames[frame]!r}"
+@dataclass(frozen=True)
+class _Motion:
+    """A way in which what the residual reads may move."""
+
+    frame: int
+    way: int
+    joint: str
+    #: Where the joint's numbers are among the values.
+    at: slice
+    #: How fast every column's number changes.
+    rate: Array
+
+    def moved(self, places: Array, values: Array, step: float) -> tuple[Array, Array]:
+        """What the residual reads after a small motion."""
+        places, values = places.copy(), values.copy()
+        if self.joint:
+            own = values[self.at] + step * self.rate[6 * len(places) :][self.at]
+            values[self.at] = own / np.linalg.norm(own) if len(own) == 4 else own
+        elif self.way < 3:
+            places[self.frame, self.way, 3] += step
+        else:
+            a, b = (self.way - 2) % 3, (self.way - 1) % 3
+            turn = np.eye(3)
+            turn[a, a] = turn[b, b] = np.cos(step)
+            turn[b, a], turn[a, b] = np.sin(step), -np.sin(step)
+            places[self.frame, :3, :3] = turn @ places[self.frame, :3, :3]
+        return places, values
+
+    def name(self, frames: Sequence[str]) -> str:
+        """What a derivative is by, in words."""
+        if self.joint and self.at.stop - self.at.start == 4:
+            return f"the turn about {'xyz'[self.way]} of the joint {self.joint!r}"
+        if self.joint:
+            return f"the joint {self.joint!r}"
+        kind = "velocity along" if self.way < 3 else "angular velocity about"
+        return f"the {kind} {'xyz'[self.way % 3]} of the frame {frames[self.frame]!r}"
+
+
+def _motions(frames: int, parts: Sequence[tuple[str, int, int]], values: Array) -> list[_Motion]:
+    """Every way in which what the residual reads may move."""
+    columns = 6 * frames + len(values)
+    units = np.eye(columns)
+    motions = [_Motion(k // 6, k % 6, "", slice(0, 0), units[k]) for k in range(6 * frames)]
+    first = 0
+    for name, begin, end in parts:
+        own = slice(first, first + end - begin)
+        first = own.stop
+        if own.stop - own.start == 1:
+            motions.append(_Motion(0, 0, name, own, units[6 * frames + own.start]))
+            continue
+        w, x, y, z = values[own]
+        # q times half of i, of j and of k.
+        for way, turn in enumerate([(-x, w, z, -y), (-y, -z, w, x), (-z, y, -x, w)]):
+            rate = np.zeros(columns)
+            rate[6 * frames + own.start : 6 * frames + own.stop] = 0.5 * np.array(turn)
+            motions.append(_Motion(0, way, name, own, rate))
+    return motions

@@ -585,6 +585,11 @@ class Within(Task):
     ``upper``, either of which may be infinite. All rows share it, in their own unit. Name, weights, tolerance
     and role are those of the task inside unless given here.
 
+    A limit that depends on other joints is one of these, penalised and not refused::
+
+        beyond = tasks.Residual(lambda q: [q[0] + 0.5 * q[1] - 1.2], joints=["wrist", "elbow"], rows={"radians": 1})
+        problem = kinopt.Problem(robot, [tasks.Within.at_most(beyond, 0.0), tasks.Point("hand", [0.4, 0.1, 0.3])])
+
     Raises ``InvalidValueError`` for what is no task, or another ``Within``, and for an interval given twice.
     """
 

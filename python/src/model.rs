@@ -326,6 +326,9 @@ pub(crate) struct Joint {
     /// How far a ball joint may twist about its axis, radians; None for anywhere.
     #[pyo3(get)]
     twist: Option<(f64, f64)>,
+    /// How far a ball may turn in all, radians; None where nothing but swing and twist limits it.
+    #[pyo3(get)]
+    angle: Option<f64>,
     parent_from_joint: [f64; 16],
 }
 
@@ -344,6 +347,7 @@ impl Joint {
             coordinate: id.and_then(|id| model.coordinate(id)),
             swing: joint.ball.map(|ball| ball.swing),
             twist: joint.ball.map(|ball| (ball.twist.lower, ball.twist.upper)),
+            angle: joint.ball.and_then(|ball| ball.angle),
             parent_from_joint: placement::to_numbers(&joint.parent_from_joint),
         }
     }
@@ -531,14 +535,14 @@ impl ModelBuilder {
     ///
     /// With `swing` (radians, at most pi) it tips its `axis` within a cone of that half angle, or within an
     /// elliptic one of two half angles, about `about` and about what is across that and the axis; `twist` is
-    /// the range, (lower, upper) in radians, that it may turn about its axis. `parent` and
-    /// `parent_from_joint` are as of `joint`.
+    /// the range, (lower, upper) in radians, that it may turn about its axis. `angle` limits the whole rotation, about
+    /// whatever axis, in radians. `parent` and `parent_from_joint` are as of `joint`.
     ///
     /// Raises `UnknownNameError` for a parent that does not exist, `InvalidValueError` for a placement of
     /// another shape; what does not go together is said by `build`.
     #[pyo3(signature = (
         name, parent = None, parent_from_joint = None, axis = [1.0, 0.0, 0.0], *, swing = None,
-        twist = None, about = None
+        twist = None, about = None, angle = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn ball(
@@ -550,10 +554,11 @@ impl ModelBuilder {
         swing: Option<Swing>,
         twist: Option<(f64, f64)>,
         about: Option<[f64; 3]>,
+        angle: Option<f64>,
     ) -> PyResult<()> {
         let (parent, placement) = self.place(parent, parent_from_joint)?;
         let [twist_range] = room(twist.map(|twist| [twist]));
-        let limited = swing.is_some() || twist.is_some();
+        let limited = swing.is_some() || twist.is_some() || angle.is_some();
         let swing = match swing {
             None => [std::f64::consts::PI; 2],
             Some(Swing::Cone(half)) => [half; 2],
@@ -562,6 +567,7 @@ impl ModelBuilder {
         let mut limits = BallLimits::cone(swing[0], twist_range);
         limits.swing = swing;
         limits.about = about.map(Into::into);
+        limits.angle = angle;
         let limits = limited.then_some(limits);
         let id = self
             .inner

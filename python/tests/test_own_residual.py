@@ -266,3 +266,30 @@ def test_a_wrong_jacobian_is_found_and_its_entry_named(robot):
         residual(None).check_jacobian(robot, q)
     with pytest.raises(kinopt.InvalidValueError, match="expected \\(2, 14\\)"):
         residual(lambda frames, joints: np.zeros((2, 13))).check_jacobian(robot, q)
+
+
+def test_a_jacobian_by_a_ball_is_checked_along_its_turns():
+    builder = kinopt.ModelBuilder("arm")
+    builder.joint("hinge", "revolute", axis=[0, 0, 1], lower=-2.0, upper=2.0)
+    builder.ball("wrist", "hinge")
+    builder.frame("hand", "wrist")
+    model = builder.build()
+    q = model.random_configuration(3)
+
+    def function(joints):
+        hinge, w, x, y, z = joints
+        return np.array([x * z + hinge, w * y])
+
+    def slope(joints):
+        hinge, w, x, y, z = joints
+        return np.array([[1.0, 0.0, z, 0.0, x], [0.0, y, 0.0, w, 0.0]])
+
+    def residual(jacobian):
+        return tasks.Residual(function, joints=["hinge", "wrist"], rows=2, jacobian=jacobian)
+
+    residual(slope).check_jacobian(model, q, tolerance=1e-8)
+    residual(slope).check_jacobian(model, model.neutral(), tolerance=1e-8)
+    # What only leads off the unit sphere is no derivative: along q nothing is asked.
+    residual(lambda joints: slope(joints) + np.outer([1.0, 2.0], [0.0, *joints[1:]])).check_jacobian(model, q)
+    with pytest.raises(kinopt.InvalidValueError, match="turn about . of the joint 'wrist'"):
+        residual(lambda joints: slope(joints) * [1, 1, 1.5, 1, 1]).check_jacobian(model, q)

@@ -1,5 +1,7 @@
 //! A ball joint that turns no further than an angle from where it stood, or from its zero.
 
+use std::f64::consts::TAU;
+
 use crate::model::RotationChart;
 use crate::spatial::{Quaternion, Vector3};
 
@@ -132,18 +134,28 @@ impl TurnLimit {
         let back = self.chart.variables(back);
         let put = match self.is_within(back) && keeps_others(back) {
             true => back,
-            false => self.last_within(own, most),
+            false => self.last_within(own, most, keeps_others),
         };
         x[self.variables()].copy_from_slice(&put);
     }
 
-    /// The last place within the angle on the variables' way from the inside.
-    fn last_within(&self, to: [f64; 3], most: f64) -> [f64; 3] {
+    /// A place within the angle, and within the joint's other limits, on the variables' way from the inside: the last
+    /// where there is one way in and out.
+    fn last_within(
+        &self,
+        mut to: [f64; 3],
+        most: f64,
+        keeps_others: impl Fn([f64; 3]) -> bool,
+    ) -> [f64; 3] {
+        if let RotationChart::SwingTwist(_) = self.chart {
+            // A twist by whole turns more is the same.
+            to[2] -= TAU * ((to[2] - self.inside[2]) / TAU).round();
+        }
         let at = |share: f64| [0, 1, 2].map(|k| self.inside[k] + share * (to[k] - self.inside[k]));
         let (mut within, mut beyond) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (within + beyond);
-            match self.angle(at(middle)) <= most {
+            match self.angle(at(middle)) <= most && keeps_others(at(middle)) {
                 true => within = middle,
                 false => beyond = middle,
             }

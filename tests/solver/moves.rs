@@ -287,3 +287,25 @@ fn moves_that_are_none_are_refused_by_name() {
         }
     ));
 }
+
+#[test]
+fn moves_never_lead_out_of_a_whole_angle() {
+    // Further than a right angle round, where straight ways between places within leave it, and twisted by more than
+    // a turn, where variables are far from those that the same rotation has elsewhere.
+    let limits = BallLimits::cone(2.0, Limits::UNBOUNDED).with_angle(1.7);
+    let (model, hand) = shoulder(Some(limits));
+    let problem = turned_to(&model, hand, na::UnitQuaternion::identity());
+    let random = &mut Random::new(8);
+    let mut q = model.neutral();
+    for case in 0..40 {
+        let start = quaternion(random_turn(random, 9.0));
+        let moves = MoveLimits::new(&problem, &[0.3; 4], &start).unwrap();
+        let question = Question::from(&problem).with_moves(&moves).unwrap();
+        for _ in 0..400 {
+            let mut x = [2.0, 2.0, 9.0].map(|size| random.within(-size, size));
+            question.space().project(&mut x);
+            problem.parameters().expand(&x, &mut q).unwrap();
+            assert!(model.is_within_limits(&q), "case {case}: {q:?}");
+        }
+    }
+}

@@ -38,6 +38,8 @@ class Joint:
     @property
     def twist(self) -> tuple[float, float] | None: ...
     @property
+    def angle(self) -> float | None: ...
+    @property
     def parent_from_joint(self) -> Floats: ...
 
 @final
@@ -113,6 +115,7 @@ class ModelBuilder:
         swing: float | Sequence[float] | None = None,
         twist: tuple[float, float] | None = None,
         about: Sequence[float] | None = None,
+        angle: float | None = None,
     ) -> None: ...
     def free(
         self,
@@ -934,6 +937,7 @@ class Solver:
         start: ArrayLike,
         targets: _Targets | None = None,
         *,
+        max_move: ArrayLike | Mapping[str, float] | None = None,
         observer: Callable[[Iteration], bool | None] | None = None,
     ) -> Solution: ...
     def solve_batch(

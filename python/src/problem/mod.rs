@@ -128,7 +128,7 @@ impl Problem {
 
     /// What the problem was stated on.
     #[getter]
-    fn model(&self, py: Python<'_>) -> Py<PyAny> {
+    pub(crate) fn model(&self, py: Python<'_>) -> Py<PyAny> {
         self.model.clone_ref(py)
     }
 

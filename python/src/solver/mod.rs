@@ -3,6 +3,7 @@
 mod batch;
 mod drag;
 mod methods;
+mod moves;
 mod watch;
 
 use std::time::Duration;
@@ -11,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays;
-use crate::error::invalid;
+use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::problem::{Problem, raised};
 use crate::solution::Solution;
@@ -128,28 +129,45 @@ impl Solver {
     /// Solves `problem` from the configuration `start`, shape (dof,), which is projected into the limits;
     /// locked and following joints take their values from the problem's parameters.
     ///
+    /// With `max_move` no joint goes further from `start` than that, hard: a ball joint by the angle that it turns by.
+    /// It is one number for each of a configuration, shape (dof,), radians or metres, inf for no limit and the same
+    /// four for a ball (`robot.velocity_limits * dt` is a controller's step); a dict of those by joints; or one angle
+    /// for all, of slides as far as a joint would carry what is a quarter of the model's reach away. What it holds
+    /// is among the `active_limits` as one of kind "move". Geometric methods know none.
+    ///
     /// `targets` moves targets away from where the problem has them, by the tasks' names or numbers:
     /// {"hand": [0.4, 0.1, 0.3]}; the problem itself does not change. `observer` is called with an
     /// `Iteration` before the first and after every step of each attempt, and stops the search by returning
     /// True. Ctrl-C, and what a residual or an observer raises, come out of here.
     ///
     /// A target that is not reached is no error: see `Solution.reached` and `Solution.explain()`. Raises
-    /// `InvalidValueError` for a start of the wrong length or one that is not finite, for targets of the
-    /// wrong shape, and for problems that a geometric method has no answer for.
-    #[pyo3(signature = (problem, start, targets = None, *, observer = None))]
+    /// `InvalidValueError` for a start of the wrong length or one that is not finite, for targets and moves of the
+    /// wrong shape, moves below 0, and for problems that a geometric method has no answer for.
+    #[pyo3(signature = (problem, start, targets = None, *, max_move = None, observer = None))]
     fn solve(
         &self,
         py: Python<'_>,
         problem: &Bound<'_, Problem>,
         start: &Bound<'_, PyAny>,
         targets: Option<&Bound<'_, PyAny>>,
+        max_move: Option<&Bound<'_, PyAny>>,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Solution> {
         let problem = problem.get();
         let start = arrays::vector(start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
-        let question = problem.question(&targets)?;
+        let mut question = problem.question(&targets)?;
+        let limits = match max_move {
+            None => None,
+            Some(given) => {
+                self.optimiser("max_move")?;
+                Some(moves::move_limits(problem, given, &start)?)
+            }
+        };
+        if let Some(limits) = &limits {
+            question = question.with_moves(limits).or_raise()?;
+        }
         let solution = py.detach(|| {
             problem.workspaces.with(|workspace| {
                 let mut watch = Watch::new(observer.as_ref());

@@ -1,0 +1,39 @@
+//! How far joints may go from where a search begins.
+
+use kinopt::ik::MoveLimits;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::has_model::model_of;
+use crate::problem::Problem;
+
+/// From radians for all, from one number for each of a configuration, or from a dict by joints.
+pub(super) fn move_limits(
+    problem: &Problem,
+    given: &Bound<'_, PyAny>,
+    start: &[f64],
+) -> PyResult<MoveLimits> {
+    let py = given.py();
+    if let Ok(radians) = given.extract::<f64>() {
+        return MoveLimits::by_angle(&problem.inner, radians, start).or_raise();
+    }
+    let Ok(by_joint) = given.cast::<PyDict>() else {
+        let most = arrays::vector(given, "max_move")?.to_vec();
+        return MoveLimits::new(&problem.inner, &most, start).or_raise();
+    };
+    let holder = problem.model(py);
+    let model = model_of(holder.bind(py))?;
+    let mut most = vec![f64::INFINITY; model.configuration_len()];
+    for (name, value) in by_joint.iter() {
+        let (name, value): (String, f64) = (name.extract()?, value.extract()?);
+        let joint = model.joint(&name).or_raise()?;
+        let Some(first) = model.coordinate(joint) else {
+            return Err(invalid(format!("max_move: joint `{name}` does not move")));
+        };
+        let own = model.joints()[joint.index()].kind.coordinates();
+        most[first..first + own].fill(value);
+    }
+    MoveLimits::new(&problem.inner, &most, start).or_raise()
+}
