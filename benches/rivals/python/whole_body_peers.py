@@ -93,13 +93,13 @@ def descend(body: Body, start, targets, deadline, begin, step, error):
             if worst <= body.tolerance:
                 return True
             halved, waited = (worst, 0) if worst < 0.5 * halved else (halved, waited + 1)
-            if waited > PATIENCE or time.perf_counter() > deadline:
+            if waited > PATIENCE or time.process_time() > deadline:
                 break
             try:
                 step()
             except Exception:  # Its quadratic programme has no solution here.
                 break
-        if time.perf_counter() > deadline:
+        if time.process_time() > deadline:
             return False
         q = body.drawn(start, random)
 
