@@ -14,6 +14,10 @@ Frames and joints are given by name. Every task takes, as keywords:
     the error, before weighting, within which it counts as reached: a number, or a dict by quantity.
 ``role``
     ``"goal"``, which must be met, or ``"preference"``, which pulls within what the goals leave free.
+``level``
+    a strict level, a whole number: goals of level 0 are met first, as if they were alone; those of level 1 come
+    as near as they can at no cost to level 0, and so on, whatever their weights, which count within a level.
+    Preferences come after all goals, by their own levels.
 
 Weights and tolerances below 0, names that do not exist and targets that are not finite raise
 ``kinopt.InvalidValueError`` where the problem is made; wrong shapes where the task is. Quantities are
@@ -23,7 +27,9 @@ Weights and tolerances below 0, names that do not exist and targets that are not
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import MISSING, dataclass, field, fields
 from math import inf
 from typing import Any, ClassVar, Literal
@@ -45,9 +51,10 @@ Masses = Mapping[str, float | tuple[float, ArrayLike]]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Task:
-    """What all tasks have: a name, weights, tolerances, a role. See the module for what they say.
+    """What all tasks have: a name, weights, tolerances, a role, a level. See the module for what they say.
 
-    Raises ``InvalidValueError`` for a name that is no text and for what are no numbers.
+    Raises ``InvalidValueError`` for a name that is no text, for what are no numbers, and for a level that is no
+    whole number of at least 0.
     """
 
     name: str | None = field(default=None, kw_only=True)
@@ -55,6 +62,7 @@ class Task:
     times: float = field(default=1.0, kw_only=True)
     tolerance: float | Mapping[str, float] | None = field(default=None, kw_only=True)
     role: Literal["goal", "preference"] | None = field(default=None, kw_only=True)
+    level: int = field(default=0, kw_only=True)
 
     _kind: ClassVar[str]
 
@@ -68,6 +76,15 @@ class Task:
                     _check_number(f"{named} per {quantity}", number)
                 self._keep(named, dict(value))
         _check_number("times", self.times)
+        self._keep("level", _level(self.level))
+
+    def _with(self, given: Mapping[str, object]) -> Task:
+        """The same but for these keywords."""
+        changed = copy(self)
+        for name, value in given.items():
+            changed._keep(name, value)
+        Task.__post_init__(changed)
+        return changed
 
     def _keep(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
@@ -582,8 +599,8 @@ class Within(Task):
     """Another task whose rows cost only what lies beyond an interval: a room, a floor, a least distance.
 
     ``half_width`` stands for the interval from -half_width to half_width; otherwise it goes from ``lower`` to
-    ``upper``, either of which may be infinite. All rows share it, in their own unit. Name, weights, tolerance
-    and role are those of the task inside unless given here.
+    ``upper``, either of which may be infinite. All rows share it, in their own unit. Name, weights, tolerance,
+    role and level are those of the task inside unless given here.
 
     A limit that depends on other joints is one of these, penalised and not refused::
 
@@ -710,6 +727,14 @@ def _names(what: str, names: Sequence[str]) -> tuple[str, ...]:
     if isinstance(names, str) or not all(isinstance(name, str) for name in names):
         raise InvalidValueError(f"{what} must be a list of names, not {names!r}")
     return tuple(names)
+
+
+def _level(level: object) -> int:
+    """A level as a plain number; ``numpy``'s whole numbers are some too."""
+    whole = operator.index(level) if hasattr(level, "__index__") and not isinstance(level, bool) else -1
+    if not 0 <= whole < 2**32:
+        raise InvalidValueError(f"level must be a whole number of at least 0, not {level!r}")
+    return whole
 
 
 def _check_number(what: str, value: object) -> None:

@@ -371,7 +371,6 @@ WRONG = {
     "tolerance": lambda: [tasks.Point("tool", [0, 0, 0], tolerance=np.nan)],
     "role": lambda: [tasks.Point("tool", [0, 0, 0], role="wish")],
     "name": lambda: [tasks.Point("tool", [0, 0, 0], name=5)],
-    "no tasks": lambda: [],
     "no list": lambda: tasks.Point("tool", [0, 0, 0]),
     "no task": lambda: ["point"],
     "the base class": lambda: [tasks.Task()],

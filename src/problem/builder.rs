@@ -148,6 +148,7 @@ impl<'m> ProblemBuilder<'m> {
                 model: model.name().to_owned(),
             });
         }
+        narrow(model, &mut map, &self.extra_bounds)?;
         self.tasks.extend(super::loops::tasks(model));
         if self.tasks.is_empty() {
             return Err(ProblemError::NoTasks {
@@ -170,7 +171,6 @@ impl<'m> ProblemBuilder<'m> {
         }
 
         let ranks = Ranks::of(&mut tasks, self.preferences);
-        narrow(model, &mut map, &self.extra_bounds)?;
         let reach = model.reach();
         let variables = 0..map.variables();
         let leading_joint = |variable: usize| {

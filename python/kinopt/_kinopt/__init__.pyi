@@ -351,6 +351,8 @@ class TaskReport:
     @property
     def role(self) -> str: ...
     @property
+    def level(self) -> int: ...
+    @property
     def reached(self) -> bool: ...
     @property
     def rows(self) -> list[RowsReport]: ...
@@ -814,7 +816,7 @@ class Problem:
     def __new__(
         cls,
         model: Model | HasModel,
-        tasks: Iterable[Task],
+        tasks: Iterable[Task] | None = None,
         *,
         parameters: ParameterMap | None = None,
         bounds: Mapping[str, tuple[float, float]] | None = None,
@@ -822,6 +824,9 @@ class Problem:
         derivatives: _Derivatives = "analytic",
         preferences: _Preferences = "within_goals",
     ) -> Problem: ...
+    def add(
+        self, task: Task, level: int | None = None, weight: float | Mapping[str, float] | None = None
+    ) -> int: ...
     @property
     def model(self) -> Any: ...
     @property

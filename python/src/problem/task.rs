@@ -72,15 +72,7 @@ pub(super) fn add(
     builder: &mut ProblemBuilder<'_>,
 ) -> PyResult<Box<dyn AnyTask>> {
     let about = About::of(task)?;
-    let kind: String = match task.getattr_opt("_kind")? {
-        Some(kind) => kind.extract()?,
-        None => {
-            return Err(invalid(format!(
-                "tasks holds {}, which is no task of kinopt.tasks",
-                task.repr()?
-            )));
-        }
-    };
+    let kind = check(task)?;
     let add = Add { builder, about };
     match kind.as_str() {
         "within" => {
@@ -92,6 +84,17 @@ pub(super) fn add(
             residual(&given, room)
         }
         _ => residual(&Given { task, whole, model }, add),
+    }
+}
+
+/// The kind of what should be a task.
+pub(super) fn check(task: &Bound<'_, PyAny>) -> PyResult<String> {
+    match task.getattr_opt("_kind")? {
+        Some(kind) => kind.extract(),
+        None => Err(invalid(format!(
+            "tasks holds {}, which is no task of kinopt.tasks",
+            task.repr()?
+        ))),
     }
 }
 
@@ -317,6 +320,7 @@ struct About {
     times: f64,
     tolerance: Numbers,
     role: Option<Role>,
+    level: usize,
 }
 
 /// One number for all quantities, or one each.
@@ -383,6 +387,7 @@ impl About {
             times: arrays::number(&get("times")?, "times")?,
             tolerance: Numbers::of(&get("tolerance")?, "tolerance")?,
             role,
+            level: arrays::whole(&get("level")?)?,
         })
     }
 
@@ -404,7 +409,7 @@ impl About {
             Some(_) => task.goal(),
             None => task,
         };
-        task.times(self.times)
+        task.times(self.times).at_level(self.level)
     }
 }
 

@@ -51,6 +51,9 @@ pub(crate) struct TaskReport {
     /// Whether it closes a loop of the model: nobody gave it.
     #[pyo3(get)]
     is_loop: bool,
+    /// Its strict level: tasks of level 0 come first.
+    #[pyo3(get)]
+    level: usize,
     /// Whether all its rows that have a weight are within tolerance.
     #[pyo3(get)]
     reached: bool,
@@ -68,6 +71,7 @@ impl From<kinopt::ik::TaskReport<'_>> for TaskReport {
             frame: report.frame.map(str::to_owned),
             role: report.role,
             is_loop: report.is_loop,
+            level: report.level,
             reached: report.reached,
             rows: report.rows.iter().map(RowsReport::from).collect(),
             position_error: report.position_error(),

@@ -16,7 +16,7 @@ use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
 use crate::pickling;
-use crate::problem::{Move, Problem, raised};
+use crate::problem::{Move, Problem, Stated, raised};
 use crate::progress::Progress;
 use crate::solution::Solution;
 use crate::threads;
@@ -169,7 +169,7 @@ struct Questions {
 
 impl Questions {
     fn read(
-        problem: &Problem,
+        problem: &Stated,
         starts: &Bound<'_, PyAny>,
         targets: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -224,7 +224,7 @@ impl Questions {
     fn solve(
         &self,
         index: usize,
-        (engine, problem): (&Engine, &Problem),
+        (engine, problem): (&Engine, &Stated),
         workspace: &mut Workspace,
         watch: &mut Watch<'_>,
     ) -> PyResult<kinopt::Solution> {
@@ -244,7 +244,7 @@ pub(super) fn solve(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Solutions> {
     let py = problem.py();
-    let problem = problem.get();
+    let problem = &*problem.get().stated()?;
     let threads = threads::count(threads)?;
     let questions = Questions::read(problem, starts, targets)?;
     let progress = Progress::new(py, progress, questions.count)?;
@@ -259,7 +259,7 @@ pub(super) fn solve(
 
 fn one_by_one(
     questions: &Questions,
-    asked: (&Engine, &Problem),
+    asked: (&Engine, &Stated),
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
     let total = questions.count;
@@ -284,7 +284,7 @@ fn one_by_one(
 /// Each thread takes the next question; this one looks at signals meanwhile.
 fn on_threads(
     questions: &Questions,
-    asked: (&Engine, &Problem),
+    asked: (&Engine, &Stated),
     threads: usize,
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {

@@ -1,6 +1,6 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kinopt::ik::Restarts;
 use kinopt::solver::Stopping;
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use super::Solver;
 use crate::arrays;
 use crate::error::OrRaise;
-use crate::problem::{Aimed, Problem, raised};
+use crate::problem::{Aimed, Problem, Stated, raised};
 use crate::solution::Solution;
 
 /// Steps of a frame unless told otherwise, as in the library.
@@ -26,10 +26,13 @@ const STEPS: usize = 40;
 ///
 /// It goes from the configuration `start`, shape (dof,), which is projected into the limits. `solver` gives the
 /// method and the limits of a frame, 40 steps unless it sets them. Raises `InvalidValueError` for a start
-/// that does not fit, for a geometric method, and for settings out of range.
+/// that does not fit, for a problem without tasks, for a geometric method, and for settings out of range. Tasks
+/// that the problem is given later are none of the drag's.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Drag {
     problem: Py<Problem>,
+    /// As it was when the drag began.
+    stated: Arc<Stated>,
     /// Waited for without the interpreter only, as frames may call back into it.
     inner: Mutex<kinopt::ik::Drag>,
 }
@@ -51,7 +54,7 @@ impl Drag {
         targets: Option<&Bound<'_, PyAny>>,
         on: impl FnOnce(&mut kinopt::ik::Drag) + Send,
     ) -> PyResult<Solution> {
-        let moves = self.problem.get().moves(targets)?;
+        let moves = self.stated.moves(targets)?;
         let solution = py.detach(|| {
             let mut drag = self.lock();
             for (_, aim) in &moves {
@@ -78,7 +81,8 @@ impl Drag {
         #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
-        let own = &problem.get().inner;
+        let stated = problem.get().stated()?;
+        let own = &stated.inner;
         let new = py.detach(|| {
             let drag = kinopt::ik::Drag::new(own.clone(), &start).or_raise();
             raised().and(drag)
@@ -99,6 +103,7 @@ impl Drag {
         }
         Ok(Self {
             problem: problem.clone().unbind(),
+            stated,
             inner: Mutex::new(drag),
         })
     }
@@ -114,7 +119,7 @@ impl Drag {
     /// Raises `UnknownNameError` for a task that there is not, `InvalidValueError` for targets of the wrong
     /// shape and for numbers that are not finite.
     fn set_targets(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> PyResult<()> {
-        let moves = self.problem.get().moves(Some(targets))?;
+        let moves = self.stated.moves(Some(targets))?;
         py.detach(|| {
             let mut drag = self.lock();
             let mut moves = moves.iter();

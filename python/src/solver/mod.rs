@@ -153,7 +153,7 @@ impl Solver {
         max_move: Option<&Bound<'_, PyAny>>,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Solution> {
-        let problem = problem.get();
+        let problem = problem.get().stated()?;
         let start = arrays::vector(start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;

@@ -1,0 +1,182 @@
+//! What there is to solve: tasks on a model that nothing changes any more.
+
+use std::sync::Arc;
+
+use kinopt::Workspace;
+use kinopt::problem::{Evaluation, ProblemError, Question, Targets};
+use kinopt::task::Quantity;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use super::task::{self, Numbers, items};
+use super::{
+    Aimed, AnyTask, DERIVATIVES, Move, PREFERENCES, ParameterMap, named, parameters, raised,
+};
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::has_model::model_of;
+use crate::pool::Pool;
+use crate::robot::Robot;
+
+/// Targets read from Python, by task.
+pub(crate) type Moves = Vec<(usize, Move)>;
+
+/// A problem as it was when a solve began.
+pub(crate) struct Stated {
+    pub(crate) inner: kinopt::Problem,
+    ids: Vec<Box<dyn AnyTask>>,
+    pub(crate) workspaces: Pool<Workspace>,
+}
+
+impl Stated {
+    /// Checks and compiles these tasks, with the options of a `Problem`; what the library says where there are none.
+    pub(super) fn new(
+        model: &Bound<'_, PyAny>,
+        tasks: &Bound<'_, PyTuple>,
+        options: &Bound<'_, PyDict>,
+    ) -> PyResult<Result<Arc<Self>, String>> {
+        let option = |name: &str| options.get_item(name);
+        let own = model_of(model)?;
+        let mut builder = kinopt::Problem::builder(&own);
+        let map = option("parameters")?.filter(|map| !map.is_none());
+        match (map, model.cast::<Robot>()) {
+            (Some(map), _) => {
+                builder.parameters(map.cast::<ParameterMap>()?.get().inner.clone());
+            }
+            (None, Ok(robot)) => {
+                builder.parameters(robot.get().inner.map().clone());
+            }
+            (None, Err(_)) => {}
+        }
+        let ids = (tasks.iter()).map(|task| task::add(&task, model, &own, &mut builder));
+        let ids = ids.collect::<PyResult<Vec<_>>>()?;
+        for (joint, limits) in items(option("bounds")?.as_ref(), "bounds")? {
+            let joint = arrays::name(&joint, "a joint of bounds")?;
+            let joint = own.joint(&joint).or_raise()?;
+            builder.bound(joint, parameters::limits(&limits, "bounds")?);
+        }
+        if let Some(tolerance) = option("tolerance")? {
+            let both = [Quantity::Metres, Quantity::Radians].into_iter();
+            for (quantity, tolerance) in Numbers::of(&tolerance, "tolerance")?.by(both) {
+                builder.tolerance(quantity, tolerance);
+            }
+        }
+        let text = |name: &str| options.as_any().get_item(name)?.extract::<String>();
+        builder.derivatives(named("derivatives", &text("derivatives")?, &DERIVATIVES)?);
+        builder.preferences(named("preferences", &text("preferences")?, &PREFERENCES)?);
+        let inner = match builder.build() {
+            Err(none @ ProblemError::NoTasks { .. }) => return Ok(Err(none.to_string())),
+            built => built.or_raise()?,
+        };
+        Ok(Ok(Arc::new(Self {
+            inner,
+            ids,
+            workspaces: Pool::new(Workspace::new()),
+        })))
+    }
+
+    /// The tasks' names, in their order.
+    pub(super) fn task_names(&self) -> impl Iterator<Item = &str> {
+        (0..self.inner.tasks()).filter_map(|task| self.inner.task_name(task))
+    }
+
+    /// Which task a key of targets is: a name or a number.
+    fn task(&self, key: &Bound<'_, PyAny>) -> PyResult<usize> {
+        if let Ok(index) = key.extract::<usize>() {
+            return match index < self.ids.len() {
+                true => Ok(index),
+                false => Err(invalid(format!(
+                    "targets speaks of task {index}, the problem has {}",
+                    self.ids.len()
+                ))),
+            };
+        }
+        let Ok(name) = key.extract::<String>() else {
+            return Err(invalid(
+                "targets must be a dict by the tasks' names or numbers",
+            ));
+        };
+        let names: Vec<&str> = self.task_names().collect();
+        let mut found = names.iter().enumerate().filter(|(_, own)| **own == name);
+        match (found.next(), found.next()) {
+            (Some((index, _)), None) => Ok(index),
+            (Some(_), Some(_)) => Err(invalid(format!(
+                "several tasks are named `{name}`: give targets by their numbers"
+            ))),
+            (None, _) => Err(kinopt::model::UnknownName::new("task", &name, names)).or_raise(),
+        }
+    }
+
+    /// The targets of a dict by their tasks' numbers, unread.
+    pub(crate) fn targets_by_task<'py>(
+        &self,
+        targets: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Vec<(usize, Bound<'py, PyAny>)>> {
+        let mut by_task: Vec<(usize, Bound<'py, PyAny>)> = Vec::new();
+        for (key, value) in items(targets, "targets")? {
+            let task = self.task(&key)?;
+            if by_task.iter().any(|(known, _)| *known == task) {
+                return Err(invalid(format!("targets has two for task {task}")));
+            }
+            by_task.push((task, value));
+        }
+        Ok(by_task)
+    }
+
+    /// Reads a target of a task.
+    pub(crate) fn read(&self, task: usize, value: &Bound<'_, PyAny>) -> PyResult<Move> {
+        let name = self.inner.task_name(task).unwrap_or_default();
+        self.ids[task].read(value, &format!("the target of {name}"))
+    }
+
+    /// Reads a dict of targets.
+    pub(crate) fn moves(&self, targets: Option<&Bound<'_, PyAny>>) -> PyResult<Moves> {
+        let targets = self.targets_by_task(targets)?.into_iter();
+        targets
+            .map(|(task, value)| Ok((task, self.read(task, &value)?)))
+            .collect()
+    }
+
+    /// The problem's targets with some of them moved.
+    pub(crate) fn targets_with<'a>(
+        &self,
+        moves: impl IntoIterator<Item = &'a Move>,
+    ) -> PyResult<Targets> {
+        let mut targets = self.inner.targets();
+        for aim in moves {
+            aim(&mut Aimed::Targets(&mut targets))?;
+        }
+        Ok(targets)
+    }
+
+    /// A question with these targets.
+    pub(crate) fn question<'a>(&'a self, targets: &'a Targets) -> PyResult<Question<'a>> {
+        self.inner.with_targets(targets).or_raise()
+    }
+
+    /// Something of the problem at x.
+    pub(super) fn evaluate<T: Send>(
+        &self,
+        py: Python<'_>,
+        x: &Bound<'_, PyAny>,
+        targets: Option<&Bound<'_, PyAny>>,
+        what: impl FnOnce(&mut Evaluation<'_>, &[f64], usize, usize) -> T + Send,
+    ) -> PyResult<T> {
+        let x = arrays::vector_of(x, "x", self.inner.variables())?.to_vec();
+        let moves = self.moves(targets)?;
+        let targets = self.targets_with(moves.iter().map(|(_, aim)| aim))?;
+        let question = self.question(&targets)?;
+        let value = py.detach(|| {
+            let mut scratch = question.scratch();
+            let mut evaluation = Evaluation::new(question, &mut scratch);
+            let value = what(
+                &mut evaluation,
+                &x,
+                self.inner.rows(),
+                self.inner.variables(),
+            );
+            raised().map(|()| value)
+        })?;
+        Ok(value)
+    }
+}

@@ -1,0 +1,186 @@
+"""Problems that grow task by task, and tasks on strict levels: a lower one never costs one above it."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt import tasks
+from kinopt.errors import InvalidValueError, UnknownNameError
+
+PANDA = Path(__file__).parents[2] / "models" / "franka_panda.urdf"
+
+
+@pytest.fixture(scope="module")
+def robot() -> kinopt.Robot:
+    return kinopt.Robot.from_urdf(PANDA)
+
+
+def place(robot: kinopt.Robot, frame: str, q: np.ndarray) -> np.ndarray:
+    return kinopt.frame_placement(robot, frame, q)
+
+
+def miss(robot: kinopt.Robot, q: np.ndarray, frame: str, target: np.ndarray) -> float:
+    """How far a frame's origin is from a point."""
+    return float(np.linalg.norm(place(robot, frame, q)[:3, 3] - target))
+
+
+def test_a_problem_stated_task_by_task_is_the_one_stated_at_once(robot: kinopt.Robot) -> None:
+    target = place(robot, "tool", robot.random_configuration(3))
+    start = robot.random_configuration(4)
+    problem = kinopt.Problem(robot)
+    hand = problem.add(tasks.Pose("tool", target, name="hand"))
+    rest = problem.add(tasks.Posture(robot.neutral(), name="rest"), level=1, weight=0.5)
+    assert (hand, rest) == (0, 1) and problem.task_names == ["hand", "rest"]
+    at_once = kinopt.Problem(
+        robot,
+        [
+            tasks.Pose("tool", target, name="hand"),
+            tasks.Posture(robot.neutral(), name="rest", level=1, weight=0.5),
+        ],
+    )
+    solver = kinopt.Solver()
+    solution = solver.solve(problem, start)
+    assert np.array_equal(solution.q, solver.solve(at_once, start).q)
+    assert [task.level for task in solution.tasks] == [0, 1]
+    assert repr(problem.tasks) == repr(at_once.tasks) and repr(problem) == repr(at_once)
+    # Numbers are as good as names.
+    other = place(robot, "tool", robot.random_configuration(5))
+    by_number = solver.solve(problem, start, {hand: other})
+    assert by_number.tasks[hand].name == "hand"
+    assert np.array_equal(by_number.q, solver.solve(at_once, start, {"hand": other}).q)
+    for twin in (pickle.loads(pickle.dumps(problem)), copy.deepcopy(problem), problem.with_derivatives("dual")):
+        assert repr(twin) == repr(problem) and repr(twin.tasks) == repr(problem.tasks)
+        # A twin goes its own way.
+        twin.add(tasks.LimitCentring())
+        assert len(problem.tasks) == 2
+
+
+def test_what_add_is_given_stands_for_the_tasks_own(robot: kinopt.Robot) -> None:
+    task = tasks.Point("tool", [0.3, 0.0, 0.5], level=3, weight=2.0)
+    problem = kinopt.Problem(robot)
+    problem.add(task)
+    problem.add(task, 1)
+    problem.add(task, level=0, weight={"metres": 5.0})
+    problem.add(tasks.Within(task, 0.1), level=0)
+    assert [task.level for task in problem.tasks] == [3, 1, 0, 0]
+    assert [task.weight for task in problem.tasks] == [2.0, 2.0, {"metres": 5.0}, 2.0]
+    assert task.level == 3 and tasks.Within(task, 0.1).level == 3
+
+
+USES: dict[str, Callable[[kinopt.Problem, np.ndarray], Any]] = {
+    "solve": lambda problem, q: kinopt.Solver().solve(problem, q),
+    "solve_batch": lambda problem, q: kinopt.Solver().solve_batch(problem, [q]),
+    "drag": lambda problem, q: kinopt.Drag(problem, q),
+    "residual": lambda problem, q: problem.residual(q),
+    "jacobian": lambda problem, q: problem.jacobian(q),
+    "variables": lambda problem, q: problem.variables,
+    "lower": lambda problem, q: problem.lower,
+}
+
+
+@pytest.mark.parametrize("use", USES)
+def test_without_tasks_there_is_nothing_to_solve(robot: kinopt.Robot, use: str) -> None:
+    problem = kinopt.Problem(robot)
+    with pytest.raises(InvalidValueError, match="no task"):
+        USES[use](problem, robot.neutral())
+    assert problem.tasks == [] and problem.task_names == [] and problem.derivatives == "analytic"
+    assert repr(problem) == repr(pickle.loads(pickle.dumps(problem))) == "Problem(no tasks)"
+
+
+def test_a_problem_without_tasks_is_checked_all_the_same(robot: kinopt.Robot) -> None:
+    wrong: list[dict[str, Any]] = [
+        {"bounds": {"joint1": (5.0, 6.0)}},
+        {"bounds": {"nose": (0.0, 1.0)}},
+        {"derivatives": "guess"},
+    ]
+    for given in wrong:
+        with pytest.raises(kinopt.KinoptError):
+            kinopt.Problem(robot, **given)
+
+
+def test_what_cannot_be_added_leaves_the_problem_as_it_was(robot: kinopt.Robot) -> None:
+    problem = kinopt.Problem(robot, [tasks.Point("tool", [0.3, 0.0, 0.5], name="hand")])
+    before = repr(problem), kinopt.Solver().solve(problem, robot.neutral()).q
+    with pytest.raises(UnknownNameError, match="nose"):
+        problem.add(tasks.Point("nose", [0.0, 0.0, 0.0]))
+    with pytest.raises(InvalidValueError):
+        problem.add(tasks.Point("tool", [0.0, 0.0, 0.0]), weight=-1.0)
+    with pytest.raises(InvalidValueError, match="no task of kinopt.tasks"):
+        problem.add("hand", level=1)  # type: ignore[arg-type]
+    assert repr(problem) == before[0]
+    assert np.array_equal(kinopt.Solver().solve(problem, robot.neutral()).q, before[1])
+
+
+@pytest.mark.parametrize("level", [-1, 1.5, "first", None, True, 2**70, np.nan])
+def test_a_level_is_a_whole_number(robot: kinopt.Robot, level: Any) -> None:
+    with pytest.raises(InvalidValueError, match="level must be a whole number of at least 0"):
+        tasks.Point("tool", [0.3, 0.0, 0.5], level=level)
+    if level is not None:
+        with pytest.raises(InvalidValueError, match="level must be a whole number of at least 0"):
+            kinopt.Problem(robot).add(tasks.Point("tool", [0.3, 0.0, 0.5]), level=level)
+    assert tasks.Point("tool", [0.3, 0.0, 0.5], level=np.int64(2)).level == 2  # type: ignore[arg-type]
+
+
+def test_a_drag_keeps_the_tasks_that_it_began_with(robot: kinopt.Robot) -> None:
+    q = robot.random_configuration(6)
+    problem = kinopt.Problem(robot, [tasks.Point("tool", place(robot, "tool", q)[:3, 3], name="hand")])
+    drag = kinopt.Drag(problem, q)
+    problem.add(tasks.Point("link4", [9.0, 0.0, 0.0], name="elbow"))
+    solution = drag.advance({"hand": place(robot, "tool", q)[:3, 3]})
+    assert solution.reached and [task.name for task in solution.tasks] == ["hand"]
+    with pytest.raises(UnknownNameError, match="elbow"):
+        drag.set_targets({"elbow": [0.0, 0.0, 0.0]})
+
+
+def test_tasks_are_added_from_many_threads_and_none_is_lost(robot: kinopt.Robot) -> None:
+    problem = kinopt.Problem(robot)
+    made = [tasks.Point("tool", [0.3, 0.0, 0.5], name=f"task {i}") for i in range(24)]
+    with ThreadPoolExecutor(8) as threads:
+        numbers = list(threads.map(problem.add, made))
+    assert sorted(numbers) == list(range(24))
+    for number, task in zip(numbers, made):
+        assert problem.task_names[number] == task.name
+
+
+def test_a_lower_level_costs_the_first_one_nothing_however_heavy_it_is(robot: kinopt.Robot) -> None:
+    solver, conflicts = kinopt.Solver(), 0
+    for seed in range(12):
+        start, there, elsewhere = robot.random_configuration(seed, 3)
+        tool, elbow = place(robot, "tool", there), place(robot, "link4", elsewhere)[:3, 3]
+        alone = kinopt.Problem(robot, [tasks.Pose("tool", tool)])
+        both = kinopt.Problem(robot)
+        both.add(tasks.Point("link4", elbow, times=1000.0), level=1)
+        both.add(tasks.Pose("tool", tool), level=0)
+        by_itself, solution = solver.solve(alone, start), solver.solve(both, start)
+        first = solution.tasks[1]
+        for error in ("position_error", "orientation_error"):
+            assert abs(getattr(first, error) - getattr(by_itself.tasks[0], error)) < 1e-9
+        if not solution.reached:
+            conflicts += 1
+            assert "Level 1 gives way" in solution.explain()
+            assert miss(robot, solution.q, "link4", elbow) <= miss(robot, by_itself.q, "link4", elbow) + 1e-9
+    assert conflicts > 3
+
+
+def test_a_drag_keeps_the_first_level_while_the_second_is_pulled_out_of_reach(robot: kinopt.Robot) -> None:
+    q = robot.random_configuration(6)
+    tool, elbow = (place(robot, frame, q)[:3, 3] for frame in ("tool", "link4"))
+    problem = kinopt.Problem(robot)
+    problem.add(tasks.Point("tool", tool))
+    pulled = problem.add(tasks.Point("link4", elbow), level=1)
+    drag = kinopt.Drag(problem, q)
+    missed = 0
+    for step in range(60):
+        solution = drag.advance({pulled: elbow + 0.02 * step * np.array([1.0, -1.0, 0.0])})
+        assert miss(robot, solution.q, "tool", tool) < 1.01e-6, solution.explain()
+        missed += not solution.reached
+    assert missed > 20
