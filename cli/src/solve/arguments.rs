@@ -9,6 +9,7 @@ use kinopt::skinning::SkinningMethod;
 use super::arm_arguments::ArmArguments;
 use super::balance::BalanceArguments;
 use super::chain_arguments::ChainArguments;
+use super::levels::LevelArguments;
 use super::out_file::OutFile;
 use super::weights::FrameWeight;
 use crate::help_headings::{FOLLOWING, LIMITS, MESHES, MODEL, OUTPUT, SEARCH, TARGETS};
@@ -156,7 +157,7 @@ pub(crate) struct Arguments {
     /// has it; "joint coupling" ("coefficients" by joint, "offset"); "manipulability" ("frame", "least", and where
     /// wanted "base" and "of": "pose", "position" or "orientation"); "posture" (near "q", or else the start;
     /// "joint_weights" by joint, "by range" for an equal share of each joint's range, or "upright"). Each may have a "name", a
-    /// "weight" that multiplies its errors, a "tolerance" and a "role", "goal" or "preference". Radians, metres,
+    /// "weight" that multiplies its errors, a "tolerance", a "role", "goal" or "preference", and a "level". Radians, metres,
     /// seconds.
     #[arg(long, value_name = "FILE", help_heading = TARGETS, hide_short_help = true)]
     pub(super) tasks: Option<PathBuf>,
@@ -176,6 +177,9 @@ pub(crate) struct Arguments {
           help_heading = TARGETS, hide_short_help = true)]
     pub(super) weights: Vec<FrameWeight>,
 
+    #[command(flatten)]
+    pub(super) levels: LevelArguments,
+
     /// End with exit code 3 where a target is missed, for scripts.
     ///
     /// Default: off; a miss is an answer, and the exit code 0.
@@ -190,7 +194,7 @@ pub(crate) struct Arguments {
     ///
     /// Default: the tips that a rig's file pins; in a scene the trunk, which does not turn, and the ends
     /// of the other limbs; of a robot nothing. Its tip stays, and a link as it is turned; a bone that carries what has a target does not turn, nor do those above it.
-    /// On a free base what is held counts ten times as much as targets do, unless --weight says otherwise, and the body
+    /// On a free base what is held counts ten times as much as targets do on one level (--one-level), unless --weight says otherwise, and the body
     /// keeps upright and near its start where the targets leave room.
     /// Repeat it for several.
     #[arg(long, value_name = "NAME", help_heading = MODEL)]

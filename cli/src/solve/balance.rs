@@ -181,13 +181,26 @@ impl Balance {
         })
     }
 
-    /// Adds the tasks.
-    pub(super) fn add(&self, builder: &mut ProblemBuilder<'_>) {
+    /// Adds the tasks, each on its level.
+    pub(super) fn add(
+        &self,
+        builder: &mut ProblemBuilder<'_>,
+        mut levels: impl Iterator<Item = usize>,
+    ) {
+        let mut level = || levels.next().unwrap_or_default();
         if let Some(centre) = &self.centre {
-            builder.add(Task::new(centre.clone()).named("center of mass"));
+            builder.add(
+                Task::new(centre.clone())
+                    .named("center of mass")
+                    .at_level(level()),
+            );
         }
         if let Some(polygon) = &self.polygon {
-            builder.add(Task::new(polygon.clone()).named("balance"));
+            builder.add(
+                Task::new(polygon.clone())
+                    .named("balance")
+                    .at_level(level()),
+            );
         }
     }
 }

@@ -51,8 +51,8 @@ impl Base {
         }
     }
 
-    /// Adds the task that brings `tip` to a target in this frame, by its name and its weight beside
-    /// others; of a target with room only what its goal says counts, else without `turns` its orientation
+    /// Adds the task that brings `tip` to a target in this frame, by its name, its weight beside
+    /// others and its level; of a target with room only what its goal says counts, else without `turns` its orientation
     /// does not matter.
     pub(super) fn add_target(
         &self,
@@ -60,7 +60,7 @@ impl Base {
         tip: FrameId,
         base_from_target: Placement<f64>,
         (turns, goal): (bool, Option<Goal>),
-        (name, weight): (String, f64),
+        (name, weight, level): (String, f64, usize),
     ) -> TargetTask {
         let target = self.placed(base_from_target);
         let frame = self.moving_frame();
@@ -68,11 +68,13 @@ impl Base {
             let pose = Pose::new(tip, target);
             let pose = goal.map_or(pose, |goal| pose.with_goal(goal));
             let pose = frame.map_or(pose, |base| pose.relative_to(base));
-            TargetTask::Pose(builder.add(Task::new(pose).named(name).times(weight)))
+            TargetTask::Pose(builder.add(Task::new(pose).named(name).times(weight).at_level(level)))
         } else {
             let point = Point::new(tip, target.translation);
             let point = frame.map_or(point, |base| point.relative_to(base));
-            TargetTask::Point(builder.add(Task::new(point).named(name).times(weight)))
+            TargetTask::Point(
+                builder.add(Task::new(point).named(name).times(weight).at_level(level)),
+            )
         }
     }
 

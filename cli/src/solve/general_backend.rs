@@ -15,6 +15,7 @@ use super::balance::Balance;
 use super::base::{Base, TargetTask};
 use super::goals::Goals;
 use super::held::Held;
+use super::levels::{BALANCE, GOALS, HELD, Unless};
 use super::pose_finder::{Aim, PoseFinder};
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use super::room::Room;
@@ -42,6 +43,8 @@ pub(super) struct GeneralBackend<'a> {
     /// What else is asked.
     others: Option<TaskFile>,
     tasks: Vec<TaskName>,
+    /// The strict level of each.
+    levels: Vec<usize>,
     idle: Vec<usize>,
 }
 
@@ -79,10 +82,18 @@ impl<'a> GeneralBackend<'a> {
         let balance = Balance::of(loaded, &arguments.balance)?;
         let others = arguments.tasks.as_deref().map(TaskFile::read).transpose()?;
         let asked = balance.iter();
-        let tasks = tasks
+        let tasks: Vec<_> = tasks
             .chain(asked.clone().flat_map(Balance::names))
             .chain(others.iter().flat_map(TaskFile::names))
             .collect();
+        let mut ranked = vec![Unless::Ranked(GOALS); named.len()];
+        ranked.resize(ranked.len() + held.tips.len(), Unless::Ranked(HELD));
+        let balances = asked.clone().flat_map(Balance::names).count();
+        ranked.resize(ranked.len() + balances, Unless::Ranked(BALANCE));
+        ranked.extend(others.iter().flat_map(TaskFile::levels));
+        let holds = !arguments.hold.is_empty() && !held.tips.is_empty();
+        let steps_back = holds || balance.is_some();
+        let levels = arguments.levels.of(&tasks, &ranked, steps_back)?;
         let moved = frames.iter().copied().chain(base.moving_frame());
         let moved = moved.chain(held.tips.iter().map(|(_, frame)| *frame));
         let moved = moved.chain(asked.flat_map(Balance::frames));
@@ -102,6 +113,7 @@ impl<'a> GeneralBackend<'a> {
             balance,
             others,
             tasks,
+            levels,
             idle,
         })
     }
@@ -141,35 +153,40 @@ impl<'a> GeneralBackend<'a> {
             .tolerance(Quantity::Metres, length)
             .tolerance(Quantity::Radians, angle);
         let mut frames = self.frames.iter().copied();
+        let levels = &mut self.levels.iter().copied();
+        let mut level = || levels.next().unwrap_or_default();
         let targets = self.goals.targets.iter().zip(&self.rooms);
         let targets = targets.zip(frames.by_ref());
         let targets = targets.map(|((target, room), frame)| {
             let name = format!("target {}", target.name);
-            let (named, anywhere) = ((name, self.weights.weight(frame)), Placement::identity());
+            let (named, anywhere) = (
+                (name, self.weights.weight(frame), level()),
+                Placement::identity(),
+            );
             let counts = (target.turns, room.map(|room| room.goal));
             self.base
                 .add_target(&mut builder, frame, anywhere, counts, named)
         });
-        let targets = targets.collect();
+        let targets: Vec<_> = targets.collect();
         for (ray, frame) in self.arguments.rays.iter().zip(frames) {
             let task = Task::new(Ray::new(frame, ray.eye, ray.through));
-            let task = task.times(self.weights.weight(frame));
+            let task = task.times(self.weights.weight(frame)).at_level(level());
             builder.add(task.named(format!("ray {}", ray.frame)));
         }
         let (world, anywhere) = (Base::Still(Placement::identity()), Placement::identity());
         let turns = self.loaded.rig.is_none();
         let held = self.held.tips.iter().map(|(name, frame)| {
             let weight = self.held.weight(self.loaded, &self.weights, *frame);
-            let named = (format!("hold {name}"), weight);
+            let named = (format!("hold {name}"), weight, level());
             let task = world.add_target(&mut builder, *frame, anywhere, (turns, None), named);
             (*frame, task)
         });
-        let held = held.collect();
+        let held: Vec<_> = held.collect();
         if let Some(balance) = &self.balance {
-            balance.add(&mut builder);
+            balance.add(&mut builder, levels.by_ref());
         }
         if let Some(others) = &self.others {
-            others.add(&mut builder, self.loaded, start)?;
+            others.add(&mut builder, (self.loaded, start), levels)?;
         }
         // After what was asked for, in whose order the answer is given.
         for posture in self.held.posture(self.loaded, start) {

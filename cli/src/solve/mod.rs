@@ -11,6 +11,7 @@ mod general_backend;
 mod goals;
 mod held;
 mod interval;
+mod levels;
 mod many;
 mod out_file;
 mod pose_finder;

@@ -65,6 +65,8 @@ struct TaskDocument<'a> {
     orientation_error: Option<f64>,
     reached: bool,
     held: bool,
+    /// Its strict level: 0 comes first.
+    level: usize,
 }
 
 #[derive(Serialize)]
@@ -116,6 +118,7 @@ impl<'a> Report<'a> {
                 orientation_error: task.orientation_error(),
                 reached: task.reached,
                 held: own.held,
+                level: task.level,
             });
         let limits = solution.active_limits().map(|limit| LimitDocument {
             joint: limit.joint,

@@ -98,6 +98,7 @@ impl Arguments {
             || self.jacobian.is_some()
             || self.max_iterations.is_some()
             || self.balance.given()
+            || self.levels.given()
             || self.tasks.is_some()
             || (!self.hold.is_empty() && loaded.rig.is_none())
             || goals.need_more_than_an_arm(loaded);

@@ -13,6 +13,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use super::levels::{GOALS, Unless};
 use super::query::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
@@ -51,6 +52,7 @@ struct Common {
     weight: f64,
     tolerance: Option<f64>,
     role: Option<Role>,
+    level: Option<usize>,
 }
 
 fn one() -> f64 {
@@ -191,6 +193,15 @@ impl TaskFile {
         })
     }
 
+    /// The level of each: its own; of a goal else that of goals, and of what only pulls the first one.
+    pub(super) fn levels(&self) -> impl Iterator<Item = Unless> + '_ {
+        self.0.iter().map(|entry| match entry.common.level {
+            Some(level) => Unless::Said(level),
+            None if entry.is_goal() => Unless::Ranked(GOALS),
+            None => Unless::Said(0),
+        })
+    }
+
     /// The frames that the tasks depend on; all of them where a task is about joints.
     ///
     /// # Errors
@@ -215,19 +226,18 @@ impl TaskFile {
         Ok(frames)
     }
 
-    /// Adds the tasks for a search that starts at `start`.
+    /// Adds the tasks for a search that starts at `start`, each on its level.
     ///
     /// # Errors
     /// A name that the model does not have, a configuration of another length.
     pub(super) fn add(
         &self,
         builder: &mut ProblemBuilder<'_>,
-        loaded: &LoadedModel,
-        start: &[f64],
+        (loaded, start): (&LoadedModel, &[f64]),
+        levels: impl Iterator<Item = usize>,
     ) -> Outcome<()> {
-        self.0
-            .iter()
-            .try_for_each(|entry| entry.add(builder, loaded, start))
+        let mut entries = self.0.iter().zip(levels);
+        entries.try_for_each(|(entry, level)| entry.add(builder, (loaded, start), level))
     }
 }
 
@@ -242,7 +252,7 @@ impl Entry {
             Some(_) => return Err(format!("`task` is no name; tasks are {listed}")),
             None => return Err(format!("has no key `task`; tasks are {listed}")),
         };
-        let common = ["name", "weight", "tolerance", "role"];
+        let common = ["name", "weight", "tolerance", "role", "level"];
         let common = common.iter().filter_map(|key| own.remove_entry(*key));
         let common: Common = read(common.collect())?;
         for (key, number) in [
@@ -277,6 +287,15 @@ impl Entry {
         }
     }
 
+    /// Whether it can be missed, as it says or as its kind is.
+    fn is_goal(&self) -> bool {
+        match (self.common.role, &self.kind) {
+            (Some(role), _) => matches!(role, Role::Goal),
+            (None, Kind::Posture(_) | Kind::Manipulability(_)) => false,
+            (None, _) => true,
+        }
+    }
+
     fn name(&self) -> String {
         self.common
             .name
@@ -299,10 +318,11 @@ impl Entry {
     fn add(
         &self,
         builder: &mut ProblemBuilder<'_>,
-        loaded: &LoadedModel,
-        start: &[f64],
+        (loaded, start): (&LoadedModel, &[f64]),
+        level: usize,
     ) -> Outcome<()> {
         let model = &loaded.model;
+        let on = &mut OnLevel { builder, level };
         match &self.kind {
             Kind::Gaze(own) => {
                 let frame = self.frame(loaded, &own.frame)?;
@@ -313,11 +333,11 @@ impl Entry {
                         Gaze::along(frame, own.axis, direction, own.half_angle)
                     }
                 };
-                self.ask(builder, gaze);
+                self.ask(on, gaze);
             }
             Kind::LookAt(own) => {
                 let frame = self.frame(loaded, &own.frame)?;
-                self.ask(builder, LookAt::new(frame, own.axis, own.target));
+                self.ask(on, LookAt::new(frame, own.axis, own.target));
             }
             Kind::FrameVelocity(own) => {
                 let frame = self.frame(loaded, &own.frame)?;
@@ -325,7 +345,7 @@ impl Entry {
                 let previous = previous.unwrap_or_else(Placement::identity);
                 let velocity = (own.linear, own.angular);
                 self.ask(
-                    builder,
+                    on,
                     FrameVelocity::new(frame, previous, own.time_step_s, velocity),
                 );
             }
@@ -336,14 +356,14 @@ impl Entry {
                     Ok((joint, coefficient))
                 });
                 let joints = joints.collect::<Outcome<Vec<_>>>()?;
-                self.ask(builder, JointCoupling::new(model, joints, own.offset));
+                self.ask(on, JointCoupling::new(model, joints, own.offset));
             }
             Kind::Manipulability(own) => {
                 let frame = self.frame(loaded, &own.frame)?;
                 let base = own.base.as_ref().map(|base| self.frame(loaded, base));
                 let task = Manipulability::new(model, base.transpose()?, frame, own.least);
                 self.ask(
-                    builder,
+                    on,
                     match own.of {
                         Motions::Pose => task,
                         Motions::Position => task.of_position(),
@@ -362,7 +382,7 @@ impl Entry {
                 }
                 let posture = Posture::new(model, q);
                 self.ask(
-                    builder,
+                    on,
                     match &own.joint_weights {
                         None => posture,
                         Some(JointWeights::Word(Share::ByRange)) => posture.by_range(model),
@@ -395,11 +415,12 @@ impl Entry {
     }
 
     /// Adds a task as its entry says it counts.
-    fn ask<R: Residual>(&self, builder: &mut ProblemBuilder<'_>, residual: R) {
+    fn ask<R: Residual>(&self, OnLevel { builder, level }: &mut OnLevel<'_, '_>, residual: R) {
         let rows = residual.rows();
         let mut task = Task::new(residual)
             .named(self.name())
-            .times(self.common.weight);
+            .times(self.common.weight)
+            .at_level(*level);
         if let Some(tolerance) = self.common.tolerance {
             let quantities = rows.iter().map(|rows| rows.quantity);
             task = quantities.fold(task, |task, quantity: Quantity| {
@@ -412,6 +433,12 @@ impl Entry {
             Some(Role::Preference) => task.preference(),
         });
     }
+}
+
+/// Where a task goes.
+struct OnLevel<'a, 'm> {
+    builder: &'a mut ProblemBuilder<'m>,
+    level: usize,
 }
 
 /// What is left of an object, all of whose keys must be known.
