@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::task::items;
-use super::{Problem, raised};
+use super::{Problem, Stated, raised};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
@@ -27,7 +27,9 @@ use crate::pickling;
 /// Raises `InvalidValueError` and `UnknownNameError` as `Solver.solve` does for its start and targets.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct SolutionDerivative {
+    /// As it was when it was solved.
     problem: Py<Problem>,
+    stated: Arc<Stated>,
     model: Arc<kinopt::Model>,
     q: Vec<f64>,
     given: Option<Py<PyAny>>,
@@ -42,7 +44,7 @@ impl SolutionDerivative {
         py: Python<'_>,
         what: impl FnOnce(&mut Derivative<'_>) -> PyResult<T> + Send,
     ) -> PyResult<T> {
-        let problem = self.problem.get();
+        let problem = &self.stated;
         let question = problem.question(&self.targets)?;
         py.detach(|| {
             let mut memory = DerivativeWorkspace::default();
@@ -55,7 +57,7 @@ impl SolutionDerivative {
 
     /// A key of a task in dicts: its name, or its number where several have that name.
     fn key<'py>(&self, py: Python<'py>, task: usize) -> PyResult<Bound<'py, PyAny>> {
-        let problem = &self.problem.get().inner;
+        let problem = &self.stated.inner;
         let name = problem.task_name(task).unwrap_or_default();
         let same = (0..problem.tasks()).filter(|&other| problem.task_name(other) == Some(name));
         Ok(match same.count() {
@@ -75,7 +77,7 @@ impl SolutionDerivative {
         targets: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = problem.py();
-        let own = problem.get();
+        let own = problem.get().stated()?;
         let q = arrays::vector_of(q, "q", own.inner.configuration_len())?.to_vec();
         let moves = own.moves(targets)?;
         let given = match targets {
@@ -86,8 +88,9 @@ impl SolutionDerivative {
             None => None,
         };
         let mut derivative = Self {
-            model: model_of(own.model.bind(py))?,
-            problem: problem.clone().unbind(),
+            model: model_of(problem.get().model.bind(py))?,
+            problem: Py::new(py, problem.get().as_it_is(py))?,
+            stated: own.clone(),
             q,
             given,
             targets: own.targets_with(moves.iter().map(|(_, aim)| aim))?,
@@ -121,7 +124,7 @@ impl SolutionDerivative {
     /// Raises `UnknownNameError` and `InvalidValueError` for a task that there is not.
     fn by_target<'py>(&self, task: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let py = task.py();
-        let task = self.problem.get().task(task)?;
+        let task = self.stated.task(task)?;
         let matrix = self.with(py, |derivative| derivative.by_target(task).or_raise())?;
         let (rows, columns) = matrix.shape();
         let numbers = matrix.transpose();
@@ -141,7 +144,7 @@ impl SolutionDerivative {
         weights: Option<&Bound<'py, PyAny>>,
         joint_origins: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let problem = self.problem.get();
+        let problem = &self.stated;
         let mut rates = ParameterVector::new(&problem.inner);
         for (task, value) in problem.targets_by_task(targets)? {
             let name = problem.inner.task_name(task).unwrap_or_default();
@@ -204,7 +207,7 @@ impl SolutionDerivative {
             Ok(gradient)
         })?;
         let by_task = PyDict::new(py);
-        for task in 0..self.problem.get().inner.tasks() {
+        for task in 0..self.stated.inner.tasks() {
             let own = gradient.target(task);
             if !own.is_empty() {
                 by_task.set_item(self.key(py, task)?, arrays::list(py, own))?;

@@ -351,6 +351,19 @@ impl Problem {
         self.lock().tasks.clone_ref(py)
     }
 
+    /// A problem of its own with these tasks.
+    fn as_it_is(&self, py: Python<'_>) -> Self {
+        let current = self.lock();
+        Self {
+            model: self.model.clone_ref(py),
+            options: self.options.clone_ref(py),
+            current: Mutex::new(Current {
+                tasks: current.tasks.clone_ref(py),
+                stated: current.stated.clone(),
+            }),
+        }
+    }
+
     /// What there is to solve, as it is now. Raises `InvalidValueError` where there are no tasks.
     pub(crate) fn stated(&self) -> PyResult<Arc<Stated>> {
         let stated = self.lock().stated.clone();

@@ -81,7 +81,7 @@ impl Stated {
     }
 
     /// Which task a key of targets is: a name or a number.
-    fn task(&self, key: &Bound<'_, PyAny>) -> PyResult<usize> {
+    pub(super) fn task(&self, key: &Bound<'_, PyAny>) -> PyResult<usize> {
         if let Ok(index) = key.extract::<usize>() {
             return match index < self.ids.len() {
                 true => Ok(index),
