@@ -116,4 +116,5 @@ struct WholeBodies;
 /// The README's examples, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
 #[doc = include_str!("../README.md")]
+#[doc = include_str!("../docs/strict-levels.md")]
 struct Readme;

@@ -7,6 +7,7 @@ mod derivatives;
 mod geometric;
 mod kinematics;
 mod lanes;
+mod levels;
 mod posing;
 mod solvers;
 
@@ -42,6 +43,7 @@ pub fn stages() -> Vec<Stage> {
     [
         kinematics::stages(),
         solvers::stages(),
+        levels::stages(),
         lanes::stages(),
         arms::stages(),
         derivatives::stages(),

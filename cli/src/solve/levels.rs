@@ -23,7 +23,7 @@ pub(crate) struct LevelArguments {
     /// 0, and so on, whatever the weights, which count within a level. Names are those of targets, rays and held
     /// frames, `balance`, `center of mass` and the names of --tasks. Default: 0 for all; with --hold or --balance what
     /// is held has 0, the balance 1, and all other goals have 2, so that feet neither slip nor lose balance
-    /// for a hand that is out of reach. Answers that reach everything are the same on any levels.
+    /// for a hand that is out of reach. Where everything is reached, levels change nothing but rounding.
     #[arg(long = "level", value_name = "NAME=N", value_parser = NamedLevel::parse, help_heading = TARGETS,
           hide_short_help = true)]
     levels: Vec<NamedLevel>,

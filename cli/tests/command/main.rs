@@ -28,5 +28,6 @@ mod servo;
 mod skin_report;
 #[cfg(feature = "bench")]
 mod solvers_compared;
+mod strict_levels;
 mod task_files;
 mod without_features;

@@ -1,0 +1,89 @@
+//! Promise: what is held and balanced comes before what is reached for, and --level says what gives way to what.
+
+use crate::forked_rig::*;
+use serde_json::{Value, json};
+
+const NAO: &str = "../models/aldebaran_nao.urdf";
+const FAR: &str = "--base-joint free --hold left_sole --hold right_sole --target left_hand=2,0.5,0";
+
+fn task<'a>(answer: &'a Value, name: &str) -> &'a Value {
+    let mut tasks = list(&answer["tasks"]).iter();
+    tasks.find(|task| task["name"] == name).unwrap()
+}
+
+fn level(answer: &Value, name: &str) -> u64 {
+    task(answer, name)["level"].as_u64().unwrap()
+}
+
+fn miss(answer: &Value, name: &str) -> f64 {
+    number(&task(answer, name)["position_error"])
+}
+
+#[test]
+fn feet_stay_where_a_hand_is_out_of_reach() {
+    let answer = answer!("solve {NAO} {FAR} --weight left_hand=100");
+    assert_eq!(answer["reached"], false);
+    for foot in ["hold left_sole", "hold right_sole"] {
+        assert_eq!(task(&answer, foot)["reached"], true);
+        assert_eq!(level(&answer, foot), 0);
+    }
+    assert_eq!(level(&answer, "target left_hand"), 2);
+    assert!(miss(&answer, "target left_hand") > 0.5);
+    let told = text!("solve {NAO} {FAR}");
+    assert!(told.contains("Level 2 gives way"), "{told}");
+
+    let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --one-level");
+    assert_eq!(level(&traded, "target left_hand"), 0);
+    assert!(miss(&traded, "hold left_sole") > 0.1, "{traded}");
+}
+
+#[test]
+fn what_is_reached_is_the_same_on_any_levels() {
+    let near =
+        "--base-joint free --hold left_sole --hold right_sole --target left_hand=0.12,0.1,-0.05";
+    let ranked = answer!("solve {NAO} {near}");
+    let weighed = answer!("solve {NAO} {near} --one-level");
+    assert_eq!(ranked["reached"], true, "{ranked}");
+    // Rows stand in another order, so last bits may differ.
+    let apart = distance(&numbers(&ranked["q"]), &numbers(&weighed["q"]));
+    assert!(apart < 1e-9, "{apart}");
+}
+
+#[test]
+fn levels_are_typed_by_the_names_of_targets_and_of_tasks() {
+    let folder = Folder::new("levels");
+    let tasks = json!([
+        {"task": "gaze", "frame": "head", "axis": [1, 0, 0], "direction": [-1, 0, 0], "half_angle": 0.1,
+            "level": 3},
+        {"task": "joint coupling", "coefficients": {"left_shoulder_roll": 1, "right_shoulder_roll": 2},
+            "tolerance": 1e-6, "name": "arms"},
+    ]);
+    let file = folder.text("tasks.json", &tasks);
+    let hands = "--target left_hand=2,0.5,0 --target right_hand=0.1,-0.2,0.05";
+    let answer = answer!("solve {NAO} {hands} --tasks {file} --level left_hand=1 --level arms=4");
+    let levels = ["target left_hand", "target right_hand", "gaze head", "arms"];
+    assert_eq!(levels.map(|name| level(&answer, name)), [1, 0, 3, 4]);
+    let held = answer!("solve {NAO} {FAR} --tasks {file} --level left_sole=5");
+    let levels = [
+        "target left_hand",
+        "hold left_sole",
+        "hold right_sole",
+        "gaze head",
+        "arms",
+    ];
+    assert_eq!(levels.map(|name| level(&held, name)), [2, 5, 0, 3, 2]);
+}
+
+#[test]
+fn levels_that_say_nothing_are_refused() {
+    refused!("solve {NAO} {FAR} --level nose=1" => 1, "no target, held frame or task named `nose`; valid names: left_hand, left_sole, right_sole");
+    for wrong in [
+        "left_hand",
+        "left_hand=-1",
+        "left_hand=high",
+        "=1",
+        "left_hand=1.5",
+    ] {
+        refused!("solve {NAO} {FAR} --level {wrong}" => 2, "--level");
+    }
+}
