@@ -91,6 +91,16 @@ def test_a_body_crouches_over_the_feet_that_it_is_opened_on(opened):
         open_page(NAO, base_joint="free", hold=["left_sol"], port=8229)
 
 
+def test_feet_stay_where_a_hand_is_pulled_out_of_reach(opened):
+    page = opened(NAO, base_joint="free", hold=["left_sole", "right_sole"])
+    stood = {foot: page.body.frame(foot) for foot in page.pinned}
+    drag(page, "left_hand", [0.8, 0.3, 0.2], moves=60)
+    assert off(page, "left_hand") > 0.2
+    for foot, place in stood.items():
+        np.testing.assert_allclose(page.body.frame(foot), place, atol=1e-5)
+    assert "Level 2 gives way" in page.answer.solution.explain()
+
+
 def test_every_solver_of_a_robot_follows(opened):
     page = opened(PANDA)
     assert list(page.targets) == ["tool"]

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+#: Strict levels of a body that stands: feet stay, and balance is kept, where a hand is beyond reach.
+PINNED, BALANCE, DRAGGED = 0, 1, 2
+
 
 @dataclass
 class Holding:

@@ -14,6 +14,7 @@ import kinopt
 from kinopt import tasks
 
 from .body import Body
+from .holding import DRAGGED, PINNED
 from .closing import closed
 from .transforms import inverse
 
@@ -30,8 +31,6 @@ ARM_SEARCHES = {
 #: Methods for any problem, anew for each place.
 GEOMETRIC = ("ccd", "fabrik")
 METHODS = ("levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd", "fabrik")
-#: How much more feet count than what is dragged, so that they stay where a hand is beyond reach.
-FEET = 10.0
 #: A body whose joints move less in a frame rests, radians or metres.
 STILL = 1e-6
 #: What a body leans to in what its targets leave free.
@@ -148,8 +147,8 @@ class Posing:
         made = []
         for goal in goals:
             kind = tasks.Pose if goal.turns else tasks.Point
-            times = FEET if goal.pinned and self.body.stands else 1.0
-            made.append(kind(goal.frame, self._target(goal), name=goal.frame, times=times))
+            level = DRAGGED if self.body.stands and not goal.pinned else PINNED
+            made.append(kind(goal.frame, self._target(goal), name=goal.frame, level=level))
         return made
 
     def _reference(self) -> Array | None:

@@ -16,7 +16,7 @@ from kinopt import tasks
 from . import balance, look, solids
 from .body import Body, Piece
 from .canvas import Canvas
-from .holding import Holding
+from .holding import BALANCE, Holding
 from .look import Color
 from .mesh_files import MeshFiles
 from .parts import Parts
@@ -92,7 +92,7 @@ class RobotBody(Body):
         if not feet:
             return None
         soles = {foot: balance.sole(self.thing, foot) for foot in feet}
-        return Holding([tasks.SupportPolygon(on=soles, name="balance", times=10.0)])
+        return Holding([tasks.SupportPolygon(on=soles, name="balance", level=BALANCE)])
 
     def pieces(self) -> list[Piece]:
         """Its meshes as they stand now, in the world."""
