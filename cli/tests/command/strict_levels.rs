@@ -21,7 +21,7 @@ fn miss(answer: &Value, name: &str) -> f64 {
 
 #[test]
 fn feet_stay_where_a_hand_is_out_of_reach() {
-    let answer = answer!("solve {NAO} {FAR} --weight left_hand=100");
+    let answer = answer!("solve {NAO} {FAR} --attempts 1");
     assert_eq!(answer["reached"], false);
     for foot in ["hold left_sole", "hold right_sole"] {
         assert_eq!(task(&answer, foot)["reached"], true);
@@ -29,10 +29,10 @@ fn feet_stay_where_a_hand_is_out_of_reach() {
     }
     assert_eq!(level(&answer, "target left_hand"), 2);
     assert!(miss(&answer, "target left_hand") > 0.5);
-    let told = text!("solve {NAO} {FAR}");
+    let told = text!("solve {NAO} {FAR} --attempts 1");
     assert!(told.contains("Level 2 gives way"), "{told}");
 
-    let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --one-level");
+    let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --one-level --attempts 1");
     assert_eq!(level(&traded, "target left_hand"), 0);
     assert!(miss(&traded, "hold left_sole") > 0.1, "{traded}");
 }
@@ -60,10 +60,12 @@ fn levels_are_typed_by_the_names_of_targets_and_of_tasks() {
     ]);
     let file = folder.text("tasks.json", &tasks);
     let hands = "--target left_hand=2,0.5,0 --target right_hand=0.1,-0.2,0.05";
-    let answer = answer!("solve {NAO} {hands} --tasks {file} --level left_hand=1 --level arms=4");
+    let answer = answer!(
+        "solve {NAO} {hands} --tasks {file} --level left_hand=1 --level arms=4 --max-iterations 5"
+    );
     let levels = ["target left_hand", "target right_hand", "gaze head", "arms"];
     assert_eq!(levels.map(|name| level(&answer, name)), [1, 0, 3, 4]);
-    let held = answer!("solve {NAO} {FAR} --tasks {file} --level left_sole=5");
+    let held = answer!("solve {NAO} {FAR} --tasks {file} --level left_sole=5 --max-iterations 5");
     let levels = [
         "target left_hand",
         "hold left_sole",
@@ -85,5 +87,21 @@ fn levels_that_say_nothing_are_refused() {
         "left_hand=1.5",
     ] {
         refused!("solve {NAO} {FAR} --level {wrong}" => 2, "--level");
+    }
+}
+
+#[test]
+fn the_page_s_commands_let_the_far_hand_alone_give_way() {
+    let page = include_str!("../../../docs/strict-levels.md");
+    let (_, fenced) = page.split_once("```sh\n").unwrap();
+    let lines: Vec<&str> = fenced.split("```").next().unwrap().lines().collect();
+    assert_eq!(lines.len(), 2);
+    for line in lines {
+        let words = line.strip_prefix("kinopt ").unwrap();
+        let answer = answer!("{}", words.replace("models/", "../models/"));
+        for task in list(&answer["tasks"]) {
+            let far = task["name"] == "target left_hand";
+            assert_eq!(task["reached"], !far, "{task}");
+        }
     }
 }
