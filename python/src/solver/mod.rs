@@ -153,16 +153,17 @@ impl Solver {
         max_move: Option<&Bound<'_, PyAny>>,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Solution> {
-        let problem = problem.get().stated()?;
+        let given = problem.get();
+        let problem = given.stated()?;
         let start = arrays::vector(start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
         let mut question = problem.question(&targets)?;
         let limits = match max_move {
             None => None,
-            Some(given) => {
+            Some(most) => {
                 self.optimiser("max_move")?;
-                Some(moves::move_limits(problem, given, &start)?)
+                Some(moves::move_limits((given, &problem), most, &start)?)
             }
         };
         if let Some(limits) = &limits {

@@ -7,21 +7,21 @@ use pyo3::types::PyDict;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
-use crate::problem::Problem;
+use crate::problem::{Problem, Stated};
 
 /// From radians for all, from one number for each of a configuration, or from a dict by joints.
 pub(super) fn move_limits(
-    problem: &Problem,
+    (problem, stated): (&Problem, &Stated),
     given: &Bound<'_, PyAny>,
     start: &[f64],
 ) -> PyResult<MoveLimits> {
     let py = given.py();
     if let Ok(radians) = given.extract::<f64>() {
-        return MoveLimits::by_angle(&problem.inner, radians, start).or_raise();
+        return MoveLimits::by_angle(&stated.inner, radians, start).or_raise();
     }
     let Ok(by_joint) = given.cast::<PyDict>() else {
         let most = arrays::vector(given, "max_move")?.to_vec();
-        return MoveLimits::new(&problem.inner, &most, start).or_raise();
+        return MoveLimits::new(&stated.inner, &most, start).or_raise();
     };
     let holder = problem.model(py);
     let model = model_of(holder.bind(py))?;
@@ -35,5 +35,5 @@ pub(super) fn move_limits(
         let own = model.joints()[joint.index()].kind.coordinates();
         most[first..first + own].fill(value);
     }
-    MoveLimits::new(&problem.inner, &most, start).or_raise()
+    MoveLimits::new(&stated.inner, &most, start).or_raise()
 }
