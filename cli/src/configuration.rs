@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kinopt::animation::{EulerClip, Playback};
-use kinopt::model::Limits;
+use kinopt::model::{Limits, ModelError};
 use serde::Deserialize;
 
 use crate::failure::Outcome;
@@ -115,7 +115,13 @@ impl LoadedModel {
     fn check_length(&self, numbers: &[f64], source: &str) -> Outcome<()> {
         let expected = self.model.configuration_len();
         if numbers.len() == expected {
-            return Ok(());
+            let turned = self.model.normalise(&mut numbers.to_vec());
+            return match turned {
+                Err(problem @ ModelError::NoRotation { .. }) => {
+                    Err(failure!("{source}: {problem}"))
+                }
+                _ => Ok(()),
+            };
         }
         let shape = match &self.rig {
             Some(_) if self.balls.is_none() => {

@@ -26,7 +26,10 @@ pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveE
     match map.balls().iter().find(no_rotation) {
         None => Ok(()),
         Some(ball) => Err(SolveError::StartNoRotation {
-            joint: problem.names().variables[ball.variable].clone(),
+            // Variables of a ball with limits are told as its swing and its twist.
+            joint: problem.names().variables[ball.variable]
+                .trim_end_matches(" swing")
+                .to_owned(),
         }),
     }
 }

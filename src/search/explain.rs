@@ -1,5 +1,6 @@
 //! A solution in words.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::{ActiveLimit, BoundKind, Side, Solution};
@@ -124,17 +125,27 @@ impl Solution {
             tasks.filter(|task| task.role == Role::Goal && !task.is_loop)
         };
         let missed = goals().filter(|task| !task.reached).map(|task| task.level);
-        let (Some(first), Some(last)) = (missed.min(), goals().map(|task| task.level).max()) else {
+        let missed: BTreeSet<usize> = missed.collect();
+        let (Some(&first), Some(last)) = (missed.first(), goals().map(|task| task.level).max())
+        else {
             return Ok(());
         };
         let above = goals()
             .map(|task| task.level)
             .filter(|level| *level < first);
         match (above.max(), first < last) {
-            (Some(above), _) => writeln!(
+            (Some(above), _) if missed.len() == 1 => writeln!(
                 text,
                 "  Level {first} gives way: the goals up to level {above} are met, and leave it no more."
             ),
+            (Some(above), _) => {
+                let missed: Vec<String> = missed.iter().map(usize::to_string).collect();
+                writeln!(
+                    text,
+                    "  Levels {} give way, each as little as those before it allow: the goals up to level {above} are met.",
+                    missed.join(", ")
+                )
+            }
             (None, true) => writeln!(
                 text,
                 "  Level {first} comes first: it misses as it would alone, and lower levels cost it nothing."

@@ -172,6 +172,11 @@ fn three_levels_each_cost_those_above_nothing() {
             );
             assert!(left < 1e-4, "{seed}: {left}");
         }
+        let reached: Vec<bool> = solution.tasks().map(|task| task.reached).collect();
+        if reached == [true, false, false] {
+            let told = solution.explain();
+            assert!(told.contains("Levels 1, 2 give way"), "{told}");
+        }
         let levels: Vec<usize> = solution.tasks().map(|task| task.level).collect();
         assert_eq!(levels, [0, 1, 2]);
     }

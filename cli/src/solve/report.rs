@@ -166,7 +166,7 @@ impl<'a> Report<'a> {
         let solution = &self.answer.solution;
         let mut text = solution.explain();
         if !solution.reached && self.tasks.iter().any(|task| task.held) {
-            text.push_str("\n  What is held stays where it was; --hold says what else should.");
+            text.push_str("\n  What is held should stay where it was; --hold says what else.");
         }
         let settled = self.answer.settled;
         text.push_str(match settled {

@@ -117,3 +117,9 @@ fn a_body_crouches_from_bent_knees_over_its_feet() {
             && norm(&placed(&q, "left_sole"), &placed("", "left_sole")) < 0.05
     );
 }
+
+#[test]
+fn a_quaternion_without_length_is_refused_by_name() {
+    let q = "0,0,0,0,0,0,0,0,0,0,0,0,0";
+    refused!("fk {UR5E} --base-joint free --q {q} --frame flange" => 1, "root_joint | quaternion without length");
+}
