@@ -36,11 +36,17 @@ def test_loops_and_followers_are_told():
     np.testing.assert_allclose(places[0][:3, 3], [0.01, 0.02, 0.03], atol=0)
 
 
-def test_what_was_taken_otherwise_is_told_by_the_files_own_lines():
-    robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "walker.xml")
-    lines = (FOLDER / "files" / "walker.xml").read_text().splitlines()
+def test_what_was_left_out_is_told_by_the_files_own_lines(tmp_path):
+    path = tmp_path / "hand.xml"
+    lines = [
+        '<mujoco><worldbody><body name="target" mocap="true"/>',
+        '<body name="hand"><joint name="wrist" axis="0 0 1"/></body></worldbody>',
+        '<equality><weld name="reach" body1="hand" body2="target"/></equality></mujoco>',
+    ]
+    path.write_text("\n".join(lines))
+    robot = kinopt.Robot.from_mjcf(path)
     line = int(robot.repairs[0].split(":")[0])
-    assert 'name="hip"' in lines[line - 1] and "`hip`" in robot.repairs[0]
+    assert 'name="reach"' in lines[line - 1] and "mocap" in robot.repairs[0]
 
 
 def test_a_base_may_be_put_under_it():

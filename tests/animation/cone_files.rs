@@ -79,7 +79,7 @@ fn what_is_wrong_is_told_by_its_place() {
             "duplicate field",
         ),
         (r#"{"a": {"swing": 10}, "a": {"swing": 20}}"#, "a", "twice"),
-        (r#"{"a": {}}"#, "a", "neither"),
+        (r#"{"a": {}}"#, "a", "none of"),
         (r#"{"a": 10}"#, "a", "expected struct"),
         ("{}", "", "no bone"),
         ("[]", "", "an object with a cone"),
