@@ -120,8 +120,7 @@ impl Arguments {
                 loaded.kind()
             )),
             (Some(_), Some(option)) => Err(usage!(
-                "{option} is for one --target or for --targets of a robot whose joints all have one number, not for {} at once, \
-                 a free base or ball joints",
+                "{option} is for one --target or for --targets, not for {} targets at once, nor for a free base or ball joints",
                 self.targets.len()
             )),
         }
