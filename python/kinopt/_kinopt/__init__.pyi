@@ -665,7 +665,7 @@ class BallSkeleton:
         skeleton: Skeleton,
         *,
         cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
-        root: Literal["fixed", "free"] = "fixed",
+        root: Literal["fixed", "free"] = ...,
         room: Mapping[str, tuple[float, float]] | None = None,
         armature: Armature | None = None,
     ) -> BallSkeleton: ...
@@ -675,7 +675,7 @@ class BallSkeleton:
         path: str | PathLike[str],
         *,
         cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
-        root: Literal["fixed", "free"] = "fixed",
+        root: Literal["fixed", "free"] = ...,
         room: Mapping[str, tuple[float, float]] | None = None,
     ) -> BallSkeleton: ...
     @property

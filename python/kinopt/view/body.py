@@ -125,8 +125,10 @@ class Body(ABC):
     def standing(self) -> None:
         """Called before a solve: the model's angles may count from where the body stands."""
 
-    #: Whether `holding` has something to say.
-    can_hold = False
+    @property
+    def can_hold(self) -> bool:
+        """Whether `holding` has something to say."""
+        return False
 
     def group(self, joint: str) -> str:
         """What a joint belongs to: its sliders stand together."""
@@ -136,8 +138,10 @@ class Body(ABC):
         """What a joint is called within its group."""
         return joint
 
-    #: Whether it moves as a whole, on a free base, so that what is pinned of it are its feet.
-    stands = False
+    @property
+    def stands(self) -> bool:
+        """Whether it moves as a whole, on a free base, so that what is pinned of it are its feet."""
+        return False
 
     def holding(
         self, dragged: list[str], q: Array, reference: Array | None, pinned: Sequence[str] = ()
