@@ -157,6 +157,12 @@ impl<'a> ConfigurationSpace<'a> {
         (value - self.lower[component], self.upper[component] - value)
     }
 
+    /// Whether one component of x may go both ways.
+    pub(crate) fn is_between_bounds(&self, x: &[f64], component: usize) -> bool {
+        let (down, up) = self.room(x, component);
+        down > 0.0 && up > 0.0
+    }
+
     /// The step to the bound that a step along one component would cross, if it crosses one.
     #[must_use]
     pub fn stopped_step(&self, x: &[f64], component: usize, step: f64) -> Option<f64> {

@@ -7,7 +7,7 @@
 use nalgebra::DMatrix;
 
 use super::asked::Asked;
-use super::held::HeldRank;
+use super::held::{HeldRank, is_of_reached};
 use super::slope_differences::{SlopeDifferences, Weighted};
 use crate::problem::{Problem, Share};
 use crate::solver::{RowSpan, dot, half_squared, negligible_slope};
@@ -96,7 +96,7 @@ impl Curvature {
                 add_rows(&mut above, jacobian, own, fixed, NEW);
                 continue;
             }
-            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual), fixed);
+            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual));
             self.above[held.rank].clone_from(&above);
             self.differentiate_slope(asked, (ranks, held), x, fixed);
             let first = residual.len() + held.rank * x.len();
@@ -117,12 +117,10 @@ impl Curvature {
         fixed: &mut [bool],
     ) {
         let space = asked.question.space();
-        // A variable between its bounds, or one that may be pulled off, is what multipliers are sought with.
-        let between = |j: usize| {
-            let (down, up) = space.room(x, j);
-            down > 0.0 && up > 0.0
-        };
-        let bound: Vec<bool> = (0..x.len()).map(|j| !between(j)).collect();
+        // Multipliers are sought with what may go both ways.
+        let bound: Vec<bool> = (0..x.len())
+            .map(|j| !space.is_between_bounds(x, j))
+            .collect();
         let mut above = std::mem::take(&mut self.running);
         above.clear();
         for held in ranks {
@@ -131,7 +129,7 @@ impl Curvature {
                 add_rows(&mut above, jacobian, own, &bound, NEW);
                 continue;
             }
-            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual), &bound);
+            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual));
             let rows = residual.len();
             let multipliers = &self.multipliers[held.rank * rows..(held.rank + 1) * rows];
             let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
@@ -158,25 +156,18 @@ impl Curvature {
         missed: &HeldRank,
         above: &mut RowSpan,
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
-        fixed: &[bool],
     ) {
         let rows = residual.len();
         let own = asked.question.problem.ranks().rows_of(missed.rank);
         let slope = &mut self.slope;
         let columns = jacobian.as_slice().chunks_exact(rows.max(1));
-        for ((slope, column), fixed) in slope.iter_mut().zip(columns).zip(fixed) {
-            *slope = match fixed {
-                true => 0.0,
-                false => dot(&column[own.clone()], &residual[own.clone()]),
-            };
+        for (slope, column) in slope.iter_mut().zip(columns) {
+            *slope = dot(&column[own.clone()], &residual[own.clone()]);
         }
         let multipliers = &mut self.multipliers[missed.rank * rows..(missed.rank + 1) * rows];
         multipliers.fill(0.0);
         for (row, multiplier) in above.multipliers(slope) {
-            let of_reached = ranks.iter().filter(|held| held.reached);
-            let mut of_reached =
-                of_reached.map(|held| asked.question.problem.ranks().rows_of(held.rank));
-            if of_reached.any(|rows| rows.contains(&row)) {
+            if is_of_reached(asked.question.problem, ranks, row) {
                 multipliers[row] = multiplier;
             }
         }

@@ -47,6 +47,12 @@ pub(super) struct HeldRank {
     pub(super) cost: f64,
 }
 
+/// Whether a row of the ranks above one is of one that is reached.
+pub(super) fn is_of_reached(problem: &Problem, ranks: &[HeldRank], row: usize) -> bool {
+    let mut reached = ranks.iter().filter(|held| held.reached);
+    reached.any(|held| problem.ranks().rows_of(held.rank).contains(&row))
+}
+
 /// The ranks above one, and room to keep them where they are.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Held {
@@ -203,23 +209,15 @@ impl Held {
         problem: &Problem,
         span: &mut RowSpan,
         slope: &mut [f64],
-        fixed: &[bool],
         weights: &mut [f64],
     ) {
         let rows = self.rows();
-        let free: Vec<f64> = slope
-            .iter()
-            .zip(fixed)
-            .map(|(s, fixed)| if *fixed { 0.0 } else { *s })
-            .collect();
-        for (row, multiplier) in span.multipliers(&free) {
+        for (row, multiplier) in span.multipliers(slope) {
             let columns = rows.as_slice().chunks_exact(rows.nrows().max(1));
             for (slope, column) in slope.iter_mut().zip(columns) {
                 *slope += multiplier * column[row];
             }
-            let of_reached = self.ranks.iter().filter(|held| held.reached);
-            let mut of_reached = of_reached.map(|held| problem.ranks().rows_of(held.rank));
-            if of_reached.any(|own| own.contains(&row)) {
+            if is_of_reached(problem, &self.ranks, row) {
                 weights[row] = multiplier;
             }
         }

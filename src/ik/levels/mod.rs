@@ -20,6 +20,7 @@ mod slope_differences;
 use std::time::Instant;
 
 use asked::Asked;
+use curvature::{NEW, add_rows};
 use descent::{Descent, Start};
 pub(super) use extent::Extent;
 use held::SAME_MISS;
@@ -31,9 +32,6 @@ use crate::solver::{
     AnyMethod, Counts, LeastSquares, Observer, RowSpan, SolverState, Stopping, Termination,
     half_squared,
 };
-
-/// A row adds to those above it if so much of it is new, as a share of their length.
-const NEW: f64 = 1e-9;
 
 /// How ranks are solved, and how long that goes on.
 #[derive(Clone, Copy)]
@@ -276,28 +274,13 @@ impl Ranked<'_, '_> {
         let mut goals = Evaluation::of(share, self.question, self.scratch);
         self.solver.take_shape(residual.len(), x.len());
         let (slope, _) = self.solver.slope_at(&mut goals, x, multipliers);
-        let slope = slope.to_vec();
-        let jacobian = self.solver.jacobian();
-        let space = self.question.space();
-        let may_move = |j: usize| {
-            let (down, up) = space.room(x, j);
-            down > 0.0 && up > 0.0
-        };
-        let length = jacobian.norm();
         above.clear();
-        for row in 0..own.start {
-            let entries = (0..x.len()).map(|j| match may_move(j) {
-                true => jacobian[(row, j)],
-                false => 0.0,
-            });
-            above.add(row, entries, NEW * length);
-        }
-        let free: Vec<f64> = slope
-            .iter()
-            .enumerate()
-            .map(|(j, s)| if may_move(j) { *s } else { 0.0 })
+        let slope = slope.to_vec();
+        let bound: Vec<bool> = (0..x.len())
+            .map(|j| !self.question.space().is_between_bounds(x, j))
             .collect();
-        for (row, multiplier) in above.multipliers(&free) {
+        add_rows(above, self.solver.jacobian(), 0..own.start, &bound, NEW);
+        for (row, multiplier) in above.multipliers(&slope) {
             multipliers[row] = multiplier;
         }
     }

@@ -149,8 +149,7 @@ impl Descent {
         let mut longest = 0.0_f64;
         for (j, column) in columns().enumerate() {
             longest = longest.max(dot(column, column));
-            let (down, up) = space.room(&self.x, j);
-            newton.pinned[j] = self.fixed[j] || down <= 0.0 || up <= 0.0;
+            newton.pinned[j] = self.fixed[j] || !space.is_between_bounds(&self.x, j);
         }
         held.take_rows(asked, &self.x, &self.fixed);
         // First without what stands on a bound, then with what would leave it.
@@ -169,7 +168,7 @@ impl Descent {
                 ..
             } = newton;
             held.span(problem, above, pinned);
-            held.multiply(problem, above, slope, pinned, weights);
+            held.multiply(problem, above, slope, weights);
             if round == 0 {
                 for (j, pinned) in newton.pinned.iter_mut().enumerate() {
                     *pinned = self.fixed[j] || space.holds(&self.x, j, newton.slopes[0][j], 0.0);

@@ -57,7 +57,11 @@ impl RowSpan {
     }
 
     /// For each row that adds to the span, its number and its λ in the sum of rows that is nearest to −`vector`.
-    pub(crate) fn multipliers(&mut self, vector: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+    /// Where all rows are zero the vector does not count.
+    pub(crate) fn multipliers<'s>(
+        &'s mut self,
+        vector: &[f64],
+    ) -> impl Iterator<Item = (usize, f64)> + use<'s> {
         let basis = self.basis.chunks_exact(vector.len().max(1));
         self.multipliers.clear();
         self.multipliers
