@@ -1,7 +1,8 @@
 //! Joints that loops move: their values from those of the others.
 
-use super::Solver;
 use super::loop_gap::{LoopClosureError, LoopGap};
+use super::nearest_closing::NearestClosing;
+use super::{Solution, Solver};
 use crate::model::{JointId, JointKind, Model, ModelError, ParameterMap, ParameterMapBuilder};
 use crate::problem::{Evaluation, Problem, ProblemError, Share};
 use crate::robot::Robot;
@@ -85,8 +86,8 @@ impl<'m> LoopClosure<'m> {
     }
 
     /// Moves the dependent joints of a configuration so that all loops are closed, and the joints that follow
-    /// others with them; the rest keep their values. Of several ways to close a loop it is the one that the
-    /// dependent joints' own values lead to.
+    /// others with them; the rest keep their values. Of several ways to close a loop it is the one nearest to the
+    /// dependent joints' own values that is found from them and from 32 places about them.
     ///
     /// # Errors
     /// A configuration of the wrong length, with a number that is not finite, or with a joint outside its limits
@@ -115,7 +116,7 @@ impl<'m> LoopClosure<'m> {
                 }));
             }
         }
-        let closed = self.solve(held, q)?;
+        let closed = self.nearest(held, q)?;
         for (coordinate, (own, closed)) in q.iter_mut().zip(closed).enumerate() {
             if !keeps(coordinate) {
                 *own = closed;
@@ -137,12 +138,12 @@ impl<'m> LoopClosure<'m> {
             return Ok(draw(0));
         }
         let free = self.parameters.clone().build()?;
-        let mut found = self.solve(free.clone(), &draw(0));
+        let mut found = self.any(free.clone(), &draw(0));
         for k in 1..DRAWS {
             if !matches!(found, Err(LoopClosureError::Open { .. })) {
                 break;
             }
-            found = self.solve(free.clone(), &draw(k));
+            found = self.any(free.clone(), &draw(k));
         }
         found
     }
@@ -177,14 +178,25 @@ impl<'m> LoopClosure<'m> {
         self.parameters.clone().only(&self.dependent, q)
     }
 
-    /// The loops alone, closed from `start`.
-    fn solve(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
-        let model = self.parameters.model();
-        let solution = self.solver.solve_once(&problem(model, map)?, start)?;
-        if solution.loops_closed() {
-            return Ok(solution.q);
+    /// The loops alone, closed as near to `start` as can be.
+    fn nearest(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
+        let problem = problem(self.parameters.model(), map)?;
+        self.closed(NearestClosing::new(&problem, start)?.close(&self.solver)?)
+    }
+
+    /// The loops alone, closed as the search from `start` finds it.
+    fn any(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
+        let problem = problem(self.parameters.model(), map)?;
+        self.closed(self.solver.solve_once(&problem, start)?)
+    }
+
+    /// The configuration that was found, if it closes the loops.
+    fn closed(&self, found: Solution) -> Result<Vec<f64>, LoopClosureError> {
+        if found.loops_closed() {
+            return Ok(found.q);
         }
-        let open = solution.open_loops();
+        let model = self.parameters.model();
+        let open = found.open_loops();
         Err(LoopClosureError::Open {
             open: open.map(|open| LoopGap::open(&open, model)).collect(),
             dependent: names(model, self.dependent.iter().copied()),

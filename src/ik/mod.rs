@@ -7,6 +7,7 @@ mod levels;
 mod loop_closure;
 mod loop_gap;
 mod minimiser;
+mod nearest_closing;
 mod solution_derivative;
 mod solver;
 mod stance;

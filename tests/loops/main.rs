@@ -8,6 +8,7 @@ mod knees;
 mod mechanisms;
 #[cfg(all(feature = "mjcf", feature = "urdf"))]
 mod minima;
+mod nearest_assemblies;
 mod stewart_platforms;
 mod truth;
 mod two_hands;

@@ -1,0 +1,122 @@
+//! Of the ways to close loops, the one that is nearest to where joints stand.
+
+use std::f64::consts::TAU;
+
+use super::{Restarts, Solution, SolveError, Solver, Workspace};
+use crate::model::Source;
+use crate::problem::{Problem, Question};
+use crate::random::RandomStream;
+use crate::search::{slide_per_radian, variables_at};
+use crate::solver::half_squared;
+
+/// So many more places than the start are closed from: no farther from it than the nearest way that is known,
+/// as a nearer one can be nowhere else.
+const PLACES: u64 = 32;
+/// Ways that are nearer by less, in radians, are the same.
+const SAME_WAY: f64 = 1e-6;
+
+/// A problem of loops and where its joints stand.
+pub(super) struct NearestClosing<'a> {
+    problem: &'a Problem,
+    start: Vec<f64>,
+    /// Variables per unit of distance: 1 radian, or what a slide moves meanwhile.
+    units: Vec<f64>,
+}
+
+impl<'a> NearestClosing<'a> {
+    /// # Errors
+    /// A start that no solver takes.
+    pub(super) fn new(problem: &'a Problem, start: &[f64]) -> Result<Self, SolveError> {
+        let slide = slide_per_radian(problem);
+        let angles = problem.names().variable_is_angle.iter();
+        Ok(Self {
+            problem,
+            start: variables_at(Question::from(problem), start)?,
+            units: angles
+                .map(|&angle| if angle { 1.0 } else { slide })
+                .collect(),
+        })
+    }
+
+    /// Closes the loops; where they stay open, as the search for that leaves them.
+    ///
+    /// # Errors
+    /// As the solver has them.
+    pub(super) fn close(&self, solver: &Solver) -> Result<Solution, SolveError> {
+        let map = self.problem.parameters();
+        let mut q = vec![0.0; self.problem.configuration_len()];
+        map.scatter_within_limits(&self.start, &mut q);
+        let mut nearest = solver.solve_once(self.problem, &q)?;
+        if !nearest.loops_closed() {
+            return Ok(nearest);
+        }
+        let mut x = vec![0.0; self.start.len()];
+        let mut distance = self.unwind(&mut nearest.q, &mut x);
+        let once = solver.clone().with_restarts(Restarts::none());
+        let mut workspace = Workspace::new();
+        for place in 0..PLACES {
+            if distance < SAME_WAY {
+                break;
+            }
+            self.place(place, distance, &mut x);
+            map.scatter_within_limits(&x, &mut q);
+            let found = once.solve(self.problem, &q, &mut workspace)?;
+            if !found.loops_closed() {
+                continue;
+            }
+            q.copy_from_slice(&found.q);
+            let own = self.unwind(&mut q, &mut x);
+            if own < distance - SAME_WAY {
+                distance = own;
+                nearest.q.copy_from_slice(&q);
+            }
+        }
+        Ok(nearest)
+    }
+
+    /// A place at random, no farther from the start than `distance`.
+    fn place(&self, number: u64, distance: f64, x: &mut [f64]) {
+        let mut random = RandomStream::new(0, number);
+        x.fill_with(|| 2.0 * random.unit() - 1.0);
+        let length = (2.0 * half_squared(x)).sqrt();
+        let far = distance * random.unit() / length.max(f64::MIN_POSITIVE);
+        for ((x, start), unit) in x.iter_mut().zip(&self.start).zip(&self.units) {
+            *x = start + far * unit * *x;
+        }
+        Question::from(self.problem).space().project(x);
+    }
+
+    /// Takes from hinges the whole turns that lead away from the start; how far the configuration is from it then,
+    /// in radians.
+    fn unwind(&self, q: &mut [f64], x: &mut [f64]) -> f64 {
+        let map = self.problem.parameters();
+        map.gather(q, x);
+        let balls = map.balls();
+        let mut squares = 0.0;
+        for (k, (x, start)) in x.iter_mut().zip(&self.start).enumerate() {
+            if balls
+                .iter()
+                .any(|ball| (ball.variable..ball.variable + 3).contains(&k))
+            {
+                continue;
+            }
+            let turns = TAU * ((start - *x) / TAU).round();
+            let (lower, upper) = (self.problem.lower()[k], self.problem.upper()[k]);
+            let within = lower <= *x + turns && *x + turns <= upper;
+            if turns != 0.0 && within && self.turns_alone(k) {
+                *x += turns;
+                q[map.leaders()[k]] = *x;
+            }
+            squares += ((*x - start) / self.units[k]).powi(2);
+        }
+        let balls = balls.iter().map(|ball| ball.angle_between(&self.start, x));
+        (squares + balls.map(|angle| angle * angle).sum::<f64>()).sqrt()
+    }
+
+    /// Whether a variable is an angle that no other joint follows.
+    fn turns_alone(&self, variable: usize) -> bool {
+        let moved = |source: &&Source| source.slope().is_some_and(|(own, _)| own == variable);
+        let moved = self.problem.parameters().sources().iter().filter(moved);
+        self.problem.names().variable_is_angle[variable] && moved.count() == 1
+    }
+}

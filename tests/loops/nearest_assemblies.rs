@@ -1,0 +1,110 @@
+//! Promise: of the ways in which a mechanism closes, forward kinematics takes the one nearest to where its passive
+//! joints stand, without whole turns more than that.
+
+use std::f64::consts::{PI, TAU};
+
+use kinopt::ik::LoopClosure;
+use kinopt::model::{Limits, Model, ModelBuilder, ParameterMap};
+use support::random::Random;
+use support::sample::cases;
+
+use crate::mechanisms::{FourBar, TURNS};
+
+/// Coupler and rocker for a crank, by the two places at which the circles of their ends meet.
+fn assemblies(linkage: &FourBar, crank: f64) -> [[f64; 2]; 2] {
+    let tip = [linkage.crank * crank.cos(), linkage.crank * crank.sin()];
+    let (x, y) = (linkage.ground - tip[0], -tip[1]);
+    let apart = x.hypot(y);
+    let (b, c) = (linkage.coupler, linkage.rocker);
+    let along = (b * b - c * c + apart * apart) / (2.0 * apart);
+    let beside = (b * b - along * along).sqrt();
+    [1.0, -1.0].map(|side| {
+        let end = [
+            tip[0] + (along * x - side * beside * y) / apart,
+            tip[1] + (along * y + side * beside * x) / apart,
+        ];
+        let coupler = (end[1] - tip[1]).atan2(end[0] - tip[0]) - crank;
+        let rocker = end[1].atan2(end[0] - linkage.ground);
+        [coupler, rocker]
+    })
+}
+
+/// How far joints have to go from `start` at least, each by the turns within `limits` that come nearest.
+fn distance(start: [f64; 2], angles: [f64; 2], limits: Limits) -> f64 {
+    let moved = start.iter().zip(angles).map(|(start, angle)| {
+        let turns = (-3..=3).map(|k| angle + TAU * f64::from(k));
+        let within = turns.filter(|angle| limits.contains(*angle));
+        within
+            .map(|angle| (angle - start).abs())
+            .fold(f64::INFINITY, f64::min)
+    });
+    moved.map(|moved| moved * moved).sum::<f64>().sqrt()
+}
+
+/// The linkage with hinges that turn without end.
+fn endless(linkage: &FourBar) -> Model {
+    let mut builder = ModelBuilder::from_model(&linkage.model().without_loops());
+    linkage
+        .model()
+        .loops()
+        .iter()
+        .for_each(|own| builder.close(own.clone()));
+    let model = builder.build().unwrap();
+    let mut endless = Model::builder("endless");
+    for joint in model.joints() {
+        let (name, at) = (&joint.name, joint.parent_from_joint);
+        endless.continuous(name, joint.parent, at, joint.axis);
+    }
+    for frame in model.frames() {
+        endless.frame(&frame.name, frame.joint, frame.joint_from_frame);
+    }
+    model
+        .loops()
+        .iter()
+        .for_each(|own| endless.close(own.clone()));
+    endless.build().unwrap()
+}
+
+#[test]
+fn the_nearer_of_two_assemblies() {
+    let linkage = FourBar::CRANK_ROCKER;
+    for (model, limits, seed) in [
+        (linkage.model(), TURNS, 1),
+        (endless(&linkage), Limits::UNBOUNDED, 2),
+    ] {
+        let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
+        let closure = LoopClosure::new(ParameterMap::builder(&model), &dependent).unwrap();
+        let mut random = Random::new(seed);
+        for case in 0..cases(300, 100) {
+            let mut q = [(); 3].map(|()| random.within(-PI, PI));
+            let start = [q[1], q[2]];
+            closure.close(&mut q).unwrap();
+            assert!(closure.gaps(&q).unwrap()[0].is_closed());
+            let moved = (q[1] - start[0]).hypot(q[2] - start[1]);
+            let ways = assemblies(&linkage, q[0]);
+            let nearest = ways.map(|way| distance(start, way, limits));
+            let nearest = nearest[0].min(nearest[1]);
+            assert!(
+                moved < nearest + 1e-6,
+                "{case}: {moved} instead of {nearest}"
+            );
+        }
+    }
+}
+
+#[test]
+fn whole_turns_stay_as_they_were() {
+    let model = endless(&FourBar::CRANK_ROCKER);
+    let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
+    let closure = LoopClosure::new(ParameterMap::builder(&model), &dependent).unwrap();
+    let mut plain = [0.7, 0.5, 2.0];
+    closure.close(&mut plain).unwrap();
+    let mut wound = [0.7, 0.5 + 3.0 * TAU, 2.0 - 5.0 * TAU];
+    closure.close(&mut wound).unwrap();
+    for (wound, (plain, turns)) in wound.iter().zip(plain.iter().zip([0.0, 3.0, -5.0])) {
+        assert!(
+            (wound - plain - turns * TAU).abs() < 1e-7,
+            "{wound} {plain}"
+        );
+    }
+}
