@@ -203,7 +203,7 @@ impl ModelBuilder {
     /// The first joint or frame that is wrong, by name: duplicate names, parents that are not in
     /// the model or come later, limits that are no interval, axes without direction, placements
     /// that are not rigid (RᵀR must be the identity within 1e-6; a rotation that is off by more than
-    /// rounding is replaced by the one next to it), loops of frames that are not in the model or that no
+    /// rounding is replaced by the one next to it), loops of frames that are not in the model, of one frame with itself or that no
     /// configuration closes (told where one link is longer than all others of the loop together).
     ///
     /// Ids are positions: one of another model is found out only where it is out of range.
@@ -267,6 +267,12 @@ impl ModelBuilder {
             if closed.frames.iter().any(|f| f.index() >= self.frames.len()) {
                 let name = name.to_owned();
                 return Err(ModelError::ForeignLoop { name });
+            }
+            if closed.frames[0] == closed.frames[1] {
+                return Err(ModelError::LoopOfOneFrame {
+                    name: name.to_owned(),
+                    frame: self.frames[closed.frames[0].index()].name.clone(),
+                });
             }
             for place in &mut closed.frame_from_place {
                 check_placement("loop", &closed.name, place)?;

@@ -99,6 +99,24 @@ pub enum ModelError {
         /// The loop.
         name: String,
     },
+    /// A loop of a frame with itself.
+    #[error("loop `{name}` joins the frame `{frame}` to itself")]
+    LoopOfOneFrame {
+        /// The loop.
+        name: String,
+        /// The frame.
+        frame: String,
+    },
+    /// A base joint for a robot that its own free joint moves as a whole.
+    #[error(
+        "joint `{joint}` moves the whole of `{model}` freely already: its base may be free, within a room, or left as it is"
+    )]
+    FreeAlready {
+        /// The free joint's first slide.
+        joint: String,
+        /// The robot.
+        model: String,
+    },
     /// A loop that no configuration closes: a link longer than all others together, or places that no joint
     /// moves against each other.
     #[error("loop `{name}` cannot close: its places stay at least {gap} {unit} apart")]

@@ -25,6 +25,8 @@ const DEFAULT_TOLERANCE_PIXELS: f64 = 1e-3;
 pub(super) struct PendingTask {
     name: Option<String>,
     kind: &'static str,
+    /// Whether it has no frame of its own, which reports would name.
+    is_of_body: bool,
     /// Whether it closes a loop of the model: no task of the user's, and before all of them.
     pub(super) is_loop: bool,
     role: Role,
@@ -43,6 +45,7 @@ impl PendingTask {
         Self {
             name: task.name,
             kind: task.residual.kind(),
+            is_of_body: task.residual.is_of_body(),
             is_loop: false,
             role: task.role,
             level: task.level,
@@ -54,6 +57,12 @@ impl PendingTask {
             rows: task.residual.rows(),
             residual: Box::new(task.residual),
         }
+    }
+
+    /// The frame that reports name.
+    fn own_frame(&self) -> Option<FrameId> {
+        let first = self.frames.first().copied();
+        first.filter(|_| !self.is_of_body)
     }
 }
 
@@ -162,7 +171,7 @@ impl<'m> ProblemBuilder<'m> {
         let mut first_frames = Vec::with_capacity(self.tasks.len());
         let mut rows = 0;
         for (index, pending) in self.tasks.into_iter().enumerate() {
-            let first_frame = pending.frames.first().copied();
+            let first_frame = pending.own_frame();
             let task = compile_task(model, index, &pending, &self.tolerances, &mut frames, rows)?;
             residuals.push(pending.residual);
             first_frames.push(first_frame);
@@ -281,10 +290,11 @@ fn compile_task(
         kind,
         model: model.name().to_owned(),
     };
-    let first_frame = pending.frames.first();
-    let frame_name = first_frame.and_then(|f| model.frames().get(f.index()));
+    let frame = pending.own_frame();
+    let frame_name = frame.and_then(|f| model.frames().get(f.index()));
     let name = pending.name.clone().unwrap_or_else(|| match frame_name {
         Some(frame) => format!("{} of `{}`", pending.kind, frame.name),
+        None if pending.is_of_body => pending.kind.to_owned(),
         None => format!("{} (task {index})", pending.kind),
     });
     if let Err(problem) = pending.residual.validate() {

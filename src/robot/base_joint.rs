@@ -115,6 +115,9 @@ impl Robot {
     /// The same robot on a joint that moves the whole of it: everything that stood in the world stands on
     /// that. Frames keep their ids; joints get new ones, and those of the base come first in a configuration.
     ///
+    /// A robot that a free joint of its own moves as a whole, as most MJCF files have one, has a free base: that one is
+    /// taken, under its own name, within the room and first in a configuration, and joints keep their ids.
+    ///
     /// ```
     /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::robot::{BaseJoint, Robot};
@@ -126,8 +129,51 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A room that is none, an axis without direction, or a robot that has a joint of that name.
+    /// A room that is none, an axis without direction, a robot that has a joint of that name, or a planar or sliding
+    /// base of one that moves freely.
     pub fn with_base_joint(self, base: BaseJoint) -> Result<Self, ModelError> {
+        match (base, self.free_root()) {
+            (BaseJoint::Fixed, _) | (_, None) => self.put_on(base),
+            (BaseJoint::Free { room }, Some(first)) => self.keep_within(first, room),
+            (_, Some(first)) => Err(ModelError::FreeAlready {
+                joint: self.model.joints()[first.index()].name.clone(),
+                model: self.model.name().to_owned(),
+            }),
+        }
+    }
+
+    /// The first slide of the free joint that everything that moves hangs on, if there is one.
+    fn free_root(&self) -> Option<JointId> {
+        let joints = self.model.joints();
+        let up = |id: &JointId| joints[id.index()].parent;
+        let hangs = |id: &JointId, root| std::iter::successors(Some(*id), up).any(|on| on == root);
+        let roots = self.model.free_joints().iter().copied();
+        let moving = self.model.moving_joints();
+        let mut roots = roots.filter(|root| moving.iter().all(|id| hangs(id, *root)));
+        roots.next()
+    }
+
+    /// The same robot whose own free joint stays within a room and comes first in a configuration.
+    fn keep_within(self, first: JointId, room: [Limits; 3]) -> Result<Self, ModelError> {
+        let mut builder = ModelBuilder::from_model(&self.model);
+        let mut order = self.model.moving_joints().to_vec();
+        order.dedup();
+        // Its slides and its ball stand side by side.
+        let end = order.iter().take_while(|id| **id != first).count() + 4;
+        if let Some(to_base) = order.get_mut(..end) {
+            to_base.rotate_right(4);
+        }
+        for (slide, limits) in order.iter().zip(room) {
+            builder.narrow(*slide, limits);
+        }
+        builder.configuration_order(order);
+        let model = builder.build()?;
+        let map = super::coupled(&model, &self.mimics).build()?;
+        Ok(Self { model, map, ..self })
+    }
+
+    /// The same robot on one more joint.
+    fn put_on(self, base: BaseJoint) -> Result<Self, ModelError> {
         let before = self.model.joints().len();
         let builder = ModelBuilder::on_base(&self.model, |builder| base.add_to(builder));
         let model = builder.build()?;

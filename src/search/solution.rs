@@ -133,7 +133,8 @@ pub struct Solution {
     pub projected_gradient: Option<f64>,
     /// Steps of all attempts together.
     pub iterations: usize,
-    /// Attempts made, the caller's start included.
+    /// Attempts made, the caller's start included; where strict levels are searched one by one, in the search that
+    /// made most.
     pub attempts: usize,
     /// How many of the attempts stopped as near as this solution, within a thousandth of the cost, itself
     /// included; 0 where it is reached, where it was cut short, or where attempts are not compared.

@@ -128,7 +128,11 @@ impl Body {
 
 impl Residual for CentreOfMass {
     fn kind(&self) -> &'static str {
-        "centre of mass"
+        "center of mass"
+    }
+
+    fn is_of_body(&self) -> bool {
+        true
     }
 
     fn frames(&self) -> Vec<FrameId> {

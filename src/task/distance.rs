@@ -74,6 +74,9 @@ impl Residual for Distance {
         not_finite("its distance", [self.distance])?;
         refuse(self.distance < 0.0, || {
             format!("its distance {} is negative", self.distance)
+        })?;
+        refuse(self.frames[0] == self.frames[1], || {
+            "it is from a frame to itself".to_owned()
         })
     }
 }

@@ -1,6 +1,6 @@
 //! A frame should have an orientation.
 
-use super::residual::{add_base, frame_and_base, in_base, not_finite, turned};
+use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -121,6 +121,7 @@ impl Residual for Orientation {
     }
 
     fn validate(&self) -> Result<(), String> {
+        own_base(self.frame, self.base)?;
         check_rotation("its target is", &self.target)
     }
 }

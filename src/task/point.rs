@@ -1,6 +1,6 @@
 //! A point of a frame should be at a place.
 
-use super::residual::{add_base, frame_and_base, in_base, moved, not_finite};
+use super::residual::{add_base, frame_and_base, in_base, moved, not_finite, own_base};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -105,6 +105,7 @@ impl Residual for Point {
     }
 
     fn validate(&self) -> Result<(), String> {
+        own_base(self.frame, self.base)?;
         not_finite("its target", self.target.to_array())?;
         not_finite("its offset", self.offset.to_array())
     }

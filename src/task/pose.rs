@@ -2,7 +2,7 @@
 
 use super::goal::Goal;
 use super::orientation::check_rotation;
-use super::residual::{add_base, frame_and_base, in_base, not_finite, turned};
+use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
 use super::within::beyond;
 use super::{LocalJacobian, Orientation, Quantity, Residual, Rows};
 use crate::model::FrameId;
@@ -260,6 +260,7 @@ impl Residual for Pose {
     }
 
     fn validate(&self) -> Result<(), String> {
+        own_base(self.frame, self.base)?;
         not_finite("its target", self.target.translation.to_array())?;
         check_rotation("its target is", &self.target.rotation)?;
         if let Some(tool) = &self.frame_from_tool {

@@ -59,6 +59,11 @@ pub trait Residual: Clone + Send + Sync + 'static {
         "custom"
     }
 
+    /// Whether it is of the body as a whole rather than of its first frame: reports then name no frame.
+    fn is_of_body(&self) -> bool {
+        false
+    }
+
     /// The frames it reads, in the order in which `evaluate` sees them.
     fn frames(&self) -> Vec<FrameId>;
 
@@ -190,6 +195,13 @@ pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> 
         )),
         None => Ok(()),
     }
+}
+
+/// Refuses a frame whose target is given in the frame itself.
+pub(super) fn own_base(frame: FrameId, base: Option<FrameId>) -> Result<(), String> {
+    refuse(base == Some(frame), || {
+        "its frame is its own base, so nothing moves it there".to_owned()
+    })
 }
 
 /// Refuses, with a reason.

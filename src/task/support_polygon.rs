@@ -178,6 +178,10 @@ impl Residual for SupportPolygon {
         "support polygon"
     }
 
+    fn is_of_body(&self) -> bool {
+        true
+    }
+
     fn frames(&self) -> Vec<FrameId> {
         let parts = self.body.frames.iter();
         parts.chain(&self.frames).copied().collect()

@@ -74,7 +74,9 @@ fn models_and_skeletons() {
         held.frame_ids().last().unwrap(),
         held.frames()[1].joint_from_frame,
     );
-    builder.close(Loop::weld("closed", [frame; 2]).at([place; 2]));
+    let own = &held.frames()[frame.index()];
+    let beside = builder.frame("beside", own.joint, own.joint_from_frame);
+    builder.close(Loop::weld("closed", [frame, beside]).at([place; 2]));
     same_model(&builder.build().unwrap());
     same(&Limits::UNBOUNDED);
     same(&Limits::new(f64::NEG_INFINITY, 0.1 + 0.2));

@@ -5,7 +5,9 @@ use kinopt::Problem;
 use kinopt::arm::{ArmError, Base};
 use kinopt::geometric::{Ccd, Geometric, GeometricError};
 use kinopt::ik::LoopClosure;
-use kinopt::model::{FrameId, Limits, Loop, Model, ModelBuilder, ModelError, ParameterMap};
+use kinopt::model::{
+    FrameId, JointId, Limits, Loop, Model, ModelBuilder, ModelError, ParameterMap,
+};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
@@ -53,6 +55,10 @@ fn a_link_longer_than_all_others_together() {
     assert!(builder.build().is_ok());
 }
 
+fn built_joint(builder: &ModelBuilder, name: &str) -> JointId {
+    builder.clone().build().unwrap().joint(name).unwrap()
+}
+
 #[test]
 fn places_that_no_joint_moves_apart() {
     let turned = Placement::new(Matrix3::rotation(Z, (0.6, 0.8)), Vector3::zero());
@@ -65,7 +71,9 @@ fn places_that_no_joint_moves_apart() {
         (turned, weld, false),
     ] {
         let (mut builder, ends) = apart(1.0);
-        let own = own("stiff", [ends[0]; 2]);
+        let one = Some(built_joint(&builder, "one"));
+        let beside = builder.frame("beside one's end", one, along_x(1.0));
+        let own = own("stiff", [ends[0], beside]);
         builder.close(own.at([Placement::identity(), at]));
         match builder.build() {
             Ok(_) => assert!(fine),
@@ -86,6 +94,11 @@ fn names_frames_and_places() {
     let frame = |k| FourBar::CRANK_ROCKER.model().frame_ids().nth(k).unwrap();
     let ends = [frame(0), frame(1)];
     assert!(built(&[Loop::connect("pin", ends)]).contains("loop name `pin` is used twice"));
+    let itself = Loop::weld("alone", [ends[1]; 2]);
+    assert_eq!(
+        built(&[itself]),
+        "loop `alone` joins the frame `rocker end` to itself"
+    );
     let (mut foreign, _) = apart(1.0);
     let beyond = (0..9).map(|k| foreign.frame(format!("{k}"), None, Placement::identity()));
     let beyond = beyond.last().unwrap();

@@ -1,7 +1,7 @@
 //! Promise: goals of a lower level come as near as they can at no cost to those above, however heavy they are.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::ik::Drag;
+use kinopt::ik::{Drag, Restarts};
 use kinopt::model::{Model, ParameterMap};
 use kinopt::problem::{Preferences, Problem};
 use kinopt::spatial::{Placement, Vector3};
@@ -101,6 +101,32 @@ fn a_level_is_met_as_if_it_were_alone_and_the_next_is_stationary_within_it() {
         assert!(told.contains("Level 1 gives way"), "{told}");
     }
     assert!(conflicts > 3, "hardly anything conflicts");
+}
+
+#[test]
+fn attempts_are_no_more_than_were_allowed() {
+    let mut missed = 0;
+    for seed in 0..6 {
+        let asked = Conflict::new(seed);
+        let first: Add<'_> = &|builder| {
+            builder.add(asked.tool());
+        };
+        let second: Add<'_> = &|builder| {
+            builder.add(Task::new(asked.elbow()).at_level(1));
+        };
+        for most in [1, 2, 7] {
+            let solver = Solver::default().with_restarts(Restarts::default().with_attempts(most));
+            let both = asked.problem(&[first, second]);
+            let solution = solver.solve_once(&both, &asked.start).unwrap();
+            assert!(
+                (1..=most).contains(&solution.attempts),
+                "{}",
+                solution.explain()
+            );
+            missed += usize::from(!solution.reached);
+        }
+    }
+    assert!(missed > 6, "hardly anything conflicts");
 }
 
 #[test]

@@ -358,6 +358,24 @@ fn tasks() {
         problem(Point::new(hand, [NAN, 0.0, 0.0])),
         &["point of `hand`", "target", "NaN"],
     );
+    let (point, pose) = (Point::new(hand, here), Pose::new(hand, still()));
+    let turn = Orientation::new(hand, still().rotation);
+    names(
+        problem(point.relative_to(hand)),
+        &["point of `hand`", "own base"],
+    );
+    names(
+        problem(pose.relative_to(hand)),
+        &["pose of `hand`", "own base"],
+    );
+    names(
+        problem(turn.relative_to(hand)),
+        &["orientation of `hand`", "own base"],
+    );
+    names(
+        problem(Distance::new(hand, hand, 0.1)),
+        &["distance of `hand`", "itself"],
+    );
     names(
         problem(Point::new(hand, here).at([0.0, NAN, 0.0])),
         &["offset"],

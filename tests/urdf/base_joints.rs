@@ -88,10 +88,80 @@ fn a_base_that_leaves_nothing_is_refused() {
             .is_err()
     );
     let twice = robot
-        .with_base_joint(BaseJoint::FREE)
+        .with_base_joint(BaseJoint::PLANAR)
         .unwrap()
         .with_base_joint(BaseJoint::FREE);
     assert!(matches!(twice, Err(ModelError::DuplicateName { .. })));
+}
+
+#[test]
+fn a_robot_that_moves_freely_has_its_base() {
+    let own = Limits::new(-2.0, 2.0);
+    let robot = Robot::parse(TWO, "two.urdf").unwrap();
+    let robot = robot
+        .with_base_joint(BaseJoint::Free { room: [own; 3] })
+        .unwrap();
+    let room = [Limits::UNBOUNDED, Limits::new(0.5, 9.0), own];
+    let again = robot
+        .clone()
+        .with_base_joint(BaseJoint::Free { room })
+        .unwrap();
+    let (before, after) = (robot.model(), again.model());
+    assert_eq!(after.joints().len(), before.joints().len());
+    let ranges: Vec<Limits> = after.limits().take(3).collect();
+    assert_eq!(ranges, [own, Limits::new(0.5, 2.0), own]);
+    assert_eq!(again.map().variables(), robot.map().variables());
+    let fixed = robot.clone().with_base_joint(BaseJoint::Fixed).unwrap();
+    assert_eq!(
+        fixed.model().configuration_len(),
+        before.configuration_len()
+    );
+
+    let none = BaseJoint::Free {
+        room: [Limits::new(3.0, 4.0); 3],
+    };
+    let empty = robot.clone().with_base_joint(none);
+    assert!(matches!(empty, Err(ModelError::BadLimits { joint, .. }) if joint == "root_joint/x"));
+    for other in [
+        BaseJoint::PLANAR,
+        BaseJoint::named("slide-x", [("x", own)]).unwrap(),
+    ] {
+        let error = robot
+            .clone()
+            .with_base_joint(other)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("`root_joint/x` moves the whole of `two` freely already"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_free_base_comes_first_and_one_free_thing_beside_others_is_none() {
+    // What floats is listed last; a hinge that hangs on it comes first.
+    let text = |other: &str| {
+        format!(
+            r#"<robot name="late"><link name="world"/><link name="body"/><link name="arm"/>{other}
+            <joint name="hinge" type="continuous"><parent link="body"/><child link="arm"/></joint>
+            <joint name="float" type="floating"><parent link="world"/><child link="body"/></joint></robot>"#
+        )
+    };
+    let robot = Robot::parse(&text(""), "late.urdf").unwrap();
+    let based = robot.clone().with_base_joint(BaseJoint::FREE).unwrap();
+    let q = [1.0, 2.0, 3.0, 0.6, 0.0, 0.0, 0.8, 0.25];
+    let file_order = [&q[7..], &q[..7]].concat();
+    for (ours, theirs) in frames(&based, &q).iter().zip(frames(&robot, &file_order)) {
+        assert!((ours.to_homogeneous() - theirs.to_homogeneous()).amax() < 1e-15);
+    }
+    let other = r#"<link name="door"/><joint name="door" type="continuous"><parent link="world"/><child link="door"/></joint>"#;
+    let robot = Robot::parse(&text(other), "late.urdf").unwrap();
+    let based = robot.clone().with_base_joint(BaseJoint::FREE).unwrap();
+    assert_eq!(
+        based.model().configuration_len(),
+        robot.model().configuration_len() + 7
+    );
 }
 
 fn with_type(kind: &str) -> Robot {

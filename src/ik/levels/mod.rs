@@ -183,7 +183,8 @@ impl Ranked<'_, '_> {
         );
         self.memory.x.copy_from_slice(&alone.keeper.x);
         found.iterations += more.iterations;
-        found.attempts += more.attempts;
+        // Each level's search has as many as the solver may make, from the same starts.
+        found.attempts = found.attempts.max(more.attempts);
         found.counts += more.counts;
         more.reached
     }
