@@ -107,7 +107,8 @@ impl<'a> NearestClosing<'a> {
                 *x += turns;
                 q[map.leaders()[k]] = *x;
             }
-            squares += ((*x - start) / self.units[k]).powi(2);
+            let moved = (*x - start) / self.units[k];
+            squares += moved * moved;
         }
         let balls = balls.iter().map(|ball| ball.angle_between(&self.start, x));
         (squares + balls.map(|angle| angle * angle).sum::<f64>()).sqrt()
