@@ -56,7 +56,7 @@
 //!
 //! # Features
 //!
-//! None is on by default: `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `heat` (skin
+//! None is on by default: `collision` (shapes, distances, worlds of obstacles), `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `heat` (skin
 //! weights by heat on the surface), `rayon` (batches over threads), `serde` (models, options, solutions, clips), `argmin` (the bridge to argmin).
 
 #![warn(clippy::disallowed_methods)]
@@ -72,6 +72,8 @@ pub mod argmin_bridge;
 pub mod arm;
 mod bad_option;
 mod buffer;
+#[cfg(feature = "collision")]
+pub mod collision;
 mod file;
 pub mod geometric;
 pub mod ik;

@@ -15,6 +15,7 @@ pub mod body_tasks;
 pub mod bones;
 pub mod changed_bodies;
 pub mod classics;
+pub mod convex_shapes;
 pub mod figures;
 pub mod follower_chains;
 pub mod gltf_text;

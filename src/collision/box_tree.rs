@@ -1,0 +1,151 @@
+//! A tree of boxes over many things, for clouds, meshes and height fields.
+
+use super::shape::BoundingBox;
+use crate::spatial::Vector3;
+
+/// Things in one leaf at most.
+const LEAF: usize = 4;
+
+/// Boxes around boxes around things that are told apart by number.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BoxTree {
+    nodes: Vec<Node>,
+    /// The things' numbers, so that those of one leaf stand together.
+    items: Vec<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: BoundingBox,
+    /// Of a leaf the range of `items`; else the two children's indices.
+    first: u32,
+    second: u32,
+    leaf: bool,
+}
+
+/// What a node holds.
+pub(crate) enum Contents<'a> {
+    /// These things.
+    Items(&'a [u32]),
+    /// These nodes.
+    Nodes([u32; 2]),
+}
+
+impl BoxTree {
+    /// Over `count` things, at most 2³¹, with their boxes.
+    pub(crate) fn new(count: usize, bounds: impl Fn(usize) -> BoundingBox) -> Self {
+        let mut tree = Self {
+            nodes: Vec::with_capacity(count.div_ceil(LEAF) * 2),
+            items: (0..count as u32).collect(),
+        };
+        if count == 0 {
+            return tree;
+        }
+        let centres: Vec<_> = (0..count).map(|i| bounds(i).centre()).collect();
+        // Ranges that are still to be split, each with the node it becomes.
+        let mut left = vec![(0, count, tree.push())];
+        while let Some((start, end, node)) = left.pop() {
+            let items = &mut tree.items[start..end];
+            if items.len() <= LEAF {
+                let around = items.iter().map(|&i| bounds(i as usize));
+                tree.nodes[node].bounds = around.fold(BoundingBox::EMPTY, BoundingBox::union);
+                tree.nodes[node].first = start as u32;
+                tree.nodes[node].second = end as u32;
+                continue;
+            }
+            let spread = BoundingBox::around(items.iter().map(|&i| centres[i as usize]));
+            let axis = longest(spread.max - spread.min);
+            let at = |&i: &u32| centres[i as usize].to_array()[axis];
+            let middle = items.len() / 2;
+            items.select_nth_unstable_by(middle, |a, b| at(a).total_cmp(&at(b)));
+            let children = [tree.push(), tree.push()];
+            tree.nodes[node].first = children[0] as u32;
+            tree.nodes[node].second = children[1] as u32;
+            tree.nodes[node].leaf = false;
+            left.push((start, start + middle, children[0]));
+            left.push((start + middle, end, children[1]));
+        }
+        // Children come after their parents.
+        for node in (0..tree.nodes.len()).rev() {
+            if let Contents::Nodes(children) = tree.contents(node as u32) {
+                let [a, b] = children.map(|child| tree.node_bounds(child));
+                tree.nodes[node].bounds = a.union(b);
+            }
+        }
+        tree
+    }
+
+    fn push(&mut self) -> usize {
+        self.nodes.push(Node {
+            bounds: BoundingBox::EMPTY,
+            first: 0,
+            second: 0,
+            leaf: true,
+        });
+        self.nodes.len() - 1
+    }
+
+    /// The box around all.
+    pub(crate) fn bounds(&self) -> BoundingBox {
+        self.nodes
+            .first()
+            .map_or(BoundingBox::EMPTY, |node| node.bounds)
+    }
+
+    /// The box around a node.
+    #[inline]
+    pub(crate) fn node_bounds(&self, node: u32) -> BoundingBox {
+        self.nodes[node as usize].bounds
+    }
+
+    /// What a node holds; node 0 holds all.
+    #[inline]
+    pub(crate) fn contents(&self, node: u32) -> Contents<'_> {
+        let node = &self.nodes[node as usize];
+        match node.leaf {
+            true => Contents::Items(&self.items[node.first as usize..node.second as usize]),
+            false => Contents::Nodes([node.first, node.second]),
+        }
+    }
+
+    /// Visits things in the order of nearness, as far as boxes tell: `bound` is the least that a box may hold,
+    /// `visit` gets a thing and gives the least value so far, beyond which nothing is visited.
+    pub(crate) fn nearest(
+        &self,
+        mut best: f64,
+        bound: impl Fn(&BoundingBox) -> f64,
+        mut visit: impl FnMut(u32, f64) -> f64,
+    ) -> f64 {
+        if self.nodes.is_empty() {
+            return best;
+        }
+        let mut stack = vec![(0, bound(&self.nodes[0].bounds))];
+        while let Some((node, least)) = stack.pop() {
+            if least >= best {
+                continue;
+            }
+            match self.contents(node) {
+                Contents::Items(items) => {
+                    for &item in items {
+                        best = visit(item, best);
+                    }
+                }
+                Contents::Nodes(children) => {
+                    let [a, b] = children.map(|child| (child, bound(&self.node_bounds(child))));
+                    let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+                    stack.extend([far, near]);
+                }
+            }
+        }
+        best
+    }
+}
+
+fn longest(extent: Vector3<f64>) -> usize {
+    let [x, y, z] = extent.to_array();
+    match (x >= y && x >= z, y >= z) {
+        (true, _) => 0,
+        (_, true) => 1,
+        _ => 2,
+    }
+}

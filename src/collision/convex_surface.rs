@@ -1,0 +1,140 @@
+//! A closed convex surface of triangles that grows by points, as quickhull's and EPA's do (Barber, Dobkin &
+//! Huhdanpaa 1996). What a facet sees is told exactly, by Shewchuk's predicate, so that points in one plane or on
+//! one line never tear it.
+
+use robust::{Coord3D, orient3d};
+
+use crate::spatial::Vector3;
+
+/// Facets over points.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ConvexSurface {
+    pub(crate) points: Vec<Vector3<f64>>,
+    pub(crate) facets: Vec<Facet>,
+    /// What the last point hid.
+    pub(crate) hidden: Vec<u32>,
+    /// What the last point made.
+    pub(crate) made: Vec<u32>,
+    /// Along which they meet: from, to, and the facet beyond.
+    rim: Vec<(u32, u32, u32)>,
+}
+
+/// A triangle, counter-clockwise seen from outside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facet {
+    pub(crate) corners: [u32; 3],
+    /// The facets beyond the sides, each side from a corner to the next.
+    across: [u32; 3],
+    /// Not hidden by a later point.
+    pub(crate) alive: bool,
+}
+
+impl ConvexSurface {
+    /// A tetrahedron; `None` where it has no volume.
+    pub(crate) fn tetrahedron(mut points: [Vector3<f64>; 4]) -> Option<Self> {
+        let volume = below([points[0], points[1], points[2]], points[3]);
+        if volume == 0.0 {
+            return None;
+        }
+        if volume < 0.0 {
+            points.swap(0, 1);
+        }
+        let facet = |corners, across| Facet {
+            corners,
+            across,
+            alive: true,
+        };
+        // The fourth lies below the first three.
+        Some(Self {
+            points: points.to_vec(),
+            facets: vec![
+                facet([0, 1, 2], [1, 2, 3]),
+                facet([1, 0, 3], [0, 3, 2]),
+                facet([2, 1, 3], [0, 1, 3]),
+                facet([0, 2, 3], [0, 2, 1]),
+            ],
+            ..Self::default()
+        })
+    }
+
+    /// The corners of a facet.
+    pub(crate) fn corners(&self, facet: u32) -> [Vector3<f64>; 3] {
+        let corners = self.facets[facet as usize].corners;
+        corners.map(|corner| self.points[corner as usize])
+    }
+
+    /// Whether a point is strictly outside a facet's plane.
+    pub(crate) fn sees(&self, facet: u32, point: Vector3<f64>) -> bool {
+        below(self.corners(facet), point) < 0.0
+    }
+
+    /// Takes up a point that sees the facet `seen`. What it hides and makes is in `hidden` and `made`.
+    pub(crate) fn insert(&mut self, point: Vector3<f64>, seen: u32) {
+        self.hidden.clear();
+        self.made.clear();
+        self.rim.clear();
+        self.facets[seen as usize].alive = false;
+        self.hidden.push(seen);
+        let mut next = 0;
+        while let Some(&facet) = self.hidden.get(next) {
+            next += 1;
+            let Facet {
+                corners, across, ..
+            } = self.facets[facet as usize];
+            for side in 0..3 {
+                let beyond = across[side];
+                if !self.facets[beyond as usize].alive {
+                    continue;
+                }
+                if self.sees(beyond, point) {
+                    self.facets[beyond as usize].alive = false;
+                    self.hidden.push(beyond);
+                } else {
+                    self.rim
+                        .push((corners[side], corners[(side + 1) % 3], beyond));
+                }
+            }
+        }
+        // A facet that was alive when its neighbour was looked at may have been hidden since.
+        let facets = &self.facets;
+        self.rim
+            .retain(|&(_, _, beyond)| facets[beyond as usize].alive);
+        self.rim.sort_unstable();
+        let apex = self.points.len() as u32;
+        self.points.push(point);
+        let first = self.facets.len() as u32;
+        for at in 0..self.rim.len() {
+            let (from, to, beyond) = self.rim[at];
+            // The rim is one ring: each corner is where one side begins and another ends.
+            let after = self.rim.partition_point(|&(start, _, _)| start < to) as u32;
+            self.facets.push(Facet {
+                corners: [from, to, apex],
+                across: [beyond, first + after, u32::MAX],
+                alive: true,
+            });
+            self.made.push(first + at as u32);
+            let outer = &mut self.facets[beyond as usize];
+            for side in 0..3 {
+                if outer.corners[side] == to && outer.corners[(side + 1) % 3] == from {
+                    outer.across[side] = first + at as u32;
+                }
+            }
+        }
+        for &made in &self.made {
+            let after = self.facets[made as usize].across[1];
+            if let Some(after) = self.facets.get_mut(after as usize) {
+                after.across[2] = made;
+            }
+        }
+    }
+}
+
+/// Positive where `point` lies below the plane of three, which are counter-clockwise seen from above; exact in sign.
+fn below(plane: [Vector3<f64>; 3], point: Vector3<f64>) -> f64 {
+    let [a, b, c] = plane.map(coordinates);
+    orient3d(a, b, c, coordinates(point))
+}
+
+fn coordinates(Vector3 { x, y, z }: Vector3<f64>) -> Coord3D<f64> {
+    Coord3D { x, y, z }
+}

@@ -1,0 +1,163 @@
+//! Convex bodies as cores with a radius around them: a sphere is a point, a capsule a segment.
+
+use crate::collision::shape::{BoundingBox, ShapeKind};
+use crate::spatial::{Placement, Vector3};
+
+/// A convex body without its radius, in its own coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Core<'a> {
+    /// One place.
+    Point(Vector3<f64>),
+    /// Along z, this far to either side.
+    Segment(f64),
+    Triangle([Vector3<f64>; 3]),
+    /// From the middle to the sides.
+    Box(Vector3<f64>),
+    Cylinder {
+        radius: f64,
+        half: f64,
+    },
+    Hull(&'a [Vector3<f64>]),
+}
+
+impl<'a> Core<'a> {
+    /// Of a shape that is convex and bounded, with the radius around it.
+    pub(crate) fn of(kind: &'a ShapeKind) -> Option<(Self, f64)> {
+        Some(match kind {
+            ShapeKind::Sphere { radius } => (Self::Point(Vector3::zero()), *radius),
+            ShapeKind::Capsule { radius, length } => (Self::Segment(0.5 * length), *radius),
+            ShapeKind::Cylinder { radius, length } => {
+                let half = 0.5 * length;
+                let radius = *radius;
+                (Self::Cylinder { radius, half }, 0.0)
+            }
+            ShapeKind::Cuboid { size } => (Self::Box(Vector3::from(*size) * 0.5), 0.0),
+            ShapeKind::Convex(hull) => (Self::Hull(hull.vertices()), 0.0),
+            _ => return None,
+        })
+    }
+
+    /// A point of it that is farthest along a direction.
+    pub(crate) fn support(&self, along: Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Point(at) => *at,
+            Self::Segment(half) => Vector3::new(0.0, 0.0, half.copysign(along.z)),
+            Self::Triangle(corners) => farthest(corners, along),
+            Self::Box(half) => Vector3::new(
+                half.x.copysign(along.x),
+                half.y.copysign(along.y),
+                half.z.copysign(along.z),
+            ),
+            Self::Cylinder { radius, half } => {
+                let across = along.x.mul_add(along.x, along.y * along.y).sqrt();
+                // Straight along the axis any point of the disc is as far.
+                let scale = if across > 0.0 { radius / across } else { 0.0 };
+                Vector3::new(along.x * scale, along.y * scale, half.copysign(along.z))
+            }
+            Self::Hull(vertices) => farthest(vertices, along),
+        }
+    }
+
+    /// The box around it.
+    pub(crate) fn bounds(&self) -> BoundingBox {
+        let points = Vector3::UNITS
+            .into_iter()
+            .flat_map(|axis| [self.support(axis), self.support(-axis)]);
+        BoundingBox::around(points)
+    }
+
+    /// Some point within.
+    pub(crate) fn middle(&self) -> Vector3<f64> {
+        let mean = |points: &[Vector3<f64>]| {
+            let sum = points.iter().fold(Vector3::zero(), |sum, &p| sum + p);
+            sum * (points.len() as f64).recip()
+        };
+        match self {
+            Self::Point(at) => *at,
+            Self::Triangle(corners) => mean(corners),
+            Self::Hull(vertices) => mean(vertices),
+            _ => Vector3::zero(),
+        }
+    }
+}
+
+fn farthest(points: &[Vector3<f64>], along: Vector3<f64>) -> Vector3<f64> {
+    let mut best = (f64::NEG_INFINITY, points[0]);
+    for &point in points {
+        let far = along.dot(point);
+        if far > best.0 {
+            best = (far, point);
+        }
+    }
+    best.1
+}
+
+/// Two cores in the coordinates of the first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair<'a> {
+    pub(crate) a: Core<'a>,
+    pub(crate) b: Core<'a>,
+    pub(crate) a_from_b: Placement<f64>,
+}
+
+/// A corner of the difference A − B: the points of both that make it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corner {
+    pub(crate) on_a: Vector3<f64>,
+    pub(crate) on_b: Vector3<f64>,
+}
+
+impl Corner {
+    #[inline]
+    pub(crate) fn difference(&self) -> Vector3<f64> {
+        self.on_a - self.on_b
+    }
+}
+
+impl Pair<'_> {
+    /// The corner of A − B that is farthest along a direction.
+    pub(crate) fn support(&self, along: Vector3<f64>) -> Corner {
+        let back = self.a_from_b.rotation.transpose_mul(-along);
+        Corner {
+            on_a: self.a.support(along),
+            on_b: self.a_from_b.apply(self.b.support(back)),
+        }
+    }
+
+    /// From a point within B to one within A.
+    pub(crate) fn middle(&self) -> Vector3<f64> {
+        self.a.middle() - self.a_from_b.apply(self.b.middle())
+    }
+
+    /// How large A − B is, with its distance from the origin: what rounding is measured by.
+    pub(crate) fn scale(&self) -> f64 {
+        let reach = |axis: Vector3<f64>| {
+            let [high, low] = [self.support(axis), self.support(-axis)];
+            let ends = [high, low].map(|c| c.on_a.dot(axis).abs() + c.on_b.dot(axis).abs());
+            ends[0].max(ends[1])
+        };
+        Vector3::UNITS.into_iter().map(reach).fold(0.0, f64::max)
+    }
+}
+
+/// How far two cores are apart, in the coordinates of the first: `normal` is of unit length and points from A to B
+/// where they are apart, and where they overlap the way by which B leaves soonest. `distance` is negative then.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gap {
+    pub(crate) distance: f64,
+    pub(crate) on_a: Vector3<f64>,
+    pub(crate) on_b: Vector3<f64>,
+    pub(crate) normal: Vector3<f64>,
+}
+
+impl Gap {
+    /// The same told of B first, in the coordinates that `b_from_a` leads to.
+    pub(crate) fn flipped(&self, b_from_a: &Placement<f64>) -> Self {
+        Self {
+            distance: self.distance,
+            on_a: b_from_a.apply(self.on_b),
+            on_b: b_from_a.apply(self.on_a),
+            normal: b_from_a.rotation * -self.normal,
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! How deep convex cores are in each other, by an expanding polytope (van den Bergen 2001).
+//!
+//! The polytope is grown from any four corners of A − B, so it need not hold the origin at first: where the two
+//! just touch, its faces tell the way out as well as where they overlap.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use crate::collision::convex_surface::ConvexSurface;
+use crate::spatial::Vector3;
+
+use super::core::{Corner, Gap, Pair};
+
+/// Round bodies about one axis would take all there are; what is left then is far below their offset.
+const ITERATIONS: usize = 400;
+/// Of the size of both: what is taken as no gap.
+const CLOSED: f64 = 1e-14;
+/// Of the size of both: thinner than this A − B has no volume.
+const FLAT: f64 = 1e-13;
+
+/// A facet's plane.
+#[derive(Clone, Copy, PartialEq)]
+struct Plane {
+    /// How far the origin is within.
+    depth: f64,
+    normal: Vector3<f64>,
+    facet: u32,
+}
+
+/// The way by which B leaves A soonest, or by how little they are apart; `meeting` is where they do.
+pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
+    let scale = pair.scale();
+    let corners = match spanning(pair, scale, meeting) {
+        Ok(corners) => corners,
+        Err(flat) => return flat,
+    };
+    let Some(mut surface) = ConvexSurface::tetrahedron(corners.map(|c| c.difference())) else {
+        return across(pair, meeting, Vector3::UNITS[2]);
+    };
+    let mut corners = corners.to_vec();
+    // `tetrahedron` may have turned the first two.
+    if corners[0].difference() != surface.points[0] {
+        corners.swap(0, 1);
+    }
+    let mut queue = BinaryHeap::new();
+    queue.extend((0..4).filter_map(|facet| plane(&surface, facet)));
+    let mut best: Option<(f64, Vector3<f64>)> = None;
+    for _ in 0..ITERATIONS {
+        let Some(nearest) = queue.pop() else { break };
+        if !surface.facets[nearest.facet as usize].alive {
+            continue;
+        }
+        let corner = pair.support(nearest.normal);
+        let point = corner.difference();
+        // Along any direction the two are free of each other after as much.
+        let enough = point.dot(nearest.normal);
+        if best.is_none_or(|(depth, _)| enough < depth) {
+            best = Some((enough, nearest.normal));
+        }
+        let closed = enough - nearest.depth <= CLOSED * scale;
+        if closed || !surface.sees(nearest.facet, point) {
+            break;
+        }
+        corners.push(corner);
+        surface.insert(point, nearest.facet);
+        queue.extend(surface.made.iter().filter_map(|&f| plane(&surface, f)));
+    }
+    let (depth, normal) = best.unwrap_or((0.0, Vector3::UNITS[2]));
+    witness(&surface, &corners, normal, depth)
+}
+
+/// Four corners that span a volume, or the gap across what is flat.
+fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4], Gap> {
+    let least = FLAT * scale;
+    let widest = Vector3::UNITS.map(|axis| [pair.support(axis), pair.support(-axis)]);
+    let width = |[a, b]: &[Corner; 2]| (a.difference() - b.difference()).norm();
+    let [a, b] = widest.into_iter().fold(widest[0], |best, ends| {
+        if width(&ends) > width(&best) {
+            ends
+        } else {
+            best
+        }
+    });
+    let along = b.difference() - a.difference();
+    if along.norm() <= least {
+        // One place alone: straight away from it.
+        let offset = a.difference();
+        let away = -offset;
+        return Err(across(
+            pair,
+            meeting,
+            unit(away).unwrap_or(Vector3::UNITS[2]),
+        ));
+    }
+    let sideways = perpendicular(along);
+    let third = unit(along.cross(sideways)).unwrap_or(sideways);
+    let from_line = |c: &Corner| along.cross(c.difference() - a.difference()).norm() / along.norm();
+    let c = [sideways, -sideways, third, -third]
+        .map(|direction| pair.support(direction))
+        .into_iter()
+        .fold(a, |best, c| {
+            if from_line(&c) > from_line(&best) {
+                c
+            } else {
+                best
+            }
+        });
+    if from_line(&c) <= least {
+        // A line: across it, away from the origin.
+        let offset = a.difference();
+        let out = offset - along * (offset.dot(along) / along.norm_squared());
+        let out = if out.norm() > least { unit(-out) } else { None };
+        return Err(across(pair, meeting, out.unwrap_or(sideways)));
+    }
+    let normal = along.cross(c.difference() - a.difference());
+    let normal = unit(normal).unwrap_or(sideways);
+    let above = |corner: &Corner| (corner.difference() - a.difference()).dot(normal).abs();
+    let [up, down] = [normal, -normal].map(|direction| pair.support(direction));
+    let d = if above(&up) >= above(&down) { up } else { down };
+    if above(&d) <= least {
+        // A plane: out on the side where the origin is.
+        let out = if a.difference().dot(normal) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
+        return Err(across(pair, meeting, out));
+    }
+    Ok([a, b, c, d])
+}
+
+/// The gap along the normal of a difference without volume.
+fn across(pair: &Pair<'_>, meeting: Corner, normal: Vector3<f64>) -> Gap {
+    let depth = pair.support(normal).difference().dot(normal);
+    Gap {
+        distance: -depth,
+        on_a: meeting.on_a,
+        on_b: meeting.on_a - normal * depth,
+        normal,
+    }
+}
+
+fn unit(v: Vector3<f64>) -> Option<Vector3<f64>> {
+    let length = v.norm();
+    (length > 0.0).then(|| v * length.recip())
+}
+
+/// A unit vector across another, along the axis that it is least along.
+pub(super) fn perpendicular(v: Vector3<f64>) -> Vector3<f64> {
+    let [x, y, z] = v.to_array().map(f64::abs);
+    let axis = if x <= y && x <= z {
+        0
+    } else if y <= z {
+        1
+    } else {
+        2
+    };
+    unit(v.cross(Vector3::UNITS[axis])).unwrap_or(Vector3::UNITS[2])
+}
+
+/// A facet's plane, if it is wide enough to have one.
+fn plane(surface: &ConvexSurface, facet: u32) -> Option<Plane> {
+    let [a, b, c] = surface.corners(facet);
+    let sides = [b - a, c - b, a - c];
+    let longest = sides.iter().map(|s| s.norm_squared()).fold(0.0, f64::max);
+    // Across the two shorter sides, where rounding is least.
+    let i = (0..3).find(|&i| sides[i].norm_squared() == longest)?;
+    let normal = sides[(i + 1) % 3].cross(sides[(i + 2) % 3]);
+    let area = normal.norm();
+    (area > 1e-14 * longest).then(|| {
+        let normal = normal * area.recip();
+        Plane {
+            depth: normal.dot(a),
+            normal,
+            facet,
+        }
+    })
+}
+
+/// Where both touch after leaving `depth` along `normal`: the place of the surface next to that end of the way.
+/// Facets in one plane are as near, so that all are asked.
+fn witness(surface: &ConvexSurface, corners: &[Corner], normal: Vector3<f64>, depth: f64) -> Gap {
+    let end = normal * depth;
+    let mut best = (f64::INFINITY, Vector3::zero());
+    for (index, facet) in surface.facets.iter().enumerate().filter(|(_, f)| f.alive) {
+        let places = surface.corners(index as u32);
+        let weights = weights_of(end, places);
+        let sum = |[a, b, c]: [Vector3<f64>; 3]| a * weights[0] + b * weights[1] + c * weights[2];
+        let off = (sum(places) - end).norm_squared();
+        if off < best.0 {
+            best = (off, sum(facet.corners.map(|i| corners[i as usize].on_a)));
+        }
+    }
+    Gap {
+        distance: -depth,
+        on_a: best.1,
+        on_b: best.1 - end,
+        normal,
+    }
+}
+
+/// The weights of the place of a triangle that is nearest to a point of its plane; of a sliver one on its sides.
+fn weights_of(p: Vector3<f64>, [a, b, c]: [Vector3<f64>; 3]) -> [f64; 3] {
+    let area = (b - a).cross(c - a);
+    let scale = area.norm_squared().recip();
+    let v = (p - a).cross(c - a).dot(area) * scale;
+    let w = (b - a).cross(p - a).dot(area) * scale;
+    let inner = [1.0 - v - w, v, w];
+    if inner.iter().all(|w| (0.0..=1.0).contains(w)) {
+        return inner;
+    }
+    let along = |from: Vector3<f64>, to: Vector3<f64>| {
+        let side = to - from;
+        let share = (p - from).dot(side) / side.norm_squared();
+        let share = if share.is_nan() {
+            0.0
+        } else {
+            share.clamp(0.0, 1.0)
+        };
+        ((from + side * share - p).norm_squared(), share)
+    };
+    let [ab, bc, ca] = [along(a, b), along(b, c), along(c, a)];
+    if ab.0 <= bc.0 && ab.0 <= ca.0 {
+        [1.0 - ab.1, ab.1, 0.0]
+    } else if bc.0 <= ca.0 {
+        [0.0, 1.0 - bc.1, bc.1]
+    } else {
+        [ca.1, 0.0, 1.0 - ca.1]
+    }
+}
+
+impl Eq for Plane {}
+
+impl PartialOrd for Plane {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// The nearest first, the oldest of those as near.
+impl Ord for Plane {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let nearer = other.depth.total_cmp(&self.depth);
+        nearer.then(other.facet.cmp(&self.facet))
+    }
+}

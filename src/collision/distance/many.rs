@@ -1,0 +1,222 @@
+//! Shapes of many parts: meshes, height fields and clouds, through the boxes around their parts.
+
+use crate::collision::box_tree::{BoxTree, Contents};
+use crate::collision::shape::{
+    BoundingBox, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh,
+};
+use crate::spatial::{Placement, Vector3};
+
+use super::convex;
+use super::core::{Core, Gap, Pair};
+
+/// A shape as convex parts.
+pub(super) enum Parts<'a> {
+    One(Core<'a>, f64),
+    Mesh(&'a TriangleMesh, &'a Shape),
+    Field(&'a HeightField, &'a Shape),
+    Cloud(&'a PointCloud),
+}
+
+impl<'a> Parts<'a> {
+    /// Of any shape but a half-space, which has none.
+    pub(super) fn of(shape: &'a Shape) -> Self {
+        match shape.kind() {
+            ShapeKind::Mesh(mesh) => Self::Mesh(mesh, shape),
+            ShapeKind::HeightField(field) => Self::Field(field, shape),
+            ShapeKind::Points(cloud) => Self::Cloud(cloud),
+            kind => {
+                let origin = (Core::Point(Vector3::zero()), 0.0);
+                let (core, radius) = Core::of(kind).unwrap_or(origin);
+                Self::One(core, radius)
+            }
+        }
+    }
+
+    fn tree(&self) -> Option<&'a BoxTree> {
+        match self {
+            Self::One(..) => None,
+            Self::Mesh(mesh, _) => Some(mesh.tree()),
+            Self::Field(field, _) => Some(field.tree()),
+            Self::Cloud(cloud) => Some(cloud.tree()),
+        }
+    }
+
+    fn part(&self, index: usize) -> Core<'a> {
+        match self {
+            Self::One(core, ..) => *core,
+            Self::Mesh(mesh, _) => Core::Triangle(mesh.triangle(index)),
+            Self::Field(field, _) => Core::Triangle(field.triangle(index)),
+            Self::Cloud(cloud) => Core::Point(cloud.positions()[index]),
+        }
+    }
+
+    /// Around each of its parts.
+    fn radius(&self) -> f64 {
+        match self {
+            Self::One(_, radius) => *radius,
+            Self::Cloud(cloud) => cloud.radius(),
+            _ => 0.0,
+        }
+    }
+
+    /// Those with an inside that their parts do not fill.
+    fn hollow(&self) -> Option<&'a Shape> {
+        match self {
+            Self::Mesh(mesh, shape) => mesh.is_closed().then_some(*shape),
+            Self::Field(_, shape) => Some(*shape),
+            _ => None,
+        }
+    }
+
+    /// The box around a node of its tree, without the radius.
+    fn node_bounds(&self, node: u32) -> BoundingBox {
+        match (self, self.tree()) {
+            (_, Some(tree)) => tree.node_bounds(node),
+            (Self::One(core, ..), _) => core.bounds(),
+            _ => BoundingBox::EMPTY,
+        }
+    }
+}
+
+/// How far they are apart; `None` where that is more than `within`.
+pub(super) fn gap(
+    a: &Parts<'_>,
+    b: &Parts<'_>,
+    a_from_b: &Placement<f64>,
+    within: f64,
+) -> Option<Gap> {
+    let mut best = surfaces(a, b, a_from_b, within);
+    let b_from_a = a_from_b.inverse();
+    let deepest = [
+        enclosed(a, b, a_from_b),
+        enclosed(b, a, &b_from_a).map(|gap| gap.flipped(a_from_b)),
+    ];
+    for gap in deepest.into_iter().flatten() {
+        if best.is_none_or(|best| gap.distance < best.distance) {
+            best = Some(gap);
+        }
+    }
+    best
+}
+
+/// A part of B that lies within A by how deep its middle is there.
+fn enclosed(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>) -> Option<Gap> {
+    let hollow = a.hollow()?;
+    let at = |b: Vector3<f64>| {
+        let place = a_from_b.apply(b);
+        (place, hollow.signed_distance(place))
+    };
+    let (place, distance) = match b {
+        Parts::Cloud(cloud) => {
+            let mut deepest = (Vector3::zero(), 0.0);
+            cloud.tree().nearest(
+                0.0,
+                |bounds| at(bounds.centre()).1 - bounds.half_diagonal(),
+                |point, _| {
+                    let found = at(cloud.positions()[point as usize]);
+                    if found.1 < deepest.1 {
+                        deepest = found;
+                    }
+                    deepest.1
+                },
+            );
+            deepest
+        }
+        _ => at(b.part(0).middle()),
+    };
+    if distance >= 0.0 {
+        return None;
+    }
+    let nearest = hollow.nearest(place).1;
+    let normal = (nearest - place) * distance.recip().abs();
+    let distance = distance - b.radius();
+    Some(Gap {
+        distance,
+        on_a: nearest,
+        on_b: nearest + normal * distance,
+        normal,
+    })
+}
+
+/// The least distance of any part of A and any of B.
+fn surfaces(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>, within: f64) -> Option<Gap> {
+    let radii = (a.radius(), b.radius());
+    let least = |node_a: u32, node_b: u32| {
+        let bounds = (a.node_bounds(node_a), b.node_bounds(node_b));
+        boxes_apart(&bounds.0, &bounds.1, a_from_b) - radii.0 - radii.1
+    };
+    let mut best: Option<Gap> = None;
+    let mut limit = within;
+    let mut stack = vec![(0, 0, least(0, 0))];
+    while let Some((node_a, node_b, least_here)) = stack.pop() {
+        if least_here > limit || (best.is_some() && least_here >= limit) {
+            continue;
+        }
+        let contents = (
+            a.tree().map(|tree| tree.contents(node_a)),
+            b.tree().map(|tree| tree.contents(node_b)),
+        );
+        let larger_a = || {
+            let size = |bounds: BoundingBox| bounds.half_diagonal();
+            size(a.node_bounds(node_a)) >= size(b.node_bounds(node_b))
+        };
+        let pairs = match contents {
+            (Some(Contents::Nodes(children)), Some(Contents::Nodes(_))) if larger_a() => {
+                children.map(|child| (child, node_b))
+            }
+            (_, Some(Contents::Nodes(children))) => children.map(|child| (node_a, child)),
+            (Some(Contents::Nodes(children)), _) => children.map(|child| (child, node_b)),
+            (on_a, on_b) => {
+                for (&i, &j) in items(&on_a)
+                    .iter()
+                    .flat_map(|i| items(&on_b).iter().map(move |j| (i, j)))
+                {
+                    let pair = Pair {
+                        a: a.part(i as usize),
+                        b: b.part(j as usize),
+                        a_from_b: *a_from_b,
+                    };
+                    let found = convex::gap(&pair, radii.0, radii.1, limit);
+                    if let Some(gap) = found.filter(|gap| gap.distance <= limit) {
+                        limit = gap.distance;
+                        best = Some(gap);
+                    }
+                }
+                continue;
+            }
+        };
+        let [near, far] = pairs.map(|(i, j)| (i, j, least(i, j)));
+        // The nearer one is looked at first.
+        stack.extend(if near.2 <= far.2 {
+            [far, near]
+        } else {
+            [near, far]
+        });
+    }
+    best
+}
+
+fn items<'t>(contents: &'t Option<Contents<'t>>) -> &'t [u32] {
+    match contents {
+        Some(Contents::Items(items)) => items,
+        _ => &[0],
+    }
+}
+
+/// No more than how far two boxes are apart, less than none where they may overlap: the depth of any two parts in
+/// them is at most as much.
+fn boxes_apart(a: &BoundingBox, b: &BoundingBox, a_from_b: &Placement<f64>) -> f64 {
+    let (half_a, half_b) = ((a.max - a.min) * 0.5, (b.max - b.min) * 0.5);
+    let offset = a_from_b.apply(b.centre()) - a.centre();
+    let rotation = &a_from_b.rotation;
+    let along = |axis: Vector3<f64>| {
+        let in_b = rotation.transpose_mul(axis);
+        let reach = |v: Vector3<f64>, half: Vector3<f64>| {
+            v.x.abs() * half.x + v.y.abs() * half.y + v.z.abs() * half.z
+        };
+        offset.dot(axis).abs() - reach(axis, half_a) - reach(in_b, half_b)
+    };
+    let axes = Vector3::UNITS.into_iter();
+    let axes = axes.chain([rotation.x, rotation.y, rotation.z]);
+    axes.map(along).fold(f64::NEG_INFINITY, f64::max)
+}

@@ -1,0 +1,32 @@
+//! Shapes, exact distances between them, and worlds of obstacles.
+//!
+//! A [`Shape`] is checked when it is made and cheap to clone. [`separation`] tells how far two of them are
+//! apart, or how deep one is in the other, and where. A [`World`] names obstacles: shapes with a place, some of
+//! them attached to a frame of the robot.
+//!
+//! ```
+//! use kinopt::collision::{Shape, World, separation};
+//! use kinopt::spatial::{Placement, Vector3};
+//!
+//! let mut world = World::new();
+//! world.add_box("table", [1.0, 0.6, 0.04], Vector3::new(0.5, 0.0, 0.4))?;
+//! let ball = Shape::sphere(0.1)?;
+//! let table = world.obstacle("table")?;
+//! let above = Placement::translation(Vector3::new(0.5, 0.0, 0.6));
+//! let apart = separation(&ball, &above, &table.shape, &table.placement);
+//! assert!((apart.distance - 0.08).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod box_tree;
+mod convex_surface;
+mod distance;
+mod shape;
+mod world;
+
+pub use distance::{Separation, separation, separation_within};
+pub use shape::{
+    Ball, BoundingBox, ConvexHull, HeightField, PointCloud, Shape, ShapeError, ShapeKind,
+    ShapeNote, TriangleMesh,
+};
+pub use world::{Obstacle, World, WorldError};

@@ -1,0 +1,175 @@
+//! The convex hull of points, by quickhull.
+
+use super::ShapeError;
+use super::error::check_points;
+use crate::collision::convex_surface::ConvexSurface;
+use crate::spatial::Vector3;
+
+/// How thick points must be, as a share of their extent.
+const THICKNESS: f64 = 1e-10;
+
+/// A convex hull: its corners and triangles.
+#[derive(Clone, Debug)]
+pub struct ConvexHull {
+    vertices: Vec<Vector3<f64>>,
+    triangles: Vec<[u32; 3]>,
+    /// Unit outward normals and offsets n · x of the triangles wide enough to have one.
+    planes: Vec<(Vector3<f64>, f64)>,
+}
+
+impl ConvexHull {
+    pub(super) fn new(points: &[Vector3<f64>]) -> Result<Self, ShapeError> {
+        if points.len() < 4 {
+            return Err(ShapeError::TooFew {
+                shape: "convex hull",
+                what: "points",
+                needed: 4,
+                given: points.len(),
+            });
+        }
+        check_points("point", "points", points)?;
+        let (corners, thickness, extent) = spanning(points);
+        let flat = ShapeError::Flat {
+            points: points.len(),
+            thickness,
+        };
+        if thickness <= THICKNESS * extent {
+            return Err(flat);
+        }
+        let surface = grow(ConvexSurface::tetrahedron(corners).ok_or(flat)?, points);
+        Ok(Self::of(&surface, extent))
+    }
+
+    fn of(surface: &ConvexSurface, extent: f64) -> Self {
+        let mut renamed = vec![u32::MAX; surface.points.len()];
+        let mut vertices = Vec::new();
+        let mut triangles = Vec::new();
+        let mut planes = Vec::new();
+        for facet in surface.facets.iter().filter(|facet| facet.alive) {
+            triangles.push(facet.corners.map(|corner| {
+                let name = &mut renamed[corner as usize];
+                if *name == u32::MAX {
+                    *name = vertices.len() as u32;
+                    vertices.push(surface.points[corner as usize]);
+                }
+                *name
+            }));
+            let [a, b, c] = facet.corners.map(|corner| surface.points[corner as usize]);
+            // A sliver's plane is rounding; its neighbours' planes are as near.
+            if let Some(normal) = unit_normal(a, b, c, THICKNESS * extent) {
+                planes.push((normal, normal.dot(a)));
+            }
+        }
+        Self {
+            vertices,
+            triangles,
+            planes,
+        }
+    }
+
+    getters! {
+        /// Its corners.
+        pub fn vertices(&self) -> &[Vector3<f64>] = &self.vertices;
+        /// Triangles between them, counter-clockwise seen from outside.
+        pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
+    }
+
+    /// The face's plane that a point is farthest beyond: by how much, negative inside, and its normal.
+    pub(crate) fn beyond(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
+        let start = (f64::NEG_INFINITY, Vector3::UNITS[2]);
+        self.planes.iter().fold(start, |most, &(normal, offset)| {
+            let beyond = normal.dot(point) - offset;
+            if beyond > most.0 {
+                (beyond, normal)
+            } else {
+                most
+            }
+        })
+    }
+}
+
+/// The unit normal of a triangle; `None` where it is not wider than `least`.
+fn unit_normal(
+    a: Vector3<f64>,
+    b: Vector3<f64>,
+    c: Vector3<f64>,
+    least: f64,
+) -> Option<Vector3<f64>> {
+    let sides = [b - a, c - b, a - c];
+    let longest = sides.iter().map(|s| s.norm()).fold(0.0, f64::max);
+    let normal = sides[0].cross(sides[1]);
+    let area = normal.norm();
+    (area > least * longest).then(|| normal * area.recip())
+}
+
+/// Four points that span most, how thick they are and how long.
+fn spanning(points: &[Vector3<f64>]) -> ([Vector3<f64>; 4], f64, f64) {
+    let first = points[0];
+    let a = farthest(points, |p| (p - first).norm_squared());
+    let b = farthest(points, |p| (p - a).norm_squared());
+    let along = b - a;
+    let extent = along.norm();
+    let c = farthest(points, |p| along.cross(p - a).norm_squared());
+    let normal = along.cross(c - a);
+    let d = farthest(points, |p| normal.dot(p - a).abs());
+    let thickness = normal.dot(d - a).abs() / normal.norm().max(f64::MIN_POSITIVE);
+    ([a, b, c, d], thickness, extent)
+}
+
+fn farthest(points: &[Vector3<f64>], measure: impl Fn(Vector3<f64>) -> f64) -> Vector3<f64> {
+    let start = (points[0], measure(points[0]));
+    let best = points.iter().fold(start, |best, &p| {
+        let far = measure(p);
+        if far > best.1 { (p, far) } else { best }
+    });
+    best.0
+}
+
+/// Takes up what is outside, the farthest of a facet first.
+fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
+    // By facet: the points that see it, each in the list of one facet.
+    let mut outside: Vec<Vec<u32>> = vec![Vec::new(); 4];
+    let mut facets: Vec<u32> = (0..4).collect();
+    let mut loose: Vec<u32> = (0..points.len() as u32).collect();
+    assign(&surface, points, &mut loose, &facets, &mut outside);
+    while let Some(facet) = facets.pop() {
+        if !surface.facets[facet as usize].alive || outside[facet as usize].is_empty() {
+            continue;
+        }
+        let [a, b, c] = surface.corners(facet);
+        let normal = (b - a).cross(c - a);
+        let above = |&i: &u32| normal.dot(points[i as usize] - a);
+        let candidates = &outside[facet as usize];
+        let Some(&top) = candidates
+            .iter()
+            .max_by(|i, j| above(i).total_cmp(&above(j)))
+        else {
+            continue;
+        };
+        surface.insert(points[top as usize], facet);
+        outside.resize(surface.facets.len(), Vec::new());
+        for &hidden in &surface.hidden {
+            loose.append(&mut outside[hidden as usize]);
+        }
+        loose.retain(|&i| i != top);
+        assign(&surface, points, &mut loose, &surface.made, &mut outside);
+        facets.extend(&surface.made);
+    }
+    surface
+}
+
+/// Gives each loose point to the first of the facets that it sees; the others are inside.
+fn assign(
+    surface: &ConvexSurface,
+    points: &[Vector3<f64>],
+    loose: &mut Vec<u32>,
+    facets: &[u32],
+    outside: &mut [Vec<u32>],
+) {
+    for point in loose.drain(..) {
+        let sees = |&&facet: &&u32| surface.sees(facet, points[point as usize]);
+        if let Some(&facet) = facets.iter().find(sees) {
+            outside[facet as usize].push(point);
+        }
+    }
+}

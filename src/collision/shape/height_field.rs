@@ -1,0 +1,125 @@
+//! A ground over a grid.
+
+use super::error::{check_number, size};
+use super::{BoundingBox, ShapeError};
+use crate::collision::box_tree::BoxTree;
+use crate::spatial::Vector3;
+
+/// Heights over a grid, centred on the origin; solid below.
+#[derive(Clone, Debug)]
+pub struct HeightField {
+    heights: Vec<f64>,
+    columns: usize,
+    spacing: [f64; 2],
+    /// Over the triangles: two a cell.
+    tree: BoxTree,
+}
+
+impl HeightField {
+    pub(super) fn new(
+        heights: Vec<f64>,
+        columns: usize,
+        [x, y]: [f64; 2],
+    ) -> Result<Self, ShapeError> {
+        let spacing = [
+            size("spacing of the height field along x", x)?,
+            size("spacing of the height field along y", y)?,
+        ];
+        check_number("heights", heights.len())?;
+        if columns == 0 || !heights.len().is_multiple_of(columns) {
+            return Err(ShapeError::Rows {
+                heights: heights.len(),
+                columns,
+            });
+        }
+        for (what, given) in [("columns", columns), ("rows", heights.len() / columns)] {
+            if given < 2 {
+                return Err(ShapeError::TooFew {
+                    shape: "height field",
+                    what,
+                    needed: 2,
+                    given,
+                });
+            }
+        }
+        // As of any coordinate; also what keeps the far corners of the grid in range.
+        if let Some(index) = heights.iter().position(|z| z.is_nan() || z.abs() > 1e9) {
+            return Err(ShapeError::Coordinate {
+                what: "height",
+                index,
+            });
+        }
+        let mut field = Self {
+            heights,
+            columns,
+            spacing,
+            tree: BoxTree::default(),
+        };
+        field.tree = BoxTree::new(field.triangle_count(), |i| {
+            BoundingBox::around(field.triangle(i))
+        });
+        Ok(field)
+    }
+
+    getters! {
+        /// Row after row along y, a row along x.
+        pub fn heights(&self) -> &[f64] = &self.heights;
+        /// How many heights a row has.
+        pub fn columns(&self) -> usize = self.columns;
+        /// How many rows there are.
+        pub fn rows(&self) -> usize = self.heights.len() / self.columns;
+        /// Between neighbours along x and y.
+        pub fn spacing(&self) -> [f64; 2] = self.spacing;
+        pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
+        /// Two a cell.
+        pub(crate) fn triangle_count(&self) -> usize = 2 * (self.columns - 1) * (self.rows() - 1);
+    }
+
+    /// The corners of a triangle, counter-clockwise seen from above.
+    pub(crate) fn triangle(&self, index: usize) -> [Vector3<f64>; 3] {
+        let cell = index / 2;
+        let (column, row) = (cell % (self.columns - 1), cell / (self.columns - 1));
+        let corner = |i: usize, j: usize| self.corner(column + i, row + j);
+        match index % 2 {
+            0 => [corner(0, 0), corner(1, 0), corner(1, 1)],
+            _ => [corner(0, 0), corner(1, 1), corner(0, 1)],
+        }
+    }
+
+    fn corner(&self, column: usize, row: usize) -> Vector3<f64> {
+        let [x, y] = self.spacing;
+        let from_middle = |i: usize, n: usize| i as f64 - 0.5 * (n - 1) as f64;
+        Vector3::new(
+            x * from_middle(column, self.columns),
+            y * from_middle(row, self.rows()),
+            self.heights[row * self.columns + column],
+        )
+    }
+
+    /// How far above the surface a place is along z; `None` beside the grid.
+    pub(crate) fn above(&self, place: Vector3<f64>) -> Option<f64> {
+        let [dx, dy] = self.spacing;
+        let cell = |x: f64, spacing: f64, n: usize| {
+            let at = x / spacing + 0.5 * (n - 1) as f64;
+            let inside = (0.0..=(n - 1) as f64).contains(&at);
+            let low = (at as usize).min(n - 2);
+            inside.then_some((low, at - low as f64))
+        };
+        let (column, u) = cell(place.x, dx, self.columns)?;
+        let (row, v) = cell(place.y, dy, self.rows())?;
+        let height = |i: usize, j: usize| self.corner(column + i, row + j).z;
+        let [low, high] = [height(0, 0), height(1, 1)];
+        // Of either triangle, along its two sides.
+        let surface = match u >= v {
+            true => low + u * (height(1, 0) - low) + v * (high - height(1, 0)),
+            false => low + v * (height(0, 1) - low) + u * (high - height(0, 1)),
+        };
+        Some(place.z - surface)
+    }
+
+    pub(super) fn bounding_box(&self) -> BoundingBox {
+        let mut bounds = self.tree.bounds();
+        bounds.min.z = f64::NEG_INFINITY;
+        bounds
+    }
+}

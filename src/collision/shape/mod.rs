@@ -1,0 +1,201 @@
+//! The shapes: spheres, capsules, cylinders, boxes, half-spaces, convex hulls, triangle meshes, height fields and
+//! clouds of points.
+
+mod bounds;
+mod convex_hull;
+mod error;
+mod height_field;
+mod point_cloud;
+mod signed_distance;
+mod triangle_mesh;
+
+use std::sync::Arc;
+
+pub use bounds::{Ball, BoundingBox};
+pub use convex_hull::ConvexHull;
+pub use error::{ShapeError, ShapeNote};
+pub use height_field::HeightField;
+pub use point_cloud::PointCloud;
+pub(crate) use triangle_mesh::Feature;
+pub use triangle_mesh::TriangleMesh;
+
+use crate::robot::Geometry;
+use crate::spatial::Vector3;
+use error::size;
+
+/// A shape whose numbers are checked, about its own origin; lengths in metres. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    kind: ShapeKind,
+}
+
+/// What a [`Shape`] is. Lengths are whole lengths, as in [`Geometry`].
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum ShapeKind {
+    /// About the origin.
+    Sphere {
+        /// Its radius.
+        radius: f64,
+    },
+    /// A cylinder along z with half a sphere at either end.
+    Capsule {
+        /// Of the cylinder and the spheres.
+        radius: f64,
+        /// Of the cylinder alone.
+        length: f64,
+    },
+    /// A cylinder along z.
+    Cylinder {
+        /// Its radius.
+        radius: f64,
+        /// From one end to the other.
+        length: f64,
+    },
+    /// A box along x, y and z.
+    Cuboid {
+        /// Its whole lengths.
+        size: [f64; 3],
+    },
+    /// Everything below z = 0.
+    HalfSpace,
+    /// The convex hull of points.
+    Convex(Arc<ConvexHull>),
+    /// Triangles, and what they enclose where they are closed.
+    Mesh(Arc<TriangleMesh>),
+    /// A surface over a grid in x and y, and everything below it.
+    HeightField(Arc<HeightField>),
+    /// Spheres of one radius about many points.
+    Points(Arc<PointCloud>),
+}
+
+impl Shape {
+    /// A sphere.
+    ///
+    /// # Errors
+    /// A radius that is not a positive finite length.
+    pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
+        let radius = size("radius of the sphere", radius)?;
+        Ok(Self::of(ShapeKind::Sphere { radius }))
+    }
+
+    /// A capsule along z: all points at most `radius` from a segment of `length`.
+    ///
+    /// # Errors
+    /// A radius or length that is not a positive finite length.
+    pub fn capsule(radius: f64, length: f64) -> Result<Self, ShapeError> {
+        let radius = size("radius of the capsule", radius)?;
+        let length = size("length of the capsule", length)?;
+        Ok(Self::of(ShapeKind::Capsule { radius, length }))
+    }
+
+    /// A cylinder along z, `length` from one end to the other.
+    ///
+    /// # Errors
+    /// A radius or length that is not a positive finite length.
+    pub fn cylinder(radius: f64, length: f64) -> Result<Self, ShapeError> {
+        let radius = size("radius of the cylinder", radius)?;
+        let length = size("length of the cylinder", length)?;
+        Ok(Self::of(ShapeKind::Cylinder { radius, length }))
+    }
+
+    /// A box with its whole lengths along x, y and z.
+    ///
+    /// # Errors
+    /// A length that is not positive and finite.
+    pub fn cuboid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
+        let size = [
+            size("length of the box along x", x)?,
+            size("length of the box along y", y)?,
+            size("length of the box along z", z)?,
+        ];
+        Ok(Self::of(ShapeKind::Cuboid { size }))
+    }
+
+    /// Everything below z = 0: a floor, or a wall where it is turned.
+    #[must_use]
+    pub fn half_space() -> Self {
+        Self::of(ShapeKind::HalfSpace)
+    }
+
+    /// The convex hull of points that span a volume.
+    ///
+    /// # Errors
+    /// Fewer than four points, points that are not finite, or that lie in one plane.
+    pub fn convex(points: &[Vector3<f64>]) -> Result<Self, ShapeError> {
+        Ok(Self::of(ShapeKind::Convex(Arc::new(ConvexHull::new(
+            points,
+        )?))))
+    }
+
+    /// A triangle mesh. Where it is closed, what it encloses belongs to it; else it is its surface alone, which
+    /// [`notes`](Self::notes) tell. Vertices at one place count as one.
+    ///
+    /// # Errors
+    /// No triangles, vertices that are not finite, or triangles of vertices that are not there.
+    pub fn mesh(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeError> {
+        Ok(Self::of(ShapeKind::Mesh(Arc::new(TriangleMesh::new(
+            vertices, triangles,
+        )?))))
+    }
+
+    /// A ground: `heights` over a grid of `columns` places along x, row after row along y, `spacing` apart and
+    /// centred on the origin; each cell is two triangles, and everything below the surface is solid.
+    ///
+    /// # Errors
+    /// Fewer than two rows or columns, heights that are not finite or no whole number of rows, or a spacing that
+    /// is not positive and finite.
+    pub fn height_field(
+        heights: Vec<f64>,
+        columns: usize,
+        spacing: [f64; 2],
+    ) -> Result<Self, ShapeError> {
+        Ok(Self::of(ShapeKind::HeightField(Arc::new(
+            HeightField::new(heights, columns, spacing)?,
+        ))))
+    }
+
+    /// Spheres of one `radius` about points, as of a camera's cloud.
+    ///
+    /// # Errors
+    /// No points, points that are not finite, or a radius that is not a positive finite length.
+    pub fn points(positions: Vec<Vector3<f64>>, radius: f64) -> Result<Self, ShapeError> {
+        Ok(Self::of(ShapeKind::Points(Arc::new(PointCloud::new(
+            positions, radius,
+        )?))))
+    }
+
+    fn of(kind: ShapeKind) -> Self {
+        Self { kind }
+    }
+
+    /// What it is.
+    #[must_use]
+    pub fn kind(&self) -> &ShapeKind {
+        &self.kind
+    }
+
+    /// What was found and mended, or what it means for distances: an open mesh has no inside, say.
+    #[must_use]
+    pub fn notes(&self) -> &[ShapeNote] {
+        match &self.kind {
+            ShapeKind::Mesh(mesh) => mesh.notes(),
+            _ => &[],
+        }
+    }
+}
+
+/// Shapes of a robot's file, but for meshes, which are files of their own.
+impl TryFrom<&Geometry> for Shape {
+    type Error = ShapeError;
+
+    fn try_from(geometry: &Geometry) -> Result<Self, ShapeError> {
+        match geometry {
+            Geometry::Box { size } => Self::cuboid(*size),
+            Geometry::Cylinder { radius, length } => Self::cylinder(*radius, *length),
+            Geometry::Capsule { radius, length } => Self::capsule(*radius, *length),
+            Geometry::Sphere { radius } => Self::sphere(*radius),
+            Geometry::Mesh { file, .. } => Err(ShapeError::NeedsFile { file: file.clone() }),
+        }
+    }
+}

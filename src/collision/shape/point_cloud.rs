@@ -1,0 +1,44 @@
+//! Many points with one radius.
+
+use super::error::{check_points, size};
+use super::{BoundingBox, ShapeError};
+use crate::collision::box_tree::BoxTree;
+use crate::spatial::Vector3;
+
+/// Spheres of one radius about points.
+#[derive(Clone, Debug)]
+pub struct PointCloud {
+    positions: Vec<Vector3<f64>>,
+    radius: f64,
+    tree: BoxTree,
+}
+
+impl PointCloud {
+    pub(super) fn new(positions: Vec<Vector3<f64>>, radius: f64) -> Result<Self, ShapeError> {
+        let radius = size("radius of the points", radius)?;
+        if positions.is_empty() {
+            return Err(ShapeError::TooFew {
+                shape: "cloud",
+                what: "points",
+                needed: 1,
+                given: 0,
+            });
+        }
+        check_points("point", "points", &positions)?;
+        let tree = BoxTree::new(positions.len(), |i| BoundingBox::around([positions[i]]));
+        Ok(Self {
+            positions,
+            radius,
+            tree,
+        })
+    }
+
+    getters! {
+        /// Where the points are.
+        pub fn positions(&self) -> &[Vector3<f64>] = &self.positions;
+        /// Of each of them.
+        pub fn radius(&self) -> f64 = self.radius;
+        pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
+        pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds().grown(self.radius);
+    }
+}

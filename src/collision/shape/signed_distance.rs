@@ -1,0 +1,226 @@
+//! How far points are from shapes.
+
+use super::{
+    BoundingBox, ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh,
+};
+use crate::collision::box_tree::BoxTree;
+use crate::collision::distance::{Core, Pair, convex_gap};
+use crate::spatial::{Placement, Vector3};
+
+/// How far a point is from a surface, negative inside, and the place on it that is nearest.
+type Nearest = (f64, Vector3<f64>);
+
+impl Shape {
+    /// How far a point in the shape's own coordinates is from its surface, negative inside. Exact but for rounding;
+    /// inside a cloud as deep as in the one of its spheres that it is deepest in. An open mesh has no inside.
+    #[must_use]
+    pub fn signed_distance(&self, point: Vector3<f64>) -> f64 {
+        self.nearest(point).0
+    }
+
+    /// The same, with the place on the surface that is nearest.
+    pub(crate) fn nearest(&self, p: Vector3<f64>) -> Nearest {
+        match self.kind() {
+            ShapeKind::Sphere { radius } => from_core(p, Vector3::zero(), *radius),
+            ShapeKind::Capsule { radius, length } => {
+                let along = p.z.clamp(-0.5 * length, 0.5 * length);
+                from_core(p, Vector3::new(0.0, 0.0, along), *radius)
+            }
+            ShapeKind::Cylinder { radius, length } => cylinder(p, *radius, 0.5 * length),
+            ShapeKind::Cuboid { size } => cuboid(p, Vector3::from(*size) * 0.5),
+            ShapeKind::HalfSpace => (p.z, Vector3::new(p.x, p.y, 0.0)),
+            ShapeKind::Convex(hull) => convex(p, hull),
+            ShapeKind::Mesh(mesh) => of_mesh(p, mesh),
+            ShapeKind::HeightField(field) => of_field(p, field),
+            ShapeKind::Points(cloud) => of_cloud(p, cloud),
+        }
+    }
+}
+
+/// From a ball about the nearest place of its core.
+fn from_core(p: Vector3<f64>, core: Vector3<f64>, radius: f64) -> Nearest {
+    let offset = p - core;
+    let far = offset.norm();
+    // In the core any way out is as short; x is across a capsule's.
+    let way = match far > 0.0 {
+        true => offset * far.recip(),
+        false => Vector3::UNITS[0],
+    };
+    (far - radius, core + way * radius)
+}
+
+fn cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Nearest {
+    let across = p.x.mul_add(p.x, p.y * p.y).sqrt();
+    let (x, y) = match across > 0.0 {
+        true => (p.x / across, p.y / across),
+        false => (1.0, 0.0),
+    };
+    let at = |r: f64, z: f64| Vector3::new(x * r, y * r, z);
+    let (side, end) = (across - radius, p.z.abs() - half);
+    match (side > 0.0, end > 0.0) {
+        (true, true) => {
+            let rim = at(radius, half.copysign(p.z));
+            ((p - rim).norm(), rim)
+        }
+        (true, false) => (side, at(radius, p.z)),
+        (false, true) => (end, at(across, half.copysign(p.z))),
+        _ if side >= end => (side, at(radius, p.z)),
+        _ => (end, at(across, half.copysign(p.z))),
+    }
+}
+
+fn cuboid(p: Vector3<f64>, half: Vector3<f64>) -> Nearest {
+    let beyond = [p.x.abs() - half.x, p.y.abs() - half.y, p.z.abs() - half.z];
+    let (place, half) = (p.to_array(), half.to_array());
+    let mut nearest = place;
+    if beyond.iter().any(|&b| b > 0.0) {
+        for i in 0..3 {
+            nearest[i] = place[i].clamp(-half[i], half[i]);
+        }
+        let nearest = Vector3::from(nearest);
+        return ((p - nearest).norm(), nearest);
+    }
+    let mut side = 0;
+    for i in 1..3 {
+        if beyond[i] > beyond[side] {
+            side = i;
+        }
+    }
+    nearest[side] = half[side].copysign(place[side]);
+    (beyond[side], nearest.into())
+}
+
+fn convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
+    let (beyond, normal) = hull.beyond(p);
+    if beyond <= 0.0 {
+        return (beyond, p - normal * beyond);
+    }
+    let pair = Pair {
+        a: Core::Hull(hull.vertices()),
+        b: Core::Point(p),
+        a_from_b: Placement::identity(),
+    };
+    let gap = convex_gap(&pair, 0.0, 0.0, f64::INFINITY);
+    gap.map_or((f64::INFINITY, p), |gap| (gap.distance, gap.on_a))
+}
+
+/// The place of a box that is nearest, how far it is.
+fn to_box(p: Vector3<f64>, bounds: &BoundingBox) -> f64 {
+    let beyond = |x: f64, min: f64, max: f64| (min - x).max(x - max).max(0.0);
+    let x = beyond(p.x, bounds.min.x, bounds.max.x);
+    let y = beyond(p.y, bounds.min.y, bounds.max.y);
+    Vector3::new(x, y, beyond(p.z, bounds.min.z, bounds.max.z)).norm()
+}
+
+/// The nearest of many triangles: which, how far, where, and by which of its parts.
+fn nearest_triangle(
+    p: Vector3<f64>,
+    tree: &BoxTree,
+    triangle: impl Fn(usize) -> [Vector3<f64>; 3],
+) -> (usize, f64, Vector3<f64>, Feature) {
+    let mut best = (0, f64::INFINITY, p, Feature::Face);
+    tree.nearest(
+        f64::INFINITY,
+        |bounds| to_box(p, bounds),
+        |index, least| {
+            let (place, feature) = nearest_on_triangle(p, triangle(index as usize));
+            let far = (p - place).norm();
+            if far < least {
+                best = (index as usize, far, place, feature);
+            }
+            far.min(least)
+        },
+    );
+    best
+}
+
+fn of_mesh(p: Vector3<f64>, mesh: &TriangleMesh) -> Nearest {
+    let (triangle, far, place, feature) = nearest_triangle(p, mesh.tree(), |i| mesh.triangle(i));
+    let outward = mesh.outward(triangle, feature);
+    match outward.is_some_and(|out| out.dot(p - place) < 0.0) {
+        true => (-far, place),
+        false => (far, place),
+    }
+}
+
+/// Below the surface all is solid, so the nearest wall of the block is the surface or beside the grid.
+fn of_field(p: Vector3<f64>, field: &HeightField) -> Nearest {
+    let (_, far, place, _) = nearest_triangle(p, field.tree(), |i| field.triangle(i));
+    let BoundingBox { min, max } = field.tree().bounds();
+    // The four sides, each with where it is nearest.
+    let sides = [
+        (p.x - min.x, Vector3::new(min.x, p.y, p.z)),
+        (max.x - p.x, Vector3::new(max.x, p.y, p.z)),
+        (p.y - min.y, Vector3::new(p.x, min.y, p.z)),
+        (max.y - p.y, Vector3::new(p.x, max.y, p.z)),
+    ];
+    match field.above(p) {
+        Some(above) if above >= 0.0 => (far, place),
+        Some(_) => {
+            let surface = (far, place);
+            let nearest =
+                sides.into_iter().fold(
+                    surface,
+                    |best, side| {
+                        if side.0 < best.0 { side } else { best }
+                    },
+                );
+            (-nearest.0, nearest.1)
+        }
+        None => {
+            // Beside the block: its wall, where that is as high.
+            let at = Vector3::new(p.x.clamp(min.x, max.x), p.y.clamp(min.y, max.y), p.z);
+            let wall = (p - at).norm();
+            match field.above(at).is_some_and(|above| above <= 0.0) && wall < far {
+                true => (wall, at),
+                false => (far, place),
+            }
+        }
+    }
+}
+
+fn of_cloud(p: Vector3<f64>, cloud: &PointCloud) -> Nearest {
+    let mut nearest = cloud.positions()[0];
+    cloud.tree().nearest(
+        f64::INFINITY,
+        |bounds| to_box(p, bounds),
+        |index, least| {
+            let point = cloud.positions()[index as usize];
+            let far = (p - point).norm();
+            if far < least {
+                nearest = point;
+            }
+            far.min(least)
+        },
+    );
+    from_core(p, nearest, cloud.radius())
+}
+
+/// The place of a triangle that is nearest to a point (Ericson, "Real-Time Collision Detection", 5.1.5), and whether
+/// it is at a corner or on a side. Triangles without area are taken as their sides.
+fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<f64>, Feature) {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a);
+    let sides = [b - a, c - b, a - c];
+    // Within, where it is on the inner side of all three.
+    let inner = (0..3).all(|i| sides[i].cross(p - corners[i]).dot(normal) > 0.0);
+    if inner {
+        let height = normal.dot(p - a) / normal.norm_squared();
+        return (p - normal * height, Feature::Face);
+    }
+    let mut best = (f64::INFINITY, a, Feature::Corner(0));
+    for i in 0..3 {
+        let (from, side) = (corners[i], sides[i]);
+        let share = side.dot(p - from) / side.norm_squared();
+        let (place, feature) = match share {
+            share if share > 0.0 && share < 1.0 => (from + side * share, Feature::Side(i)),
+            share if share >= 1.0 => (corners[(i + 1) % 3], Feature::Corner((i + 1) % 3)),
+            _ => (from, Feature::Corner(i)),
+        };
+        let far = (p - place).norm_squared();
+        if far < best.0 {
+            best = (far, place, feature);
+        }
+    }
+    (best.1, best.2)
+}

@@ -1,0 +1,90 @@
+//! Obstacles by their measures.
+
+use std::sync::Arc;
+
+use super::{Obstacle, World, WorldError, rigid};
+use crate::collision::shape::{Shape, ShapeError};
+use crate::spatial::{Placement, Vector3};
+
+impl World {
+    /// Adds an obstacle.
+    ///
+    /// # Errors
+    /// The name is taken, or the placement is not rigid.
+    pub fn add(
+        &mut self,
+        name: &str,
+        shape: Shape,
+        placement: impl Into<Placement<f64>>,
+    ) -> Result<(), WorldError> {
+        if self.obstacles.iter().any(|o| o.name == name) {
+            return Err(WorldError::Taken(name.to_owned()));
+        }
+        let placement = rigid(name, placement.into())?;
+        self.obstacles.push(Arc::new(Obstacle {
+            name: name.to_owned(),
+            shape,
+            placement,
+            attached: None,
+        }));
+        self.revision += 1;
+        Ok(())
+    }
+
+    fn add_checked(
+        &mut self,
+        name: &str,
+        shape: Result<Shape, ShapeError>,
+        placement: impl Into<Placement<f64>>,
+    ) -> Result<(), WorldError> {
+        match shape {
+            Ok(shape) => self.add(name, shape, placement),
+            Err(error) => Err(WorldError::Shape {
+                name: name.to_owned(),
+                error,
+            }),
+        }
+    }
+}
+
+/// Each by a shape of its arguments.
+macro_rules! adders {
+    ($($(#[$about:meta])* $name:ident($($given:ident: $kind:ty),*) = $shape:expr;)*) => {
+        impl World {$(
+            $(#[$about])*
+            ///
+            /// # Errors
+            /// The name is taken, the placement is not rigid, or there is no such shape.
+            pub fn $name(
+                &mut self,
+                name: &str,
+                $($given: $kind,)*
+                placement: impl Into<Placement<f64>>,
+            ) -> Result<(), WorldError> {
+                self.add_checked(name, $shape, placement)
+            }
+        )*}
+    };
+}
+
+adders! {
+    /// Adds a box with its whole lengths along x, y and z.
+    add_box(size: [f64; 3]) = Shape::cuboid(size);
+    /// Adds a sphere.
+    add_sphere(radius: f64) = Shape::sphere(radius);
+    /// Adds a cylinder along z, `length` from one end to the other.
+    add_cylinder(radius: f64, length: f64) = Shape::cylinder(radius, length);
+    /// Adds a capsule along z, whose segment has the `length`.
+    add_capsule(radius: f64, length: f64) = Shape::capsule(radius, length);
+    /// Adds everything below z = 0 of its placement.
+    add_plane() = Ok(Shape::half_space());
+    /// Adds the convex hull of points.
+    add_convex(points: &[Vector3<f64>]) = Shape::convex(points);
+    /// Adds a triangle mesh: see [`Shape::mesh`].
+    add_mesh(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) = Shape::mesh(vertices, triangles);
+    /// Adds spheres of one radius about points.
+    add_points(positions: Vec<Vector3<f64>>, radius: f64) = Shape::points(positions, radius);
+    /// Adds a ground of heights over a grid: see [`Shape::height_field`].
+    add_height_field(heights: Vec<f64>, columns: usize, spacing: [f64; 2]) =
+        Shape::height_field(heights, columns, spacing);
+}

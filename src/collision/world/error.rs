@@ -1,0 +1,57 @@
+//! What can be wrong with an edit of a world.
+
+use super::Obstacle;
+use crate::collision::shape::ShapeError;
+use crate::spatial::RigidDefect;
+
+/// Why a world cannot be changed so.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorldError {
+    /// An obstacle of the name is there already.
+    #[error("there is an obstacle {0:?} already")]
+    Taken(String),
+    /// There is no obstacle of the name.
+    #[error("there is no obstacle {name:?}, but {}", listed(.valid))]
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// The first of those there are.
+        valid: Vec<String>,
+    },
+    /// A placement that is not rigid.
+    #[error("the placement of obstacle {name:?} is not rigid: {defect}")]
+    Placement {
+        /// Whose.
+        name: String,
+        /// What is wrong with it.
+        defect: RigidDefect,
+    },
+    /// A shape that cannot be.
+    #[error("obstacle {name:?}: {error}")]
+    Shape {
+        /// Whose.
+        name: String,
+        /// What is wrong with it.
+        #[source]
+        error: ShapeError,
+    },
+}
+
+impl WorldError {
+    pub(super) fn unknown<'a>(name: &str, all: impl Iterator<Item = &'a Obstacle>) -> Self {
+        // Worlds may have thousands; nobody reads more of them.
+        const LISTED: usize = 30;
+        Self::Unknown {
+            name: name.to_owned(),
+            valid: all.take(LISTED).map(|o| o.name.clone()).collect(),
+        }
+    }
+}
+
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => "none at all".to_owned(),
+        names => names.join(", "),
+    }
+}

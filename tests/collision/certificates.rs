@@ -1,0 +1,75 @@
+//! Promise: a distance is certified by its own parts. The two points lie on the shapes and are as far apart, and
+//! between the planes through them across the normal there is as much room; a depth is the least that any direction
+//! takes to part the two.
+
+use kinopt::collision::separation;
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra as na;
+use support::convex_shapes::{Solid, gap_along};
+use support::random::Random;
+
+/// Random pairs near each other, some with equal axes, or touching.
+fn pairs(seed: u64, count: usize) -> impl Iterator<Item = [(Solid, Placement<f64>); 2]> {
+    let mut random = Random::new(seed);
+    (0..count).map(move |i| {
+        let solids = [Solid::random(&mut random), Solid::random(&mut random)];
+        let place = |size: f64, random: &mut Random| {
+            Placement::new(
+                na::Matrix3::from(random.rotation()).into(),
+                random.vector(size).into(),
+            )
+        };
+        let first = place(1.0, &mut random);
+        let second = match i % 8 {
+            0 => place(0.3, &mut random),
+            1 => first * Placement::translation(Vector3::new(0.3, 0.0, 0.0)),
+            2 => first * Placement::translation(Vector3::new(0.0, 0.0, 1.2)),
+            3 => place(0.5, &mut random),
+            _ => place(1.5, &mut random),
+        };
+        let [a, b] = solids;
+        [(a, first), (b, second)]
+    })
+}
+
+#[test]
+fn distances_and_depths_are_certified() {
+    let mut random = Random::new(7);
+    for (i, [(a, at_a), (b, at_b)]) in pairs(1, 4000).enumerate() {
+        let found = separation(&a.shape(), &at_a, &b.shape(), &at_b);
+        let what = || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}");
+        let normal = na::Vector3::from(found.normal);
+        assert!((normal.norm() - 1.0).abs() < 1e-12, "{}", what());
+        let along = gap_along((&a, &at_a), (&b, &at_b), normal);
+        assert!(
+            (along - found.distance).abs() < 1e-10,
+            "{along} along; {}",
+            what()
+        );
+        let offset = found.on_second - found.on_first - found.normal * found.distance;
+        assert!(
+            offset.norm() < 1e-9,
+            "points off by {}; {}",
+            offset.norm(),
+            what()
+        );
+        for (solid, at, point) in [(&a, &at_a, found.on_first), (&b, &at_b, found.on_second)] {
+            let off = solid.shape().signed_distance(at.inverse().apply(point));
+            assert!(off.abs() < 1e-4, "a point {off} off its shape; {}", what());
+        }
+        if found.distance < 0.0 {
+            for _ in 0..60 {
+                let any = random.direction().into_inner();
+                let near = (normal + 1e-3 * any).normalize();
+                for u in [any, near] {
+                    let other = gap_along((&a, &at_a), (&b, &at_b), u);
+                    assert!(
+                        other < found.distance + 1e-10,
+                        "{other} along {u}; {}",
+                        what()
+                    );
+                }
+            }
+        }
+    }
+}

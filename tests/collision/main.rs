@@ -1,0 +1,5 @@
+//! Shapes, distances and worlds.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod certificates;
+mod shapes;
