@@ -4,9 +4,10 @@
 
 use std::ops::ControlFlow;
 
-use kinopt::geometric::{Ccd, Elbow, Fabrik, Geometric, TwoBone};
-use kinopt::ik::{Restarts, Side};
+use kinopt::geometric::{Ccd, Elbow, Fabrik, Geometric, GeometricError, TwoBone};
+use kinopt::ik::{BoundKind, MoveLimits, Restarts, Side};
 use kinopt::model::{Limits, Model};
+use kinopt::problem::Question;
 use kinopt::solver::{Iteration, Termination};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
@@ -170,4 +171,97 @@ fn an_arm_of_two_bones_with_limits() {
         seen.iter().all(|&count| count >= 20),
         "both must occur: {seen:?}"
     );
+}
+
+/// As far from the start as a question lets them, to the bit, whether the target is reached or not.
+#[test]
+fn no_joint_goes_further_than_its_move() {
+    let solvers: [&dyn Geometric; 2] = [
+        &Ccd::default().with_restarts(Restarts::default().with_attempts(3)),
+        &Fabrik::default().with_restarts(Restarts::default().with_attempts(3)),
+    ];
+    let (mut reached, mut held) = (0, 0);
+    for seed in 0..12 {
+        let rig = RandomRig::new(seed);
+        let model = rig.skeleton.model();
+        let mut random = Random::new(seed);
+        let start = model.random_configuration(seed);
+        let step = [0.02, 0.3][seed as usize % 2];
+        let moves: Vec<f64> = start.iter().map(|_| random.within(0.0, step)).collect();
+        // A place that moves within these lead to, or one beyond.
+        let goal: Vec<f64> = (start.iter().zip(&moves).zip(model.limits()))
+            .map(|((q, most), limits)| limits.clamp(q + random.within(-most, *most)))
+            .collect();
+        let beyond = if seed % 3 == 0 { 1.0 } else { 0.0 };
+        let target = rig.tip(&rig.transforms(&goal), rig.tips[0]) + random.vector(beyond);
+        let mut builder = Problem::builder(model);
+        builder.add(Point::new(rig.skeleton.tip(rig.tips[0]), target));
+        let problem = builder.build().unwrap();
+        let limits = MoveLimits::new(&problem, &moves, &start).unwrap();
+        let question = Question::from(&problem).with_moves(&limits).unwrap();
+        for solver in solvers {
+            let mut silent = |_: &Iteration<'_>| ControlFlow::Continue(());
+            let solution = solver
+                .solve_question(question, &start, &mut silent)
+                .unwrap();
+            for ((q, start), most) in solution.q.iter().zip(&start).zip(&moves) {
+                assert!((q - start).abs() <= *most, "{} {seed}", solver.name());
+            }
+            let mut ends = solution.active_limits();
+            held += usize::from(ends.any(|end| end.kind == BoundKind::Move));
+            reached += usize::from(solution.reached);
+        }
+    }
+    assert!(reached >= 6 && held >= 6, "{reached} reached, {held} held");
+}
+
+#[test]
+fn a_limb_of_two_bones_keeps_to_its_moves() {
+    let (x, y) = (Vector3::UNITS[0], Vector3::UNITS[1]);
+    let mut builder = Model::builder("limb");
+    let limits = Limits::new(-3.0, 3.0);
+    let lift = builder.revolute("lift", None, Placement::identity(), y, limits);
+    let bend = builder.revolute("bend", Some(lift), Placement::translation(x), y, limits);
+    let tip = builder.frame("tip", Some(bend), Placement::translation(x));
+    let model = builder.build().unwrap();
+    let mut random = Random::new(3);
+    for _ in 0..40 {
+        let start = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
+        let most = [random.within(0.0, 0.4), random.within(0.0, 0.4)];
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, random.vector(2.0)));
+        let problem = builder.build().unwrap();
+        let moves = MoveLimits::new(&problem, &most, &start).unwrap();
+        for elbow in [Elbow::Positive, Elbow::Negative, Elbow::Towards(y)] {
+            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let solution = TwoBone::new(elbow).solve(question, &start).unwrap();
+            for k in 0..2 {
+                assert!((solution.q[k] - start[k]).abs() <= most[k]);
+            }
+        }
+    }
+}
+
+/// A ball, whose move is no range of a variable, is refused by name as any ball is.
+#[test]
+fn balls_are_refused_within_moves_too() {
+    let mut builder = Model::builder("arm");
+    let x = Vector3::UNITS[0];
+    let ball = builder.ball("shoulder", None, Placement::identity(), x, None);
+    let hand = builder.frame("hand", Some(ball), Placement::translation(x));
+    let model = builder.build().unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(hand, [0.0, 1.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let start = model.neutral();
+    let moves = MoveLimits::new(&problem, &[0.1; 4], &start).unwrap();
+    let question = Question::from(&problem).with_moves(&moves).unwrap();
+    for refused in [
+        Ccd::default().solve(question, &start),
+        Fabrik::default().solve(question, &start),
+    ] {
+        assert!(
+            matches!(refused, Err(GeometricError::BallJoint { joint, .. }) if joint == "shoulder")
+        );
+    }
 }
