@@ -9,6 +9,8 @@ use serde::Deserialize;
 use crate::failure::Outcome;
 use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
+use crate::number_format::six_digits;
+use crate::target::QUATERNION_LENGTH_WITHIN;
 use crate::{json_file, output};
 
 /// How far a joint that follows another may be off before that is worth a note.
@@ -33,7 +35,8 @@ impl LoadedModel {
         degrees: bool,
         option: &str,
     ) -> Outcome<Vec<f64>> {
-        self.check_length(numbers, option)?;
+        let checked = self.check_numbers(numbers, option);
+        checked.map_err(|problem| usage!("{problem}"))?;
         Ok(self.convert_angles(numbers, degrees, f64::to_radians))
     }
 
@@ -77,7 +80,8 @@ impl LoadedModel {
                 ));
             }
         };
-        self.check_length(&numbers, &file.to_string())?;
+        let checked = self.check_numbers(&numbers, &file.to_string());
+        checked.map_err(|problem| failure!("{problem}"))?;
         Ok(numbers)
     }
 
@@ -112,16 +116,18 @@ impl LoadedModel {
         Ok(q)
     }
 
-    fn check_length(&self, numbers: &[f64], source: &str) -> Outcome<()> {
+    /// Whether numbers from a source are a configuration, or why not; says on standard error which quaternions are
+    /// no unit ones.
+    fn check_numbers(&self, numbers: &[f64], source: &str) -> Result<(), String> {
         let expected = self.model.configuration_len();
         if numbers.len() == expected {
-            let turned = self.model.normalise(&mut numbers.to_vec());
-            return match turned {
-                Err(problem @ ModelError::NoRotation { .. }) => {
-                    Err(failure!("{source}: {problem}"))
-                }
-                _ => Ok(()),
-            };
+            let mut turned = numbers.to_vec();
+            if let Err(problem @ ModelError::NoRotation { .. }) = self.model.normalise(&mut turned)
+            {
+                return Err(format!("{source}: {problem}"));
+            }
+            self.note_lengths(numbers, source);
+            return Ok(());
         }
         let shape = match &self.rig {
             Some(_) if self.balls.is_none() => {
@@ -129,11 +135,30 @@ impl LoadedModel {
             }
             _ => format!("{expected}: {}", self.coordinate_names().join(", ")),
         };
-        Err(failure!(
+        Err(format!(
             "{source}: {} numbers given, but a configuration has {shape} (kinopt info {} lists them)",
             numbers.len(),
             self.file
         ))
+    }
+
+    /// Says on standard error whose quaternions are not of length 1, beyond what rounding by hand makes of them.
+    fn note_lengths(&self, numbers: &[f64], source: &str) {
+        let is_of_ball: Vec<bool> = self.is_of_ball().collect();
+        let mut coordinate = 0;
+        while let Some(&is_ball) = is_of_ball.get(coordinate) {
+            let own = numbers.get(coordinate..coordinate + 4).filter(|_| is_ball);
+            let length = own.map(|own| own.iter().map(|part| part * part).sum::<f64>().sqrt());
+            if let Some(length) = length.filter(|l| (l - 1.0).abs() > QUATERNION_LENGTH_WITHIN) {
+                let name = self.model.moving_joints().get(coordinate);
+                let name = name.map_or("", |id| self.joint_name(*id));
+                output::message(&format!(
+                    "note: {source}: the quaternion of `{name}` has length {}; it is divided by that",
+                    six_digits(length)
+                ));
+            }
+            coordinate += if is_ball { 4 } else { 1 };
+        }
     }
 
     /// Says on standard error which joints are not where the joint that they follow takes them.

@@ -96,7 +96,7 @@ impl JointColumns {
             _ if given.len() == all => columns.filter_map(|&c| given.get(c).copied()).collect(),
             _ if given.len() == width => given.clone(),
             _ => {
-                return Err(failure!(
+                return Err(usage!(
                     "{option}: {} numbers given; it takes {width} ({}) or {all}, one for each moving joint",
                     given.len(),
                     self.names(loaded).join(", ")

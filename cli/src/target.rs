@@ -5,7 +5,7 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 use crate::number_list::{between_commas, number, parse_exactly};
 
 /// How far a typed quaternion's length may be from 1; it is normalised.
-const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
+pub(crate) const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
 
 /// `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,6 +6,7 @@ use kinopt::model::{FrameId, Joint, JointId};
 use kinopt::robot::{Geometry, Link, Repair, Robot};
 use serde::Serialize;
 
+use super::document::ConeDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{six_digits, three_digits};
 use crate::table::Table;
@@ -224,7 +225,7 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] 
     let note = match &place.mimic {
         Some(mimic) => follows(mimic),
         None if coordinate.is_some() && joint.limits.is_locked() => "locked".to_owned(),
-        None => String::new(),
+        None => (ConeDocument::of(joint).and_then(|cone| cone.text())).unwrap_or_default(),
     };
     [
         link,

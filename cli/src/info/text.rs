@@ -113,34 +113,14 @@ fn joint_table(document: &Document) -> String {
             shown(turns(joint.upper), degrees),
             shown(joint.lower, six_digits),
             shown(joint.upper, six_digits),
-            match &joint.cone {
-                Some(cone) if joint.free => format!("free within {}", shown_cone(cone)),
+            match joint.cone.as_ref().and_then(ConeDocument::text) {
+                Some(cone) if joint.free => format!("free {cone}"),
                 _ if joint.free => "free".to_owned(),
                 _ => "locked".to_owned(),
             },
         ]);
     }
     table.text()
-}
-
-/// How far a ball goes, in degrees.
-fn shown_cone(cone: &ConeDocument) -> String {
-    let degrees = |radians: f64| three_digits(radians.to_degrees());
-    let [first, second] = cone.swing;
-    let swing = match first == second {
-        true => degrees(first),
-        false => format!("{} and {}", degrees(first), degrees(second)),
-    };
-    match cone.twist {
-        [Some(from), Some(to)] => {
-            format!(
-                "a swing of {swing}, a twist of {} to {}",
-                degrees(from),
-                degrees(to)
-            )
-        }
-        _ => format!("a swing of {swing}"),
-    }
 }
 
 fn bone_table(rig: &RigDocument, lengths: LengthFormat) -> String {

@@ -30,12 +30,12 @@ pub(crate) struct ArmArguments {
     pub(super) search: Option<Search>,
 
     /// How far each joint may move from the start, in radians (--degrees) and metres: one number,
-    /// or one a joint. Robots only. Default: as far as its limits.
+    /// or one a joint. Default: as far as its limits.
     ///
-    /// One number a joint goes by all moving joints in the order of `kinopt info`, or by the free
-    /// joints from base to tip.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some,
-          conflicts_with_all = GENERAL, help_heading = SEARCH, hide_short_help = true)]
+    /// One number a joint goes by all moving joints in the order of `kinopt info`, or, of an arm, by the free
+    /// joints from base to tip. Of a ball, whose four numbers are the same, it is the angle that it turns by. A body or a
+    /// figure does not settle on the way then; of a path each step counts from the one before.
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = SEARCH, hide_short_help = true)]
     pub(super) max_move: Option<Numbers>,
 
     /// A configuration to come close to where the target leaves room, in radians (--degrees) and
@@ -113,7 +113,6 @@ impl ArmArguments {
         };
         let options = [
             ("--search", searched),
-            ("--max-move", self.max_move.is_some()),
             ("--posture", self.posture.is_some()),
             ("--joint-weights", self.joint_weights.is_some()),
             (

@@ -104,7 +104,7 @@ impl<'a> GeneralBackend<'a> {
             loaded,
             arguments,
             goals,
-            finder: PoseFinder::new(loaded, arguments, held.stands(loaded)),
+            finder: PoseFinder::new(loaded, arguments, held.stands(loaded))?,
             base,
             frames,
             rooms: Room::asked(arguments, goals)?,
@@ -275,13 +275,14 @@ impl QueryBackend for GeneralBackend<'_> {
         let mut statement = self.state(&first.start)?;
         statement.aim(self, first)?;
         let mut body = self.finder.follower(statement.body)?;
+        let mut workspace = Workspace::new();
         let angles: Vec<bool> = self.loaded.is_angle().collect();
         let joints = self.loaded.joint_names();
         for (step, query) in queries.iter().enumerate() {
             let before = body.q().to_vec();
             self.aim(&mut body, &statement.targets, query)?;
             let started = Instant::now();
-            let solution = self.finder.follow(&mut body).clone();
+            let solution = self.finder.follow(&mut body, &mut workspace)?;
             let micros = microseconds(started);
             let answer = Answer::new(solution.q.clone(), solution, Some(micros));
             path.answers.push(answer);

@@ -29,10 +29,10 @@ pub(super) struct Held {
 
 impl Held {
     /// What `--hold` names, or else what the model's kind holds: of a rig the tips that its file pins,
-    /// of a scene its trunk and the ends of its other limbs, of a robot nothing. Never the `dragged` frames.
+    /// of a scene its trunk and the ends of its other limbs, of a robot nothing. Of these never the `dragged` frames.
     ///
     /// # Errors
-    /// An unknown bone or link.
+    /// An unknown bone or link, or one of the dragged by name.
     pub(super) fn of(
         loaded: &LoadedModel,
         arguments: &Arguments,
@@ -44,9 +44,8 @@ impl Held {
             let mut held = Self::default();
             for name in named.iter().filter(|name| *name != NOTHING) {
                 let frame = loaded.frame(name, BareName::Tip)?;
-                if !dragged.contains(&frame) {
-                    held.tips.push((name.clone(), frame));
-                }
+                refuse_dragged(name, frame, &dragged)?;
+                held.tips.push((name.clone(), frame));
             }
             held.keeps_posture = held.stands(loaded);
             return Ok(held);
@@ -69,6 +68,7 @@ impl Held {
             _ => {
                 for name in named {
                     let frame = loaded.frame(name, BareName::Tip)?;
+                    refuse_dragged(name, frame, &dragged)?;
                     let Some(bone) = bone_of(&frame) else {
                         continue;
                     };
@@ -149,6 +149,16 @@ impl Held {
                 vec![Task::new(posture).named("posture")]
             }
         }
+    }
+}
+
+/// What goes somewhere cannot stay as well.
+fn refuse_dragged(name: &str, frame: FrameId, dragged: &[FrameId]) -> Outcome<()> {
+    match dragged.contains(&frame) {
+        true => Err(usage!(
+            "--hold {name}: it has a target, so it cannot stay where it is"
+        )),
+        false => Ok(()),
     }
 }
 

@@ -13,6 +13,7 @@ mod held;
 mod interval;
 mod levels;
 mod many;
+mod moves;
 mod out_file;
 mod pose_finder;
 mod query;

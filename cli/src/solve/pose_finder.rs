@@ -2,12 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use kinopt::ik::Drag;
-use kinopt::solver::{Observer, Stopping};
+use kinopt::ik::{Drag, MoveLimits};
+use kinopt::solver::{Observer, Silent, Stopping};
 use kinopt::{Problem, Solution, Solver, Workspace};
 
 use super::arguments::Arguments;
 use super::backend::microseconds;
+use super::moves;
 use super::query::{Answer, Settled, Way};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
@@ -35,19 +36,25 @@ pub(super) struct PoseFinder {
     /// Whether what is found there counts though it misses too.
     anywhere: bool,
     limit: Option<Duration>,
+    /// How far joints may go from a start.
+    moves: Option<Vec<f64>>,
 }
 
 impl PoseFinder {
     /// A figure settles, and so does a body that `stands` on what is held.
-    pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments, stands: bool) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// A wrong number of moves.
+    pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments, stands: bool) -> Outcome<Self> {
+        Ok(Self {
+            moves: moves::asked(loaded, arguments)?,
             solver: arguments.general_solver(),
             stopping: arguments.stopping(),
             settles: (loaded.rig.is_some() || stands) && arguments.settles(),
             searches: arguments.attempts() != Some(1),
             anywhere: arguments.arm.global_search_on_miss,
             limit: arguments.time_limit,
-        }
+        })
     }
 
     /// The pose for the targets as they are, from `start`; a figure that settles goes there on the `way` first, which
@@ -65,7 +72,13 @@ impl PoseFinder {
             ..Answer::new(solution.q.clone(), solution, Some(microseconds(began)))
         };
         if !self.settles {
-            let (solver, question) = (&self.solver, body.question());
+            let (solver, mut question) = (&self.solver, body.question());
+            let moves = self.moves.as_ref();
+            let moves = moves.map(|most| MoveLimits::new(body.problem(), most, start));
+            let moves = moves.transpose()?;
+            if let Some(moves) = &moves {
+                question = question.with_moves(moves)?;
+            }
             let solved = solver.solve_observed(question, start, workspace, observer)?;
             return Ok(answer(solved.clone(), None));
         }
@@ -124,9 +137,18 @@ impl PoseFinder {
 
     /// A step of a path: to where the target is reached as a single one would be, or as near as the body comes
     /// on its way. With a method or limits of the caller's own a frame is all that they allow.
-    pub(super) fn follow<'b>(&self, body: &'b mut Drag) -> &'b Solution {
+    ///
+    /// # Errors
+    /// Moves that are none.
+    pub(super) fn follow(&self, body: &mut Drag, workspace: &mut Workspace) -> Outcome<Solution> {
+        if self.moves.is_some() {
+            let start = body.q().to_vec();
+            let answer = self.find(body, (&start, None), workspace, &mut Silent)?;
+            body.stand_at(&answer.q)?;
+            return Ok(answer.solution);
+        }
         if self.settles {
-            return body.follow(FRAMES);
+            return Ok(body.follow(FRAMES).clone());
         }
         body.advance();
         for _ in 1..FRAMES {
@@ -135,7 +157,7 @@ impl PoseFinder {
             }
             body.advance();
         }
-        body.solution()
+        Ok(body.solution().clone())
     }
 
     /// A body that follows a path by the solver's method.

@@ -37,7 +37,8 @@ impl Arguments {
 
     /// Whether a figure settles from where it stands before anything is searched for.
     pub(super) fn settles(&self) -> bool {
-        let plain = self.solver.is_none() && self.max_iterations.is_none();
+        let plain =
+            self.solver.is_none() && self.max_iterations.is_none() && self.arm.max_move.is_none();
         plain && self.arm.search != Some(Search::First)
     }
 

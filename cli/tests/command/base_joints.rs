@@ -2,7 +2,7 @@
 //! `--hold` names stay where they are.
 
 use crate::forked_rig::*;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const UR5E: &str = "../models/universal_ur5e.urdf";
 const NAO: &str = "../models/aldebaran_nao.urdf";
@@ -121,5 +121,89 @@ fn a_body_crouches_from_bent_knees_over_its_feet() {
 #[test]
 fn a_quaternion_without_length_is_refused_by_name() {
     let q = "0,0,0,0,0,0,0,0,0,0,0,0,0";
-    refused!("fk {UR5E} --base-joint free --q {q} --frame flange" => 1, "root_joint | quaternion without length");
+    refused!("fk {UR5E} --base-joint free --q {q} --frame flange" => 2, "root_joint | quaternion without length");
+}
+
+#[test]
+fn a_quaternion_of_another_length_is_told() {
+    let ask = format!("fk {UR5E} --base-joint free --frame base");
+    let with = |parts: &str| format!("{ask} --q=0,0,0,{parts},0,0,0,0,0,0");
+    let [unit, long, typed] = ["0.6,0,0,0.8", "1.2,0,0,1.6", "0.6001,0,0,0.7999"].map(with);
+    let quiet = answer!("{unit}");
+    let (answer, told) = answer!(told "{long}");
+    says(&told, "--q | `root_joint/rotation` | length 2.000000");
+    assert_eq!(answer["frames"], quiet["frames"]);
+    let (_, told) = answer!(told "{typed}");
+    assert!(!told.contains("length"), "{told}");
+}
+
+#[test]
+fn what_goes_somewhere_is_not_held() {
+    let ask = format!("solve {UR5E} --base-joint free --target flange=3,-2,1.5");
+    refused!("{ask} --hold flange" => 2, "--hold flange | target");
+    refused!("{ask} --hold link1 --hold flange" => 2, "--hold flange | target");
+}
+
+fn turn(from: &[f64], to: &[f64]) -> f64 {
+    let dot: f64 = from.iter().zip(to).map(|(a, b)| a * b).sum();
+    2.0 * dot.abs().min(1.0).acos()
+}
+
+#[test]
+fn a_body_moves_no_further_than_it_may() {
+    let start = [
+        0.1, 0.2, 0.3, 0.9, 0.1, -0.3, 0.3, 0.1, -1.2, 1.1, 0.2, 0.3, 0.4,
+    ];
+    let stood = start[3..7].to_vec();
+    let body = format!("{UR5E} --base-joint free --start={}", commas(&start));
+    let ask = format!("solve {body} --target flange=3,-2,1.5,1,0,0,0");
+    let within = |q: &[f64], most: f64| {
+        for k in (0..3).chain(7..13) {
+            assert!((q[k] - start[k]).abs() <= most, "{k}: {q:?}");
+        }
+        assert!(turn(&q[3..7], &stood) <= most + 1e-9, "{q:?}");
+    };
+    let solution = answer!("{ask} --max-move 0.05");
+    assert_eq!(solution["reached"], false);
+    let q = numbers(&solution["q"]);
+    within(&q, 0.05);
+    assert!(turn(&q[3..7], &stood) > 0.05 - 1e-6 && q[0] - start[0] > 0.05 - 1e-12);
+    let kinds: Vec<&str> = list(&solution["active_limits"])
+        .iter()
+        .map(|l| word(&l["kind"]))
+        .collect();
+    assert!(kinds.contains(&"move"), "{kinds:?}");
+    // Degrees are for what turns; metres stay metres.
+    let each = [&[0.01; 3][..], &[2.0; 4], &[3.0; 6]].concat();
+    let rest = format!("solve {UR5E} --base-joint free --target flange=3,-2,1.5,1,0,0,0 --degrees");
+    let q = numbers(&answer!("{rest} --max-move={}", commas(&each))["q"]);
+    let turned = turn(&q[3..7], &[1.0, 0.0, 0.0, 0.0]).to_degrees();
+    assert!(q[0].abs() <= 0.01 && turned <= 2.0 + 1e-9, "{q:?}");
+    assert!(q[7..].iter().all(|angle| angle.to_degrees() <= 3.0 + 1e-9) && turned > 1.0);
+    refused!("{ask} --max-move=1,2" => 2, "--max-move | 2 numbers | 13 | root_joint/rotation w");
+    refused!("{ask} --max-move=-1" => 1, "max_move is -1");
+    // With a method of one's own, of a path, and of a figure.
+    let q = numbers(&answer!("{ask} --solver gauss-newton --max-move 0.02")["q"]);
+    within(&q, 0.02);
+    let folder = Folder::new("moves-of-a-path");
+    let targets = json!({"targets": [[0.2, 0.3, 1.0], [0.5, 0.3, 1.0], [2.0, 0.3, 1.0]]});
+    let targets = folder.text("path.json", &targets);
+    let path = answer!(
+        "solve {UR5E} --base-joint free --tip flange --targets {targets} --track --max-move 0.1"
+    );
+    let mut before = vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+    for step in list(&path["solutions"]) {
+        let q = numbers(&step["q"]);
+        let farthest = (0..3).map(|k| (q[k] - before[k]).abs()).fold(0.0, f64::max);
+        assert!(
+            farthest <= 0.1 && turn(&q[3..7], &before[3..7]) <= 0.1 + 1e-9,
+            "{q:?}"
+        );
+        before = q;
+    }
+    let humanoid = "../models/humanoid/humanoid.json";
+    let q =
+        numbers(&answer!("solve {humanoid} --target left_hand=0.3,0.6,1.9 --max-move 0.04")["q"]);
+    let farthest = q.iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
+    assert!(farthest <= 0.04 && farthest > 0.03, "{farthest}");
 }

@@ -45,6 +45,9 @@ fn wrong_usage_is_two() {
     refused!("solve {rig} {TARGET} --restarts many" => 2, "many");
     refused!("solve {rig} {TARGET} --out posed.stl" => 2, "posed.stl | .obj | .ply");
     refused!("fk {rig} --q 1,two" => 2, "`two`");
+    refused!("fk {rig} --q 1,2,3" => 2, "--q | 3 numbers | 15 | 5 bones");
+    refused!("solve {rig} {TARGET} --start 1" => 2, "--start | 1 numbers | 15");
+    refused!("solve {rig} {TARGET} --max-move 1,2" => 2, "--max-move | 2 numbers | 15");
     refused!("fk {rig} --q=1 --time=1" => 2, "--time");
     refused!("fk {rig} --loop" => 2, "--time");
     // An option is not silently left out beside one that takes its place.
@@ -64,8 +67,6 @@ fn what_cannot_be_done_is_one() {
     refused!("info arm" => 1, "extension | .json");
     let broken = folder.text("broken.json", "{\"bones\":\n[}");
     refused!("solve {broken} {TARGET}" => 1, "broken.json");
-    refused!("fk {rig_file} --q 1,2,3" => 1, "--q | 3 numbers | 15 | 5 bones");
-    refused!("solve {rig_file} {TARGET} --start 1" => 1, "--start | 1 numbers | 15");
 
     for (name, content, reason) in [
         ("text.json", "hello", "JSON"),

@@ -33,6 +33,26 @@ fn info_fk_and_solve_take_mjcf() {
 }
 
 #[test]
+fn info_tells_how_far_balls_go() {
+    let walker = "../tests/mjcf/files/walker.xml";
+    let info = answer!("info {walker}");
+    let balls = list(&info["joints"])
+        .iter()
+        .filter(|joint| joint["kind"] == "ball");
+    let limited = balls.filter(|joint| joint["cone"].is_object());
+    let limited: Vec<_> = limited.collect();
+    assert!(!limited.is_empty());
+    for ball in limited {
+        let most = ball["cone"]["angle"].as_f64().unwrap().to_degrees();
+        let text = text!("info {walker}");
+        says(
+            &text,
+            &format!("{} | within a turn of {most:.3}", word(&ball["name"])),
+        );
+    }
+}
+
+#[test]
 fn an_srdf_file_holds_passive_joints_and_frees_a_group() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
     let file = folder.join("panda.srdf");

@@ -239,8 +239,8 @@ fn wrong_names_and_options() {
     refused!("solve {panda} --target=claw=1,2,3" => 1, "`claw` | no link named | `kinopt info` lists all");
     refused!("solve {panda} {pose} --base=Link_77" => 1, "`Link_77` | did you mean `link7`");
     refused!("fk {panda} --base=toool" => 1, "`toool` | did you mean `tool`");
-    refused!("solve {panda} {pose} --max-move=1,2" => 1, "--max-move | 7 | joint4 | 9");
-    refused!("solve {panda} {pose} --start=1,2" => 1, "--start | joint4");
+    refused!("solve {panda} {pose} --max-move=1,2" => 2, "--max-move | 7 | joint4 | 9");
+    refused!("solve {panda} {pose} --start=1,2" => 2, "--start | joint4");
     refused!("solve {panda} {pose} --search=best" => 2, "nearest | distinct:K");
     refused!("solve {panda} {pose} --search=first --solver=gauss-newton" => 2, "--solver");
     refused!("solve {panda} {pose} {both} --search=first" => 2, "--search | 2 targets");

@@ -133,7 +133,7 @@ fn joints_weigh_in_the_nearest_answer() {
     };
     let (even, heavy) = (moved("1"), moved("100,1,1,1,1,1,1"));
     assert!(heavy < even, "{heavy} {even}");
-    refused!("solve {panda} {target} --joint-weights=1,2" => 1, "--joint-weights");
+    refused!("solve {panda} {target} --joint-weights=1,2" => 2, "--joint-weights");
     // Which of the two errors of an unreachable pose is the smaller is a matter of weights.
     let far = "--target=tool=1.5,0,0.5,1,0,0,0";
     let angle = |metres: f64| {

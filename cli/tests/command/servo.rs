@@ -100,7 +100,7 @@ fn what_makes_no_sense_is_refused() {
     let one = "--target flange=0.4,0.1,0.5";
     refused!("solve {seeded} {one} --velocity-limits 1" => 2, "--servo");
     let few = "--velocity-limits: 2 numbers given";
-    refused!("{asked} --servo 1000 --velocity-limits 1,2" => 1, "{few}");
+    refused!("{asked} --servo 1000 --velocity-limits 1,2" => 2, "{few}");
     let rig = model("humanoid/humanoid.json");
     let ours = "--tip left_hand --servo 1000";
     refused!("solve {rig} --targets {file} {ours}" => 2, "--servo is for robots");

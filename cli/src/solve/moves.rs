@@ -1,0 +1,38 @@
+//! `--max-move` where the general solvers answer: how far joints may go from a start.
+
+use super::arguments::Arguments;
+use crate::failure::Outcome;
+use crate::loaded_model::LoadedModel;
+use crate::number_list::Numbers;
+
+/// One move for every number of a configuration, in radians and metres, if the option was given.
+///
+/// # Errors
+/// Another number of them, which is told with what they belong to.
+pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Option<Vec<f64>>> {
+    let Some(Numbers(given)) = &arguments.arm.max_move else {
+        return Ok(None);
+    };
+    let all = loaded.model.configuration_len();
+    let each = match given.as_slice() {
+        [one] => vec![*one; all],
+        each if each.len() == all => each.to_vec(),
+        each => {
+            return Err(usage!(
+                "--max-move: {} numbers given; it takes one, or {all}: {}",
+                each.len(),
+                loaded.coordinate_names().join(", ")
+            ));
+        }
+    };
+    // A ball goes by the angle that it turns by, though its numbers are no angles.
+    let turns = loaded.is_angle().zip(loaded.is_of_ball());
+    let moves = each.into_iter().zip(turns);
+    let moves = moves.map(
+        |(most, (angle, ball))| match arguments.degrees && (angle || ball) {
+            true => most.to_radians(),
+            false => most,
+        },
+    );
+    Ok(Some(moves.collect()))
+}
