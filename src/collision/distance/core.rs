@@ -66,6 +66,31 @@ impl<'a> Core<'a> {
         BoundingBox::around(points)
     }
 
+    /// A way out at a place on the surface of a box or cylinder, on a segment or at a point.
+    pub(crate) fn outward(&self, p: Vector3<f64>) -> Vector3<f64> {
+        let side = |axis: usize| {
+            let sign = 1_f64.copysign(p.to_array()[axis]);
+            Vector3::UNITS[axis] * sign
+        };
+        match self {
+            Self::Box(half) => {
+                let inside = [half.x - p.x.abs(), half.y - p.y.abs(), half.z - p.z.abs()];
+                side((1..3).fold(
+                    0,
+                    |least, i| if inside[i] < inside[least] { i } else { least },
+                ))
+            }
+            Self::Cylinder { radius, half } => {
+                let across = p.x.mul_add(p.x, p.y * p.y).sqrt();
+                match half - p.z.abs() < radius - across || across == 0.0 {
+                    true => side(2),
+                    false => Vector3::new(p.x / across, p.y / across, 0.0),
+                }
+            }
+            _ => Vector3::UNITS[0],
+        }
+    }
+
     /// Some point within.
     pub(crate) fn middle(&self) -> Vector3<f64> {
         let mean = |points: &[Vector3<f64>]| {

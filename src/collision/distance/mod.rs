@@ -6,6 +6,7 @@ mod epa;
 mod gjk;
 mod half_space;
 mod many;
+mod round;
 mod simplex;
 
 use self::core::Gap;

@@ -8,7 +8,7 @@ use crate::collision::distance::{Core, Pair, convex_gap};
 use crate::spatial::{Placement, Vector3};
 
 /// How far a point is from a surface, negative inside, and the place on it that is nearest.
-type Nearest = (f64, Vector3<f64>);
+pub(crate) type Nearest = (f64, Vector3<f64>);
 
 impl Shape {
     /// How far a point in the shape's own coordinates is from its surface, negative inside. Exact but for rounding;
@@ -26,8 +26,8 @@ impl Shape {
                 let along = p.z.clamp(-0.5 * length, 0.5 * length);
                 from_core(p, Vector3::new(0.0, 0.0, along), *radius)
             }
-            ShapeKind::Cylinder { radius, length } => cylinder(p, *radius, 0.5 * length),
-            ShapeKind::Cuboid { size } => cuboid(p, Vector3::from(*size) * 0.5),
+            ShapeKind::Cylinder { radius, length } => nearest_on_cylinder(p, *radius, 0.5 * length),
+            ShapeKind::Cuboid { size } => nearest_on_cuboid(p, Vector3::from(*size) * 0.5),
             ShapeKind::HalfSpace => (p.z, Vector3::new(p.x, p.y, 0.0)),
             ShapeKind::Convex(hull) => convex(p, hull),
             ShapeKind::Mesh(mesh) => of_mesh(p, mesh),
@@ -49,7 +49,8 @@ fn from_core(p: Vector3<f64>, core: Vector3<f64>, radius: f64) -> Nearest {
     (far - radius, core + way * radius)
 }
 
-fn cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Nearest {
+/// Of a cylinder along z.
+pub(crate) fn nearest_on_cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Nearest {
     let across = p.x.mul_add(p.x, p.y * p.y).sqrt();
     let (x, y) = match across > 0.0 {
         true => (p.x / across, p.y / across),
@@ -69,7 +70,8 @@ fn cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Nearest {
     }
 }
 
-fn cuboid(p: Vector3<f64>, half: Vector3<f64>) -> Nearest {
+/// Of a box by its half lengths.
+pub(crate) fn nearest_on_cuboid(p: Vector3<f64>, half: Vector3<f64>) -> Nearest {
     let beyond = [p.x.abs() - half.x, p.y.abs() - half.y, p.z.abs() - half.z];
     let (place, half) = (p.to_array(), half.to_array());
     let mut nearest = place;
