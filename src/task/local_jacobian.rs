@@ -15,10 +15,17 @@ pub struct LocalJacobian {
     angular: Vec<Vector3<f64>>,
     turning: Vec<bool>,
     joint_count: usize,
-    /// Rows × joints by columns; empty until a column is written.
-    joints: Vec<f64>,
-    /// ∂row k/∂joint k where that is all there is; empty unless written.
-    diagonal: Vec<f64>,
+    /// What each joint moves; empty until something is written.
+    columns: Vec<Column>,
+    entries: Vec<f64>,
+}
+
+/// The rows that one joint moves, side by side, and where their entries stand.
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    first_row: usize,
+    first: usize,
+    count: usize,
 }
 
 impl LocalJacobian {
@@ -32,8 +39,8 @@ impl LocalJacobian {
         self.turning.clear();
         self.turning.resize(frames, false);
         self.joint_count = joints;
-        self.joints.clear();
-        self.diagonal.clear();
+        self.columns.clear();
+        self.entries.clear();
     }
 
     /// Makes room for a residual of this shape.
@@ -41,8 +48,8 @@ impl LocalJacobian {
         make_room(&mut self.linear, rows * frames);
         make_room(&mut self.angular, rows * frames);
         make_room(&mut self.turning, frames);
-        make_room(&mut self.joints, rows * joints);
-        make_room(&mut self.diagonal, rows.min(joints));
+        make_room(&mut self.columns, joints);
+        make_room(&mut self.entries, rows * joints);
     }
 
     /// How many rows the residual has.
@@ -73,11 +80,14 @@ impl LocalJacobian {
         }
     }
 
-    /// The non-zero entries of ∂r/∂value of a joint, as (row, entry).
+    /// The entries of ∂r/∂value of a joint that may not be zero, as (row, entry).
     pub(crate) fn joint(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let column = self.joints.get(self.range(joint)).unwrap_or_default();
-        let own = self.diagonal.get(joint).map(|&entry| (joint, entry));
-        column.iter().copied().enumerate().chain(own)
+        let column = self.columns.get(joint).copied();
+        let (first_row, own) = column.map_or((0, 0..0), |column| {
+            (column.first_row, column.first..column.first + column.count)
+        });
+        let entries = self.entries.get(own).unwrap_or_default();
+        (first_row..).zip(entries.iter().copied())
     }
 
     /// ∂r/∂velocity of a frame, to write; empty for a frame that the residual does not read.
@@ -102,16 +112,59 @@ impl LocalJacobian {
 
     /// ∂r/∂value of a joint, to write; empty for a joint that the residual does not read.
     pub fn joint_mut(&mut self, joint: usize) -> &mut [f64] {
-        self.joints.resize(self.rows * self.joint_count, 0.0);
+        if self.columns.iter().any(|column| column.count < self.rows) || self.columns.is_empty() {
+            self.make_dense();
+        }
         let range = self.range(joint);
-        self.joints.get_mut(range).unwrap_or_default()
+        self.entries.get_mut(range).unwrap_or_default()
+    }
+
+    /// Gives every joint all rows.
+    fn make_dense(&mut self) {
+        let (rows, joints) = (self.rows, self.joint_count);
+        let sparse = std::mem::take(&mut self.columns);
+        let few = match sparse.is_empty() {
+            true => Vec::new(),
+            false => std::mem::take(&mut self.entries),
+        };
+        self.entries.clear();
+        self.entries.resize(rows * joints, 0.0);
+        for (joint, own) in sparse.iter().enumerate() {
+            let to = &mut self.entries[joint * rows + own.first_row..][..own.count];
+            to.copy_from_slice(&few[own.first..own.first + own.count]);
+        }
+        self.columns = sparse;
+        self.columns.clear();
+        self.columns.extend((0..joints).map(|joint| Column {
+            first_row: 0,
+            first: joint * rows,
+            count: rows,
+        }));
     }
 
     /// Says that row k depends on joint k alone, with these derivatives.
     pub fn set_diagonal(&mut self, entries: impl IntoIterator<Item = f64>) {
-        self.diagonal.clear();
-        self.diagonal
-            .extend(entries.into_iter().take(self.rows.min(self.joint_count)));
+        self.columns.clear();
+        self.entries.clear();
+        let most = self.rows.min(self.joint_count);
+        for (joint, entry) in entries.into_iter().take(most).enumerate() {
+            self.push_column(joint, [entry]);
+        }
+    }
+
+    /// Says which rows the next joint moves, from one on, and how.
+    pub(super) fn push_column(
+        &mut self,
+        first_row: usize,
+        entries: impl IntoIterator<Item = f64>,
+    ) {
+        let first = self.entries.len();
+        self.entries.extend(entries);
+        self.columns.push(Column {
+            first_row,
+            first,
+            count: self.entries.len() - first,
+        });
     }
 
     /// Multiplies each row by its weight.
@@ -128,13 +181,12 @@ impl LocalJacobian {
         for (frame, _) in frames.filter(|(_, turning)| **turning) {
             scale(frame);
         }
-        for row in self.joints.chunks_exact_mut(rows) {
-            for (entry, &weight) in row.iter_mut().zip(weights) {
+        for column in &self.columns {
+            let own = self.entries[column.first..].iter_mut().take(column.count);
+            let weights = weights.iter().skip(column.first_row);
+            for (entry, &weight) in own.zip(weights) {
                 *entry *= weight;
             }
-        }
-        for (entry, &weight) in self.diagonal.iter_mut().zip(weights) {
-            *entry *= weight;
         }
     }
 }

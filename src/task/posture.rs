@@ -3,7 +3,7 @@
 use super::residual::{moved_by, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
 use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
-use crate::scalar::Scalar;
+use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Quaternion, Vector3};
 
 /// r = q ⊖ reference, a row a joint, in the joint's own unit; a ball has three, the rotation vector from its
@@ -104,19 +104,42 @@ impl Posture {
         }
     }
 
-    /// Writes the derivatives where every row is of one number, all `slope`.
+    /// Writes the derivatives at some values, times `slope`.
     pub(super) fn differentiate_values(
         &self,
-        values: usize,
+        joints: &[f64],
         slope: f64,
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        if self.is_ball.contains(&true) {
-            return false;
+        let weights = || self.weights.iter().copied().chain(std::iter::repeat(1.0));
+        if !self.is_ball.contains(&true) {
+            jacobian.set_diagonal(weights().take(joints.len()).map(|weight| weight * slope));
+            return true;
         }
-        match self.weights.is_empty() {
-            true => jacobian.set_diagonal(std::iter::repeat_n(slope, values)),
-            false => jacobian.set_diagonal(self.weights.iter().map(|weight| weight * slope)),
+        let (mut first, mut row) = (0, 0);
+        for (&is_ball, weight) in self.is_ball.iter().zip(weights()) {
+            let own = weight * slope;
+            if !is_ball {
+                jacobian.push_column(row, [own]);
+                (first, row) = (first + 1, row + 1);
+                continue;
+            }
+            let at = first..first + 4;
+            let (Some(values), Some(reference)) =
+                (joints.get(at.clone()), self.reference.get(at.clone()))
+            else {
+                return false;
+            };
+            let mut variables = [Dual::constant(0.0); 4];
+            for (k, (variable, &value)) in variables.iter_mut().zip(values).enumerate() {
+                *variable = Dual::<4>::variable(value, k);
+            }
+            let turn = turn_from(reference, variables, &[]);
+            for k in 0..4 {
+                let entries = turn.map(|part| part.derivatives()[k] * weight * slope);
+                jacobian.push_column(row, entries);
+            }
+            (first, row) = (at.end, row + 3);
         }
         true
     }
@@ -148,25 +171,33 @@ impl Posture {
             let (own, rest) = values.split_at(coordinates);
             let (reference, other_references) = references.split_at(coordinates);
             let (row, other_rows) = rows.split_at_mut(own_rows);
-            match (own, quaternion_at(reference).filter(|_| is_ball)) {
-                (&[w, x, y, z], Some(Quaternion { w: real, v })) => {
-                    let back = Quaternion {
-                        w: S::constant(real),
-                        v: Vector3::constant(-v),
-                    };
-                    let v = Vector3::new(x, y, z);
-                    let mut turn = back * Quaternion { w, v };
-                    if let [x, y, z, ..] = *step {
-                        turn = Quaternion::exp(-Vector3::new(x, y, z)) * turn;
-                    }
-                    row.copy_from_slice(&turn.log().to_array());
-                }
+            match own {
+                &[w, x, y, z] => row.copy_from_slice(&turn_from(reference, [w, x, y, z], step)),
                 _ => row[0] = own[0] - moved_by(reference[0], step),
             }
             step = step.get(own_rows..).unwrap_or_default();
             (values, references, rows) = (rest, other_references, other_rows);
         }
     }
+}
+
+/// The rotation vector from a quaternion, which a step turns, to another. From none
+/// there is no turn.
+fn turn_from<S: Scalar>(reference: &[f64], to: [S; 4], step: &[S]) -> [S; 3] {
+    let Some(Quaternion { w: real, v }) = quaternion_at(reference) else {
+        return [S::zero(); 3];
+    };
+    let back = Quaternion {
+        w: S::constant(real),
+        v: Vector3::constant(-v),
+    };
+    let [w, x, y, z] = to;
+    let v = Vector3::new(x, y, z);
+    let mut turn = back * Quaternion { w, v };
+    if let [x, y, z, ..] = *step {
+        turn = Quaternion::exp(-Vector3::new(x, y, z)) * turn;
+    }
+    turn.log().to_array()
 }
 
 impl Residual for Posture {
@@ -222,7 +253,7 @@ impl Residual for Posture {
         joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        self.differentiate_values(joints.len(), 1.0, jacobian)
+        self.differentiate_values(joints, 1.0, jacobian)
     }
 
     fn validate(&self) -> Result<(), String> {

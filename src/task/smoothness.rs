@@ -93,7 +93,7 @@ impl Residual for Smoothness {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         self.previous
-            .differentiate_values(joints.len(), 1.0 / self.time_step_s, jacobian)
+            .differentiate_values(joints, 1.0 / self.time_step_s, jacobian)
     }
 
     fn validate(&self) -> Result<(), String> {

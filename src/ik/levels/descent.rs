@@ -81,14 +81,8 @@ impl Descent {
             self.jacobian = DMatrix::zeros(pulls, n);
         }
         let held = self.held.fit(problem, rank);
-        let own = match rank < problem.ranks().levels() {
-            true => {
-                self.newton.fit(n, problem.rows_of(Share::above(rank + 1)));
-                n
-            }
-            false => pulls,
-        };
-        self.step.reserve(held, own, n);
+        self.newton.fit(n, problem.rows_of(Share::above(rank + 1)));
+        self.step.reserve(held, pulls, n);
     }
 
     /// Goes from a place to where the rank gains nothing more: a level's goals in so many steps at most,
@@ -107,9 +101,12 @@ impl Descent {
         if reached && !from.kept.is_empty() {
             self.return_to(asked, from.kept);
         }
-        match is_level {
-            true => self.by_newton(asked, extent.of_levels(), observer),
-            false => self.by_conjugate_steps(asked, extent.of_preferences(reached), observer),
+        match (is_level, extent) {
+            (true, _) => self.by_newton(asked, extent.of_levels(), observer),
+            (false, Extent::Whole) => {
+                self.by_newton(asked, extent.of_preferences(reached), observer)
+            }
+            (false, _) => self.by_conjugate_steps(asked, extent.of_preferences(reached), observer),
         }
     }
 

@@ -5,10 +5,8 @@
 //! multipliers λ of the levels above (Nocedal & Wright 2006, section 18.3), and damped until the model has a
 //! minimum and the step keeps what it promises.
 
-use nalgebra::DMatrix;
-
 use super::asked::Asked;
-use super::descent::{Descended, Descent, multiply};
+use super::descent::{Descended, Descent};
 use super::extent::Steps;
 use super::slope_differences::{SlopeDifferences, Weighted, release};
 use crate::problem::Share;
@@ -25,6 +23,8 @@ const GOOD: f64 = 0.7;
 const POOR: f64 = 0.2;
 /// Dampings tried in a row without a gain.
 const TRIALS: usize = 14;
+/// What a step promises, as a share of the cost, that rounding hides.
+const HIDDEN: f64 = 1e-13;
 /// What is left of the slope, as a share of J's length times the residual's, where nothing more is to be gained.
 const LEVEL: f64 = 1e-10;
 
@@ -32,14 +32,14 @@ const LEVEL: f64 = 1e-10;
 #[derive(Clone, Debug, Default)]
 pub(super) struct NewtonMemory {
     above: RowSpan,
-    /// Which variables a bound holds.
+    /// Which variables a bound holds, and those with which a step came to one.
     pinned: Vec<bool>,
-    /// ∇L, then its projection; and at a neighbour.
-    slopes: [Vec<f64>; 2],
+    stopped: Vec<bool>,
+    /// ∇L, then its projection.
+    slope: Vec<f64>,
     /// What multiplies the gradients of all rows in ∇L.
     weights: Vec<f64>,
     differences: SlopeDifferences,
-    hessian: DMatrix<f64>,
     model: TangentNewton,
 }
 
@@ -47,14 +47,10 @@ impl NewtonMemory {
     /// Makes room for so many variables, and rows of a level and those above it.
     pub(super) fn fit(&mut self, variables: usize, rows: usize) {
         self.pinned.resize(variables, false);
-        for slope in &mut self.slopes {
-            slope.resize(variables, 0.0);
-        }
+        self.stopped.resize(variables, false);
+        self.slope.resize(variables, 0.0);
         self.weights.resize(rows, 0.0);
         self.differences.fit(variables, rows);
-        if self.hessian.ncols() != variables {
-            self.hessian = DMatrix::zeros(variables, variables);
-        }
     }
 }
 
@@ -96,14 +92,22 @@ impl Descent {
                 return end(iterations, Some(Termination::IterationLimit));
             }
             iterations += 1;
+            if !self.step.take_pulls(&self.jacobian, &self.pulls) {
+                return end(iterations, None);
+            }
             self.take_hessian(asked);
             let stiffest = self.newton.model.stiffest();
             let mut now_damping = damping.unwrap_or(FIRST_DAMPING * stiffest);
-            let mut gained = false;
+            let (mut gained, mut is_last) = (false, false);
             for _ in 0..TRIALS {
                 let promised = self.aim_newton(asked, now_damping);
                 let won = promised.map(|promised| (promised, cost - self.try_step(asked)));
                 match won {
+                    // What rounding hides is taken at its word, and is the last.
+                    Some((promised, won)) if promised <= HIDDEN * cost => {
+                        (gained, is_last) = (won >= -HIDDEN * cost, true);
+                        break;
+                    }
                     Some((promised, won)) if won > 0.0 => {
                         let kept = won / promised;
                         if kept > GOOD {
@@ -117,8 +121,6 @@ impl Descent {
                         gained = true;
                         break;
                     }
-                    // A promise that rounding hides is none.
-                    Some((promised, _)) if promised <= f64::EPSILON * cost => break,
                     _ => now_damping = FACTOR * now_damping.max(LEAST_DAMPING * stiffest),
                 }
             }
@@ -130,6 +132,9 @@ impl Descent {
             let way = &mut self.last_best;
             moved = question.space().distance(&self.trial, &self.x, way);
             std::mem::swap(&mut self.x, &mut self.trial);
+            if is_last {
+                return end(iterations, None);
+            }
         }
     }
 
@@ -154,7 +159,7 @@ impl Descent {
         held.take_rows(asked, &self.x, &self.fixed);
         // First without what stands on a bound, then with what would leave it.
         for round in 0..2 {
-            let [slope, _] = &mut newton.slopes;
+            let slope = &mut newton.slope;
             for (slope, column) in slope.iter_mut().zip(columns()) {
                 *slope = dot(column, pulls);
             }
@@ -171,26 +176,24 @@ impl Descent {
             held.multiply(problem, above, slope, weights);
             if round == 0 {
                 for (j, pinned) in newton.pinned.iter_mut().enumerate() {
-                    *pinned = self.fixed[j] || space.holds(&self.x, j, newton.slopes[0][j], 0.0);
+                    *pinned = self.fixed[j] || space.holds(&self.x, j, newton.slope[j], 0.0);
                 }
             }
         }
         let own = newton.weights.len() - pulls.len();
         newton.weights[own..].copy_from_slice(pulls);
-        let [slope, _] = &mut newton.slopes;
+        let slope = &mut newton.slope;
         release(slope, &newton.pinned);
         newton.above.project_out(slope);
         let left = dot(slope, slope).sqrt();
         left <= LEVEL * (longest * dot(pulls, pulls)).sqrt()
     }
 
-    /// P ∇²L P at x.
+    /// ∇²L along what is free at x.
     fn take_hessian(&mut self, asked: &mut Asked<'_, '_>) {
-        let n = self.x.len();
         let NewtonMemory {
             weights,
             differences,
-            hessian,
             pinned,
             above,
             model,
@@ -201,43 +204,35 @@ impl Descent {
             multipliers: weights,
             own: weights.len() - self.pulls.len()..weights.len(),
         };
-        hessian.as_mut_slice().fill(0.0);
-        differences.columns(asked, &of, &self.x, pinned, |j, column| {
-            hessian.as_mut_slice()[j * n..(j + 1) * n].copy_from_slice(column);
+        above.complement(pinned, &mut model.directions);
+        differences.stand(asked, &of, &self.x);
+        model.take(self.x.len(), |direction, image| {
+            differences.along(asked, &of, (&self.x, direction), image);
         });
-        model.take(hessian, above);
     }
 
     /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
     /// minimum.
     fn aim_newton(&mut self, asked: &Asked<'_, '_>, damping: f64) -> Option<f64> {
-        let Self {
-            newton,
-            held,
-            step,
-            best,
+        let NewtonMemory {
+            model,
+            slope,
+            pinned,
             ..
-        } = self;
-        let [slope, _] = &newton.slopes;
-        let model = &mut newton.model;
-        if !model.minimise(damping, slope) || !step.take_pulls(&model.rows, &model.residual) {
-            return None;
-        }
+        } = &mut self.newton;
         let within = StepBounds {
             x: &self.x,
             space: asked.question.space(),
-            fixed: &newton.pinned,
+            fixed: pinned,
         };
-        step.pull(held.rows(), &model.rows, &model.residual, &within, best);
+        let whole = model.minimise(damping, slope, &within, &mut self.best)?;
         self.direction.copy_from_slice(&self.best);
         let share = self.longest_share(asked.question).min(1.0);
         for entry in &mut self.best {
             *entry *= share;
         }
-        let [slope, effect] = &mut self.newton.slopes;
-        multiply(&self.newton.model.rows, &self.best, effect);
-        let linear = dot(slope, &self.best);
-        let promised = -linear - 0.5 * dot(effect, effect);
+        let linear = -dot(&self.newton.slope, &self.direction);
+        let promised = share * (linear - share * (linear - whole));
         (promised > 0.0).then_some(promised)
     }
 
@@ -251,9 +246,22 @@ impl Descent {
             trial,
             step,
             fixed,
+            best,
+            newton,
             ..
         } = self;
-        match held.bring_back(asked, trial, step, fixed) {
+        // What came to a bound stays there, if that can be.
+        let stopped = newton.stopped.iter_mut().zip(&newton.pinned);
+        for (j, (stopped, pinned)) in stopped.enumerate() {
+            *stopped = *pinned || !space.is_between_bounds(trial, j);
+        }
+        let mut back = held.bring_back(asked, trial, step, &newton.stopped);
+        if !back && newton.stopped != *fixed {
+            space.integrate(&self.x, best, trial);
+            space.project(trial);
+            back = held.bring_back(asked, trial, step, fixed);
+        }
+        match back {
             true => {
                 asked.counts.residuals += 1;
                 let now = self.cost_at_trial(asked);

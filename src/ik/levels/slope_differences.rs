@@ -88,6 +88,32 @@ impl SlopeDifferences {
         }
         self.trial = trial;
     }
+
+    /// Takes the slope at x, for its derivatives [along](Self::along) directions.
+    pub(super) fn stand(&mut self, asked: &mut Asked<'_, '_>, of: &Weighted<'_>, x: &[f64]) {
+        self.slope(asked, of, x, &[]);
+        std::mem::swap(&mut self.here, &mut self.there);
+    }
+
+    /// Writes the derivative of the slope along a direction of length 1, from where it stands at x.
+    pub(super) fn along(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        of: &Weighted<'_>,
+        (x, direction): (&[f64], &[f64]),
+        derivative: &mut [f64],
+    ) {
+        let mut trial = std::mem::take(&mut self.trial);
+        let largest = x.iter().fold(1.0_f64, |most, value| most.max(value.abs()));
+        let share = f64::EPSILON.sqrt() * largest;
+        let space = asked.question.space();
+        space.integrate_share(x, share, direction, &mut trial);
+        self.slope(asked, of, &trial, &[]);
+        for ((derivative, there), here) in derivative.iter_mut().zip(&self.there).zip(&self.here) {
+            *derivative = (there - here) / share;
+        }
+        self.trial = trial;
+    }
 }
 
 /// What fixed variables would do counts for nothing.

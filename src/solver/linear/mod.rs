@@ -1,6 +1,7 @@
 //! Small dense linear algebra in memory that is reused: nalgebra's factorisations take ownership
 //! and allocate on every call.
 
+mod bounded_projection;
 mod cholesky;
 mod complete_orthogonal;
 mod curved_normal;

@@ -14,6 +14,8 @@ pub(crate) struct RowSpan {
     rows: Vec<usize>,
     left: Vec<f64>,
     multipliers: Vec<f64>,
+    /// How much of each variable's own direction no vector takes, squared.
+    untaken: Vec<f64>,
 }
 
 impl RowSpan {
@@ -53,6 +55,44 @@ impl RowSpan {
         for direction in self.basis.chunks_exact(vector.len().max(1)) {
             let along = dot(direction, vector);
             add_scaled(vector, -along, direction);
+        }
+    }
+
+    /// Writes orthonormal directions of the variables that are not fixed, as many as there are that no row feels, one
+    /// after the other. Rows must have nothing for fixed variables.
+    pub(crate) fn complement(&mut self, fixed: &[bool], directions: &mut Vec<f64>) {
+        let n = fixed.len();
+        let basis = self.basis.chunks_exact(n.max(1));
+        self.untaken.clear();
+        let free = fixed.iter().map(|&fixed| if fixed { -1.0 } else { 1.0 });
+        self.untaken.extend(free);
+        for vector in basis.clone() {
+            for (untaken, entry) in self.untaken.iter_mut().zip(vector) {
+                *untaken -= entry * entry;
+            }
+        }
+        let free = fixed.iter().filter(|fixed| !**fixed).count();
+        directions.clear();
+        for _ in self.rows.len()..free {
+            let most = (0..n).max_by(|&a, &b| self.untaken[a].total_cmp(&self.untaken[b]));
+            let Some(most) = most else { return };
+            let done = directions.len();
+            directions.resize(done + n, 0.0);
+            let (others, own) = directions.split_at_mut(done);
+            own[most] = 1.0;
+            // Twice, as Gram-Schmidt on rows.
+            for _ in 0..2 {
+                for vector in basis.clone().chain(others.chunks_exact(n.max(1))) {
+                    let along = dot(vector, own);
+                    add_scaled(own, -along, vector);
+                }
+            }
+            let length = dot(own, own).sqrt();
+            for (untaken, entry) in self.untaken.iter_mut().zip(&mut *own) {
+                *entry /= length;
+                *untaken -= *entry * *entry;
+            }
+            self.untaken[most] = -1.0;
         }
     }
 
@@ -113,6 +153,28 @@ mod tests {
         for row in rows {
             let along: f64 = row.iter().zip(&rest).map(|(a, b)| a * b).sum();
             assert!(along.abs() < 1e-14, "{along}");
+        }
+    }
+
+    #[test]
+    fn the_complement_is_orthonormal_and_all_that_no_row_feels() {
+        let rows = [[1.0, 2.0, 0.0, -1.0, 0.4], [0.5, 0.0, 0.0, 1.0, -0.3]];
+        let mut space = RowSpan::default();
+        for (number, row) in rows.iter().enumerate() {
+            space.add(number, row.iter().copied(), 1e-10);
+        }
+        let (fixed, mut directions) = ([false, false, true, false, false], Vec::new());
+        space.complement(&fixed, &mut directions);
+        assert_eq!(directions.len(), 2 * 5);
+        let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for (k, direction) in directions.chunks_exact(5).enumerate() {
+            assert_eq!(direction[2], 0.0);
+            for row in &rows {
+                assert!(inner(direction, row).abs() < 1e-14);
+            }
+            for (j, other) in directions.chunks_exact(5).enumerate() {
+                assert!((inner(direction, other) - f64::from(j == k)).abs() < 1e-14);
+            }
         }
     }
 }

@@ -1,50 +1,52 @@
-//! Newton's model along what some rows leave free, as a least-squares problem.
+//! The best step by Newton's model along what some rows leave free, within bounds.
 
-use nalgebra::DMatrix;
-
+use super::bounded_projection::BoundedProjection;
 use super::cholesky;
-use super::row_span::RowSpan;
+use super::dense::dot;
+use super::held_step::StepBounds;
 
-/// ½ Δᵀ(P H P + μ I)Δ + gᵀPΔ as ½‖E Δ + e‖², P the projection along the rows' span, for variables that may move.
+/// ½ wᵀ(ZᵀHZ + μ I)w + gᵀZ w for orthonormal directions Z that rows leave free. With ZᵀHZ + μ I = L Lᵀ, u = Lᵀw and
+/// e = L⁻¹Zᵀg it is ½‖u + e‖² less a constant, and the step Z w has the components L⁻¹zⱼ · u.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TangentNewton {
-    /// P H P, by rows.
+    /// Z, direction by direction.
+    pub(crate) directions: Vec<f64>,
+    /// ZᵀHZ.
     hessian: Vec<f64>,
     factor: Vec<f64>,
     pivot_column: Vec<f64>,
-    column: Vec<f64>,
     /// The largest entry of the diagonal.
     stiffest: f64,
-    pub(crate) rows: DMatrix<f64>,
-    pub(crate) residual: Vec<f64>,
+    image: Vec<f64>,
+    e: Vec<f64>,
+    /// L⁻¹zⱼ, variable by variable.
+    rows: Vec<f64>,
+    projection: BoundedProjection,
 }
 
 impl TangentNewton {
-    /// Takes H, column by column; what it has for fixed variables must be zero.
-    pub(crate) fn take(&mut self, hessian: &DMatrix<f64>, above: &RowSpan) {
-        let n = hessian.ncols();
-        self.hessian.resize(n * n, 0.0);
-        // P H, column by column, …
-        for (j, column) in hessian.as_slice().chunks_exact(n.max(1)).enumerate() {
-            self.column.clear();
-            self.column.extend_from_slice(column);
-            above.project_out(&mut self.column);
-            for (row, &entry) in self.column.iter().enumerate() {
-                self.hessian[row * n + j] = entry;
+    /// Takes HZ for so many variables, whose columns are asked for one by one.
+    pub(crate) fn take(&mut self, variables: usize, mut image: impl FnMut(&[f64], &mut [f64])) {
+        let count = self.directions.len().checked_div(variables).unwrap_or(0);
+        let directions = || self.directions.chunks_exact(variables.max(1));
+        let hessian = &mut self.hessian;
+        hessian.clear();
+        hessian.resize(count * count, 0.0);
+        self.image.resize(variables, 0.0);
+        for (k, direction) in directions().enumerate() {
+            image(direction, &mut self.image);
+            for (j, other) in directions().enumerate() {
+                hessian[k * count + j] = dot(other, &self.image);
             }
-        }
-        // … then each of its rows times P, and the symmetric part of that.
-        for row in self.hessian.chunks_exact_mut(n.max(1)) {
-            above.project_out(row);
         }
         self.stiffest = 0.0;
-        for row in 0..n {
+        for row in 0..count {
             for column in 0..=row {
-                let mean = 0.5 * (self.hessian[row * n + column] + self.hessian[column * n + row]);
-                self.hessian[row * n + column] = mean;
-                self.hessian[column * n + row] = mean;
+                let mean = 0.5 * (hessian[row * count + column] + hessian[column * count + row]);
+                hessian[row * count + column] = mean;
+                hessian[column * count + row] = mean;
             }
-            self.stiffest = self.stiffest.max(self.hessian[row * n + row].abs());
+            self.stiffest = self.stiffest.max(hessian[row * count + row].abs());
         }
     }
 
@@ -53,32 +55,50 @@ impl TangentNewton {
         self.stiffest
     }
 
-    /// Writes E and e for a damping μ and the projected slope P g. False where the model has no minimum.
-    pub(crate) fn minimise(&mut self, damping: f64, slope: &[f64]) -> bool {
+    /// Writes the best step for a damping μ and the slope g, within bounds; by how much the model falls along it. None
+    /// where the model has no minimum.
+    pub(crate) fn minimise(
+        &mut self,
+        damping: f64,
+        slope: &[f64],
+        within: &StepBounds<'_>,
+        step: &mut [f64],
+    ) -> Option<f64> {
         let n = slope.len();
+        let count = self.directions.len().checked_div(n).unwrap_or(0);
         self.factor.clear();
         self.factor.extend_from_slice(&self.hessian);
+        for j in 0..count {
+            self.factor[j * count + j] += damping;
+        }
+        if !cholesky::factorise(&mut self.factor, count, &mut self.pivot_column) {
+            return None;
+        }
+        let directions = || self.directions.chunks_exact(n.max(1));
+        self.e.clear();
+        self.e
+            .extend(directions().map(|direction| dot(direction, slope)));
+        solve_lower(&self.factor, &mut self.e);
+        self.rows.clear();
         for j in 0..n {
-            self.factor[j * n + j] += damping;
+            let first = self.rows.len();
+            self.rows.extend(directions().map(|direction| direction[j]));
+            solve_lower(&self.factor, &mut self.rows[first..]);
         }
-        if !cholesky::factorise(&mut self.factor, n, &mut self.pivot_column) {
-            return false;
+        let room = |j: usize| within.space.room(within.x, j);
+        let fallen = self.projection.project(&self.e, &self.rows, n, room);
+        let components = step.iter_mut().zip(&self.projection.products);
+        for ((step, product), fixed) in components.zip(within.fixed) {
+            *step = if *fixed { 0.0 } else { *product };
         }
-        if self.rows.shape() != (n, n) {
-            self.rows = DMatrix::zeros(n, n);
-        }
-        self.residual.resize(n, 0.0);
-        // E = Lᵀ: its column j is row j of L, whose diagonal is kept inverted.
-        for (j, row) in self.factor.chunks_exact(n.max(1)).enumerate() {
-            let column = &mut self.rows.as_mut_slice()[j * n..(j + 1) * n];
-            column.fill(0.0);
-            column[..j].copy_from_slice(&row[..j]);
-            column[j] = if row[j] > 0.0 { 1.0 / row[j] } else { 0.0 };
-            let known: f64 = (row[..j].iter().zip(&self.residual))
-                .map(|(l, e)| l * e)
-                .sum();
-            self.residual[j] = (slope[j] - known) * row[j];
-        }
-        true
+        Some(fallen)
+    }
+}
+
+/// L⁻¹ b, for an L whose diagonal is kept inverted.
+fn solve_lower(factor: &[f64], b: &mut [f64]) {
+    let order = b.len();
+    for (k, row) in factor.chunks_exact(order.max(1)).enumerate() {
+        b[k] = (b[k] - dot(&row[..k], &b[..k])) * row[k];
     }
 }
