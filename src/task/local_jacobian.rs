@@ -153,11 +153,7 @@ impl LocalJacobian {
     }
 
     /// Says which rows the next joint moves, from one on, and how.
-    pub(super) fn push_column(
-        &mut self,
-        first_row: usize,
-        entries: impl IntoIterator<Item = f64>,
-    ) {
+    pub(super) fn push_column(&mut self, first_row: usize, entries: impl IntoIterator<Item = f64>) {
         let first = self.entries.len();
         self.entries.extend(entries);
         self.columns.push(Column {

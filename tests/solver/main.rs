@@ -16,6 +16,7 @@ mod nudges;
 mod overextended_arm;
 mod preferences;
 mod preferences_at_misses;
+mod preferences_on_bodies;
 mod pulls;
 mod reported_errors;
 mod restarts;

@@ -32,11 +32,19 @@ const LEVEL: f64 = 1e-10;
 #[derive(Clone, Debug, Default)]
 pub(super) struct NewtonMemory {
     above: RowSpan,
-    /// Which variables a bound holds, and those with which a step came to one.
+    /// Which variables a bound holds.
     pinned: Vec<bool>,
+    /// On which bounds the last step's model came to rest, if there was one.
+    resting: Vec<bool>,
+    has_stepped: bool,
+    /// Whether the next step's model weighs which bounds hold: it bends down more often then, as bounds hold what
+    /// would fall, and its steps are shorter.
+    weighs_bounds: bool,
+    /// With which the step came to one.
     stopped: Vec<bool>,
-    /// ∇L, then its projection.
+    /// ∇L, and what is left of it along what is free.
     slope: Vec<f64>,
+    left: Vec<f64>,
     /// What multiplies the gradients of all rows in ∇L.
     weights: Vec<f64>,
     differences: SlopeDifferences,
@@ -47,10 +55,32 @@ impl NewtonMemory {
     /// Makes room for so many variables, and rows of a level and those above it.
     pub(super) fn fit(&mut self, variables: usize, rows: usize) {
         self.pinned.resize(variables, false);
+        self.resting.resize(variables, false);
         self.stopped.resize(variables, false);
         self.slope.resize(variables, 0.0);
+        self.left.resize(variables, 0.0);
         self.weights.resize(rows, 0.0);
         self.differences.fit(variables, rows);
+        self.above.reserve(variables, variables);
+        self.model.reserve(variables);
+    }
+}
+
+/// What the steps of one model came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tried {
+    Gained,
+    /// So little was promised that rounding hides it; whether the step is as good as where it set off.
+    Hidden {
+        settles: bool,
+    },
+    Nothing,
+}
+
+impl Tried {
+    /// Whether the last trial is where it goes on.
+    fn moves(self) -> bool {
+        matches!(self, Self::Gained | Self::Hidden { settles: true })
     }
 }
 
@@ -64,19 +94,21 @@ impl Descent {
     ) -> Descended {
         let question = asked.question;
         let limit = steps.min(asked.stopping.max_iterations());
-        let (mut iterations, mut moved, mut damping) = (0, 0.0, None);
+        let (mut iterations, mut moved, mut dampings) = (0, 0.0, [None; 2]);
         let end = |iterations, cut| Descended { iterations, cut };
+        (self.newton.weighs_bounds, self.newton.has_stepped) = (true, false);
         loop {
             let cost = self.cost_at_x(asked);
             if !cost.is_finite() {
                 return end(iterations, Some(Termination::NonFinite));
             }
+            let weighs = usize::from(self.newton.weighs_bounds);
             let seen = observer.observe(&Iteration {
                 index: iterations,
                 cost,
                 projected_gradient: None,
                 step: moved,
-                control: damping.unwrap_or(0.0),
+                control: dampings[weighs].unwrap_or(0.0),
                 x: &self.x,
             });
             if seen.is_break() {
@@ -95,47 +127,59 @@ impl Descent {
             if !self.step.take_pulls(&self.jacobian, &self.pulls) {
                 return end(iterations, None);
             }
-            self.take_hessian(asked);
-            let stiffest = self.newton.model.stiffest();
-            let mut now_damping = damping.unwrap_or(FIRST_DAMPING * stiffest);
-            let (mut gained, mut is_last) = (false, false);
-            for _ in 0..TRIALS {
-                let promised = self.aim_newton(asked, now_damping);
-                let won = promised.map(|promised| (promised, cost - self.try_step(asked)));
-                match won {
-                    // What rounding hides is taken at its word, and is the last.
-                    Some((promised, won)) if promised <= HIDDEN * cost => {
-                        (gained, is_last) = (won >= -HIDDEN * cost, true);
-                        break;
-                    }
-                    Some((promised, won)) if won > 0.0 => {
-                        let kept = won / promised;
-                        if kept > GOOD {
-                            now_damping /= FACTOR;
-                            if now_damping < LEAST_DAMPING * stiffest {
-                                now_damping = 0.0;
-                            }
-                        } else if kept < POOR {
-                            now_damping = FACTOR * now_damping.max(LEAST_DAMPING * stiffest);
-                        }
-                        gained = true;
-                        break;
-                    }
-                    _ => now_damping = FACTOR * now_damping.max(LEAST_DAMPING * stiffest),
+            let (tried, damping) = self.go_on(asked, cost, dampings[weighs]);
+            dampings[weighs] = Some(damping);
+            if tried.moves() {
+                // What was best before is done with.
+                let way = &mut self.last_best;
+                moved = question.space().distance(&self.trial, &self.x, way);
+                std::mem::swap(&mut self.x, &mut self.trial);
+            }
+            let is_kept = self.newton.pinned != self.fixed;
+            self.newton.weighs_bounds = match tried {
+                Tried::Gained => false,
+                _ if weighs == 0 && is_kept => true,
+                _ => return end(iterations, None),
+            };
+        }
+    }
+
+    /// Tries steps by Newton's model at x with more and more damping, until one gains; the damping for the next.
+    fn go_on(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        cost: f64,
+        damping: Option<f64>,
+    ) -> (Tried, f64) {
+        self.take_hessian(asked);
+        let stiffest = self.newton.model.stiffest();
+        let more = |damping: f64| FACTOR * damping.max(LEAST_DAMPING * stiffest);
+        let mut damping = damping.unwrap_or(FIRST_DAMPING * stiffest);
+        for _ in 0..TRIALS {
+            let Some(promised) = self.aim_newton(asked, damping) else {
+                damping = more(damping);
+                continue;
+            };
+            let won = cost - self.try_step(asked);
+            // What rounding hides is taken at its word.
+            if promised <= HIDDEN * cost {
+                let settles = won >= -HIDDEN * cost;
+                return (Tried::Hidden { settles }, damping);
+            }
+            let kept = won / promised;
+            if kept > GOOD {
+                damping /= FACTOR;
+                if damping < LEAST_DAMPING * stiffest {
+                    damping = 0.0;
                 }
+            } else if kept < POOR {
+                damping = more(damping);
             }
-            damping = Some(now_damping);
-            if !gained {
-                return end(iterations, None);
-            }
-            // What was best before is done with.
-            let way = &mut self.last_best;
-            moved = question.space().distance(&self.trial, &self.x, way);
-            std::mem::swap(&mut self.x, &mut self.trial);
-            if is_last {
-                return end(iterations, None);
+            if won > 0.0 {
+                return (Tried::Gained, damping);
             }
         }
+        (Tried::Nothing, damping)
     }
 
     /// Takes ∇L and its projection at x; whether it is as good as none.
@@ -154,38 +198,42 @@ impl Descent {
         let mut longest = 0.0_f64;
         for (j, column) in columns().enumerate() {
             longest = longest.max(dot(column, column));
-            newton.pinned[j] = self.fixed[j] || !space.is_between_bounds(&self.x, j);
+            let stands = !space.is_between_bounds(&self.x, j);
+            let rests = !newton.has_stepped || newton.resting[j];
+            newton.pinned[j] = self.fixed[j] || (stands && rests);
+        }
+        let slope = &mut newton.slope;
+        for (slope, column) in slope.iter_mut().zip(columns()) {
+            *slope = dot(column, pulls);
         }
         held.take_rows(asked, &self.x, &self.fixed);
-        // First without what stands on a bound, then with what would leave it.
-        for round in 0..2 {
-            let slope = &mut newton.slope;
-            for (slope, column) in slope.iter_mut().zip(columns()) {
-                *slope = dot(column, pulls);
-            }
-            newton.above.clear();
-            newton.weights.fill(0.0);
-            let problem = asked.question.problem;
-            let NewtonMemory {
-                above,
-                pinned,
-                weights,
-                ..
-            } = newton;
-            held.span(problem, above, pinned);
-            held.multiply(problem, above, slope, weights);
-            if round == 0 {
-                for (j, pinned) in newton.pinned.iter_mut().enumerate() {
-                    *pinned = self.fixed[j] || space.holds(&self.x, j, newton.slope[j], 0.0);
-                }
-            }
-        }
+        let problem = asked.question.problem;
+        newton.above.clear();
+        newton.weights.fill(0.0);
+        held.span(problem, &mut newton.above, &newton.pinned);
+        held.multiply(problem, &mut newton.above, slope, &mut newton.weights);
         let own = newton.weights.len() - pulls.len();
         newton.weights[own..].copy_from_slice(pulls);
-        let slope = &mut newton.slope;
-        release(slope, &newton.pinned);
-        newton.above.project_out(slope);
-        let left = dot(slope, slope).sqrt();
+        release(slope, &self.fixed);
+        // What is pulled inward is let go.
+        let mut leaves = false;
+        for (j, pinned) in newton.pinned.iter_mut().enumerate() {
+            let keeps = self.fixed[j] || space.holds(&self.x, j, slope[j], 0.0);
+            leaves |= *pinned && !keeps;
+            *pinned &= keeps;
+        }
+        if leaves {
+            newton.above.clear();
+            held.span(problem, &mut newton.above, &newton.pinned);
+        }
+        newton.left.clone_from(slope);
+        release(&mut newton.left, &newton.pinned);
+        newton.above.project_out(&mut newton.left);
+        if newton.weighs_bounds && newton.pinned != self.fixed {
+            newton.above.clear();
+            held.span(problem, &mut newton.above, &self.fixed);
+        }
+        let left = dot(&newton.left, &newton.left).sqrt();
         left <= LEVEL * (longest * dot(pulls, pulls)).sqrt()
     }
 
@@ -194,9 +242,10 @@ impl Descent {
         let NewtonMemory {
             weights,
             differences,
-            pinned,
             above,
             model,
+            pinned,
+            weighs_bounds,
             ..
         } = &mut self.newton;
         let of = Weighted {
@@ -204,7 +253,12 @@ impl Descent {
             multipliers: weights,
             own: weights.len() - self.pulls.len()..weights.len(),
         };
-        above.complement(pinned, &mut model.directions);
+        let kept = if *weighs_bounds {
+            &self.fixed
+        } else {
+            &*pinned
+        };
+        above.complement(kept, &mut model.directions);
         differences.stand(asked, &of, &self.x);
         model.take(self.x.len(), |direction, image| {
             differences.along(asked, &of, (&self.x, direction), image);
@@ -217,15 +271,23 @@ impl Descent {
         let NewtonMemory {
             model,
             slope,
+            resting,
+            has_stepped,
             pinned,
+            weighs_bounds,
             ..
         } = &mut self.newton;
         let within = StepBounds {
             x: &self.x,
             space: asked.question.space(),
-            fixed: pinned,
+            fixed: if *weighs_bounds { &self.fixed } else { pinned },
         };
         let whole = model.minimise(damping, slope, &within, &mut self.best)?;
+        model.write_resting(resting);
+        for (resting, pinned) in resting.iter_mut().zip(pinned) {
+            *resting |= *pinned && !*weighs_bounds;
+        }
+        *has_stepped = true;
         self.direction.copy_from_slice(&self.best);
         let share = self.longest_share(asked.question).min(1.0);
         for entry in &mut self.best {
@@ -251,9 +313,8 @@ impl Descent {
             ..
         } = self;
         // What came to a bound stays there, if that can be.
-        let stopped = newton.stopped.iter_mut().zip(&newton.pinned);
-        for (j, (stopped, pinned)) in stopped.enumerate() {
-            *stopped = *pinned || !space.is_between_bounds(trial, j);
+        for (j, stopped) in newton.stopped.iter_mut().enumerate() {
+            *stopped = fixed[j] || !space.is_between_bounds(trial, j);
         }
         let mut back = held.bring_back(asked, trial, step, &newton.stopped);
         if !back && newton.stopped != *fixed {

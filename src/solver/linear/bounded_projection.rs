@@ -12,7 +12,6 @@ const NONE: f64 = 1e-13;
 /// set (Nocedal & Wright 2006, algorithm 16.3), for few numbers and few bounds that matter.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoundedProjection {
-    /// Rows that stand on a bound, by +1 on the upper and −1 on the lower one.
     standing: Vec<(usize, f64)>,
     span: RowSpan,
     /// u, and bᵢ·u.
@@ -23,6 +22,22 @@ pub(crate) struct BoundedProjection {
 }
 
 impl BoundedProjection {
+    /// Makes room for so many numbers and rows.
+    pub(crate) fn reserve(&mut self, numbers: usize, rows: usize) {
+        for (vector, room) in [
+            (&mut self.nearest, numbers),
+            (&mut self.way, numbers),
+            (&mut self.residual, numbers),
+            (&mut self.products, rows),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+        self.standing.clear();
+        self.standing.reserve(rows);
+        self.span.reserve(numbers, numbers);
+    }
+
     /// Finds it, for rows of as many numbers as e has, one after the other, and how far each may go down and up.
     /// Returns by how much ½‖u + e‖² has fallen.
     pub(crate) fn project(
@@ -93,6 +108,11 @@ impl BoundedProjection {
         0.5 * (whole * whole - left.sum::<f64>())
     }
 
+    /// The rows that stand on a bound there, by +1 on the upper and −1 on the lower one.
+    pub(crate) fn standing(&self) -> &[(usize, f64)] {
+        &self.standing
+    }
+
     /// Lets go of the bound that is pulled away from most; whether there is one.
     fn release(&mut self, rows: &[f64], negligible: f64) -> bool {
         let k = self.nearest.len();
@@ -159,7 +179,11 @@ mod tests {
                 assert!((own - product).abs() < 1e-12);
             }
             let half = |u: &[f64]| -> f64 {
-                0.5 * u.iter().zip(&e).map(|(u, e)| (u + e) * (u + e)).sum::<f64>()
+                0.5 * u
+                    .iter()
+                    .zip(&e)
+                    .map(|(u, e)| (u + e) * (u + e))
+                    .sum::<f64>()
             };
             assert!((half(&[0.0; 4]) - half(&nearest) - fallen).abs() < 1e-12);
             for _ in 0..200 {

@@ -19,6 +19,22 @@ pub(crate) struct RowSpan {
 }
 
 impl RowSpan {
+    /// Makes room for so many independent rows of so many numbers.
+    pub(crate) fn reserve(&mut self, rows: usize, columns: usize) {
+        self.clear();
+        for (vector, room) in [
+            (&mut self.basis, rows * columns),
+            (&mut self.shares, triangle(rows + 1)),
+            (&mut self.left, columns),
+            (&mut self.multipliers, rows),
+            (&mut self.untaken, columns),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+        self.rows.reserve(rows);
+    }
+
     /// Forgets all rows.
     pub(crate) fn clear(&mut self) {
         self.basis.clear();

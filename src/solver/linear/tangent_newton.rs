@@ -25,6 +25,24 @@ pub(crate) struct TangentNewton {
 }
 
 impl TangentNewton {
+    /// Makes room for so many variables.
+    pub(crate) fn reserve(&mut self, variables: usize) {
+        let square = variables * variables;
+        for (vector, room) in [
+            (&mut self.directions, square),
+            (&mut self.hessian, square),
+            (&mut self.factor, square),
+            (&mut self.rows, square),
+            (&mut self.pivot_column, 2 * variables),
+            (&mut self.image, variables),
+            (&mut self.e, variables),
+        ] {
+            vector.clear();
+            vector.reserve(room);
+        }
+        self.projection.reserve(variables, variables);
+    }
+
     /// Takes HZ for so many variables, whose columns are asked for one by one.
     pub(crate) fn take(&mut self, variables: usize, mut image: impl FnMut(&[f64], &mut [f64])) {
         let count = self.directions.len().checked_div(variables).unwrap_or(0);
@@ -92,6 +110,14 @@ impl TangentNewton {
             *step = if *fixed { 0.0 } else { *product };
         }
         Some(fallen)
+    }
+
+    /// Writes which variables' bounds hold the last step.
+    pub(crate) fn write_resting(&self, resting: &mut [bool]) {
+        resting.fill(false);
+        for &(j, _) in self.projection.standing() {
+            resting[j] = true;
+        }
     }
 }
 
