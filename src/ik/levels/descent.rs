@@ -2,8 +2,8 @@
 //!
 //! Minimise ½‖r‖² of one rank over the configurations at which the ranks above are what they were when their
 //! own searches ended, by successive projection: a step that is best for a model of the rank and leaves what is
-//! [held](super::held) alone, then the shortest steps that bring that back. Levels of goals go by
-//! [Newton's method](super::newton), preferences by [conjugate steps](super::conjugate_steps).
+//! [held](super::held) alone, then the shortest steps that bring that back. They go by [Newton's method](super::newton),
+//! preferences in a frame of a drag by a few cheaper [conjugate steps](super::conjugate_steps).
 
 use nalgebra::DMatrix;
 
@@ -101,12 +101,13 @@ impl Descent {
         if reached && !from.kept.is_empty() {
             self.return_to(asked, from.kept);
         }
-        match (is_level, extent) {
-            (true, _) => self.by_newton(asked, extent.of_levels(), observer),
-            (false, Extent::Whole) => {
-                self.by_newton(asked, extent.of_preferences(reached), observer)
-            }
-            (false, _) => self.by_conjugate_steps(asked, extent.of_preferences(reached), observer),
+        let steps = match is_level {
+            true => extent.of_levels(),
+            false => extent.of_preferences(reached),
+        };
+        match is_level || extent == Extent::Whole {
+            true => self.by_newton(asked, steps, observer),
+            false => self.by_conjugate_steps(asked, steps, observer),
         }
     }
 

@@ -1,9 +1,10 @@
-//! A level's descent: Newton's method along what the levels above leave free.
+//! The descent of a level, or of preferences: Newton's method along what the levels above leave free.
 //!
-//! A level that is missed has a residual that stays, so that JᵀJ says little of how its cost bends along the few
-//! directions that are left: the Hessian of L = ½‖r‖² + λᵀr↑ is taken by differences of its gradient, with the
-//! multipliers λ of the levels above (Nocedal & Wright 2006, section 18.3), and damped until the model has a
-//! minimum and the step keeps what it promises.
+//! What is missed has a residual that stays, so that JᵀJ says little of how its cost bends along the few
+//! directions that are left: the Hessian of L = ½‖r‖² + λᵀr↑ along them is taken by differences of its gradient, with
+//! the multipliers λ of the levels above (Nocedal & Wright 2006, section 18.3), and damped until the model has a
+//! minimum and the step keeps what it promises. Limits hold what they held last, unless it is pulled inward;
+//! where nothing more is gained so, the next step weighs them all.
 
 use super::asked::Asked;
 use super::descent::{Descended, Descent};
