@@ -21,12 +21,21 @@
 mod box_tree;
 mod convex_surface;
 mod distance;
+mod mesh_file;
+mod mesh_folders;
+mod model;
 mod shape;
+mod sphere_model;
 mod world;
 
 pub use distance::{Separation, separation, separation_within};
+pub use mesh_file::MeshFile;
+pub use model::{
+    CollisionModel, CollisionModelBuilder, CollisionModelError, CollisionObject, MeshUse,
+};
 pub use shape::{
     Ball, BoundingBox, ConvexHull, HeightField, PointCloud, Shape, ShapeError, ShapeKind,
     ShapeNote, TriangleMesh,
 };
+pub use sphere_model::{Fineness, SphereGroup, SphereModel};
 pub use world::{Obstacle, World, WorldError};

@@ -25,6 +25,8 @@ pub use urdf::UrdfReader;
 #[cfg(feature = "xml")]
 pub use xml::{Fault, Mended, Repair, RobotFileError};
 
+use std::path::{Path, PathBuf};
+
 use drive::Drive;
 
 use crate::model::{
@@ -62,6 +64,8 @@ pub struct Robot {
     /// By frame index; frames beyond are no links.
     links: Vec<Link>,
     passive: Vec<JointId>,
+    /// Where it was read from.
+    file: Option<PathBuf>,
     #[cfg(feature = "xml")]
     repairs: Vec<Repair>,
 }
@@ -81,6 +85,7 @@ impl Robot {
             drives: Vec::new(),
             links: Vec::new(),
             passive: Vec::new(),
+            file: None,
             #[cfg(feature = "xml")]
             repairs: Vec::new(),
         })
@@ -126,6 +131,20 @@ impl Robot {
     #[must_use]
     pub fn link(&self, frame: FrameId) -> Option<&Link> {
         self.links.get(frame.index())
+    }
+
+    /// The file that it was read from, whose folder relative paths of meshes count from; `None` for one that was
+    /// parsed from memory, unless [said](Self::with_file).
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// The same robot as if it had been read from this file, which need not exist.
+    #[must_use]
+    pub fn with_file(mut self, file: impl Into<PathBuf>) -> Self {
+        self.file = Some(file.into());
+        self
     }
 
     /// What the file leaves to defaults or gets wrong, and what was taken instead, in its order.

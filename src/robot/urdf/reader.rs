@@ -60,7 +60,7 @@ impl UrdfReader {
         let file = path.display().to_string();
         let bytes = read_bytes(path, LENGTH_LIMIT)?;
         match std::str::from_utf8(&bytes) {
-            Ok(text) => self.parse(text, &file),
+            Ok(text) => Ok(self.parse(text, &file)?.with_file(path)),
             Err(error) => {
                 let at = Place::Byte(error.valid_up_to());
                 Err(ReadError::malformed(&file, at, "is not UTF-8 text").into())

@@ -1,0 +1,218 @@
+//! COLLADA: the triangles of the scene, each part where its nodes put it, in metres. `<up_axis>` is not applied, as
+//! in RViz and MoveIt: robots' files are written for that.
+
+use std::collections::HashMap;
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use super::dae_nodes::Instances;
+use super::{CORNER_LIMIT, MeshFile, text};
+use crate::file::{Place, ReadError};
+use crate::spatial::Vector3;
+
+/// A document, its name for errors and its elements by their ids.
+pub(super) struct Collada<'a> {
+    pub(super) file: &'a str,
+    document: &'a Document<'a>,
+    by_id: HashMap<&'a str, Node<'a, 'a>>,
+}
+
+pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
+    let text = text::of(bytes, file)?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    let document = Document::parse_with_options(text, options).map_err(|error| {
+        let place = Place::Line(error.pos().row as usize);
+        ReadError::malformed(file, place, error.to_string())
+    })?;
+    let ids = document.descendants();
+    let by_id = ids.filter_map(|node| Some((node.attribute("id")?, node)));
+    let collada = Collada {
+        file,
+        by_id: by_id.collect(),
+        document: &document,
+    };
+    let unit = named(document.root_element(), "asset")
+        .and_then(|asset| named(asset, "unit")?.attribute("meter")?.parse().ok())
+        .filter(|unit: &f64| unit.is_finite() && *unit > 0.0)
+        .unwrap_or(1.0);
+    let mut mesh = MeshFile::default();
+    for (geometry, placed) in Instances::of(&collada)? {
+        let first = mesh.points.len();
+        let part = collada.geometry(geometry)?;
+        if mesh.triangles.len() + part.triangles.len() > CORNER_LIMIT / 3 {
+            return Err(collada.fail(geometry, "more triangles than are read of a mesh"));
+        }
+        let inside_out = placed.mirrors();
+        mesh.points.extend(
+            part.points
+                .into_iter()
+                .map(|point| placed.apply(point) * unit),
+        );
+        mesh.triangles.extend(part.triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|corner| corner + first as u32);
+            if inside_out { [a, c, b] } else { [a, b, c] }
+        }));
+    }
+    Ok(mesh)
+}
+
+/// The first child of a name.
+pub(super) fn named<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
+    children(node, tag).next()
+}
+
+pub(super) fn children<'a>(node: Node<'a, 'a>, tag: &str) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children()
+        .filter(move |child| child.tag_name().name() == tag)
+}
+
+impl<'a> Collada<'a> {
+    pub(super) fn root(&self) -> Node<'a, 'a> {
+        self.document.root_element()
+    }
+
+    pub(super) fn fail(&self, node: Node<'a, 'a>, problem: impl Into<String>) -> ReadError {
+        let row = self.document.text_pos_at(node.range().start).row;
+        ReadError::malformed(self.file, Place::Line(row as usize), problem)
+    }
+
+    /// The element that an attribute `#id` names.
+    pub(super) fn referred(
+        &self,
+        node: Node<'a, 'a>,
+        attribute: &str,
+    ) -> Result<Node<'a, 'a>, ReadError> {
+        let reference = node.attribute(attribute).unwrap_or_default();
+        let found = self.by_id.get(reference.trim_start_matches('#')).copied();
+        found.ok_or_else(|| {
+            self.fail(
+                node,
+                format!("{attribute} `{reference}` is no id of the file"),
+            )
+        })
+    }
+
+    /// The numbers in an element, at most as many as there may be corners.
+    pub(super) fn numbers<T: std::str::FromStr>(
+        &self,
+        node: Node<'a, 'a>,
+    ) -> Result<Vec<T>, ReadError> {
+        let words = node.text().unwrap_or_default().split_ascii_whitespace();
+        let number = |word: &str| {
+            let fault = |_| self.fail(node, format!("`{word}` is no number that may stand here"));
+            word.parse().map_err(fault)
+        };
+        words.map(number).collect()
+    }
+
+    fn geometry(&self, geometry: Node<'a, 'a>) -> Result<MeshFile, ReadError> {
+        let mut mesh = MeshFile::default();
+        // Of a spline there are no triangles.
+        let Some(part) = named(geometry, "mesh") else {
+            return Ok(mesh);
+        };
+        for primitives in part.children() {
+            let tag = primitives.tag_name().name();
+            if matches!(
+                tag,
+                "triangles" | "polylist" | "polygons" | "trifans" | "tristrips"
+            ) {
+                self.primitives(primitives, tag, &mut mesh)?;
+            }
+        }
+        Ok(mesh)
+    }
+
+    fn primitives(
+        &self,
+        node: Node<'a, 'a>,
+        tag: &str,
+        mesh: &mut MeshFile,
+    ) -> Result<(), ReadError> {
+        let offset = |input: Node<'a, 'a>| {
+            let offset = input.attribute("offset").unwrap_or("0");
+            offset.parse::<usize>().ok().filter(|offset| *offset < 64)
+        };
+        let mut stride = 1;
+        let mut vertices = None;
+        for input in children(node, "input") {
+            let bad = || self.fail(input, "offset is no number below 64");
+            let offset = offset(input).ok_or_else(bad)?;
+            stride = stride.max(offset + 1);
+            if input.attribute("semantic") == Some("VERTEX") {
+                vertices = Some((offset, self.referred(input, "source")?));
+            }
+        }
+        // Without corners there is nothing to be read.
+        let Some((offset, vertices)) = vertices else {
+            return Ok(());
+        };
+        let first = mesh.points.len() as u32;
+        self.positions(vertices, &mut mesh.points)?;
+        let count = mesh.points.len() as u32 - first;
+        let mut counts = match named(node, "vcount") {
+            Some(counts) if tag == "polylist" => self.numbers::<usize>(counts)?.into_iter(),
+            _ => Vec::new().into_iter(),
+        };
+        for list in children(node, "p") {
+            let numbers: Vec<u32> = self.numbers(list)?;
+            let corners = numbers.chunks_exact(stride).map(|corner| corner[offset]);
+            let corners: Vec<u32> = corners.map(|corner| first.saturating_add(corner)).collect();
+            if corners.iter().any(|corner| *corner - first >= count) {
+                return Err(self.fail(list, format!("names a corner beyond the {count} there are")));
+            }
+            match tag {
+                "triangles" => corners
+                    .chunks_exact(3)
+                    .for_each(|three| mesh.add_polygon(three)),
+                "polylist" => {
+                    let mut rest = corners.as_slice();
+                    for sides in counts.by_ref() {
+                        let Some((polygon, others)) = rest.split_at_checked(sides) else {
+                            return Err(self.fail(list, "holds fewer corners than <vcount> says"));
+                        };
+                        mesh.add_polygon(polygon);
+                        rest = others;
+                    }
+                }
+                "tristrips" => {
+                    for (k, three) in corners.windows(3).enumerate() {
+                        let [a, b, c] = [three[0], three[1], three[2]];
+                        let turned = if k % 2 == 0 { [a, b, c] } else { [b, a, c] };
+                        mesh.triangles.push(turned);
+                    }
+                }
+                _ => mesh.add_polygon(&corners),
+            }
+        }
+        Ok(())
+    }
+
+    /// The points of a `<vertices>`.
+    fn positions(
+        &self,
+        vertices: Node<'a, 'a>,
+        points: &mut Vec<Vector3<f64>>,
+    ) -> Result<(), ReadError> {
+        let position = |input: &Node<'a, 'a>| input.attribute("semantic") == Some("POSITION");
+        let input = children(vertices, "input").find(position);
+        let input = input.ok_or_else(|| self.fail(vertices, "has no POSITION"))?;
+        let source = self.referred(input, "source")?;
+        let missing = || self.fail(source, "has no <float_array>");
+        let numbers: Vec<f64> = self.numbers(named(source, "float_array").ok_or_else(missing)?)?;
+        let accessor =
+            named(source, "technique_common").and_then(|technique| named(technique, "accessor"));
+        let stride = accessor.and_then(|accessor| accessor.attribute("stride")?.parse().ok());
+        let stride: usize = stride.unwrap_or(3);
+        if stride < 3 {
+            return Err(self.fail(source, "a point needs three numbers"));
+        }
+        let each = numbers.chunks_exact(stride);
+        points.extend(each.map(|p| Vector3::new(p[0], p[1], p[2])));
+        Ok(())
+    }
+}

@@ -1,0 +1,166 @@
+//! Which geometries a COLLADA scene shows, and where its nodes put them.
+
+use roxmltree::Node;
+
+use super::dae::{Collada, children, named};
+use crate::file::ReadError;
+use crate::scalar::elementary;
+use crate::spatial::{Matrix3, Vector3};
+
+/// Nodes within nodes, and instances of instances, as deep as this.
+const DEPTH_LIMIT: usize = 64;
+/// So many instances at most.
+const COUNT_LIMIT: usize = 100_000;
+
+/// A map of points: scaled, sheared and mirrored ones too.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Affine {
+    linear: Matrix3<f64>,
+    shift: Vector3<f64>,
+}
+
+impl Affine {
+    const fn new(linear: Matrix3<f64>, shift: Vector3<f64>) -> Self {
+        Self { linear, shift }
+    }
+
+    fn identity() -> Self {
+        Self::new(Matrix3::identity(), Vector3::zero())
+    }
+
+    pub(super) fn apply(&self, point: Vector3<f64>) -> Vector3<f64> {
+        self.linear * point + self.shift
+    }
+
+    fn then(&self, inner: &Self) -> Self {
+        Self::new(self.linear * inner.linear, self.apply(inner.shift))
+    }
+
+    /// Whether what it maps is turned inside out.
+    pub(super) fn mirrors(&self) -> bool {
+        let Matrix3 { x, y, z } = self.linear;
+        x.cross(y).dot(z) < 0.0
+    }
+}
+
+/// The geometries of a scene and where they stand.
+pub(super) struct Instances<'c, 'a> {
+    collada: &'c Collada<'a>,
+    found: Vec<(Node<'a, 'a>, Affine)>,
+}
+
+impl<'c, 'a> Instances<'c, 'a> {
+    /// Of the scene that the file shows, else of its first one; of a file without scenes all geometries as they are.
+    pub(super) fn of(collada: &'c Collada<'a>) -> Result<Vec<(Node<'a, 'a>, Affine)>, ReadError> {
+        let root = collada.root();
+        let shown = named(root, "scene").and_then(|scene| named(scene, "instance_visual_scene"));
+        let scene = match shown {
+            Some(shown) => Some(collada.referred(shown, "url")?),
+            None => named(root, "library_visual_scenes")
+                .and_then(|library| named(library, "visual_scene")),
+        };
+        let mut instances = Self {
+            collada,
+            found: Vec::new(),
+        };
+        match scene {
+            Some(scene) => instances.of_node(scene, &Affine::identity(), 0)?,
+            None => {
+                let libraries = children(root, "library_geometries");
+                let all = libraries.flat_map(|library| children(library, "geometry"));
+                instances.found = all.map(|one| (one, Affine::identity())).collect();
+            }
+        }
+        Ok(instances.found)
+    }
+
+    fn of_node(
+        &mut self,
+        node: Node<'a, 'a>,
+        above: &Affine,
+        depth: usize,
+    ) -> Result<(), ReadError> {
+        if depth > DEPTH_LIMIT || self.found.len() > COUNT_LIMIT {
+            let problem = "more nodes within nodes than a mesh has";
+            return Err(self.collada.fail(node, problem));
+        }
+        let mut placed = *above;
+        for child in node.children() {
+            match child.tag_name().name() {
+                "node" => self.of_node(child, &placed, depth + 1)?,
+                "instance_node" => {
+                    let other = self.collada.referred(child, "url")?;
+                    self.of_node(other, &placed, depth + 1)?;
+                }
+                "instance_geometry" => {
+                    let geometry = self.collada.referred(child, "url")?;
+                    self.found.push((geometry, placed));
+                }
+                "instance_controller" => {
+                    let controller = self.collada.referred(child, "url")?;
+                    if let Some(skin) = named(controller, "skin") {
+                        let geometry = self.collada.referred(skin, "source")?;
+                        self.found.push((geometry, placed));
+                    }
+                }
+                tag => {
+                    if let Some(own) = self.transform(child, tag)? {
+                        placed = placed.then(&own);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn transform(&self, node: Node<'a, 'a>, tag: &str) -> Result<Option<Affine>, ReadError> {
+        let needed = match tag {
+            "matrix" => 16,
+            "translate" | "scale" => 3,
+            "rotate" => 4,
+            "lookat" | "skew" => {
+                let problem = format!("<{tag}> is not read; bake it into the points");
+                return Err(self.collada.fail(node, problem));
+            }
+            _ => return Ok(None),
+        };
+        let n: Vec<f64> = self.collada.numbers(node)?;
+        if n.len() != needed || n.iter().any(|x| !x.is_finite()) {
+            let problem = format!("<{tag}> needs {needed} finite numbers");
+            return Err(self.collada.fail(node, problem));
+        }
+        let column = |k: usize| Vector3::new(n[k], n[4 + k], n[8 + k]);
+        let [x, y, z] = Vector3::UNITS;
+        Ok(Some(match tag {
+            "matrix" => Affine::new(
+                Matrix3 {
+                    x: column(0),
+                    y: column(1),
+                    z: column(2),
+                },
+                column(3),
+            ),
+            "translate" => Affine::new(Matrix3::identity(), Vector3::new(n[0], n[1], n[2])),
+            "scale" => Affine::new(
+                Matrix3 {
+                    x: x * n[0],
+                    y: y * n[1],
+                    z: z * n[2],
+                },
+                Vector3::zero(),
+            ),
+            _ => {
+                let axis = Vector3::new(n[0], n[1], n[2]);
+                let length = axis.norm();
+                let turn = elementary::sin_cos(n[3].to_radians());
+                match length > 0.0 {
+                    true => Affine::new(
+                        Matrix3::rotation(axis * (1.0 / length), turn),
+                        Vector3::zero(),
+                    ),
+                    false => Affine::identity(),
+                }
+            }
+        }))
+    }
+}

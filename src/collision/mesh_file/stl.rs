@@ -1,0 +1,99 @@
+//! STL, binary and text. Corners at one place become one point; normals are not read.
+
+use super::{MeshFile, Points, text};
+use crate::file::{Place, ReadError};
+
+const HEADER: usize = 84;
+const RECORD: usize = 50;
+
+pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
+    // Many binary files begin with `solid` as well, so that their length is asked first.
+    let announced = bytes.get(80..HEADER).map(|count| {
+        let count = count
+            .iter()
+            .rev()
+            .fold(0_u64, |n, b| n << 8 | u64::from(*b));
+        (count, HEADER as u64 + count * RECORD as u64)
+    });
+    match announced {
+        Some((_, length)) if length == bytes.len() as u64 => binary(bytes, file),
+        _ if bytes.trim_ascii_start().starts_with(b"solid") => ascii(bytes, file),
+        Some((_, length)) if length < bytes.len() as u64 => binary(bytes, file),
+        Some((count, length)) => Err(ReadError::truncated(
+            file,
+            Place::File,
+            format!("{count} triangles"),
+            u128::from(length - HEADER as u64),
+            bytes.len() - HEADER,
+        )),
+        None => Err(ReadError::malformed(
+            file,
+            Place::File,
+            "is no STL: neither text that begins with `solid` nor a header of 84 bytes",
+        )),
+    }
+}
+
+fn binary(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
+    let count = bytes[80..HEADER].iter().rev();
+    let count = count.fold(0_usize, |n, b| n << 8 | usize::from(*b));
+    let mut points = Points::default();
+    let mut triangles = Vec::with_capacity(count);
+    for (index, record) in bytes[HEADER..].chunks_exact(RECORD).take(count).enumerate() {
+        let number = |at: usize| {
+            let four = [record[at], record[at + 1], record[at + 2], record[at + 3]];
+            f64::from(f32::from_le_bytes(four))
+        };
+        let corner = |k: usize| [0, 4, 8].map(|part| number(12 * k + part));
+        let corners = [1, 2, 3].map(corner);
+        if corners.iter().flatten().any(|x| !x.is_finite()) {
+            let place = Place::Element("triangle", index);
+            return Err(ReadError::malformed(
+                file,
+                place,
+                "has a corner that is not finite",
+            ));
+        }
+        triangles.push(corners.map(|corner| points.index_of(corner)));
+    }
+    Ok(MeshFile {
+        points: points.points,
+        triangles,
+    })
+}
+
+fn ascii(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
+    let mut points = Points::default();
+    let mut triangles = Vec::new();
+    let mut corners: Vec<u32> = Vec::new();
+    for (number, line) in text::of(bytes, file)?.lines().enumerate() {
+        let fail = |problem: &str| ReadError::malformed(file, Place::Line(number + 1), problem);
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("vertex") => {
+                let point = text::three(&mut words)
+                    .ok_or_else(|| fail("a corner needs three finite numbers"))?;
+                corners.push(points.index_of(point));
+            }
+            Some("endloop") => match *corners.as_slice() {
+                [a, b, c] => {
+                    triangles.push([a, b, c]);
+                    corners.clear();
+                }
+                _ => return Err(fail("a loop of other than three corners")),
+            },
+            _ => {}
+        }
+    }
+    if !corners.is_empty() {
+        return Err(ReadError::malformed(
+            file,
+            Place::File,
+            "ends within a triangle",
+        ));
+    }
+    Ok(MeshFile {
+        points: points.points,
+        triangles,
+    })
+}

@@ -1,0 +1,133 @@
+//! From a robot's links to its collision model.
+
+use std::path::PathBuf;
+
+use super::meshes::{MeshFault, MeshUse, Meshes};
+use super::{CollisionModel, CollisionModelError, CollisionObject};
+use crate::collision::Shape;
+use crate::collision::mesh_folders::MeshFolders;
+use crate::model::FrameId;
+use crate::robot::{self, Geometry, Robot};
+
+/// Makes a [`CollisionModel`] of a robot's shapes.
+#[derive(Clone, Debug)]
+pub struct CollisionModelBuilder<'r> {
+    robot: &'r Robot,
+    folders: MeshFolders,
+    meshes: MeshUse,
+    leaves_out: bool,
+}
+
+impl<'r> CollisionModelBuilder<'r> {
+    pub(super) fn new(robot: &'r Robot) -> Self {
+        let beside = robot.file().and_then(|file| file.parent());
+        Self {
+            robot,
+            folders: MeshFolders {
+                beside: beside.map(Into::into),
+                packages: Vec::new(),
+            },
+            meshes: MeshUse::default(),
+            leaves_out: false,
+        }
+    }
+
+    setters! {
+        /// Looks for `package://NAME/…` in this folder too, which holds packages or is one, and for paths that are
+        /// relative.
+        pub fn with_package_folder(mut self, folder: impl Into<PathBuf>) {
+            self.folders.packages.push(folder.into());
+        }
+        /// What meshes count as: their convex hulls, unless said otherwise.
+        pub fn with_meshes(mut self, meshes: MeshUse) {
+            self.meshes = meshes;
+        }
+        /// Leaves meshes out that are not found, with a note each, instead of failing.
+        pub fn leaving_out_missing_meshes(mut self) {
+            self.leaves_out = true;
+        }
+    }
+
+    /// The model.
+    ///
+    /// # Errors
+    /// As [`CollisionModel::of`].
+    pub fn build(&self) -> Result<CollisionModel, CollisionModelError> {
+        let mut objects = Vec::new();
+        let mut notes = Vec::new();
+        let mut meshes = Meshes::default();
+        let model = self.robot.model();
+        for frame in model.frame_ids() {
+            let Some(link) = self.robot.link(frame) else {
+                continue;
+            };
+            let name = &model.frames()[frame.index()].name;
+            for shape in &link.collisions {
+                let first = objects.len();
+                let shapes = match self.shapes(name, shape, &mut meshes) {
+                    Err(error @ CollisionModelError::MeshNotFound { .. }) if self.leaves_out => {
+                        notes.push(format!("left out: {error}"));
+                        continue;
+                    }
+                    shapes => shapes?,
+                };
+                objects.extend(shapes.into_iter().map(|own| CollisionObject {
+                    name: shape.name.clone().unwrap_or_default(),
+                    link: frame,
+                    link_from_shape: shape.link_from_shape,
+                    shape: own,
+                }));
+                for object in &objects[first..] {
+                    for note in object.shape.notes() {
+                        notes.push(format!("link `{name}`: {note}"));
+                    }
+                }
+            }
+            name_the_nameless(&mut objects, frame, name);
+        }
+        let map = self.robot.map().clone();
+        CollisionModel::assemble(model, map, objects, notes)
+    }
+
+    fn shapes(
+        &self,
+        link: &str,
+        shape: &robot::Shape,
+        meshes: &mut Meshes,
+    ) -> Result<Vec<Shape>, CollisionModelError> {
+        let fault = |source| CollisionModelError::Shape {
+            link: link.to_owned(),
+            object: shape.name.clone().unwrap_or_else(|| link.to_owned()),
+            source,
+        };
+        let Geometry::Mesh { file, scale } = &shape.geometry else {
+            return Ok(vec![Shape::try_from(&shape.geometry).map_err(fault)?]);
+        };
+        let path =
+            self.folders
+                .find(file)
+                .map_err(|looked_at| CollisionModelError::MeshNotFound {
+                    link: link.to_owned(),
+                    file: file.clone(),
+                    looked_at,
+                })?;
+        match meshes.shapes(&path, *scale, self.meshes) {
+            Ok(shapes) => Ok(shapes.to_vec()),
+            Err(MeshFault::Shape(source)) => Err(fault(source)),
+            Err(MeshFault::File(source)) => Err(CollisionModelError::Mesh {
+                link: link.to_owned(),
+                source: Box::new(source),
+            }),
+        }
+    }
+}
+
+/// A link's shapes without a name get the link's and a number.
+fn name_the_nameless(objects: &mut [CollisionObject], link: FrameId, name: &str) {
+    let own = objects.iter_mut().filter(|object| object.link == link);
+    for (index, object) in own.enumerate() {
+        if object.name.is_empty() {
+            object.name = format!("{name}_{index}");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Which links are kept apart.
+
+use super::CollisionModel;
+use crate::model::{FrameId, FrameRef, UnknownName};
+#[cfg(feature = "xml")]
+use crate::robot::Srdf;
+
+impl CollisionModel {
+    /// The same model, but these two links may touch.
+    ///
+    /// # Errors
+    /// A link without shapes; the error lists those that have some.
+    pub fn with_ignored<'a>(
+        mut self,
+        a: impl Into<FrameRef<'a>>,
+        b: impl Into<FrameRef<'a>>,
+    ) -> Result<Self, UnknownName> {
+        let pair = self.pair(a.into(), b.into())?;
+        self.pairs.retain(|other| *other != pair);
+        Ok(self)
+    }
+
+    /// The same model with these two links kept apart, whatever said that they need not. A link is never kept
+    /// apart from itself.
+    ///
+    /// # Errors
+    /// As [`with_ignored`](Self::with_ignored).
+    pub fn with_checked<'a>(
+        mut self,
+        a: impl Into<FrameRef<'a>>,
+        b: impl Into<FrameRef<'a>>,
+    ) -> Result<Self, UnknownName> {
+        let pair = self.pair(a.into(), b.into())?;
+        if let (Err(at), true) = (self.pairs.binary_search(&pair), pair[0] != pair[1]) {
+            self.pairs.insert(at, pair);
+        }
+        Ok(self)
+    }
+
+    /// The same model without the pairs that a file of semantics disables. Links without shapes are passed over.
+    #[cfg(feature = "xml")]
+    #[must_use]
+    pub fn with_srdf(mut self, srdf: &Srdf) -> Self {
+        for disabled in &srdf.disabled_pairs {
+            let pair = ordered(disabled.links);
+            self.pairs.retain(|other| *other != pair);
+        }
+        self
+    }
+
+    /// Whether two links are kept apart.
+    ///
+    /// # Errors
+    /// As [`with_ignored`](Self::with_ignored).
+    pub fn is_checked<'a>(
+        &self,
+        a: impl Into<FrameRef<'a>>,
+        b: impl Into<FrameRef<'a>>,
+    ) -> Result<bool, UnknownName> {
+        let pair = self.pair(a.into(), b.into())?;
+        Ok(self.pairs.binary_search(&pair).is_ok())
+    }
+
+    fn pair(&self, a: FrameRef<'_>, b: FrameRef<'_>) -> Result<[FrameId; 2], UnknownName> {
+        Ok(ordered([self.link(a)?, self.link(b)?]))
+    }
+}
+
+fn ordered([a, b]: [FrameId; 2]) -> [FrameId; 2] {
+    [a.min(b), a.max(b)]
+}

@@ -1,0 +1,131 @@
+//! Few balls that hold all cells: the one that holds most of what is left, again and again (Chvátal 1979).
+
+use std::collections::BinaryHeap;
+
+use super::candidates::grown;
+use super::cells::Cell;
+use super::solid::Solid;
+use crate::collision::Ball;
+
+/// Chosen balls, and the cells that each of them answers for.
+#[derive(Debug, Default)]
+pub(super) struct Cover {
+    pub(super) balls: Vec<Ball>,
+    pub(super) cells: Vec<Vec<Cell>>,
+}
+
+/// Covers cells by candidates. What none of them holds gets a ball of its own, which holds it as cells are finer than
+/// the overhang.
+pub(super) fn cover(
+    solid: &Solid<'_>,
+    surface: Vec<Cell>,
+    inner: Vec<Cell>,
+    candidates: &[Ball],
+    overhang: f64,
+) -> Cover {
+    let mut chosen = greedy(&surface, candidates);
+    for cell in &surface {
+        if !holds(&chosen, cell) {
+            chosen.push(grown(solid, cell.heart, overhang));
+        }
+    }
+    let mut cells = surface;
+    let mut rest = inner;
+    while let Some(cell) = rest.pop() {
+        // Balls that together hold a large cell may each hold a part of it.
+        if holds(&chosen, &cell) {
+            cells.push(cell);
+        } else if cell.half > overhang / 4.0 {
+            rest.extend(cell.split(solid));
+        } else {
+            chosen.push(grown(solid, cell.centre, overhang));
+            cells.push(cell);
+        }
+    }
+    assign(chosen, cells)
+}
+
+fn holds(balls: &[Ball], cell: &Cell) -> bool {
+    balls
+        .iter()
+        .any(|ball| cell.needs(ball.centre) <= ball.radius)
+}
+
+fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
+    let held = |ball: &Ball| -> Vec<u32> {
+        let holds = |(index, cell): (usize, &Cell)| {
+            (cell.needs(ball.centre) <= ball.radius).then_some(index as u32)
+        };
+        cells.iter().enumerate().filter_map(holds).collect()
+    };
+    let held: Vec<Vec<u32>> = candidates.iter().map(held).collect();
+    let mut covered = vec![false; cells.len()];
+    // What a ball adds only falls, so that an old number is a bound. Of equal ones the first.
+    let first = held.iter().enumerate();
+    let mut heap: BinaryHeap<(usize, std::cmp::Reverse<usize>)> = first
+        .map(|(k, held)| (held.len(), std::cmp::Reverse(k)))
+        .collect();
+    let mut chosen = Vec::new();
+    while let Some((bound, std::cmp::Reverse(k))) = heap.pop() {
+        let left = held[k]
+            .iter()
+            .filter(|cell| !covered[**cell as usize])
+            .count();
+        if left == 0 {
+            continue;
+        }
+        if left < bound && heap.peek().is_some_and(|(next, _)| *next > left) {
+            heap.push((left, std::cmp::Reverse(k)));
+            continue;
+        }
+        held[k]
+            .iter()
+            .for_each(|cell| covered[*cell as usize] = true);
+        chosen.push(k);
+    }
+    // One that later ones made needless.
+    let mut times = vec![0_u32; cells.len()];
+    for &k in &chosen {
+        held[k].iter().for_each(|cell| times[*cell as usize] += 1);
+    }
+    chosen.retain(|&k| {
+        let needed = held[k].iter().any(|cell| times[*cell as usize] == 1);
+        if !needed {
+            held[k].iter().for_each(|cell| times[*cell as usize] -= 1);
+        }
+        needed
+    });
+    chosen.into_iter().map(|k| candidates[k]).collect()
+}
+
+/// Gives each cell to one of the balls that hold it, such that those need to grow least.
+fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
+    let holders = |cell: &Cell| {
+        let holding = |ball: &&Ball| cell.needs(ball.centre) <= ball.radius;
+        balls.iter().filter(holding).count()
+    };
+    // Those without a choice first.
+    cells.sort_by_cached_key(holders);
+    let mut needed = vec![0.0_f64; balls.len()];
+    let mut own: Vec<Vec<Cell>> = vec![Vec::new(); balls.len()];
+    for cell in cells {
+        let mut best: Option<(f64, usize, f64)> = None;
+        for (k, ball) in balls.iter().enumerate() {
+            let needs = cell.needs(ball.centre);
+            let more = (needs - needed[k]).max(0.0);
+            if needs <= ball.radius && best.is_none_or(|(least, ..)| more < least) {
+                best = Some((more, k, needs));
+            }
+        }
+        if let Some((_, k, needs)) = best {
+            needed[k] = needed[k].max(needs);
+            own[k].push(cell);
+        }
+    }
+    let kept = balls
+        .into_iter()
+        .zip(own)
+        .filter(|(_, own)| !own.is_empty());
+    let (balls, cells) = kept.unzip();
+    Cover { balls, cells }
+}

@@ -1,0 +1,98 @@
+//! All shapes of one link, covered.
+
+use super::cells::{Cell, cells};
+use super::solid::Solid;
+use super::{Fineness, candidates, cover, rows, shrink};
+use crate::bad_option::BadOption;
+use crate::collision::{Ball, CollisionObject, ShapeKind};
+
+/// Cells are so much finer than the overhang.
+const FINER: f64 = 4.0;
+/// Steps on the way to a number of spheres.
+const STEPS: u32 = 8;
+
+/// Spheres, and how far they stick out.
+type Covered = (Vec<Ball>, f64);
+
+pub(super) fn cover(
+    objects: &[&CollisionObject],
+    fineness: Fineness,
+) -> Result<Covered, BadOption> {
+    match fineness {
+        Fineness::Overhang(overhang) => within(objects, overhang).ok_or(BadOption {
+            option: "overhang",
+            value: overhang,
+            allowed: "a larger part of the links' size",
+        }),
+        Fineness::PerLink(count) => Ok(so_many(objects, count)),
+    }
+}
+
+/// The least overhang found with so many spheres; more where the shapes are more spheres already.
+fn so_many(objects: &[&CollisionObject], count: usize) -> Covered {
+    let size = Solid::new(objects.iter().copied()).bounds().half_diagonal();
+    let (mut low, mut high) = (0.01 * size, 2.0 * size);
+    let mut best = within(objects, 2.0 * size).unwrap_or_default();
+    for _ in 0..STEPS {
+        let middle = (low * high).sqrt();
+        match within(objects, middle) {
+            Some(found) if found.0.len() <= count => {
+                high = middle;
+                if found.1 < best.1 || best.0.len() > count {
+                    best = found;
+                }
+            }
+            _ => low = middle,
+        }
+    }
+    best
+}
+
+/// Spheres that stick out no further than this; `None` where it is too fine.
+fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
+    let mut balls = Vec::new();
+    let mut out: f64 = 0.0;
+    let mut others = Vec::new();
+    for object in objects {
+        let place = &object.link_from_shape;
+        match object.shape.kind() {
+            ShapeKind::Sphere { radius } => balls.push(Ball {
+                centre: place.translation,
+                radius: *radius,
+            }),
+            ShapeKind::Points(cloud) => balls.extend(cloud.positions().iter().map(|&at| Ball {
+                centre: place.apply(at),
+                radius: cloud.radius(),
+            })),
+            ShapeKind::Capsule { radius, length } => {
+                let row = rows::row(*radius, *length, overhang, place);
+                out = row
+                    .iter()
+                    .map(|ball| ball.radius - radius)
+                    .fold(out, f64::max);
+                balls.extend(row);
+            }
+            _ => others.push(*object),
+        }
+    }
+    let solid = Solid::new(others);
+    if solid.is_empty() {
+        return Some((balls, out));
+    }
+    let free = |cell: &Cell| {
+        !balls
+            .iter()
+            .any(|ball| cell.needs(ball.centre) <= ball.radius)
+    };
+    let (mut surface, mut inner) = cells(&solid, overhang / FINER)?;
+    surface.retain(free);
+    inner.retain(free);
+    let candidates = candidates::candidates(&solid, &surface, &inner, overhang);
+    let covered = cover::cover(&solid, surface, inner, &candidates, overhang);
+    for (ball, cells) in covered.balls.into_iter().zip(&covered.cells) {
+        let (ball, sticks) = shrink::shrunk(&solid, ball, cells, overhang);
+        out = out.max(sticks);
+        balls.push(ball);
+    }
+    Some((balls, out))
+}

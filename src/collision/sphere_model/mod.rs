@@ -1,0 +1,153 @@
+//! Spheres that cover a robot's shapes: what is checked fast.
+
+mod candidates;
+mod cells;
+mod cover;
+mod enclosing;
+mod link_cover;
+mod rows;
+mod shrink;
+mod solid;
+
+pub(crate) use enclosing::enclosing;
+
+use super::{Ball, CollisionModel, ShapeKind};
+use crate::bad_option::{BadOption, POSITIVE};
+use crate::model::FrameId;
+
+/// How fine spheres are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Fineness {
+    /// As few spheres as are found that stick out no further than this, in metres.
+    Overhang(f64),
+    /// Sticking out as little as is found with at most so many spheres a link.
+    PerLink(usize),
+}
+
+/// Spheres that together cover every shape of a [`CollisionModel`], inside and all, by link.
+///
+/// What no sphere touches no shape touches; a sphere touches at most [`overhang`](Self::overhang) before a shape
+/// does.
+///
+/// ```
+/// # #[cfg(feature = "urdf")] {
+/// use kinopt::collision::{CollisionModel, Fineness, SphereModel};
+/// use kinopt::robot::Robot;
+///
+/// let robot = Robot::read("models/universal_ur5e.urdf")?;
+/// let model = CollisionModel::of(&robot)?;
+/// let spheres = SphereModel::of(&model, Fineness::Overhang(0.02))?;
+/// assert!(spheres.overhang() <= 0.02);
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SphereModel {
+    groups: Vec<SphereGroup>,
+    pairs: Vec<[usize; 2]>,
+    overhang: f64,
+}
+
+/// The spheres of one link.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SphereGroup {
+    /// The link.
+    pub link: FrameId,
+    /// Its name.
+    pub name: String,
+    /// Around all its spheres, in the link's frame.
+    pub bound: Ball,
+    /// In the link's frame.
+    pub spheres: Vec<Ball>,
+}
+
+impl SphereGroup {
+    fn new(link: FrameId, name: &str, spheres: Vec<Ball>) -> Self {
+        Self {
+            link,
+            name: name.to_owned(),
+            bound: enclosing(&spheres),
+            spheres,
+        }
+    }
+}
+
+impl SphereModel {
+    /// Covers the shapes of a model. Links whose shapes are spheres keep those.
+    ///
+    /// Convex shapes are covered with what is in them, and so are closed meshes; of open ones the surface alone.
+    ///
+    /// # Errors
+    /// A length or a number that is not positive, or so fine that a link would need millions of cells.
+    pub fn of(model: &CollisionModel, fineness: Fineness) -> Result<Self, BadOption> {
+        let value = match fineness {
+            Fineness::Overhang(overhang) => overhang,
+            Fineness::PerLink(count) => count as f64,
+        };
+        BadOption::check(fineness.name(), value, POSITIVE)?;
+        let mut groups = Vec::with_capacity(model.links().len());
+        let mut overhang: f64 = 0.0;
+        for &link in model.links() {
+            let objects: Vec<_> = model.objects_of(link).collect();
+            let (spheres, out) = link_cover::cover(&objects, fineness)?;
+            overhang = overhang.max(out);
+            groups.push(SphereGroup::new(link, model.name_of(link), spheres));
+        }
+        Ok(Self::assemble(model, groups, overhang))
+    }
+
+    /// The spheres of a model whose shapes are all spheres, as they are; `None` where any is not.
+    #[must_use]
+    pub fn of_spheres(model: &CollisionModel) -> Option<Self> {
+        let group = |link: &FrameId| {
+            let sphere = model
+                .objects_of(*link)
+                .map(|object| match object.shape.kind() {
+                    ShapeKind::Sphere { radius } => Some(Ball {
+                        centre: object.link_from_shape.translation,
+                        radius: *radius,
+                    }),
+                    _ => None,
+                });
+            let spheres = sphere.collect::<Option<_>>()?;
+            Some(SphereGroup::new(*link, model.name_of(*link), spheres))
+        };
+        let groups = model.links().iter().map(group).collect::<Option<_>>()?;
+        Some(Self::assemble(model, groups, 0.0))
+    }
+
+    fn assemble(model: &CollisionModel, groups: Vec<SphereGroup>, overhang: f64) -> Self {
+        let at = |link| groups.iter().position(|group| group.link == link);
+        let pairs = model
+            .pairs()
+            .iter()
+            .filter_map(|[a, b]| Some([at(*a)?, at(*b)?]));
+        Self {
+            pairs: pairs.collect(),
+            groups,
+            overhang,
+        }
+    }
+
+    getters! {
+        /// By link, in the model's order.
+        pub fn groups(&self) -> &[SphereGroup] = &self.groups;
+        /// Which groups are kept apart, by their places in [`groups`](Self::groups).
+        pub fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
+        /// No sphere sticks out of its link's shapes any further, in metres.
+        pub fn overhang(&self) -> f64 = self.overhang;
+        /// How many spheres there are.
+        pub fn count(&self) -> usize = self.groups.iter().map(|group| group.spheres.len()).sum();
+    }
+}
+
+impl Fineness {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Overhang(_) => "overhang",
+            Self::PerLink(_) => "spheres per link",
+        }
+    }
+}

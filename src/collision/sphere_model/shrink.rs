@@ -1,0 +1,82 @@
+//! Balls that stick out less: moved, and no larger than their cells need.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::cells::Cell;
+use super::solid::Solid;
+use crate::collision::Ball;
+use crate::spatial::Vector3;
+
+/// Cells that ask for most are split so often to learn how much they truly need.
+const SPLITS: u32 = 3;
+/// Rounds of steps along the axes.
+const ROUNDS: u32 = 12;
+/// What rounding may hide of a radius.
+const ROUNDING: f64 = 1e-12;
+
+/// The ball that holds its cells, and how far it sticks out of the solid.
+pub(super) fn shrunk(solid: &Solid<'_>, ball: Ball, cells: &[Cell], overhang: f64) -> (Ball, f64) {
+    let needed = |centre: Vector3<f64>| {
+        let needs = cells.iter().map(|cell| cell.needs(centre));
+        needs.fold(0.0, f64::max)
+    };
+    let out = |centre: Vector3<f64>| needed(centre) + solid.signed_distance(centre);
+    let (mut centre, mut least) = (ball.centre, out(ball.centre));
+    let mut step = overhang / 2.0;
+    for _ in 0..ROUNDS {
+        let before = least;
+        for axis in Vector3::UNITS {
+            for way in [step, -step] {
+                let there = centre + axis * way;
+                let found = out(there);
+                if found < least {
+                    (centre, least) = (there, found);
+                }
+            }
+        }
+        if least >= before {
+            step /= 2.0;
+        }
+    }
+    let radius = tight(solid, centre, cells);
+    let radius = radius + ROUNDING * (radius + centre.norm());
+    let out = radius + solid.signed_distance(centre);
+    (Ball { centre, radius }, out.max(0.0))
+}
+
+/// By what it needs.
+struct Asking(f64, u32, Cell);
+
+impl PartialEq for Asking {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Asking {}
+
+impl PartialOrd for Asking {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Asking {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+/// The radius that the cells need, those that need most looked at in parts.
+fn tight(solid: &Solid<'_>, centre: Vector3<f64>, cells: &[Cell]) -> f64 {
+    let asking = |times: u32| move |cell: Cell| Asking(cell.needs(centre), times, cell);
+    let mut heap: BinaryHeap<Asking> = cells.iter().copied().map(asking(0)).collect();
+    while let Some(Asking(needs, times, cell)) = heap.pop() {
+        if times == SPLITS {
+            return needs;
+        }
+        heap.extend(cell.split(solid).map(asking(times + 1)));
+    }
+    0.0
+}
