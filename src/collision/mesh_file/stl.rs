@@ -17,7 +17,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     });
     match announced {
         Some((_, length)) if length == bytes.len() as u64 => binary(bytes, file),
-        _ if bytes.trim_ascii_start().starts_with(b"solid") => ascii(bytes, file),
+        _ if is_text(bytes) => ascii(bytes, file),
         Some((_, length)) if length < bytes.len() as u64 => binary(bytes, file),
         Some((count, length)) => Err(ReadError::truncated(
             file,
@@ -32,6 +32,10 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
             "is no STL: neither text that begins with `solid` nor a header of 84 bytes",
         )),
     }
+}
+
+fn is_text(bytes: &[u8]) -> bool {
+    bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0)
 }
 
 fn binary(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {

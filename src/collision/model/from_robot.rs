@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use super::capsules;
 use super::meshes::{MeshFault, MeshUse, Meshes};
 use super::{CollisionModel, CollisionModelError, CollisionObject};
 use crate::collision::Shape;
 use crate::collision::mesh_folders::MeshFolders;
-use crate::model::FrameId;
 use crate::robot::{self, Geometry, Robot};
 
 /// Makes a [`CollisionModel`] of a robot's shapes.
@@ -62,8 +62,8 @@ impl<'r> CollisionModelBuilder<'r> {
                 continue;
             };
             let name = &model.frames()[frame.index()].name;
+            let mut own = Vec::new();
             for shape in &link.collisions {
-                let first = objects.len();
                 let shapes = match self.shapes(name, shape, &mut meshes) {
                     Err(error @ CollisionModelError::MeshNotFound { .. }) if self.leaves_out => {
                         notes.push(format!("left out: {error}"));
@@ -71,19 +71,28 @@ impl<'r> CollisionModelBuilder<'r> {
                     }
                     shapes => shapes?,
                 };
-                objects.extend(shapes.into_iter().map(|own| CollisionObject {
-                    name: shape.name.clone().unwrap_or_default(),
-                    link: frame,
-                    link_from_shape: shape.link_from_shape,
-                    shape: own,
-                }));
-                for object in &objects[first..] {
-                    for note in object.shape.notes() {
-                        notes.push(format!("link `{name}`: {note}"));
-                    }
+                for made in shapes {
+                    notes.extend(
+                        made.notes()
+                            .iter()
+                            .map(|note| format!("link `{name}`: {note}")),
+                    );
+                    own.push(CollisionObject {
+                        name: shape.name.clone().unwrap_or_default(),
+                        link: frame,
+                        link_from_shape: shape.link_from_shape,
+                        shape: made,
+                    });
                 }
             }
-            name_the_nameless(&mut objects, frame, name);
+            let own = capsules::joined(own).into_iter().enumerate();
+            objects.extend(own.map(|(index, object)| match object.name.is_empty() {
+                true => CollisionObject {
+                    name: format!("{name}_{index}"),
+                    ..object
+                },
+                false => object,
+            }));
         }
         let map = self.robot.map().clone();
         CollisionModel::assemble(model, map, objects, notes)
@@ -118,16 +127,6 @@ impl<'r> CollisionModelBuilder<'r> {
                 link: link.to_owned(),
                 source: Box::new(source),
             }),
-        }
-    }
-}
-
-/// A link's shapes without a name get the link's and a number.
-fn name_the_nameless(objects: &mut [CollisionObject], link: FrameId, name: &str) {
-    let own = objects.iter_mut().filter(|object| object.link == link);
-    for (index, object) in own.enumerate() {
-        if object.name.is_empty() {
-            object.name = format!("{name}_{index}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The shapes of a robot or a figure, and which of its links are kept apart.
 
 mod bodies;
+mod capsules;
 mod error;
 mod from_robot;
 mod meshes;

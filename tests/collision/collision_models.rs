@@ -1,0 +1,192 @@
+//! Promise: a collision model has the shapes of the robot's links where they stand, and keeps apart what may touch
+//! and should not.
+
+use kinopt::collision::{CollisionModel, CollisionModelError, MeshUse, ShapeKind};
+use kinopt::robot::{Robot, Srdf};
+use support::arms::robot;
+
+/// Both names of each pair.
+fn names(model: &CollisionModel) -> Vec<String> {
+    let frames = model.model().frames();
+    let name = |link: &kinopt::model::FrameId| frames[link.index()].name.as_str();
+    model
+        .pairs()
+        .iter()
+        .map(|[a, b]| format!("{}{}", name(a), name(b)))
+        .collect()
+}
+
+/// A row of links along x: a and b are one body, c swings on it a little, d, which has no shape, on c, e turns on d, f
+/// on e and g on f.
+const ROW: &str = r#"<robot name="row">
+  <link name="a"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+  <link name="b"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+  <link name="c"><collision><geometry><box size="0.2 0.1 0.1"/></geometry></collision></link>
+  <link name="d"/>
+  <link name="e"><collision name="elbow"><geometry><cylinder radius="0.1" length="0.2"/></geometry></collision>
+    <collision><origin xyz="0 0 0.1"/><geometry><sphere radius="0.1"/></geometry></collision>
+    <collision><origin xyz="0 0 -0.1"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="f"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="g"><collision><geometry><sphere radius="0.45"/></geometry></collision></link>
+  <joint name="ab" type="fixed"><parent link="a"/><child link="b"/><origin xyz="0.3 0 0"/></joint>
+  <joint name="bc" type="revolute"><limit lower="-0.1" upper="0.1" effort="1" velocity="1"/><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/></joint>
+  <joint name="cd" type="revolute"><limit lower="-0.1" upper="0.1" effort="1" velocity="1"/><parent link="c"/><child link="d"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/></joint>
+  <joint name="de" type="continuous"><parent link="d"/><child link="e"/><origin xyz="0 0 0"/><axis xyz="0 1 0"/></joint>
+  <joint name="ef" type="continuous"><parent link="e"/><child link="f"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/></joint>
+  <joint name="fg" type="continuous"><parent link="f"/><child link="g"/></joint>
+</robot>"#;
+
+#[test]
+fn one_body_and_neighbours_may_touch() {
+    let robot = Robot::parse(ROW, "row.urdf").unwrap();
+    let model = CollisionModel::of(&robot).unwrap();
+    // c and e are neighbours: between them is no shape.
+    let apart = ["ae", "af", "ag", "be", "bf", "bg", "cf", "cg", "eg"];
+    assert_eq!(names(&model), apart);
+}
+
+#[test]
+fn a_cylinder_with_spheres_at_its_ends_is_a_capsule() {
+    let robot = Robot::parse(ROW, "row.urdf").unwrap();
+    let model = CollisionModel::of(&robot).unwrap();
+    let elbow: Vec<_> = model
+        .objects_of(robot.model().frame("e").unwrap())
+        .collect();
+    let [elbow] = elbow.as_slice() else {
+        panic!("{elbow:?}");
+    };
+    assert_eq!(elbow.name, "elbow");
+    let ShapeKind::Capsule { radius, length } = elbow.shape.kind() else {
+        panic!("{elbow:?}");
+    };
+    assert_eq!((*radius, *length), (0.1, 0.2));
+}
+
+#[test]
+fn pairs_are_edited_by_name() {
+    let robot = Robot::parse(ROW, "row.urdf").unwrap();
+    let model = CollisionModel::of(&robot).unwrap();
+    let model = model
+        .with_ignored("f", "a")
+        .unwrap()
+        .with_checked("c", "b")
+        .unwrap();
+    assert!(!model.is_checked("a", "f").unwrap() && model.is_checked("b", "c").unwrap());
+    let told = model.with_ignored("a", "d").unwrap_err().to_string();
+    assert!(
+        told.contains("`d`") && told.contains("a, b, c, e, f, g"),
+        "{told}"
+    );
+}
+
+#[test]
+fn semantics_disable_pairs() {
+    let robot = Robot::parse(ROW, "row.urdf").unwrap();
+    let text = r#"<robot name="row"><disable_collisions link1="f" link2="b" reason="Never"/>
+      <disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
+    let srdf = Srdf::parse(text, "row.srdf", &robot).unwrap();
+    let model = CollisionModel::of(&robot).unwrap().with_srdf(&srdf);
+    let apart = ["ae", "af", "ag", "be", "bg", "cf", "cg", "eg"];
+    assert_eq!(names(&model), apart);
+}
+
+#[test]
+fn samples_drop_what_never_and_what_always_touches() {
+    let robot = Robot::parse(ROW, "row.urdf").unwrap();
+    let model = CollisionModel::of(&robot).unwrap();
+    let sampled = model.clone().with_pairs_sampled(3000, 7).unwrap();
+    // By hand: e stays about 1.0 from b and 1.3 from a, and reaches 0.2. The centre of f and g goes around e at 0.5, to
+    // c and no nearer to b than 0.5: f's reach and b's are 0.3, g's and b's 0.65. a is 0.8 away. g always holds
+    // a part of e.
+    assert_eq!(names(&sampled), ["bg", "cf", "cg"]);
+    let again = model.with_pairs_sampled(3000, 7).unwrap();
+    assert_eq!(names(&again), names(&sampled));
+}
+
+#[test]
+fn shipped_robots_stand_free_where_they_are_shown() {
+    for (name, arms) in [("franka_panda", 7), ("universal_ur5e", 6)] {
+        let robot = robot(name);
+        let model = CollisionModel::of(&robot).unwrap();
+        assert!(model.links().len() > arms, "{name}");
+        let sampled = model.with_pairs_sampled(2000, 1).unwrap();
+        assert!(sampled.is_checked("base", "link4").is_ok());
+        assert!(!sampled.pairs().is_empty() && sampled.notes().is_empty());
+    }
+}
+
+#[test]
+fn meshes_are_found_beside_above_and_in_packages() {
+    let folder = std::env::temp_dir().join(format!("kinopt-meshes-{}", std::process::id()));
+    let meshes = folder.join("lamp_description/meshes");
+    let others = folder.join("elsewhere/stand_description");
+    std::fs::create_dir_all(&meshes).unwrap();
+    std::fs::create_dir_all(&others).unwrap();
+    let urdf = folder.join("lamp_description/urdf/lamp.urdf");
+    std::fs::create_dir_all(urdf.parent().unwrap()).unwrap();
+    let cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    for file in [meshes.join("arm.obj"), others.join("foot.obj")] {
+        std::fs::write(file, cube).unwrap();
+    }
+    let mesh = |file: &str| {
+        format!(
+            "<collision><geometry><mesh filename=\"{file}\" scale=\"2 1 1\"/></geometry></collision>"
+        )
+    };
+    let lamp = |foot: &str| {
+        let (own, beside) = (
+            mesh("package://lamp_description/meshes/arm.obj"),
+            mesh("../meshes/arm.obj"),
+        );
+        let foot = mesh(foot);
+        format!("<robot name=\"lamp\"><link name=\"arm\">{own}{beside}{foot}</link></robot>")
+    };
+    std::fs::write(&urdf, lamp("package://stand_description/foot.obj")).unwrap();
+
+    let robot = Robot::read(&urdf).unwrap();
+    let error = CollisionModel::of(&robot).unwrap_err();
+    assert!(matches!(error, CollisionModelError::MeshNotFound { .. }));
+    let told = error.to_string();
+    assert!(told.contains("link `arm`") && told.contains("package://stand_description/foot.obj"));
+    assert!(
+        told.contains("lamp_description/urdf/stand_description/foot.obj"),
+        "{told}"
+    );
+
+    let left_out = CollisionModel::builder(&robot)
+        .leaving_out_missing_meshes()
+        .build()
+        .unwrap();
+    assert_eq!((left_out.objects().len(), left_out.notes().len()), (2, 1));
+
+    for package in [folder.join("elsewhere"), others.clone()] {
+        let model = CollisionModel::builder(&robot)
+            .with_package_folder(package)
+            .build()
+            .unwrap();
+        assert_eq!(model.objects().len(), 3);
+        for object in model.objects() {
+            let bounds = object.shape.bounding_box();
+            assert_eq!(bounds.max.to_array(), [2.0, 1.0, 1.0]);
+            assert!(matches!(object.shape.kind(), ShapeKind::Convex(_)));
+        }
+    }
+    let robot = Robot::parse(
+        &lamp(&format!("file://{}", others.join("foot.obj").display())),
+        "lamp",
+    )
+    .unwrap();
+    assert!(CollisionModel::of(&robot).is_err());
+    let robot = robot.with_file(&urdf);
+    let model = CollisionModel::builder(&robot)
+        .with_meshes(MeshUse::Triangles)
+        .build()
+        .unwrap();
+    assert!(
+        model
+            .objects()
+            .iter()
+            .all(|object| matches!(object.shape.kind(), ShapeKind::Mesh(mesh) if mesh.is_closed()))
+    );
+    std::fs::remove_dir_all(folder).unwrap();
+}

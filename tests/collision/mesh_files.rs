@@ -1,0 +1,219 @@
+//! Promise: one mesh in any of the formats is the same triangles, and a damaged file is an error that names it.
+
+use std::fmt::Write;
+
+use kinopt::collision::MeshFile;
+use kinopt::spatial::Vector3;
+use support::random::Random;
+
+/// Corners of a box of 2 × 4 × 6 about (10, 20, 30), and its twelve triangles, outside counter-clockwise.
+fn corners() -> Vec<[f64; 3]> {
+    let corner = |k: usize| {
+        let side = |bit: usize, half: f64| if k & bit == 0 { -half } else { half };
+        [
+            10.0 + side(1, 1.0),
+            20.0 + side(2, 2.0),
+            30.0 + side(4, 3.0),
+        ]
+    };
+    (0..8).map(corner).collect()
+}
+
+const QUADS: [[usize; 4]; 6] = [
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+];
+
+fn triangles() -> Vec<[usize; 3]> {
+    let halves = |[a, b, c, d]: &[usize; 4]| [[*a, *b, *c], [*a, *c, *d]];
+    QUADS.iter().flat_map(halves).collect()
+}
+
+/// Six times the volume, by the divergence theorem: 48 · 6 for the box, if all triangles look outside.
+fn six_volumes(mesh: &MeshFile) -> f64 {
+    let part = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|k| mesh.points[k as usize]);
+        a.dot(b.cross(c))
+    };
+    mesh.triangles.iter().map(part).sum()
+}
+
+fn is_the_box(mesh: &MeshFile) {
+    assert_eq!(mesh.triangles.len(), 12);
+    assert!(
+        (six_volumes(mesh) - 288.0).abs() < 1e-3,
+        "{}",
+        six_volumes(mesh)
+    );
+    for corner in corners() {
+        let at = Vector3::from(corner);
+        assert!(
+            mesh.points.iter().any(|p| (*p - at).norm() < 1e-5),
+            "{corner:?}"
+        );
+    }
+}
+
+fn obj() -> String {
+    let mut text = "# box\no one\n".to_owned();
+    for [x, y, z] in corners() {
+        writeln!(text, "v {x} {y} {z} 0.5 0.5 0.5").unwrap();
+    }
+    for quad in &QUADS[..5] {
+        let [a, b, c, d] = quad.map(|k| k + 1);
+        writeln!(text, "f {a}/1/1 {b}//2 {c}/3 {d}").unwrap();
+    }
+    // Counted from the end, on two lines.
+    let [a, b, c, d] = QUADS[5].map(|k| k as i64 - 8);
+    writeln!(text, "g other\nf {a} {b} \\\n {c} {d}").unwrap();
+    text
+}
+
+fn ascii_stl() -> String {
+    let mut text = "solid box\n".to_owned();
+    for triangle in triangles() {
+        text += " facet normal 0 0 0\n  outer loop\n";
+        for k in triangle {
+            let [x, y, z] = corners()[k];
+            writeln!(text, "   vertex {x} {y} {z}").unwrap();
+        }
+        text += "  endloop\n endfacet\n";
+    }
+    text + "endsolid box\n"
+}
+
+fn binary_stl() -> Vec<u8> {
+    let mut bytes = b"solid is how many binary files begin".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend(12_u32.to_le_bytes());
+    for triangle in triangles() {
+        bytes.extend([0; 12]);
+        for number in triangle.into_iter().flat_map(|k| corners()[k]) {
+            bytes.extend((number as f32).to_le_bytes());
+        }
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+/// The box in half its size in centimetres, placed by a node within another that turns and doubles.
+fn dae() -> String {
+    // A turn by +90° about z takes (x, y, z) to (-y, x, z): undone here, with (5, 0, 0) cm before.
+    let points = corners().into_iter().map(|[x, y, z]| {
+        let [x, y, z] = [x * 50.0, y * 50.0, z * 50.0];
+        format!("{} {} {}", y, -x - 5.0, z)
+    });
+    let points = points.collect::<Vec<_>>().join(" ");
+    let indices = QUADS.iter().flatten().map(|k| format!("{k} 0"));
+    let indices = indices.collect::<Vec<_>>().join(" ");
+    format!(
+        r##"<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+  <asset><unit name="centimeter" meter="0.01"/><up_axis>Y_UP</up_axis></asset>
+  <library_geometries><geometry id="box"><mesh>
+    <source id="places"><float_array id="numbers" count="24">{points}</float_array>
+      <technique_common><accessor source="#numbers" count="8" stride="3"/></technique_common></source>
+    <vertices id="corners"><input semantic="POSITION" source="#places"/></vertices>
+    <polylist count="6"><input semantic="VERTEX" source="#corners" offset="0"/>
+      <input semantic="NORMAL" source="#places" offset="1"/>
+      <vcount>4 4 4 4 4 4</vcount><p>{indices}</p></polylist>
+  </mesh></geometry></library_geometries>
+  <library_visual_scenes><visual_scene id="scene"><node><scale>2 2 2</scale><rotate>0 0 1 90</rotate>
+    <node><translate>0 5 0</translate><instance_geometry url="#box"/></node></node></visual_scene></library_visual_scenes>
+  <scene><instance_visual_scene url="#scene"/></scene>
+</COLLADA>"##
+    )
+}
+
+#[test]
+fn all_formats_say_the_same() {
+    is_the_box(&MeshFile::parse(obj().as_bytes(), "box.obj").unwrap());
+    is_the_box(&MeshFile::parse(ascii_stl().as_bytes(), "box.stl").unwrap());
+    is_the_box(&MeshFile::parse(&binary_stl(), "box.STL").unwrap());
+    is_the_box(&MeshFile::parse(dae().as_bytes(), "box.dae").unwrap());
+}
+
+#[test]
+fn mirrored_meshes_still_look_outside() {
+    let mesh = MeshFile::parse(obj().as_bytes(), "box.obj").unwrap();
+    let mirrored = mesh.scaled([-1.0, 2.0, 1.0]);
+    assert!((six_volumes(&mirrored) - 576.0).abs() < 1e-9);
+}
+
+#[test]
+fn parts_are_told_apart() {
+    let one = MeshFile::parse(obj().as_bytes(), "box.obj").unwrap();
+    let mut two = obj();
+    let far = corners()
+        .into_iter()
+        .map(|[x, y, z]| format!("v {} {y} {z}\n", x + 50.0));
+    two.extend(far);
+    for quad in &QUADS {
+        let [a, b, c, d] = quad.map(|k| k + 9);
+        writeln!(two, "f {a} {b} {c} {d}").unwrap();
+    }
+    let parts = MeshFile::parse(two.as_bytes(), "two.obj").unwrap().parts();
+    assert_eq!(parts.len(), 2);
+    assert!(
+        parts
+            .iter()
+            .all(|part| part.points.len() == 8 && part.triangles.len() == 12)
+    );
+    assert_eq!(one.parts().len(), 1);
+}
+
+#[test]
+fn what_is_wrong_is_told_with_the_file() {
+    let told = |bytes: &[u8], file: &str| MeshFile::parse(bytes, file).unwrap_err().to_string();
+    assert!(told(b"", "hand.fbx").contains("hand.fbx: is of no format that is read"));
+    assert!(told(b"v 0 0 0\nf 1 2 3\n", "a.obj").contains("line 2: `2` is none of the 1 points"));
+    assert!(told(b"v 0 0 nan\n", "a.obj").contains("line 1"));
+    assert!(told(b"v 0 0 0\n", "a.obj").contains("has no triangles"));
+    assert!(told(&binary_stl()[..300], "a.stl").contains("at least"));
+    let dangling = dae().replace("url=\"#box\"", "url=\"#ball\"");
+    assert!(told(dangling.as_bytes(), "a.dae").contains("`#ball` is no id"));
+    let endless = dae().replace(
+        "<node><translate>0 5 0</translate>",
+        "<node id=\"n\"><instance_node url=\"#n\"/>",
+    );
+    assert!(told(endless.as_bytes(), "a.dae").contains("nodes within nodes"));
+    let beyond = dae().replace("0 0 2 0 3 0 1 0", "0 0 2 0 3 0 8 0");
+    assert!(told(beyond.as_bytes(), "a.dae").contains("beyond the 8"));
+}
+
+#[test]
+fn damaged_files_never_panic() {
+    let files = [
+        ("a.obj", obj().into_bytes()),
+        ("a.stl", ascii_stl().into_bytes()),
+        ("b.stl", binary_stl()),
+        ("a.dae", dae().into_bytes()),
+    ];
+    let mut random = Random::new(14);
+    for (name, bytes) in files {
+        for _ in 0..300 {
+            let mut damaged = bytes.clone();
+            for _ in 0..1 + random.below(4) {
+                let at = random.below(damaged.len());
+                match random.below(3) {
+                    0 => damaged[at] = random.below(256) as u8,
+                    1 => damaged.truncate(at.max(1)),
+                    _ => drop(damaged.remove(at)),
+                }
+            }
+            if let Ok(mesh) = MeshFile::parse(&damaged, name) {
+                let count = mesh.points.len() as u32;
+                assert!(
+                    mesh.triangles
+                        .iter()
+                        .flatten()
+                        .all(|corner| *corner < count)
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Promise: the spheres of a link hold all of its shapes, and stick out no further than they say.
+
+use kinopt::collision::{CollisionModel, CollisionObject, Fineness, Shape, ShapeKind, SphereModel};
+use kinopt::model::Model;
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
+use support::convex_shapes::Solid;
+use support::random::Random;
+use support::sample::{cases, part};
+
+/// A point on the surface of a shape, drawn without the library.
+fn on_surface(kind: &ShapeKind, random: &mut Random) -> Vector3<f64> {
+    let direction = random.direction();
+    let direction = Vector3::new(direction.x, direction.y, direction.z);
+    let around = random.within(0.0, std::f64::consts::TAU);
+    match kind {
+        ShapeKind::Sphere { radius } => direction * *radius,
+        ShapeKind::Capsule { radius, length } => {
+            let flat = Vector3::new(around.cos() * radius, around.sin() * radius, 0.0);
+            match random.below(2) {
+                0 => flat + Vector3::new(0.0, 0.0, random.within(-0.5, 0.5) * length),
+                _ => {
+                    let end = 0.5 * length.copysign(direction.z);
+                    direction * *radius + Vector3::new(0.0, 0.0, end)
+                }
+            }
+        }
+        ShapeKind::Cylinder { radius, length } => {
+            let (share, z) = match random.below(3) {
+                0 => (1.0, random.within(-0.5, 0.5)),
+                1 => (random.within(0.0, 1.0), 0.5),
+                _ => (1.0, -0.5),
+            };
+            Vector3::new(
+                around.cos() * radius * share,
+                around.sin() * radius * share,
+                z * length,
+            )
+        }
+        ShapeKind::Cuboid { size } => {
+            let mut point = size.map(|side| random.within(-0.5, 0.5) * side);
+            for _ in 0..=random.below(3) {
+                let side = random.below(3);
+                point[side] = 0.5 * size[side].copysign(random.within(-1.0, 1.0));
+            }
+            point.into()
+        }
+        ShapeKind::Convex(hull) => {
+            let [a, b, c] = hull.triangles()[random.below(hull.triangles().len())];
+            let [a, b, c] = [a, b, c].map(|k| hull.vertices()[k as usize]);
+            let (u, v) = (random.within(0.0, 1.0), random.within(0.0, 1.0));
+            let (u, v) = if u + v > 1.0 {
+                (1.0 - u, 1.0 - v)
+            } else {
+                (u, v)
+            };
+            a + (b - a) * u + (c - a) * v
+        }
+        kind => panic!("{kind:?}"),
+    }
+}
+
+/// That points on shapes and between two of them are in spheres, and points on spheres near shapes.
+fn holds(model: &CollisionModel, spheres: &SphereModel, points: usize, random: &mut Random) {
+    for group in spheres.groups() {
+        let objects: Vec<_> = model.objects_of(group.link).collect();
+        for _ in 0..points / spheres.groups().len() {
+            let object = objects[random.below(objects.len())];
+            let [a, b] = [0, 1].map(|_| on_surface(object.shape.kind(), random));
+            // These shapes are convex.
+            let share = if random.below(2) == 0 {
+                0.0
+            } else {
+                random.within(0.0, 1.0)
+            };
+            let point = object.link_from_shape.apply(a + (b - a) * share);
+            let out = |ball: &kinopt::collision::Ball| (point - ball.centre).norm() - ball.radius;
+            let least = group.spheres.iter().map(out).fold(f64::INFINITY, f64::min);
+            assert!(
+                least <= 1e-12,
+                "{}: {point:?} is {least:e} outside",
+                group.name
+            );
+            assert!(out(&group.bound) <= 1e-12);
+
+            let ball = &group.spheres[random.below(group.spheres.len())];
+            let towards = random.direction();
+            let surface = ball.centre + Vector3::new(towards.x, towards.y, towards.z) * ball.radius;
+            let from = |object: &&CollisionObject| {
+                let local = object.link_from_shape.inverse().apply(surface);
+                object.shape.signed_distance(local)
+            };
+            let nearest = objects.iter().map(from).fold(f64::INFINITY, f64::min);
+            assert!(
+                nearest <= spheres.overhang() + 1e-9,
+                "{}: {nearest}",
+                group.name
+            );
+            assert!(
+                (ball.centre - group.bound.centre).norm() + ball.radius
+                    <= group.bound.radius + 1e-12
+            );
+        }
+    }
+}
+
+#[test]
+fn shipped_robots_lie_within_their_spheres() {
+    let robots = [
+        "adept_cobra_s600",
+        "aldebaran_nao",
+        "franka_panda",
+        "kuka_iiwa14",
+        "rethink_baxter",
+        "universal_ur10e",
+        "universal_ur5e",
+    ];
+    let mut random = Random::new(4);
+    for name in part(robots, 2) {
+        let model = CollisionModel::of(&robot(name)).unwrap();
+        let spheres = SphereModel::of(&model, Fineness::Overhang(0.03)).unwrap();
+        assert!(spheres.overhang() <= 0.03, "{name}");
+        assert_eq!(spheres.groups().len(), model.links().len());
+        assert_eq!(spheres.pairs().len(), model.pairs().len());
+        holds(&model, &spheres, cases(100_000, 5_000), &mut random);
+    }
+}
+
+fn one_link(objects: impl IntoIterator<Item = (Shape, Placement<f64>)>) -> CollisionModel {
+    let mut builder = Model::builder("one link");
+    let link = builder.frame("link", None, Placement::identity());
+    let model = builder.build().unwrap();
+    let object = |(shape, placed)| CollisionObject::new("shape", link, placed, shape);
+    CollisionModel::new(&model, objects.into_iter().map(object).collect()).unwrap()
+}
+
+#[test]
+fn random_shapes_lie_within_their_spheres() {
+    let mut random = Random::new(5);
+    for case in 0..cases(60, 4) {
+        let count = 1 + random.below(3);
+        let shapes = (0..count).map(|_| {
+            let shape = Solid::random(&mut random).shape();
+            (shape, support::placement(&random.rigid(0.3)))
+        });
+        let model = one_link(shapes.collect::<Vec<_>>());
+        let fineness = match case % 2 {
+            0 => Fineness::Overhang(random.within(0.1, 0.3)),
+            _ => Fineness::PerLink(1 + random.below(20)),
+        };
+        let spheres = SphereModel::of(&model, fineness).unwrap();
+        match fineness {
+            Fineness::Overhang(overhang) => assert!(spheres.overhang() <= overhang),
+            Fineness::PerLink(most) => {
+                assert!(spheres.count() <= most.max(count), "{}", spheres.count())
+            }
+            _ => {}
+        }
+        holds(&model, &spheres, 2000, &mut random);
+    }
+}
+
+#[test]
+fn spheres_stay_what_they_are() {
+    let at = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
+    let model = one_link([(Shape::sphere(0.25).unwrap(), at)]);
+    let spheres = SphereModel::of(&model, Fineness::Overhang(0.5)).unwrap();
+    assert_eq!((spheres.count(), spheres.overhang()), (1, 0.0));
+    assert_eq!(spheres.groups()[0].spheres[0].radius, 0.25);
+    assert_eq!(SphereModel::of_spheres(&model), Some(spheres));
+    let capsule = one_link([(Shape::capsule(0.1, 1.0).unwrap(), at)]);
+    assert_eq!(SphereModel::of_spheres(&capsule), None);
+}
+
+#[test]
+fn capsules_get_no_more_spheres_than_they_need() {
+    // Neighbours may stand 2 √(0.12² − 0.1²) = 0.1327 apart, and the last ones 0.02 from the ends: 0.96 / 0.1327.
+    let model = one_link([(Shape::capsule(0.1, 1.0).unwrap(), Placement::identity())]);
+    let spheres = SphereModel::of(&model, Fineness::Overhang(0.02)).unwrap();
+    assert_eq!(spheres.count(), 9);
+}
+
+#[test]
+fn the_same_twice() {
+    let model = CollisionModel::of(&robot("franka_panda")).unwrap();
+    let twice = [0, 1].map(|_| SphereModel::of(&model, Fineness::Overhang(0.04)).unwrap());
+    assert_eq!(twice[0], twice[1]);
+}
+
+#[test]
+fn what_is_no_fineness_is_refused() {
+    let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
+        let told = SphereModel::of(&model, Fineness::Overhang(bad))
+            .unwrap_err()
+            .to_string();
+        assert!(told.contains("overhang"), "{told}");
+    }
+    assert!(SphereModel::of(&model, Fineness::PerLink(0)).is_err());
+}
