@@ -39,6 +39,9 @@ pub struct Arm {
     /// Seeds of a chain that the lane engine cannot express, made for the first question that needs
     /// them.
     pub(super) seeds: OnceLock<SeedTable>,
+    /// What it keeps clear of.
+    #[cfg(feature = "collision")]
+    pub(super) collisions: Option<std::sync::Arc<super::keep_clear::KeepClear>>,
     /// Memory of the slower ways, taken out while one is under way.
     #[allow(clippy::vec_box, reason = "kilobytes, moved twice a question")]
     workspaces: Mutex<Vec<Box<ArmWorkspace>>>,
@@ -68,6 +71,8 @@ impl Arm {
             coordinates,
             names: Arc::new(names),
             seeds: OnceLock::new(),
+            #[cfg(feature = "collision")]
+            collisions: None,
             workspaces: Mutex::new(vec![Box::new(workspace)]),
         })
     }
@@ -82,7 +87,13 @@ impl Arm {
         let (coordinates, limits) = (self.coordinates.clone(), self.velocity_limits.clone());
         let tip = self.names.task_frames.first().cloned().flatten();
         let tip = tip.unwrap_or_default();
-        Self::assemble(serial, options, lanes, coordinates, limits, &tip)
+        let changed = Self::assemble(serial, options, lanes, coordinates, limits, &tip)?;
+        #[cfg(feature = "collision")]
+        let changed = match &self.collisions {
+            Some(kept) => changed.with_checker(kept.checker(), kept.rest())?,
+            None => changed,
+        };
+        Ok(changed)
     }
 
     /// Names of the free joints, base to tip: the order of a configuration.
@@ -165,6 +176,14 @@ impl Arm {
         // A limit beyond what the clock can tell is none.
         let limit = self.options.time_limit?;
         Instant::now().checked_add(limit)
+    }
+
+    /// Changes all memory that is not in use.
+    #[cfg(feature = "collision")]
+    pub(super) fn for_each_workspace(&mut self, change: impl FnMut(&mut Box<ArmWorkspace>)) {
+        let workspaces = self.workspaces.get_mut();
+        let workspaces = workspaces.unwrap_or_else(std::sync::PoisonError::into_inner);
+        workspaces.iter_mut().for_each(change);
     }
 
     /// Runs something with memory of its own.

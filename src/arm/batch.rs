@@ -160,6 +160,8 @@ impl Arm {
     ) -> bool {
         let options = &self.options;
         let plain = self.is_plain() && options.time_limit.is_none() && options.budget() >= QUICK;
+        #[cfg(feature = "collision")]
+        let plain = plain && !self.keeps_clear();
         let Some(lanes) = self.lanes.as_ref().filter(|_| plain) else {
             return false;
         };

@@ -236,7 +236,8 @@ impl ArmBuilder<'_> {
         let full = self.parameters()?;
         let serial = Serial::new(self.model, &full, &parts, self.tip_from_tool, name)?;
         self.check_loops(&full, &serial)?;
-        let coordinates = Coordinates::new(self.model, &full, &parts, &serial);
+        let coordinates =
+            Coordinates::new((self.model, self.base.clone()?), &full, &parts, &serial);
         let options = self.options(&serial)?;
         let lanes = match &serial.chain {
             Some(chain) => Some(PoseSolver::new(chain, self.lane_options(&options))?),

@@ -56,23 +56,7 @@ impl Arm {
         let mut first = 0;
         while first < wanted && spent(&workspace.outcomes) < budget {
             let count = GROUP.min(wanted - first);
-            match self.lanes_within(&workspace.bounded_lanes) {
-                None => self.attempts_by_core(workspace, query, first, count),
-                Some(lanes) => {
-                    let end = (first + count) as usize;
-                    workspace.found.resize(end * n, 0.0);
-                    workspace.outcomes.resize(end, PoseOutcome::default());
-                    lanes.run(lanes::Work {
-                        targets: std::slice::from_ref(query.target),
-                        starts: query.start,
-                        search: lanes::Prefer::Start,
-                        attempts_from: Some(first),
-                        attempts: 1,
-                        q: &mut workspace.found[first as usize * n..],
-                        outcomes: &mut workspace.outcomes[first as usize..],
-                    });
-                }
-            }
+            self.run_attempts(workspace, query, first, count);
             first += count;
             if query.is_late() {
                 break;
@@ -94,6 +78,32 @@ impl Arm {
         } else {
             Termination::Reached
         }
+    }
+
+    /// Runs attempts `first`, `first + 1`, …, appended to the configurations found.
+    pub(super) fn run_attempts(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+        first: u32,
+        count: u32,
+    ) {
+        let n = self.joint_count();
+        let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
+            return self.attempts_by_core(workspace, query, first, count);
+        };
+        let end = (first + count) as usize;
+        workspace.found.resize(end * n, 0.0);
+        workspace.outcomes.resize(end, PoseOutcome::default());
+        lanes.run(lanes::Work {
+            targets: std::slice::from_ref(query.target),
+            starts: query.start,
+            search: lanes::Prefer::Start,
+            attempts_from: Some(first),
+            attempts: 1,
+            q: &mut workspace.found[first as usize * n..],
+            outcomes: &mut workspace.outcomes[first as usize..],
+        });
     }
 
     /// The nearest of the solutions gathered, into the workspace's x; on redundant arms moved towards
@@ -195,6 +205,6 @@ impl Arm {
 }
 
 /// Iterations of all attempts together.
-fn spent(outcomes: &[PoseOutcome]) -> usize {
+pub(super) fn spent(outcomes: &[PoseOutcome]) -> usize {
     outcomes.iter().map(|o| o.iterations as usize).sum()
 }

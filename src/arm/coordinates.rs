@@ -2,11 +2,13 @@
 
 use super::kinematic_path::Part;
 use super::serial::{Serial, source_of};
-use crate::model::{JointId, Limits, Model, ParameterMap, Source};
+use crate::model::{FrameId, JointId, Limits, Model, ParameterMap, Source};
 
 /// Where the coordinates of the model that the arm moves or holds come from.
 #[derive(Clone, Debug)]
 pub(super) struct Coordinates {
+    /// The frame that targets are given in; none for the world.
+    pub(super) base: Option<FrameId>,
     pub(super) degrees_of_freedom: usize,
     /// (coordinate, source in terms of the arm's joints, limits).
     pub(super) entries: Vec<(usize, Source, Limits)>,
@@ -16,7 +18,7 @@ pub(super) struct Coordinates {
 
 impl Coordinates {
     pub(super) fn new(
-        source: &Model,
+        (source, base): (&Model, Option<FrameId>),
         full: &ParameterMap,
         parts: &[Part],
         serial: &Serial,
@@ -51,6 +53,7 @@ impl Coordinates {
         }
         let own = serial.joints.iter().filter_map(|&id| source.coordinate(id));
         Self {
+            base,
             degrees_of_freedom: source.configuration_len(),
             entries,
             own: own.collect(),

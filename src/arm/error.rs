@@ -63,6 +63,17 @@ pub enum ArmError {
     /// Two options that ask for different things.
     #[error("{0}")]
     Conflict(&'static str),
+    /// A checker of another model, told by its size.
+    #[error("the checker's model has {given} numbers a configuration, the arm's has {expected}")]
+    ForeignChecker {
+        /// Of the checker's model.
+        given: usize,
+        /// Of the arm's.
+        expected: usize,
+    },
+    /// A configuration of the whole model that does not place it.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
     /// The tool's placement is not a rigid motion.
     #[error("the tool's placement is not a rigid motion: {0}")]
     Tool(RigidDefect),

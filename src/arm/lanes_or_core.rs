@@ -111,6 +111,19 @@ impl Arm {
         query: &Query<'_>,
         solution: &mut Solution,
     ) -> Result<(Found, Errors), QueryError> {
+        #[cfg(feature = "collision")]
+        if let Some(collisions) = &self.collisions {
+            return self.answer_clear_of(collisions, query, solution);
+        }
+        self.answer_anywhere(query, solution)
+    }
+
+    /// The same, whatever is in the way.
+    pub(super) fn answer_anywhere(
+        &self,
+        query: &Query<'_>,
+        solution: &mut Solution,
+    ) -> Result<(Found, Errors), QueryError> {
         let (Some(lanes), true) = (&self.lanes, self.is_plain()) else {
             return self.with_workspace(|workspace| self.answer_at(workspace, query, solution));
         };

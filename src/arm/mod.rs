@@ -40,6 +40,8 @@ mod ease;
 mod error;
 mod follower;
 mod jacobian;
+#[cfg(feature = "collision")]
+mod keep_clear;
 mod kinematic_path;
 mod lanes_or_core;
 mod mechanism;

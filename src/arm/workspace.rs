@@ -46,6 +46,9 @@ pub(super) struct ArmWorkspace {
     pub(super) search: Attempts,
     /// A batch's misses are explained in here.
     pub(super) spare: Solution,
+    /// For what the arm keeps clear of.
+    #[cfg(feature = "collision")]
+    pub(super) clear_room: Option<super::keep_clear::ClearRoom>,
     /// The lane engine with bounds of the question's own, where moves are bounded.
     pub(super) bounded_lanes: Option<PoseSolver>,
     /// The start within the bounds, and the configuration to be returned.
@@ -106,6 +109,8 @@ impl ArmWorkspace {
             memory: SolverState::default(),
             search: Attempts::default(),
             spare: Solution::default(),
+            #[cfg(feature = "collision")]
+            clear_room: None,
             bounded_lanes: None,
             start: vec![0.0; n],
             x: vec![0.0; n],

@@ -19,8 +19,10 @@
 //! ```
 
 mod box_tree;
+mod checker;
 mod convex_surface;
 mod distance;
+pub(crate) mod in_lanes;
 mod mesh_file;
 mod mesh_folders;
 mod model;
@@ -28,6 +30,8 @@ mod shape;
 mod sphere_model;
 mod world;
 
+pub use crate::search::Collision;
+pub use checker::{Checker, CheckerError, CheckerWorkspace};
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
 pub use model::{

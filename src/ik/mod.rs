@@ -14,8 +14,8 @@ mod stance;
 mod workspace;
 
 pub use crate::search::{
-    ActiveLimit, BoundKind, MoveLimits, OpenLoop, Restarts, RowsReport, Side, Solution, SolveError,
-    TaskReport,
+    ActiveLimit, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowsReport, Side, Solution,
+    SolveError, TaskReport,
 };
 pub use drag::{Drag, Leap};
 pub use loop_closure::LoopClosure;

@@ -195,6 +195,27 @@ impl Links {
         Placement::new(r * self.last_from_tip, p)
     }
 
+    /// Where the chain stands after so many joints, metres: first the base itself. Values are radians and metres.
+    #[cfg(feature = "collision")]
+    pub(crate) fn frames(&self, q: &[f64]) -> Vec<Placement<f64>> {
+        let metres = self.metres_per_length;
+        let mut r = self.base_from_first.rotation;
+        let mut p = self.base_from_first.translation * metres;
+        let mut frames = vec![Placement::identity()];
+        for (link, &q) in self.links.iter().zip(q) {
+            if link.kind.turns() {
+                r = r.rotated_about_z(elementary::sin_cos(q + link.offset));
+            } else {
+                p += r.z * q;
+                r = r.rotated_about_z(link.offset_sin_cos);
+            }
+            p += (r.x * link.along_x + r.y * link.along_y) * metres;
+            r = r.rotated_about_x(link.twist);
+            frames.push(Placement::new(r, p));
+        }
+        frames
+    }
+
     /// The frame in which the kernel works: the target, its orientation turned so that the frame
     /// after the last joint should come to it; and from there to the first joint.
     #[cfg_attr(not(debug_assertions), inline(always))]

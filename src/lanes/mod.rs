@@ -40,6 +40,8 @@ pub use crate::model::JointKind;
 pub use axis_goal::AxisGoal;
 pub(crate) use batch::Work;
 pub use chain::{Chain, ChainError, ChainJoint, MAX_JOINTS};
+#[cfg(feature = "collision")]
+pub(crate) use links::Links;
 pub use options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 pub use pose_solver::PoseSolver;
 pub(crate) use query::{Answer, Query};

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::{ActiveLimit, BoundKind, Side, Solution};
+use super::{ActiveLimit, BoundKind, Collision, Side, Solution};
 use crate::model::LengthUnit;
 use crate::scalar::elementary;
 use crate::solver::Termination;
@@ -49,11 +49,36 @@ impl Solution {
             text.push('.');
             return Ok(());
         }
+        if self.goals_reached() {
+            return self.write_collisions(text);
+        }
         writeln!(text, ": {}.", self.why())?;
         self.write_misses(text)?;
         self.write_levels(text)?;
         self.write_verdict(text)?;
         self.write_limits(text)
+    }
+
+    /// What is in the way where every goal can be met.
+    fn write_collisions(&self, text: &mut String) -> std::fmt::Result {
+        writeln!(
+            text,
+            ": every goal is met here, but nowhere that was found without touching something."
+        )?;
+        let unit = self.length_unit().symbol();
+        for pair in &self.collisions {
+            let (size, how) = match pair.distance < 0.0 {
+                true => (-pair.distance, "is in"),
+                false => (pair.distance, "is too near to"),
+            };
+            let Collision { first, second, .. } = pair;
+            writeln!(
+                text,
+                "  `{first}` {how} `{second}`: {} {unit}.",
+                Significant(size)
+            )?;
+        }
+        Ok(())
     }
 
     /// The joints that went as far as they were allowed to.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::attempt::Found;
 use super::beyond::Beyond;
+use super::collisions::Collision;
 use crate::problem::ReportNames;
 use crate::scalar::elementary;
 use crate::solver::{Counts, Side, Termination};
@@ -119,7 +120,7 @@ impl TaskReport<'_> {
 pub struct Solution {
     /// The configuration (shape: the model's degrees of freedom), within all limits to the bit.
     pub q: Vec<f64>,
-    /// Whether every goal is within its tolerances at `q`.
+    /// Whether every goal is within its tolerances at `q`, and nothing [touches](Self::collisions).
     pub reached: bool,
     /// Which test ended the attempt that is returned, or what ended the whole search early: the clock
     /// or the observer. Of a solution that is reached these ended a comparison or the preferences' pull.
@@ -147,6 +148,8 @@ pub struct Solution {
     /// The preferences that goals are traded off against, the strongest first.
     pub(crate) pulling: Vec<usize>,
     pub(super) beyond: Option<Beyond>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) collisions: Vec<Collision>,
     pub(super) names: Option<Arc<ReportNames>>,
 }
 
@@ -166,6 +169,7 @@ impl Default for Solution {
             blocked: Vec::new(),
             pulling: Vec::new(),
             beyond: None,
+            collisions: Vec::new(),
             names: None,
         }
     }
@@ -189,6 +193,7 @@ impl Solution {
         self.attempts = found.attempts;
         self.agreeing = found.agreeing;
         self.counts = found.counts;
+        self.collisions.clear();
     }
 
     /// Every task's outcome, in the order in which the tasks were added; after them the model's loops.

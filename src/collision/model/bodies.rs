@@ -19,7 +19,7 @@ fn moving(model: &Model, mut joint: Option<JointId>) -> Option<JointId> {
 }
 
 /// All pairs of links but those of one body and of adjacent ones: no body with shapes is between those.
-pub(super) fn pairs_apart(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
+pub(crate) fn pairs_apart(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
     let carriers: Vec<Option<JointId>> = links.iter().map(|l| carrier(model, *l)).collect();
     // The next body towards the root that has shapes; `None` where there is none.
     let next = |body: Option<JointId>| {

@@ -8,6 +8,7 @@ mod meshes;
 mod pairs;
 mod sampling;
 
+pub(super) use bodies::pairs_apart;
 pub use error::CollisionModelError;
 pub use from_robot::CollisionModelBuilder;
 pub use meshes::MeshUse;

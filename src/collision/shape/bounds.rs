@@ -81,6 +81,13 @@ impl BoundingBox {
         (self.max - self.min).norm() * 0.5
     }
 
+    /// From a point to it, squared; 0 inside.
+    #[inline]
+    pub(crate) fn squared_distance(&self, point: Vector3<f64>) -> f64 {
+        let nearest = greatest(self.min, least(self.max, point));
+        (point - nearest).norm_squared()
+    }
+
     /// Around the same box placed elsewhere.
     #[must_use]
     pub fn placed(&self, world_from_shape: &Placement<f64>) -> Self {

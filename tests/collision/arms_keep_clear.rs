@@ -1,0 +1,250 @@
+//! Promise: a solution of an arm that keeps clear touches nothing, by the exact distances of shapes; where none is found
+//! it says what is touched. Eight configurations in lanes and shapes one by one never contradict each other.
+
+use kinopt::arm::{Arm, Search};
+use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use support::arms::robot;
+use support::random::Random;
+use support::sample::cases;
+
+struct Panda {
+    arm: Arm,
+    checker: Checker,
+    q_model: Vec<f64>,
+}
+
+fn panda(search: Search) -> Panda {
+    let robot = robot("franka_panda");
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
+    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
+    let arm = Arm::builder(&robot, "base", "flange").with_search(search);
+    Panda {
+        q_model: vec![0.0; robot.model().configuration_len()],
+        arm: arm.build().unwrap(),
+        checker: Checker::new(bodies).with_spheres(spheres),
+    }
+}
+
+impl Panda {
+    fn among(self, world: &World, margin: f64) -> Self {
+        let checker = self.checker.with_world(world).unwrap();
+        let checker = checker.with_margin(margin).unwrap();
+        Self {
+            arm: self.arm.with_checker(&checker, &self.q_model).unwrap(),
+            checker,
+            ..self
+        }
+    }
+
+    fn drawn(&self, random: &mut Random) -> Vec<f64> {
+        let limits = self.arm.limits();
+        limits.map(|l| random.within(l.lower, l.upper)).collect()
+    }
+
+    /// A configuration that touches nothing.
+    fn free(&self, random: &mut Random) -> Vec<f64> {
+        loop {
+            let q = self.drawn(random);
+            if self.arm.collisions(&q).unwrap().is_empty() {
+                return q;
+            }
+        }
+    }
+}
+
+/// Boxes, cylinders, capsules, balls, a hull and a floor around the arm.
+fn cluttered(random: &mut Random) -> World {
+    let mut world = World::new();
+    for index in 0..8 {
+        let [a, b, c] = [(); 3].map(|()| random.within(0.05, 0.25));
+        let corner = |k: u32| {
+            let side = |bit, length: f64| if k & bit == 0 { -length } else { length };
+            Vector3::new(side(1, a), side(2, b), side(4, c)) * 0.5
+        };
+        let shape = match index % 5 {
+            0 => Shape::cuboid([a, b, c]),
+            1 => Shape::cylinder(a, b),
+            2 => Shape::capsule(0.5 * a, b),
+            3 => Shape::sphere(a),
+            _ => Shape::convex(&(0..8).map(corner).collect::<Vec<_>>()),
+        };
+        let around = random.within(-3.1, 3.1);
+        let far = random.within(0.35, 0.8);
+        let place = Vector3::new(
+            far * around.cos(),
+            far * around.sin(),
+            random.within(0.1, 1.0),
+        );
+        let turn = [(); 3].map(|()| random.within(-2.0, 2.0));
+        let at = Placement::new(rotation_exp(turn.into()), place);
+        world
+            .add(&format!("thing {index}"), shape.unwrap(), at)
+            .unwrap();
+    }
+    let below = Vector3::new(0.0, 0.0, -0.1);
+    world
+        .add("floor", Shape::half_space(), Placement::translation(below))
+        .unwrap();
+    world
+}
+
+#[test]
+fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
+    let mut random = Random::new(14);
+    let mut panda = panda(Search::Start);
+    let (mut asked, mut reached) = (0, 0);
+    for margin in [0.0, 0.01] {
+        for _ in 0..cases(500, 30) {
+            panda = panda.among(&cluttered(&mut random), margin);
+            let (goal, start) = (panda.free(&mut random), panda.drawn(&mut random));
+            let target = panda.arm.base_from_tool(&goal).unwrap();
+            let solution = panda.arm.solve(target, &start).unwrap();
+            let touched = panda.arm.collisions(&solution.q).unwrap();
+            asked += 1;
+            if solution.reached {
+                reached += 1;
+                assert!(touched.is_empty(), "{touched:?}");
+                assert!(solution.collisions().is_empty());
+            } else {
+                assert_eq!(solution.collisions(), touched);
+                assert!(solution.goals_reached(), "{}", solution.explain());
+                assert!(
+                    touched.iter().all(|pair| pair.distance < margin),
+                    "{touched:?}"
+                );
+                let named = solution.explain().contains(&touched[0].second);
+                assert!(named, "{}", solution.explain());
+            }
+        }
+    }
+    assert!(reached * 100 >= asked * 97, "{reached} of {asked}");
+}
+
+#[test]
+fn the_nearest_solution_that_is_free_is_as_near_as_any_that_is() {
+    let mut random = Random::new(3);
+    let mut near = panda(Search::Nearest);
+    let mut any = panda(Search::Start);
+    for _ in 0..cases(40, 6) {
+        let world = cluttered(&mut random);
+        (near, any) = (near.among(&world, 0.0), any.among(&world, 0.0));
+        let (goal, start) = (near.free(&mut random), near.drawn(&mut random));
+        let target = near.arm.base_from_tool(&goal).unwrap();
+        let [nearest, other] = [&near, &any].map(|p| p.arm.solve(target, &start).unwrap());
+        let distance = |q: &[f64]| {
+            let squares = q.iter().zip(&start).map(|(a, b)| (a - b) * (a - b));
+            squares.sum::<f64>().sqrt()
+        };
+        assert!(nearest.reached || !other.reached);
+        if other.reached {
+            let (nearest, other) = (distance(&nearest.q), distance(&other.q));
+            assert!(nearest <= other + 1e-9, "{nearest} {other}");
+        }
+    }
+}
+
+#[test]
+fn a_target_in_an_obstacle_is_reached_nowhere_and_says_so() {
+    let goal = [0.3, 0.2, 0.1, -1.8, 0.1, 2.0, 0.5];
+    let alone = panda(Search::Start);
+    let target = alone.arm.base_from_tool(&goal).unwrap();
+    let mut world = World::new();
+    world
+        .add_box("crate", [0.3; 3], target.translation)
+        .unwrap();
+    let panda = alone.among(&world, 0.0);
+    let solution = panda.arm.solve(target, &goal).unwrap();
+    assert!(!solution.reached && solution.goals_reached());
+    assert!(solution.position_error().unwrap() < 1e-6);
+    assert!(
+        solution
+            .collisions()
+            .iter()
+            .any(|pair| pair.second == "crate" && pair.depth() > 0.05)
+    );
+    let text = solution.explain();
+    assert!(
+        text.contains("`crate`") && text.starts_with("Not reached"),
+        "{text}"
+    );
+    // A batch asks the same.
+    let batch = panda.arm.solve_batch(&[target], &goal).unwrap();
+    assert_eq!(batch[0].q, solution.q);
+    assert_eq!(batch[0].collisions(), solution.collisions());
+    // What is out of reach is not called touching.
+    let far = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
+    let solution = panda.arm.solve(far, &goal).unwrap();
+    assert!(!solution.reached && !solution.goals_reached());
+}
+
+#[test]
+fn the_same_question_has_the_same_answer() {
+    let mut random = Random::new(7);
+    let world = cluttered(&mut random);
+    let panda_a = panda(Search::Start).among(&world, 0.0);
+    let panda_b = panda(Search::Start).among(&world, 0.0);
+    for _ in 0..cases(60, 10) {
+        let (goal, start) = (panda_a.free(&mut random), panda_a.drawn(&mut random));
+        let target = panda_a.arm.base_from_tool(&goal).unwrap();
+        let a = panda_a.arm.solve(target, &start).unwrap();
+        let b = panda_b.arm.solve(target, &start).unwrap();
+        assert_eq!((a.q, a.reached, a.attempts), (b.q, b.reached, b.attempts));
+    }
+}
+
+#[test]
+fn a_tool_or_goal_keeps_what_the_arm_is_kept_clear_of() {
+    let mut random = Random::new(21);
+    let world = cluttered(&mut random);
+    let panda = panda(Search::Start).among(&world, 0.0);
+    let tool = Placement::translation(Vector3::new(0.0, 0.0, 0.1));
+    let tooled = panda.arm.with_tool(tool).unwrap();
+    let mut checked = 0;
+    while checked < cases(100, 15) {
+        let start = panda.drawn(&mut random);
+        let target = tooled.base_from_tool(&panda.free(&mut random)).unwrap();
+        let solution = tooled.solve(target, &start).unwrap();
+        assert_eq!(
+            solution.reached,
+            tooled.collisions(&solution.q).unwrap().is_empty()
+        );
+        checked += 1;
+    }
+}
+
+#[test]
+fn many_obstacles_are_found_through_their_tree_as_one_by_one() {
+    // As many small boxes as a wall has, once as obstacles of their own and once as one.
+    let (mut many, mut one) = (World::new(), World::new());
+    for y in -6..=6 {
+        for z in 0..=12 {
+            let at = Vector3::new(0.45, f64::from(y) * 0.1, f64::from(z) * 0.1);
+            many.add_box(&format!("brick {y} {z}"), [0.1; 3], at)
+                .unwrap();
+        }
+    }
+    one.add_box("wall", [0.1, 1.3, 1.3], Vector3::new(0.45, 0.0, 0.6))
+        .unwrap();
+    let bricks = panda(Search::Start).among(&many, 0.0);
+    let wall = panda(Search::Start).among(&one, 0.0);
+    let mut random = Random::new(5);
+    for _ in 0..cases(60, 10) {
+        let (goal, start) = (wall.free(&mut random), wall.drawn(&mut random));
+        let target = wall.arm.base_from_tool(&goal).unwrap();
+        let [a, b] = [&bricks, &wall].map(|p| p.arm.solve(target, &start).unwrap());
+        assert_eq!((a.q, a.reached), (b.q, b.reached));
+    }
+}
+
+#[test]
+fn a_checker_of_another_model_is_refused() {
+    let panda = panda(Search::Start);
+    let other = CollisionModel::of(&robot("universal_ur5e")).unwrap();
+    let error = panda
+        .arm
+        .with_checker(&Checker::new(other), &[0.0; 6])
+        .unwrap_err();
+    assert!(error.to_string().contains("checker"), "{error}");
+}

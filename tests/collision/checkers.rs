@@ -1,0 +1,123 @@
+//! A checker says which pairs are nearer than the margin, and by how much: places known by hand.
+
+use kinopt::collision::{Checker, CheckerError, CollisionModel, CollisionObject, Shape, World};
+use kinopt::model::{FrameId, Limits, Model};
+use kinopt::spatial::{Placement, Vector3};
+
+/// Three links of a metre along x that turn about z, each with a ball of 0.1 at its end.
+fn model() -> (Model, Vec<FrameId>) {
+    let mut builder = Model::builder("three links");
+    let z = Vector3::new(0.0, 0.0, 1.0);
+    let link = Placement::translation(Vector3::new(1.0, 0.0, 0.0));
+    let (mut parent, mut at, mut ends) = (None, Placement::identity(), Vec::new());
+    for name in ["a", "b", "c"] {
+        let limits = Limits::new(-3.1, 3.1);
+        let joint = builder.revolute(format!("{name}_turn"), parent, at, z, limits);
+        ends.push(builder.frame(name, Some(joint), link));
+        (parent, at) = (Some(joint), link);
+    }
+    (builder.build().unwrap(), ends)
+}
+
+fn balls() -> CollisionModel {
+    let (model, ends) = model();
+    let ball = |end: &FrameId| {
+        CollisionObject::new(
+            "ball",
+            *end,
+            Placement::identity(),
+            Shape::sphere(0.1).unwrap(),
+        )
+    };
+    CollisionModel::new(&model, ends.iter().map(ball).collect()).unwrap()
+}
+
+fn wall(at: f64) -> World {
+    let mut world = World::new();
+    let size = [0.2, 10.0, 10.0];
+    world
+        .add_box("wall", size, Vector3::new(at, 0.0, 0.0))
+        .unwrap();
+    world
+}
+
+#[test]
+fn pairs_are_told_with_their_distance_the_deepest_first() {
+    // Stretched, the ends stand at 1, 2 and 3; the wall begins at 1.95.
+    let checker = Checker::new(balls()).with_world(&wall(2.05)).unwrap();
+    let found = checker.collisions(&[0.0; 3]).unwrap();
+    let told: Vec<_> = found
+        .iter()
+        .map(|c| (c.first.as_str(), c.second.as_str()))
+        .collect();
+    assert_eq!(told, [("b", "wall")]);
+    // The shorter way out of a wall of 0.2 about 2.05: back, by 0.05 and the ball's radius.
+    assert!((found[0].distance + 0.15).abs() < 1e-9, "{found:?}");
+    assert!((found[0].depth() - 0.15).abs() < 1e-9);
+    let wide = checker.with_margin(0.9).unwrap();
+    let found = wide.collisions(&[0.0; 3]).unwrap();
+    let told: Vec<_> = found.iter().map(|c| c.first.as_str()).collect();
+    assert_eq!(told, ["b", "c", "a"]);
+    // The end at 3 is 0.85 from the wall, its ball 0.75; the end at 1 the same on the other side, 0.95 and 0.85.
+    assert!((found[1].distance - 0.75).abs() < 1e-9);
+    assert!((found[2].distance - 0.85).abs() < 1e-9);
+}
+
+#[test]
+fn links_touch_each_other_but_for_those_next_to_each_other() {
+    let checker = Checker::new(balls());
+    // Folded back, the third end comes to the first.
+    let folded = [0.0, 0.0, 3.1];
+    let found = checker.collisions(&folded).unwrap();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(
+        (found[0].first.as_str(), found[0].second.as_str()),
+        ("a", "c")
+    );
+    let apart = 2.0 * (0.5 * (std::f64::consts::PI - 3.1)).sin();
+    assert!((found[0].distance - (apart - 0.2)).abs() < 1e-9);
+    let mut workspace = checker.workspace();
+    assert!(!checker.is_free(&mut workspace, &folded).unwrap());
+    assert!(checker.is_free(&mut workspace, &[0.0; 3]).unwrap());
+}
+
+#[test]
+fn what_is_attached_moves_with_its_frame_and_may_touch_what_holds_it() {
+    let mut world = wall(4.2);
+    let rod = Shape::cuboid([1.4, 0.02, 0.02]).unwrap();
+    world.add("rod", rod, Placement::identity()).unwrap();
+    let along = Placement::translation(Vector3::new(0.5, 0.0, 0.0));
+    world.attach("rod", "c", along).unwrap();
+    let checker = Checker::new(balls()).with_world(&world).unwrap();
+    // It reaches from 2.8 to 4.2, a tenth of a metre into the wall, and through the ball that holds it.
+    let found = checker.collisions(&[0.0; 3]).unwrap();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(
+        (found[0].first.as_str(), found[0].second.as_str()),
+        ("rod", "wall")
+    );
+    assert!((found[0].distance + 0.1).abs() < 1e-9);
+    // Folded back it lies over the first link's ball, which it is kept from.
+    let found = checker.collisions(&[0.0, 0.0, 3.1]).unwrap();
+    assert!(
+        found.iter().any(|c| c.first == "a" && c.second == "rod"),
+        "{found:?}"
+    );
+    world.attach("rod", "hand", along).unwrap();
+    let error = Checker::new(balls()).with_world(&world).unwrap_err();
+    assert!(matches!(error, CheckerError::Attached { .. }));
+    assert!(
+        error.to_string().contains("rod") && error.to_string().contains("`hand`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn margins_and_configurations_are_checked() {
+    let checker = Checker::new(balls());
+    for bad in [-0.1, f64::NAN, f64::INFINITY] {
+        assert!(checker.clone().with_margin(bad).is_err(), "{bad}");
+    }
+    assert!(checker.collisions(&[0.0; 2]).is_err());
+    assert!(checker.collisions(&[0.0, f64::NAN, 0.0]).is_err());
+}
