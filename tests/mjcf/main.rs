@@ -4,4 +4,5 @@ mod couplings_and_loops;
 mod joints;
 mod malformed;
 mod mujoco;
+mod mutations;
 mod names;

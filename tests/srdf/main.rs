@@ -1,4 +1,5 @@
 //! SRDF: groups, states, passive joints and disabled pairs of a robot.
 
 mod malformed;
+mod mutations;
 mod semantics;

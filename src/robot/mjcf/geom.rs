@@ -187,7 +187,11 @@ fn weight(
     solid: Option<Solid>,
     body_from_geom: Placement<f64>,
 ) -> Result<Weight, RobotFileError> {
-    let (mass, density) = (geom.number("mass")?, geom.number("density")?);
+    let not_negative = |attribute| match geom.number(attribute)? {
+        Some(value) if value < 0.0 => Err(geom.fault(Fault::NegativeMass { attribute, value })),
+        value => Ok(value),
+    };
+    let (mass, density) = (not_negative("mass")?, not_negative("density")?);
     let is_shell = geom.flag("shellinertia")? == Some(true);
     Ok(match (mass, density, solid) {
         (Some(0.0), ..) | (None, Some(0.0), _) => Weight::Nothing,

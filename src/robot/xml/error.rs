@@ -210,6 +210,14 @@ pub enum Fault {
         /// The attribute.
         attribute: &'static str,
     },
+    /// A geom's mass or density below zero.
+    #[error("attribute `{attribute}` is {value}; it must be at least 0")]
+    NegativeMass {
+        /// Which attribute.
+        attribute: &'static str,
+        /// What it says.
+        value: f64,
+    },
     /// `range` without `limited`, in a file that says `autolimits="false"`.
     #[error("`range` is given without `limited`, and the file says autolimits=\"false\"")]
     UnsaidLimits,
