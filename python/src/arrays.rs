@@ -102,6 +102,11 @@ impl<'py> Questions<'py> {
         })
     }
 
+    /// Whether there is an axis of questions.
+    pub(crate) fn is_table(&self) -> bool {
+        self.count.is_some()
+    }
+
     /// All numbers, one question after another.
     pub(crate) fn all(&self) -> &[f64] {
         &self.numbers
@@ -479,6 +484,17 @@ pub(crate) fn name(value: &Bound<'_, PyAny>, what: &str) -> PyResult<String> {
     name.map_err(|_| invalid(format!("{what} must be a name, not {}", shown(value))))
 }
 
+/// One of several words; which it is, is for who asks.
+pub(crate) fn word(value: &Bound<'_, PyAny>, what: &str, valid: &[&str]) -> PyResult<String> {
+    value.extract().map_err(|_| {
+        let valid = valid.join(", ");
+        invalid(format!(
+            "{what} must be one of {valid}, not {}",
+            shown(value)
+        ))
+    })
+}
+
 /// A number that is neither NaN nor infinite.
 pub(crate) fn finite(value: f64, what: &str) -> PyResult<f64> {
     match value.is_finite() {
@@ -498,7 +514,7 @@ pub(crate) fn share(value: f32, what: &str) -> PyResult<f32> {
 }
 
 /// What a person sees of a value in messages.
-fn shown(value: &Bound<'_, PyAny>) -> String {
+pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
     value
         .repr()
         .map_or_else(|_| "that".to_owned(), |text| text.to_string())

@@ -11,7 +11,8 @@ use crate::error::{OrRaise, invalid};
 /// Rows between two looks at signals.
 const PIECE: usize = 4096;
 
-/// One row for each of two that go together: lists of numbers or tables of as many rows.
+/// One row for each of two that go together: lists of numbers, tables of as many rows, or one list for all rows of
+/// a table.
 pub(crate) fn of_two<'py>(
     (first, first_is, first_width): (&Bound<'py, PyAny>, &str, usize),
     (second, second_is, second_width): (&Bound<'py, PyAny>, &str, usize),
@@ -21,23 +22,39 @@ pub(crate) fn of_two<'py>(
     let py = first.py();
     let first = Questions::rows(first, first_is, first_width)?;
     let second = Questions::rows(second, second_is, second_width)?;
-    let shape = match (first.shape(&[]), second.shape(&[])) {
-        (one, other) if one == other => first.shape(&[width]),
-        _ => {
-            return Err(invalid(format!(
-                "{first_is} has {} rows and {second_is} {}: they go together one by one",
-                first.count(),
-                second.count()
-            )));
-        }
-    };
+    let both = [&first, &second];
+    let [one, other] = both.map(Questions::count);
+    if one != other && one != 1 && other != 1 {
+        return Err(invalid(format!(
+            "{first_is} has {one} rows and {second_is} {other}: they go together one by one, or one with all"
+        )));
+    }
+    let table = both.iter().any(|rows| rows.is_table());
+    let count = if one == 1 { other } else { one };
+    let shape: Vec<usize> = table.then_some(count).into_iter().chain([width]).collect();
     let array = PyArray::<f64, IxDyn>::zeros(py, shape, false);
-    let mut others = second.all().chunks_exact(second_width.max(1));
+    let (first, second) = (first.all(), second.all());
+    // The only row goes with every other.
+    let at = |row: usize, rows: usize, width: usize| {
+        let first = if rows == 1 { 0 } else { row * width };
+        first..first + width
+    };
     fill(&array, |room| {
-        first.each(py, room, PIECE, |row, to| {
-            let other = others.next().unwrap_or_default();
-            compute(row, other, to).or_raise()
-        })
+        for start in (0..count).step_by(PIECE) {
+            py.check_signals()?;
+            py.detach(|| {
+                (start..count.min(start + PIECE)).try_for_each(|row| {
+                    let to = &mut room[row * width..(row + 1) * width];
+                    compute(
+                        &first[at(row, one, first_width)],
+                        &second[at(row, other, second_width)],
+                        to,
+                    )
+                    .or_raise()
+                })
+            })?;
+        }
+        Ok(())
     })?;
     Ok(array.into_any())
 }

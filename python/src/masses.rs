@@ -2,15 +2,59 @@
 
 use std::sync::Arc;
 
+use kinopt::kinematics::{centre_of_mass, centre_of_mass_jacobian};
 use kinopt::model::Masses;
+use numpy::PyArray;
+use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
+use crate::arrays::{Questions, fill};
 use crate::error::{OrRaise, invalid};
 use crate::rig::Rig;
 use crate::robot::Robot;
 
 /// Of flesh, kg/m³.
-const DENSITY: f64 = 1000.0;
+pub(crate) const DENSITY: f64 = 1000.0;
+
+/// Rows between two looks at signals.
+const PIECE: usize = 256;
+
+/// Where the centre of masses is at one configuration, shape (3,), or at many, shape (N, 3).
+pub(crate) fn centres<'py>(
+    q: &Bound<'py, PyAny>,
+    model: &kinopt::Model,
+    masses: &Masses,
+) -> PyResult<Bound<'py, PyAny>> {
+    let q_rows = Questions::rows(q, "q", model.configuration_len())?;
+    let array = PyArray::<f64, IxDyn>::zeros(q.py(), q_rows.shape(&[3]), false);
+    fill(&array, |room| {
+        q_rows.each(q.py(), room, PIECE, |q, to| {
+            let centre = centre_of_mass(model, masses, q).or_raise()?;
+            to.copy_from_slice(&centre.to_array());
+            Ok(())
+        })
+    })?;
+    Ok(array.into_any())
+}
+
+/// How that moves: shape (3, nv), or (N, 3, nv).
+pub(crate) fn centres_jacobians<'py>(
+    q: &Bound<'py, PyAny>,
+    model: &kinopt::Model,
+    masses: &Masses,
+) -> PyResult<Bound<'py, PyAny>> {
+    let q_rows = Questions::rows(q, "q", model.configuration_len())?;
+    let columns = model.degrees_of_freedom();
+    let array = PyArray::<f64, IxDyn>::zeros(q.py(), q_rows.shape(&[3, columns]), false);
+    fill(&array, |room| {
+        q_rows.each(q.py(), room, PIECE, |q, to| {
+            let jacobian = centre_of_mass_jacobian(model, masses, q).or_raise()?;
+            to.copy_from_slice(jacobian.transpose().as_slice());
+            Ok(())
+        })
+    })?;
+    Ok(array.into_any())
+}
 
 /// Those of a robot's file, or of a rig by the volume of its mesh.
 pub(crate) fn masses_of(value: &Bound<'_, PyAny>) -> PyResult<Masses> {

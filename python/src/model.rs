@@ -83,6 +83,16 @@ impl Model {
         parts.collect()
     }
 
+    /// Names of the free joints, whose parts are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.
+    #[getter]
+    pub(crate) fn free_joints(&self) -> Vec<&str> {
+        let first = self.inner.free_joints().iter();
+        let names = first.map(|id| self.inner.joints()[id.index()].name.as_str());
+        names
+            .map(|name| name.strip_suffix("/x").unwrap_or(name))
+            .collect()
+    }
+
     /// How many numbers a configuration has, nq: four for a ball joint, one for any other.
     #[getter]
     pub(crate) fn configuration_len(&self) -> usize {
@@ -187,8 +197,8 @@ impl Model {
     }
 
     /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
-    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), or (N, nq)
-    /// and (N, nv); radians and metres, a ball's and a free joint's in their own moved axes, linear first.
+    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or
+    /// one for all of the other; radians and metres, a ball's and a free joint's in their own moved axes, linear first.
     ///
     /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
     pub(crate) fn integrate<'py>(
@@ -204,7 +214,7 @@ impl Model {
     }
 
     /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes
-    /// (nq,) twice, or (N, nq) twice.
+    /// (nq,) twice, (N, nq) twice, or one for all of the other.
     ///
     /// Raises `InvalidValueError` as `integrate`.
     pub(crate) fn difference<'py>(
@@ -219,7 +229,7 @@ impl Model {
         })
     }
 
-    /// The configuration at a share of the way from `q0` to `q1`. Shapes (nq,) twice, or (N, nq) twice.
+    /// The configuration at a share of the way from `q0` to `q1`. Shapes as of `difference`.
     ///
     /// Raises `InvalidValueError` as `integrate`, and for a share that is not finite.
     pub(crate) fn interpolate<'py>(
@@ -483,7 +493,8 @@ impl ModelBuilder {
 
     /// Adds a joint.
     ///
-    /// `kind` is "revolute", "continuous", "prismatic" or "fixed"; `parent` the name of a joint that is
+    /// `kind` is "revolute", "continuous", "prismatic" or "fixed" (`ball`, `free`, `planar` and `universal` add the
+    /// others); `parent` the name of a joint that is
     /// there (None: the world); `parent_from_joint` a 4 x 4 placement, metres (None: the identity);
     /// `axis` three numbers, in the joint's own frame, of any length; `lower` and `upper` radians or
     /// metres.
@@ -515,7 +526,12 @@ impl ModelBuilder {
         let kind = kinds
             .into_iter()
             .find(|known| known.name() == kind)
-            .ok_or_else(|| kinopt::model::UnknownName::new("joint kind", kind, names));
+            .ok_or_else(|| {
+                let unknown = kinopt::model::UnknownName::new("joint kind", kind, names);
+                unknown.with_note(
+                    "others have methods of their own: .ball(), .free(), .planar(), .universal()",
+                )
+            });
         let (parent, placement) = self.place(parent, parent_from_joint)?;
         let joint = kinopt::model::Joint::new(
             name.as_str(),
@@ -551,7 +567,7 @@ impl ModelBuilder {
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
         axis: [f64; 3],
-        swing: Option<Swing>,
+        swing: Option<&Bound<'_, PyAny>>,
         twist: Option<(f64, f64)>,
         about: Option<[f64; 3]>,
         angle: Option<f64>,
@@ -561,8 +577,7 @@ impl ModelBuilder {
         let limited = swing.is_some() || twist.is_some() || angle.is_some();
         let swing = match swing {
             None => [std::f64::consts::PI; 2],
-            Some(Swing::Cone(half)) => [half; 2],
-            Some(Swing::Ellipse(halves)) => halves,
+            Some(swing) => half_angles(swing)?,
         };
         let mut limits = BallLimits::cone(swing[0], twist_range);
         limits.swing = swing;
@@ -617,6 +632,29 @@ impl ModelBuilder {
         let (parent, placement) = self.place(parent, parent_from_joint)?;
         let (room, [yaw]) = (self::room(room), self::room(yaw.map(|yaw| [yaw])));
         let id = (self.inner).planar(name.as_str(), parent, placement, normal, room, yaw);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a universal joint: `NAME/first`, which turns about the first of two `axes` (each three numbers), and
+    /// `NAME/second`, which turns about the second as the first has turned it, within `limits` ((lower, upper) twice,
+    /// radians). Others stand on it by its name.
+    ///
+    /// Raises as `ball`.
+    #[pyo3(signature = (
+        name, parent = None, parent_from_joint = None, axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], *, limits = None
+    ))]
+    fn universal(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        axes: [[f64; 3]; 2],
+        limits: Option<[(f64, f64); 2]>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let (axes, limits) = (axes.map(Into::into), room(limits));
+        let id = (self.inner).universal(name.as_str(), parent, placement, axes, limits);
         self.joints.push((name, id));
         Ok(())
     }
@@ -682,8 +720,12 @@ impl ModelBuilder {
 }
 
 /// One half angle of a cone, or two of an elliptic one.
-#[derive(FromPyObject)]
-enum Swing {
-    Cone(f64),
-    Ellipse([f64; 2]),
+fn half_angles(swing: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    let cone = swing.extract().map(|half| [half; 2]);
+    cone.or_else(|_| swing.extract()).map_err(|_| {
+        invalid(format!(
+            "swing must be a half angle in radians, or two of them, not {}",
+            arrays::shown(swing)
+        ))
+    })
 }

@@ -3,19 +3,23 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use kinopt::kinematics::{ForwardKinematics, Jacobian};
 use kinopt::model::Limits;
 use kinopt::robot::BaseJoint;
 use kinopt::spatial::Placement;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
 use crate::arrays;
 use crate::error::{Kind, OrRaise, invalid, raise};
+use crate::kinematics::jacobians;
 use crate::loops::{self, NamedLoop, Told};
+use crate::masses::{centres, centres_jacobians};
 use crate::model::Model;
 use crate::pickling;
 use crate::placement;
+use crate::pool::Pool;
 
 /// A robot: a model with its joints that follow others, its speeds, shapes and masses.
 ///
@@ -59,7 +63,9 @@ struct Base {
 type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
 
 impl Base {
-    fn new(joint: Option<String>, room: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(joint: Option<Bound<'_, PyAny>>, room: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let joint = joint.map(|joint| arrays::word(&joint, "base_joint", &BaseJoint::KINDS));
+        let joint = joint.transpose()?;
         let room = room.map_or_else(Vec::new, |room| room.iter().collect());
         let ranges = room.into_iter().map(|(axis, range)| {
             let range = range.extract::<(f64, f64)>();
@@ -133,7 +139,8 @@ impl Robot {
     /// With `base_joint` the robot moves as a whole: "free" any way (a configuration begins with x, y, z and
     /// the quaternion w, x, y, z), "planar" over the ground (x, y and a turn about z), "slide-x", "slide-y" or
     /// "slide-z" along an axis; "fixed", as without, not at all. `base_room` says where it may stand: a dict of
-    /// (lower, upper) for "x", "y" and "z" in metres and, of a planar base, "yaw" in radians.
+    /// (lower, upper) for "x", "y" and "z" in metres and, of a planar base, "yaw" in radians. A robot that moves
+    /// freely by a joint of its own has that one as its free base.
     ///
     /// With `lenient` what can be mended in one way only is mended, and listed in `repairs`. With
     /// `soft_limits` every joint also keeps within its safety controller's limits. Files of meshes are not
@@ -146,7 +153,7 @@ impl Robot {
     fn from_urdf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
-        base_joint: Option<String>,
+        base_joint: Option<Bound<'_, PyAny>>,
         base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
@@ -182,7 +189,7 @@ impl Robot {
     fn from_mjcf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
-        base_joint: Option<String>,
+        base_joint: Option<Bound<'_, PyAny>>,
         base_room: Option<Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         // Faults are told by the lines of the file, which the text of all files together has not.
@@ -210,7 +217,7 @@ impl Robot {
         _class: &Bound<'_, PyType>,
         text: &str,
         name: &str,
-        base_joint: Option<String>,
+        base_joint: Option<Bound<'_, PyAny>>,
         base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
@@ -467,31 +474,21 @@ impl Robot {
         Ok(self.inner.masses().or_raise()?.total())
     }
 
-    /// Where the centre of mass is at a configuration `q`, shape (dof,): shape (3,), metres, in the world.
+    /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); metres, in
+    /// the world.
     ///
     /// Masses are those of the file's links (`<inertial>`); what stands in the world counts for nothing, as in
     /// Pinocchio. Raises `InvalidValueError` where the file states none, or a negative one, and for other shapes.
-    fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let configuration = arrays::copied(q, "q")?;
-        let centre = self.inner.centre_of_mass(&configuration).or_raise()?;
-        Ok(arrays::list(q.py(), &centre.to_array()))
+    fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        centres(q, &self.model, &self.inner.masses().or_raise()?)
     }
 
-    /// How the centre of mass moves at a configuration `q`, shape (dof,): its Jacobian, three rows in m/s in world
-    /// axes, a column for each number of a velocity.
+    /// How the centre of mass moves: its Jacobian, three rows in m/s in world axes, a column for each number of a
+    /// velocity; shape (3, nv) for a configuration `q` of shape (nq,), (N, 3, nv) for (N, nq).
     ///
     /// Raises `InvalidValueError` as `center_of_mass`.
-    fn center_of_mass_jacobian<'py>(
-        &self,
-        q: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let configuration = arrays::copied(q, "q")?;
-        let columns = self
-            .inner
-            .centre_of_mass_jacobian(&configuration)
-            .or_raise()?;
-        let rows = columns.transpose();
-        arrays::list(q.py(), rows.as_slice()).reshape([3, rows.nrows()])
+    fn center_of_mass_jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        centres_jacobians(q, &self.model, &self.inner.masses().or_raise()?)
     }
 
     /// The configuration nearest to all zeros within the limits, shape (dof,).
@@ -513,8 +510,8 @@ impl Robot {
     }
 
     /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
-    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), or (N, nq)
-    /// and (N, nv); radians and metres, a ball's and a free joint's in their own moved axes, linear first.
+    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or
+    /// one for all of the other; radians and metres, a ball's and a free joint's in their own moved axes, linear first.
     ///
     /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
     fn integrate<'py>(
@@ -526,7 +523,7 @@ impl Robot {
     }
 
     /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes
-    /// (nq,) twice, or (N, nq) twice.
+    /// (nq,) twice, (N, nq) twice, or one for all of the other.
     ///
     /// Raises `InvalidValueError` as `integrate`.
     fn difference<'py>(
@@ -537,7 +534,7 @@ impl Robot {
         self.model().difference(q0, q1)
     }
 
-    /// The configuration at a share of the way from `q0` to `q1`. Shapes (nq,) twice, or (N, nq) twice.
+    /// The configuration at a share of the way from `q0` to `q1`. Shapes as of `difference`.
     ///
     /// Raises `InvalidValueError` as `integrate`, and for a share that is not finite.
     fn interpolate<'py>(
@@ -563,21 +560,19 @@ impl Robot {
         self.model().is_within_limits(q)
     }
 
-    /// The Jacobian of a frame at a configuration, shape (6, nv): the velocity of its origin (m/s), then its
-    /// angular velocity (rad/s), in world axes, for velocities as of `integrate`: Pinocchio's
-    /// `LOCAL_WORLD_ALIGNED`. `kinopt.Jacobian` does the same for several frames and many configurations.
+    /// The Jacobian of a frame, shape (6, nv) for a configuration `q` of shape (nq,), (N, 6, nv) for (N, nq): the
+    /// velocity of its origin (m/s), then its angular velocity (rad/s), in world axes, for velocities as of `integrate`:
+    /// Pinocchio's `LOCAL_WORLD_ALIGNED`. `kinopt.Jacobian` does the same for several frames.
     ///
     /// Raises `UnknownNameError` for a frame that there is not, `InvalidValueError` as `integrate`.
     fn frame_jacobian<'py>(
         &self,
         q: &Bound<'py, PyAny>,
         frame: &str,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         let id = self.model.frame(frame).or_raise()?;
-        let q_list = arrays::vector_of(q, "q", self.model.configuration_len())?;
-        let jacobian = kinopt::kinematics::frame_jacobian(&self.model, id, &q_list).or_raise()?;
-        let rows: Vec<f64> = jacobian.transpose().as_slice().to_vec();
-        arrays::list(q.py(), &rows).reshape([6, jacobian.ncols()])
+        let kinematics = ForwardKinematics::of_frames(&self.model, &[id]).or_raise()?;
+        jacobians(q, &Pool::new(Jacobian::new(kinematics)), 1)
     }
 
     #[classmethod]
@@ -592,7 +587,7 @@ impl Robot {
         file: String,
         lenient: bool,
         soft_limits: bool,
-        base: (Option<String>, Option<Bound<'_, PyDict>>),
+        base: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyDict>>),
         tools: Vec<(String, String, Bound<'_, PyAny>)>,
         loops: (bool, Vec<PickledLoop<'_>>, Option<Vec<String>>),
     ) -> PyResult<Self> {

@@ -160,7 +160,7 @@ def test_what_is_wrong_is_named(free: kinopt.Robot) -> None:
     q, v = free.neutral(), np.zeros(12)
     none = q.copy()
     none[3:7] = 0
-    for wrong in (lambda: free.integrate(q[1:], v), lambda: free.integrate(q, q), lambda: free.integrate([q], v)):
+    for wrong in (lambda: free.integrate(q[1:], v), lambda: free.integrate(q, q), lambda: free.integrate([q] * 2, [v] * 3)):
         with pytest.raises(InvalidValueError):
             wrong()
     with pytest.raises(InvalidValueError, match="root_joint/rotation"):
@@ -177,3 +177,106 @@ def test_what_is_wrong_is_named(free: kinopt.Robot) -> None:
     builder.ball("shoulder", swing=4.0)
     with pytest.raises(InvalidValueError, match="shoulder"):
         builder.build()
+
+
+HEAVY = """<robot name="heavy"><link name="pelvis"><inertial><origin xyz="0 0 0.1"/><mass value="4"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<link name="arm"><inertial><origin xyz="0.3 0 0"/><mass value="1.5"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="shoulder" type="continuous"><origin xyz="0 0.2 0.3"/><parent link="pelvis"/><child link="arm"/></joint></robot>"""
+
+
+@pytest.fixture
+def heavy(tmp_path: Path) -> kinopt.Robot:
+    file = tmp_path / "heavy.urdf"
+    file.write_text(HEAVY)
+    return kinopt.Robot.from_urdf(file, base_joint="free")
+
+
+def test_many_configurations_as_one_after_the_other(heavy: kinopt.Robot) -> None:
+    many = heavy.random_configuration(3, 7)
+    for of_one in [
+        heavy.center_of_mass,
+        heavy.center_of_mass_jacobian,
+        lambda q: heavy.frame_jacobian(q, "arm"),
+    ]:
+        table = of_one(many)
+        assert table.shape[0] == 7
+        for row, q in zip(table, many, strict=True):
+            assert (row == of_one(q)).all()
+        assert of_one(many[:0]).shape == (0, *table.shape[1:])
+        with pytest.raises(InvalidValueError, match=r"\(N, 8\)"):
+            of_one(many[:, :5])
+    parts = kinopt.ForwardKinematics(heavy, ["pelvis", "arm"]).place(many)
+    weighed = 4.0 * (parts[:, 0] @ [0, 0, 0.1, 1])[:, :3] + 1.5 * (parts[:, 1] @ [0.3, 0, 0, 1])[:, :3]
+    assert np.allclose(heavy.center_of_mass(many), weighed / 5.5, atol=1e-14)
+    rig = kinopt.Rig.read(UR5E.parent / "humanoid" / "humanoid.json")
+    many = rig.skeleton.model.random_configuration(3, 2)
+    assert (rig.center_of_mass(many)[1] == rig.center_of_mass(many[1])).all()
+
+
+def test_one_configuration_goes_with_all_of_a_table(heavy: kinopt.Robot) -> None:
+    many, one = heavy.random_configuration(3, 5), heavy.random_configuration(9)
+    for other in (one, one[None]):
+        v = heavy.difference(other, many)
+        assert v.shape == (5, 7)
+        back = heavy.difference(many, other)
+        for k, q in enumerate(many):
+            assert (v[k] == heavy.difference(one, q)).all()
+            assert (back[k] == heavy.difference(q, one)).all()
+        there = heavy.integrate(other, v)
+        assert np.allclose(heavy.center_of_mass(there), heavy.center_of_mass(many), atol=1e-12)
+        assert heavy.interpolate(other, many, 0.5).shape == (5, 8)
+    assert heavy.difference(one[None], one).shape == (1, 7)
+    with pytest.raises(InvalidValueError, match="one with all"):
+        heavy.difference(many[:2], many[:3])
+
+
+def test_universal_joints_and_where_other_kinds_are() -> None:
+    builder = kinopt.ModelBuilder("arm")
+    builder.universal("wrist", axes=[[0, 0, 1], [0, 1, 0]], limits=[(-1, 1), (-0.5, 0.5)])
+    builder.frame("hand", "wrist", np.array([[1.0, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]))
+    model = builder.build()
+    assert model.joint_names == ["wrist/first", "wrist/second"]
+    assert (model.lower == [-1, -0.5]).all() and (model.upper == [1, 0.5]).all()
+    a, b = 0.3, -0.4
+    place = kinopt.frame_placement(model, "hand", [a, b])[:3, 3]
+    assert np.allclose(place, [math.cos(a) * math.cos(b), math.sin(a) * math.cos(b), -math.sin(b)])
+    with pytest.raises(UnknownNameError, match=r"\.ball\(\), \.free\(\), \.planar\(\), \.universal\(\)"):
+        kinopt.ModelBuilder("arm").joint("shoulder", "ball")
+
+
+@pytest.mark.parametrize("swing", ["wide", [0.1], [0.1, 0.2, 0.3], {}])
+def test_a_swing_that_is_none_is_told(swing: object) -> None:
+    with pytest.raises(InvalidValueError, match="swing must be a half angle in radians, or two of them, not"):
+        kinopt.ModelBuilder("arm").ball("shoulder", swing=swing)  # type: ignore[arg-type]
+
+
+def test_kinds_that_are_no_words_are_told_with_those_there_are() -> None:
+    with pytest.raises(InvalidValueError, match="base_joint must be one of fixed, free, planar, slide-x.*not 3"):
+        kinopt.Robot.from_urdf(UR5E, base_joint=3)  # type: ignore[arg-type]
+    with pytest.raises(UnknownNameError, match="planar"):
+        kinopt.Robot.from_urdf(UR5E, base_joint="floating")  # type: ignore[arg-type]
+    rig = UR5E.parent / "humanoid" / "humanoid.json"
+    skeleton = kinopt.Rig.read(rig).skeleton
+    with pytest.raises(UnknownNameError, match="planar.*valid names: fixed, free"):
+        kinopt.BallSkeleton(skeleton, root="planar")  # type: ignore[arg-type]
+    with pytest.raises(InvalidValueError, match="root must be one of fixed, free, not 3"):
+        kinopt.BallSkeleton(skeleton, root=3)  # type: ignore[arg-type]
+
+
+def test_a_robot_that_moves_freely_has_its_free_base(tmp_path: Path) -> None:
+    file = tmp_path / "body.xml"
+    file.write_text(
+        """<mujoco model="body"><worldbody><body name="torso"><freejoint name="float"/>
+        <body name="arm"><joint name="shoulder"/></body></body></worldbody></mujoco>"""
+    )
+    plain = kinopt.Robot.from_mjcf(file)
+    free = kinopt.Robot.from_mjcf(file, base_joint="free", base_room={"z": (0.2, 1.5)})
+    assert free.joint_names == plain.joint_names and free.lower[2] == 0.2
+    with pytest.raises(InvalidValueError, match="`float/x` moves the whole of `body` freely already"):
+        kinopt.Robot.from_mjcf(file, base_joint="planar")
+
+
+def test_a_centre_of_mass_is_called_so(heavy: kinopt.Robot) -> None:
+    problem = kinopt.Problem(heavy, [tasks.CenterOfMass([0.0, 0.0, 0.1])])
+    solution = kinopt.Solver().solve(problem, heavy.neutral())
+    assert [(task.name, task.frame) for task in solution.tasks] == [("center of mass", None)]

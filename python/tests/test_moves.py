@@ -62,11 +62,45 @@ def test_what_is_no_move_is_refused(body, problem, given):
         kinopt.Solver().solve(problem, body.neutral(), max_move=given)
 
 
-def test_unknown_joints_and_methods_without_moves(body, problem):
+def test_unknown_joints(body, problem):
     with pytest.raises(kinopt.UnknownNameError, match="shoulder"):
         kinopt.Solver().solve(problem, body.neutral(), max_move={"knee": 1.0})
-    with pytest.raises(kinopt.InvalidValueError, match="ccd"):
-        kinopt.Solver("ccd").solve(problem, body.neutral(), max_move=0.1)
+
+
+@pytest.mark.parametrize("method", ["ccd", "fabrik"])
+def test_geometric_methods_keep_to_moves_of_hinges_and_refuse_balls(body, problem, method):
+    with pytest.raises(kinopt.InvalidValueError, match="is a ball"):
+        kinopt.Solver(method).solve(problem, body.neutral(), max_move={"elbow": 0.1})
+    builder = kinopt.ModelBuilder("arm")
+    link = np.eye(4)
+    link[0, 3] = 1.0
+    for k in range(3):
+        builder.joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, link if k else None, lower=-2, upper=2)
+    builder.frame("hand", "j2", link)
+    arm = builder.build()
+    reach = kinopt.Problem(arm, [tasks.Point("hand", [0.0, 2.0, 0.0])])
+    start = np.array([0.1, 0.2, 0.3])
+    q = kinopt.Solver(method).solve(reach, start, max_move=[0.2, 0.1, 0.05]).q
+    assert (np.abs(q - start) <= [0.2, 0.1, 0.05]).all() and (q != start).any()
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_each_of_a_batch_from_its_own_start(body, problem, threads):
+    starts = body.random_configuration(3, 20)
+    most = np.full(12, 0.03)
+    solver = kinopt.Solver()
+    batch = solver.solve_batch(problem, starts, max_move=most, threads=threads)
+    plain = [0, 1, 2, 11]
+    assert (np.abs(batch.q - starts)[:, plain] <= 0.03).all()
+    turned = [max(angle(p[3:7], q[3:7]), angle(p[7:11], q[7:11])) for p, q in zip(batch.q, starts, strict=True)]
+    assert max(turned) <= 0.03 + 1e-7
+    for start, solution in zip(starts, batch, strict=True):
+        assert (solver.solve(problem, start, max_move=most).q == solution.q).all()
+    one = solver.solve_batch(problem, starts[0], {0: np.stack([np.eye(4)] * 2)}, max_move={"elbow": 0.0})
+    assert (one.q[:, 11] == starts[0, 11]).all()
+    assert len(solver.solve_batch(problem, starts[:0], max_move=0.1)) == 0
+    with pytest.raises(kinopt.InvalidValueError):
+        solver.solve_batch(problem, starts, max_move=[0.1])
 
 
 def test_a_ball_turns_within_a_whole_angle():

@@ -62,6 +62,8 @@ class Model:
     @property
     def coordinate_names(self) -> list[str]: ...
     @property
+    def free_joints(self) -> list[str]: ...
+    @property
     def configuration_len(self) -> int: ...
     @property
     def degrees_of_freedom(self) -> int: ...
@@ -134,6 +136,15 @@ class ModelBuilder:
         *,
         room: Sequence[tuple[float, float]] | None = None,
         yaw: tuple[float, float] | None = None,
+    ) -> None: ...
+    def universal(
+        self,
+        name: str,
+        parent: str | None = None,
+        parent_from_joint: PlacementLike | None = None,
+        axes: Sequence[Sequence[float]] = ...,
+        *,
+        limits: Sequence[tuple[float, float]] | None = None,
     ) -> None: ...
     def frame(
         self, name: str, joint: str | None = None, joint_from_frame: PlacementLike | None = None
@@ -665,7 +676,7 @@ class BallSkeleton:
         skeleton: Skeleton,
         *,
         cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
-        root: Literal["fixed", "free"] = ...,
+        root: Literal["fixed", "free"] | None = None,
         room: Mapping[str, tuple[float, float]] | None = None,
         armature: Armature | None = None,
     ) -> BallSkeleton: ...
@@ -675,7 +686,7 @@ class BallSkeleton:
         path: str | PathLike[str],
         *,
         cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
-        root: Literal["fixed", "free"] = ...,
+        root: Literal["fixed", "free"] | None = None,
         room: Mapping[str, tuple[float, float]] | None = None,
     ) -> BallSkeleton: ...
     @property
@@ -951,6 +962,7 @@ class Solver:
         starts: ArrayLike,
         targets: _Targets | None = None,
         *,
+        max_move: ArrayLike | Mapping[str, float] | None = None,
         threads: int | None = 1,
         progress: bool | Callable[[int, int], object] | None = None,
     ) -> Solutions: ...

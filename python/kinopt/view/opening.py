@@ -42,26 +42,24 @@ class Opened:
 
 
 def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
-    """Reads a model, told apart by its file's extension; a URDF's root moves on a `base_joint`, if one is given.
+    """Reads a model, told apart by its file's extension; a robot's root moves on a `base_joint`, if one is given.
 
     A URDF that is not in order is mended where that can be done in one way, which the notes tell. Raises
     `FileError` where it cannot be read, `InvalidFileError` for what it says, `InvalidValueError` for files
     of other kinds.
     """
     path = Path(path)
-    if base_joint is not None and path.suffix.lower() != ".urdf":
-        raise kinopt.InvalidValueError(f"{path}: a base joint is for robots (.urdf)")
+    if base_joint is not None and path.suffix.lower() not in (".urdf", ".xml", ".mjcf"):
+        raise kinopt.InvalidValueError(f"{path}: a base joint is for robots (.urdf, .xml)")
     match path.suffix.lower():
         case ".urdf":
             try:
                 robot = kinopt.Robot.from_urdf(path, base_joint=base_joint)
             except kinopt.InvalidFileError:
                 robot = kinopt.Robot.from_urdf(path, base_joint=base_joint, lenient=True)
-            # A hand of a body is dragged to places.
-            return Opened(robot, turns=base_joint != "free", notes=list(robot.repairs))
+            return _robot(robot)
         case ".xml" | ".mjcf":
-            robot = kinopt.Robot.from_mjcf(path)
-            return Opened(robot, turns=True, notes=list(robot.repairs))
+            return _robot(kinopt.Robot.from_mjcf(path, base_joint=base_joint))
         case ".json":
             rig = kinopt.Rig.read(path)
             return Opened(rig, tolerance=_below(rig.skeleton.size), notes=list(rig.notes))
@@ -110,6 +108,11 @@ def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
 
 def _extent(armature: Any) -> float:
     return extent(np.asarray(armature.local_to_model(armature.rest), dtype=float))
+
+
+def _robot(robot: kinopt.Robot) -> Opened:
+    # A hand of a body is dragged to places.
+    return Opened(robot, turns=not robot.model.free_joints, notes=list(robot.repairs))
 
 
 def _below(size: float) -> float:

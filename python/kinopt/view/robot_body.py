@@ -24,8 +24,6 @@ from .solids import Solid
 
 
 Array = NDArray[np.float64]
-#: The ball of the joint that `base_joint="free"` puts under a robot.
-BASE = "root_joint/rotation"
 Style = Literal["auto", "file", "capsules"]
 
 
@@ -75,7 +73,7 @@ class RobotBody(Body):
     @property
     def stands(self) -> bool:
         """Whether it moves as a whole, on a free base."""
-        return BASE in self.model.joint_names
+        return bool(self.model.free_joints)
 
     @property
     def can_hold(self) -> bool:

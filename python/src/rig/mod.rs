@@ -5,15 +5,14 @@ mod posing;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 pub(crate) use self::posing::RigPosing;
 use crate::animation::EulerClip;
-use crate::arrays;
 use crate::contents::{opened, text_or_bytes};
 use crate::error::{OrRaise, invalid};
+use crate::masses::{DENSITY, centres};
 use crate::mesh::TriangleMesh;
 use crate::model::Model;
 use crate::pickling;
@@ -226,14 +225,14 @@ impl Rig {
             .map(TriangleMesh::from)
     }
 
-    /// Where the centre of mass is at a configuration `q`, shape (dof,): shape (3,), in the rig's own unit.
+    /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (dof,), (N, 3) for (N, dof); in the rig's
+    /// own unit.
     ///
     /// Each bone has the volume of the mesh that goes with it, all of one density. Raises `InvalidValueError`
     /// where there is no mesh or it does not close around a volume, and for other shapes.
-    fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let configuration = arrays::copied(q, "q")?;
-        let centre = (q.py()).detach(|| self.inner.centre_of_mass(&configuration));
-        Ok(arrays::list(q.py(), &centre.or_raise()?.to_array()))
+    fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let masses = q.py().detach(|| self.inner.masses(DENSITY)).or_raise()?;
+        centres(q, self.inner.skeleton.model(), &masses)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

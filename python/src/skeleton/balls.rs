@@ -55,7 +55,14 @@ struct Root {
 }
 
 impl Root {
-    fn new(kind: String, room: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    const KINDS: [&'static str; 2] = ["fixed", "free"];
+
+    /// As it is given; without a word it does not move.
+    fn new(kind: Option<&Bound<'_, PyAny>>, room: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let kind = match kind {
+            Some(kind) => arrays::word(kind, "root", &Self::KINDS)?,
+            None => Self::KINDS[0].to_owned(),
+        };
         let mut ranges = Vec::new();
         for (axis, range) in room.into_iter().flatten() {
             let axis = arrays::name(&axis, "an axis of room")?;
@@ -68,7 +75,6 @@ impl Root {
     }
 
     fn read(&self) -> PyResult<SkeletonRoot> {
-        const KINDS: [&str; 2] = ["fixed", "free"];
         const AXES: [&str; 3] = ["x", "y", "z"];
         let unknown = |what, name: &str, valid: &[&'static str]| {
             UnknownName::new(what, name, valid.iter().copied())
@@ -77,7 +83,7 @@ impl Root {
         let is_free = match kind {
             "fixed" => false,
             "free" => true,
-            _ => return Err(unknown("root", kind, &KINDS)).or_raise(),
+            _ => return Err(unknown("root of ball joints", kind, &Self::KINDS)).or_raise(),
         };
         let mut room = [Limits::UNBOUNDED; 3];
         for (axis, (lower, upper)) in &self.room {
@@ -138,11 +144,11 @@ impl BallSkeleton {
 #[pymethods]
 impl BallSkeleton {
     #[new]
-    #[pyo3(signature = (skeleton, *, cones = None, root = "fixed".to_owned(), room = None, armature = None))]
+    #[pyo3(signature = (skeleton, *, cones = None, root = None, room = None, armature = None))]
     fn new(
         skeleton: &Bound<'_, Skeleton>,
         cones: Option<&Bound<'_, PyAny>>,
-        root: String,
+        root: Option<&Bound<'_, PyAny>>,
         room: Option<&Bound<'_, PyDict>>,
         armature: Option<&Bound<'_, Armature>>,
     ) -> PyResult<Self> {
@@ -165,12 +171,12 @@ impl BallSkeleton {
     /// Raises as the class does, `FileError` where the file cannot be opened and `InvalidFileError` for what is wrong in it
     /// or is no such file.
     #[classmethod]
-    #[pyo3(signature = (path, *, cones = None, root = "fixed".to_owned(), room = None))]
+    #[pyo3(signature = (path, *, cones = None, root = None, room = None))]
     fn read(
         class: &Bound<'_, PyType>,
         path: PathBuf,
         cones: Option<&Bound<'_, PyAny>>,
-        root: String,
+        root: Option<&Bound<'_, PyAny>>,
         room: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let (cones, root) = (cones_of(cones)?, Root::new(root, room)?);
@@ -346,7 +352,7 @@ impl BallSkeleton {
     fn _rebuild(
         skeleton: &Bound<'_, Skeleton>,
         cones: &Bound<'_, PyAny>,
-        root: String,
+        root: Option<&Bound<'_, PyAny>>,
         room: &Bound<'_, PyDict>,
         armature: &Bound<'_, Armature>,
     ) -> PyResult<Self> {

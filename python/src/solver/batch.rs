@@ -6,11 +6,13 @@ use std::thread::{ScopedJoinHandle, park_timeout, scope};
 use std::time::Duration;
 
 use kinopt::Workspace;
+use kinopt::ik::MoveLimits;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use super::methods::Engine;
+use super::moves::move_limits;
 use super::watch::Watch;
 use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
@@ -164,14 +166,22 @@ struct Questions {
     many_starts: bool,
     dof: usize,
     moves: Vec<Vec<Move>>,
+    /// How far joints may go, from some start.
+    limits: Option<MoveLimits>,
     count: usize,
 }
 
+/// What is asked: starts, targets by task, and how far joints may go.
+type Asked<'a, 'py> = (
+    &'a Bound<'py, PyAny>,
+    Option<&'a Bound<'py, PyAny>>,
+    Option<&'a Bound<'py, PyAny>>,
+);
+
 impl Questions {
     fn read(
-        problem: &Stated,
-        starts: &Bound<'_, PyAny>,
-        targets: Option<&Bound<'_, PyAny>>,
+        (given, problem): (&Problem, &Stated),
+        (starts, targets, max_move): Asked<'_, '_>,
     ) -> PyResult<Self> {
         let dof = problem.inner.configuration_len();
         let many_starts = arrays::axes(starts)? == 2;
@@ -203,13 +213,19 @@ impl Questions {
         }
         let count = count.map_or(1, |(_, count)| count);
         moves.resize_with(count, Vec::new);
-        Ok(Self {
+        let mut questions = Self {
             starts,
             many_starts,
             dof,
             moves,
+            limits: None,
             count,
-        })
+        };
+        if let Some(most) = max_move.filter(|_| count > 0) {
+            let limits = move_limits((given, problem), most, questions.start(0))?;
+            questions.limits = Some(limits);
+        }
+        Ok(questions)
     }
 
     fn start(&self, index: usize) -> &[f64] {
@@ -229,8 +245,13 @@ impl Questions {
         watch: &mut Watch<'_>,
     ) -> PyResult<kinopt::Solution> {
         let targets = problem.targets_with(&self.moves[index])?;
-        let question = problem.question(&targets)?;
-        let solution = engine.solve(question, self.start(index), workspace, watch);
+        let (mut question, start) = (problem.question(&targets)?, self.start(index));
+        let mut limits = self.limits.clone();
+        if let Some(limits) = &mut limits {
+            limits.start_at(&problem.inner, start).or_raise()?;
+            question = question.with_moves(limits).or_raise()?;
+        }
+        let solution = engine.solve(question, start, workspace, watch);
         raised().and(solution)
     }
 }
@@ -238,15 +259,15 @@ impl Questions {
 pub(super) fn solve(
     engine: &Engine,
     problem: &Bound<'_, Problem>,
-    starts: &Bound<'_, PyAny>,
-    targets: Option<&Bound<'_, PyAny>>,
+    asked: Asked<'_, '_>,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Solutions> {
     let py = problem.py();
-    let problem = &*problem.get().stated()?;
+    let given = problem.get();
+    let problem = &*given.stated()?;
     let threads = threads::count(threads)?;
-    let questions = Questions::read(problem, starts, targets)?;
+    let questions = Questions::read((given, problem), asked)?;
     let progress = Progress::new(py, progress, questions.count)?;
     let asked = (engine, problem);
     let inner = py.detach(|| match threads.min(questions.count) {

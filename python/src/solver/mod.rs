@@ -133,7 +133,7 @@ impl Solver {
     /// It is one number for each of a configuration, shape (dof,), radians or metres, inf for no limit and the same
     /// four for a ball (`robot.velocity_limits * dt` is a controller's step); a dict of those by joints; or one angle
     /// for all, of slides as far as a joint would carry what is a quarter of the model's reach away. What it holds
-    /// is among the `active_limits` as one of kind "move". Geometric methods know none.
+    /// is among the `active_limits` as one of kind "move".
     ///
     /// `targets` moves targets away from where the problem has them, by the tasks' names or numbers:
     /// {"hand": [0.4, 0.1, 0.3]}; the problem itself does not change. `observer` is called with an
@@ -159,13 +159,8 @@ impl Solver {
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
         let mut question = problem.question(&targets)?;
-        let limits = match max_move {
-            None => None,
-            Some(most) => {
-                self.optimiser("max_move")?;
-                Some(moves::move_limits((given, &problem), most, &start)?)
-            }
-        };
+        let limits = max_move.map(|most| moves::move_limits((given, &problem), most, &start));
+        let limits = limits.transpose()?;
         if let Some(limits) = &limits {
             question = question.with_moves(limits).or_raise()?;
         }
@@ -184,17 +179,20 @@ impl Solver {
     /// `targets` has N targets a task, by the tasks' names or numbers: {"hand": array of shape (N, 3)}. Where
     /// there are none, `starts` says how many questions there are. On `threads` threads (None: one a core), with the
     /// same bits at any number of them. `progress` is called with (done, total) now and then, or shows a bar where it is
-    /// True (by tqdm, if that is installed). Ctrl-C stops it. What it raises is as for `solve`.
-    #[pyo3(signature = (problem, starts, targets = None, *, threads = 1, progress = None))]
+    /// True (by tqdm, if that is installed). Ctrl-C stops it. With `max_move`, as of `solve`, no joint goes further from its own
+    /// start. What it raises is as for `solve`.
+    #[pyo3(signature = (problem, starts, targets = None, *, max_move = None, threads = 1, progress = None))]
     fn solve_batch(
         &self,
         problem: &Bound<'_, Problem>,
         starts: &Bound<'_, PyAny>,
         targets: Option<&Bound<'_, PyAny>>,
+        max_move: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solutions> {
-        batch::solve(&self.engine, problem, starts, targets, threads, progress)
+        let asked = (starts, targets, max_move);
+        batch::solve(&self.engine, problem, asked, threads, progress)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
