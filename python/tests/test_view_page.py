@@ -62,6 +62,42 @@ def off(page, frame):
     return np.linalg.norm(page.body.frame(frame)[:3, 3] - page.targets[frame].placement[:3, 3])
 
 
+BODY = """<mujoco model="body"><worldbody><body name="torso" pos="0 0 1"><freejoint name="float"/><geom type="box" size="0.1 0.1 0.2" mass="9"/>
+<body name="leg" pos="0 0 -0.2"><joint name="hip" axis="0 1 0"/><geom type="sphere" size="0.05" mass="2"/>
+<body name="foot" pos="0 0 -0.7"><joint name="ankle" axis="0 1 0"/></body></body>
+<body name="arm" pos="0 0.2 0.2"><joint name="shoulder" type="ball"/><geom type="sphere" size="0.05" mass="1"/>
+<body name="hand" pos="0.5 0 0"><joint name="wrist"/></body></body>
+</body></worldbody></mujoco>"""
+
+
+def test_a_body_of_a_file_with_a_free_joint_stands(opened, tmp_path):
+    (tmp_path / "body.xml").write_text(BODY)
+    page = opened(tmp_path / "body.xml", hold=["foot"])
+    assert list(page.targets) == ["foot", "hand"]
+    assert page.body.stands and page.body.can_hold and not page.turns
+    foot = page.body.frame("foot")
+    drag(page, "hand", [-0.2, 0.0, 0.1])
+    assert off(page, "hand") < 1e-4 and np.abs(page.body.frame("foot") - foot).max() < 1e-5
+    same = opened(tmp_path / "body.xml", base_joint="free")
+    assert same.body.model.free_joints == ["float"]
+
+
+def test_what_is_fixed_to_one_thing_has_one_gizmo(opened, tmp_path):
+    links = ["palm", "foot", "thumb", "finger", "toe", "heel", "camera", "body"]
+    ends = [("body", "palm"), ("body", "foot")]
+    fixed = [("palm", "thumb"), ("palm", "finger"), ("foot", "toe"), ("foot", "heel"), ("body", "camera")]
+    kinds = [("revolute", pair) for pair in ends] + [("fixed", pair) for pair in fixed]
+    joints = [
+        f"""<joint name="{child} joint" type="{kind}"><origin xyz="{k * 0.3 - 1} {k * 0.2} 0.2"/><parent link="{parent}"/>
+        <child link="{child}"/><axis xyz="0 1 0"/><limit lower="-1" upper="1"/></joint>"""
+        for k, (kind, (parent, child)) in enumerate(kinds)
+    ]
+    parts = [f'<link name="{link}"/>' for link in links] + joints
+    (tmp_path / "body.urdf").write_text(f'<robot name="body">{"".join(parts)}</robot>')
+    page = opened(tmp_path / "body.urdf", base_joint="free", hold=["foot"])
+    assert list(page.targets) == ["foot", "thumb", "camera"]
+
+
 def test_a_robot_on_a_free_base_is_dragged_as_a_whole(opened):
     page = opened(MODELS / "universal_ur5e.urdf", base_joint="free")
     before = page.body.q.copy()

@@ -115,14 +115,18 @@ class Dragging:
         return place
 
     def apart(self, frames: list[str]) -> list[str]:
-        """The frames that do not stand beside another one of them, or beside a target, so that none is in the way."""
+        """The frames that are not fixed to another one of them, or to a target, nor stand beside it: none is in the way."""
         near = NEAR * self.body.size()
         places = [self.body.frame(frame)[:3, 3] for frame in self.targets]
+        carriers = moved_by(self.body.model)
+        taken = {carriers[frame] for frame in self.targets}
         chosen = []
         for frame in frames:
             place = self.body.frame(frame)[:3, 3]
-            if all(np.linalg.norm(place - other) > near for other in places):
+            beside = any(np.linalg.norm(place - other) <= near for other in places)
+            if not beside and carriers[frame] not in taken:
                 places.append(place)
+                taken.add(carriers[frame])
                 chosen.append(frame)
         return chosen
 
@@ -237,6 +241,18 @@ class Dragging:
     def call(self, work: Callable[[], Any]) -> Any:
         """Does `work` between two frames and waits for it: for scripts that steer a page."""
         return self.scene.loop.call(work)
+
+
+def moved_by(model: Any) -> dict[str, str | None]:
+    """The joint that moves each frame of a model; none for what stands in the world."""
+    joints = {joint.name: joint for joint in model.joints}
+    carriers = {}
+    for frame in model.frames:
+        joint = joints.get(frame.joint or "")
+        while joint is not None and joint.kind == "fixed":
+            joint = joints.get(joint.parent or "")
+        carriers[frame.name] = None if joint is None else joint.name
+    return carriers
 
 
 def _tell(listeners: list[Callable[[], Any]]) -> None:
