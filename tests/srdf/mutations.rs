@@ -1,5 +1,6 @@
 //! Promise: an SRDF file in which anything is changed is an error that names what is wrong and where, or groups, states
 //! and passive joints of the robot that it is for. Never a panic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 
