@@ -115,6 +115,11 @@ pub use skeleton::Skeleton;
 #[doc = include_str!("../docs/whole-bodies.md")]
 struct WholeBodies;
 
+/// The examples of the page on obstacles, run as tests.
+#[cfg(all(doctest, feature = "collision"))]
+#[doc = include_str!("../docs/collisions.md")]
+struct Collisions;
+
 /// The README's examples, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
 #[doc = include_str!("../README.md")]

@@ -139,6 +139,15 @@ impl Fault for ClipNameError {
     }
 }
 
+impl Fault for kinopt::collision::WorldError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Unknown { .. } => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
 impl Fault for NoEffector {
     fn kind(&self) -> Kind {
         Kind::UnknownName

@@ -38,6 +38,7 @@ mod srdf;
 mod threads;
 mod transforms;
 mod vertices;
+mod world;
 
 /// Inverse kinematics by optimisation: the compiled part.
 #[pymodule]
@@ -78,6 +79,8 @@ mod _kinopt {
     use super::solver::{Drag, Iteration, Leap, Solutions, Solver};
     #[pymodule_export]
     use super::srdf::Srdf;
+    #[pymodule_export]
+    use super::world::{Obstacle, Separation, World};
 
     use super::*;
 

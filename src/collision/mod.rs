@@ -29,6 +29,7 @@ mod model;
 mod shape;
 mod sphere_model;
 mod world;
+mod yaml;
 
 pub use crate::search::Collision;
 pub use checker::{Checker, CheckerError, CheckerWorkspace};

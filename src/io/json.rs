@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 
 use super::{Place, ReadError};
 
-pub(super) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
+pub(crate) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
     parse_by(|json| serde_json::from_slice(json), json, name)
 }
 

@@ -10,7 +10,7 @@ pub mod cones;
 pub mod dmat;
 #[cfg(feature = "gltf")]
 pub mod gltf;
-mod json;
+pub(crate) mod json;
 pub mod obj;
 pub mod ply;
 pub mod rig;

@@ -58,6 +58,22 @@ impl<'a> Core<'a> {
         }
     }
 
+    /// How far its points are from its origin at most.
+    fn reach(&self) -> f64 {
+        let farthest = |points: &[Vector3<f64>]| {
+            let lengths = points.iter().map(|p| p.norm_squared());
+            lengths.fold(0.0, f64::max).sqrt()
+        };
+        match self {
+            Self::Point(at) => at.norm(),
+            Self::Segment(half) => *half,
+            Self::Triangle(corners) => farthest(corners),
+            Self::Box(half) => half.norm(),
+            Self::Cylinder { radius, half } => radius + half,
+            Self::Hull(vertices) => farthest(vertices),
+        }
+    }
+
     /// The box around it.
     pub(crate) fn bounds(&self) -> BoundingBox {
         let points = Vector3::UNITS
@@ -154,14 +170,9 @@ impl Pair<'_> {
         self.a.middle() - self.a_from_b.apply(self.b.middle())
     }
 
-    /// How large A − B is, with its distance from the origin: what rounding is measured by.
+    /// How large both are and how far from each other: what rounding is measured by.
     pub(crate) fn scale(&self) -> f64 {
-        let reach = |axis: Vector3<f64>| {
-            let [high, low] = [self.support(axis), self.support(-axis)];
-            let ends = [high, low].map(|c| c.on_a.dot(axis).abs() + c.on_b.dot(axis).abs());
-            ends[0].max(ends[1])
-        };
-        Vector3::UNITS.into_iter().map(reach).fold(0.0, f64::max)
+        self.a.reach() + self.b.reach() + self.a_from_b.translation.norm()
     }
 }
 

@@ -1,6 +1,6 @@
 //! A half-space and any shape: the shape's lowest point.
 
-use crate::collision::shape::{BoundingBox, ShapeKind};
+use crate::collision::shape::ShapeKind;
 use crate::spatial::{Placement, Vector3};
 
 use super::core::{Core, Gap};
@@ -10,16 +10,14 @@ pub(super) fn gap(other: &ShapeKind, half_from_other: &Placement<f64>) -> Option
     let up = half_from_other.rotation.transpose_mul(Vector3::UNITS[2]);
     let (lowest, radius) = match other {
         ShapeKind::HalfSpace => return Some(two(half_from_other)),
-        ShapeKind::Mesh(mesh) => (lowest(mesh.vertices(), up), 0.0),
-        ShapeKind::Points(cloud) => (lowest(cloud.positions(), up), cloud.radius()),
+        ShapeKind::Mesh(mesh) => (lowest(mesh.vertices().iter().copied(), up), 0.0),
+        ShapeKind::Points(cloud) => (
+            lowest(cloud.positions().iter().copied(), up),
+            cloud.radius(),
+        ),
         ShapeKind::HeightField(field) => {
-            let BoundingBox { min, max } = field.tree().bounds();
-            // It has no lowest point but where its bottomless depth points up.
-            if up.z < 0.0 && up.x == 0.0 && up.y == 0.0 {
-                (Vector3::new(min.x, min.y, max.z), 0.0)
-            } else {
-                return Some(bottomless(half_from_other.apply((min + max) * 0.5)));
-            }
+            let corners = (0..field.triangle_count()).flat_map(|i| field.triangle(i));
+            (lowest(corners, up), 0.0)
         }
         _ => {
             let (core, radius) = Core::of(other)?;
@@ -56,9 +54,9 @@ fn two(half_from_other: &Placement<f64>) -> Gap {
     }
 }
 
-fn lowest(points: &[Vector3<f64>], up: Vector3<f64>) -> Vector3<f64> {
-    let first = (up.dot(points[0]), points[0]);
-    let least = points.iter().fold(first, |least, &point| {
+fn lowest(points: impl Iterator<Item = Vector3<f64>>, up: Vector3<f64>) -> Vector3<f64> {
+    let first = (f64::INFINITY, Vector3::zero());
+    let least = points.fold(first, |least, point| {
         let height = up.dot(point);
         if height < least.0 {
             (height, point)

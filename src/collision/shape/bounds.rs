@@ -9,7 +9,7 @@ use crate::spatial::{Placement, Vector3};
 pub struct Ball {
     /// Its centre.
     pub centre: Vector3<f64>,
-    /// Infinite about a half-space or a height field.
+    /// Infinite about a half-space.
     pub radius: f64,
 }
 
@@ -121,8 +121,7 @@ fn greatest(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
 }
 
 impl Shape {
-    /// The box around it in its own coordinates; infinite downwards for height fields, and for a half-space in
-    /// all directions but up.
+    /// The box around it in its own coordinates; infinite for a half-space in all directions but up.
     #[must_use]
     pub fn bounding_box(&self) -> BoundingBox {
         let symmetric = |x: f64, y: f64, z: f64| BoundingBox {
@@ -165,7 +164,12 @@ impl Shape {
             ShapeKind::Capsule { radius, length } => about_origin(0.5 * length + radius),
             ShapeKind::Cylinder { radius, length } => about_origin(hypot(*radius, 0.5 * length)),
             ShapeKind::Cuboid { size } => about_origin(0.5 * Vector3::from(*size).norm()),
-            ShapeKind::HalfSpace | ShapeKind::HeightField(_) => about_origin(f64::INFINITY),
+            ShapeKind::HalfSpace => about_origin(f64::INFINITY),
+            ShapeKind::HeightField(field) => {
+                let bounds = field.bounding_box();
+                let (centre, radius) = (bounds.centre(), bounds.half_diagonal());
+                Ball { centre, radius }
+            }
             ShapeKind::Convex(hull) => around(hull.vertices(), 0.0),
             ShapeKind::Mesh(mesh) => around(mesh.vertices(), 0.0),
             ShapeKind::Points(cloud) => around(cloud.positions(), cloud.radius()),

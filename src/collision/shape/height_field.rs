@@ -5,13 +5,15 @@ use super::{BoundingBox, ShapeError};
 use crate::collision::box_tree::BoxTree;
 use crate::spatial::Vector3;
 
-/// Heights over a grid, centred on the origin; solid below.
+/// Heights over a grid, centred on the origin; solid below, as far down from the lowest as its longer side is.
 #[derive(Clone, Debug)]
 pub struct HeightField {
     heights: Vec<f64>,
     columns: usize,
     spacing: [f64; 2],
-    /// Over the triangles: two a cell.
+    /// The walls around and the floor.
+    below: Vec<[Vector3<f64>; 3]>,
+    /// Over the triangles: two a cell, then those below.
     tree: BoxTree,
 }
 
@@ -53,8 +55,10 @@ impl HeightField {
             heights,
             columns,
             spacing,
+            below: Vec::new(),
             tree: BoxTree::default(),
         };
+        field.below = field.walls_and_floor();
         field.tree = BoxTree::new(field.triangle_count(), |i| {
             BoundingBox::around(field.triangle(i))
         });
@@ -71,12 +75,21 @@ impl HeightField {
         /// Between neighbours along x and y.
         pub fn spacing(&self) -> [f64; 2] = self.spacing;
         pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
+        /// Of the surface, the walls and the floor.
+        pub(crate) fn triangle_count(&self) -> usize = self.surface_count() + self.below.len();
         /// Two a cell.
-        pub(crate) fn triangle_count(&self) -> usize = 2 * (self.columns - 1) * (self.rows() - 1);
+        fn surface_count(&self) -> usize = 2 * (self.columns - 1) * (self.rows() - 1);
+        pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds();
     }
 
-    /// The corners of a triangle, counter-clockwise seen from above.
+    /// The corners of a triangle, counter-clockwise seen from outside.
     pub(crate) fn triangle(&self, index: usize) -> [Vector3<f64>; 3] {
+        if let Some(&below) = index
+            .checked_sub(self.surface_count())
+            .and_then(|i| self.below.get(i))
+        {
+            return below;
+        }
         let cell = index / 2;
         let (column, row) = (cell % (self.columns - 1), cell / (self.columns - 1));
         let corner = |i: usize, j: usize| self.corner(column + i, row + j);
@@ -97,7 +110,7 @@ impl HeightField {
     }
 
     /// How far above the surface a place is along z; `None` beside the grid.
-    pub(crate) fn above(&self, place: Vector3<f64>) -> Option<f64> {
+    fn above(&self, place: Vector3<f64>) -> Option<f64> {
         let [dx, dy] = self.spacing;
         let cell = |x: f64, spacing: f64, n: usize| {
             let at = x / spacing + 0.5 * (n - 1) as f64;
@@ -117,9 +130,33 @@ impl HeightField {
         Some(place.z - surface)
     }
 
-    pub(super) fn bounding_box(&self) -> BoundingBox {
-        let mut bounds = self.tree.bounds();
-        bounds.min.z = f64::NEG_INFINITY;
-        bounds
+    fn walls_and_floor(&self) -> Vec<[Vector3<f64>; 3]> {
+        let (columns, rows) = (self.columns - 1, self.rows() - 1);
+        let lowest = self.heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let [x, y] = self.spacing;
+        let floor = lowest - (x * columns as f64).max(y * rows as f64);
+        let foot = |p: Vector3<f64>| Vector3::new(p.x, p.y, floor);
+        // Around the rim, counter-clockwise seen from above.
+        let rim: Vec<_> = (0..columns)
+            .map(|i| (i, 0))
+            .chain((0..rows).map(|j| (columns, j)))
+            .chain((0..columns).map(|i| (columns - i, rows)))
+            .chain((0..rows).map(|j| (0, rows - j)))
+            .map(|(i, j)| self.corner(i, j))
+            .collect();
+        let next = rim.iter().cycle().skip(1);
+        let walls = rim
+            .iter()
+            .zip(next)
+            .flat_map(|(&from, &to)| [[from, foot(from), foot(to)], [from, foot(to), to]]);
+        let corners = [(0, 0), (0, rows), (columns, rows), (columns, 0)];
+        let [a, b, c, d] = corners.map(|(i, j)| foot(self.corner(i, j)));
+        walls.chain([[a, b, c], [a, c, d]]).collect()
+    }
+
+    /// Whether a place is below the surface and above the floor.
+    pub(crate) fn holds(&self, place: Vector3<f64>) -> bool {
+        let within = place.z > self.tree.bounds().min.z;
+        within && self.above(place).is_some_and(|above| above < 0.0)
     }
 }

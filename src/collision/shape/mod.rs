@@ -64,7 +64,7 @@ pub enum ShapeKind {
     Convex(Arc<ConvexHull>),
     /// Triangles, and what they enclose where they are closed.
     Mesh(Arc<TriangleMesh>),
-    /// A surface over a grid in x and y, and everything below it.
+    /// A surface over a grid in x and y, and what is below it.
     HeightField(Arc<HeightField>),
     /// Spheres of one radius about many points.
     Points(Arc<PointCloud>),
@@ -141,7 +141,8 @@ impl Shape {
     }
 
     /// A ground: `heights` over a grid of `columns` places along x, row after row along y, `spacing` apart and
-    /// centred on the origin; each cell is two triangles, and everything below the surface is solid.
+    /// centred on the origin; each cell is two triangles, and what is below the surface is solid, as far down from
+    /// its lowest place as its longer side is.
     ///
     /// # Errors
     /// Fewer than two rows or columns, heights that are not finite or no whole number of rows, or a spacing that

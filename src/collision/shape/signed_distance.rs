@@ -145,39 +145,11 @@ fn of_mesh(p: Vector3<f64>, mesh: &TriangleMesh) -> Nearest {
     }
 }
 
-/// Below the surface all is solid, so the nearest wall of the block is the surface or beside the grid.
 fn of_field(p: Vector3<f64>, field: &HeightField) -> Nearest {
     let (_, far, place, _) = nearest_triangle(p, field.tree(), |i| field.triangle(i));
-    let BoundingBox { min, max } = field.tree().bounds();
-    // The four sides, each with where it is nearest.
-    let sides = [
-        (p.x - min.x, Vector3::new(min.x, p.y, p.z)),
-        (max.x - p.x, Vector3::new(max.x, p.y, p.z)),
-        (p.y - min.y, Vector3::new(p.x, min.y, p.z)),
-        (max.y - p.y, Vector3::new(p.x, max.y, p.z)),
-    ];
-    match field.above(p) {
-        Some(above) if above >= 0.0 => (far, place),
-        Some(_) => {
-            let surface = (far, place);
-            let nearest =
-                sides.into_iter().fold(
-                    surface,
-                    |best, side| {
-                        if side.0 < best.0 { side } else { best }
-                    },
-                );
-            (-nearest.0, nearest.1)
-        }
-        None => {
-            // Beside the block: its wall, where that is as high.
-            let at = Vector3::new(p.x.clamp(min.x, max.x), p.y.clamp(min.y, max.y), p.z);
-            let wall = (p - at).norm();
-            match field.above(at).is_some_and(|above| above <= 0.0) && wall < far {
-                true => (wall, at),
-                false => (far, place),
-            }
-        }
+    match field.holds(p) {
+        true => (-far, place),
+        false => (far, place),
     }
 }
 

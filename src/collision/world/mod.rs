@@ -2,6 +2,10 @@
 
 mod add;
 mod error;
+mod file;
+mod json;
+mod moveit;
+mod pose;
 
 use std::sync::Arc;
 

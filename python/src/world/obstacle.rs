@@ -1,0 +1,144 @@
+//! One obstacle as it stands, and how far two are apart.
+
+use kinopt::collision::ShapeKind;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays;
+use crate::placement;
+
+/// An obstacle of a world as it stood when it was asked for. Got from `World[name]`.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Obstacle(pub(crate) kinopt::collision::Obstacle);
+
+#[pymethods]
+impl Obstacle {
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// "sphere", "capsule", "cylinder", "box", "plane", "convex", "mesh", "height field" or "points".
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.0.shape.kind() {
+            ShapeKind::Sphere { .. } => "sphere",
+            ShapeKind::Capsule { .. } => "capsule",
+            ShapeKind::Cylinder { .. } => "cylinder",
+            ShapeKind::Cuboid { .. } => "box",
+            ShapeKind::HalfSpace => "plane",
+            ShapeKind::Convex(_) => "convex",
+            ShapeKind::Mesh(_) => "mesh",
+            ShapeKind::HeightField(_) => "height field",
+            ShapeKind::Points(_) => "points",
+            _ => "other",
+        }
+    }
+
+    /// Its numbers by their names, as `World.add_box` and its like take them; arrays for convex hulls, meshes,
+    /// height fields and points.
+    #[getter]
+    fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let measures = PyDict::new(py);
+        let vectors = |points: &[kinopt::spatial::Vector3<f64>]| {
+            let numbers: Vec<f64> = points.iter().flat_map(|p| p.to_array()).collect();
+            table(py, &numbers, 3)
+        };
+        match self.0.shape.kind() {
+            ShapeKind::Sphere { radius } => measures.set_item("radius", radius)?,
+            ShapeKind::Capsule { radius, length } | ShapeKind::Cylinder { radius, length } => {
+                measures.set_item("radius", radius)?;
+                measures.set_item("length", length)?;
+            }
+            ShapeKind::Cuboid { size } => measures.set_item("size", arrays::list(py, size))?,
+            ShapeKind::Convex(hull) => measures.set_item("points", vectors(hull.vertices())?)?,
+            ShapeKind::Mesh(mesh) => {
+                measures.set_item("vertices", vectors(mesh.vertices())?)?;
+                let corners: Vec<u32> = mesh.triangles().iter().flatten().copied().collect();
+                let triangles = PyArray1::from_vec(py, corners);
+                let shape = (mesh.triangles().len(), 3);
+                measures.set_item("triangles", triangles.call_method1("reshape", shape)?)?;
+            }
+            ShapeKind::HeightField(field) => {
+                measures.set_item("heights", table(py, field.heights(), field.columns())?)?;
+                measures.set_item("spacing", arrays::list(py, &field.spacing()))?;
+            }
+            ShapeKind::Points(cloud) => {
+                measures.set_item("positions", vectors(cloud.positions())?)?;
+                measures.set_item("radius", cloud.radius())?;
+            }
+            _ => {}
+        }
+        Ok(measures)
+    }
+
+    /// Where it stands, shape (4, 4): in the world, or in the frame that it is attached to.
+    #[getter]
+    fn placement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        placement::to_array(py, &self.0.placement)
+    }
+
+    /// The frame of the robot that it moves with, or None.
+    #[getter]
+    fn attached(&self) -> Option<&str> {
+        self.0.attached.as_deref()
+    }
+
+    /// What was found about its shape and taken all the same: that a mesh is open and so has no inside, say.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let notes = self.0.shape.notes().iter();
+        notes.map(ToString::to_string).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let attached = match &self.0.attached {
+            Some(frame) => format!(", attached to {frame}"),
+            None => String::new(),
+        };
+        format!("Obstacle({}, {}{attached})", self.0.name, self.kind())
+    }
+}
+
+fn table<'py>(py: Python<'py>, numbers: &[f64], columns: usize) -> PyResult<Bound<'py, PyAny>> {
+    let shape = (numbers.len() / columns.max(1), columns);
+    arrays::list(py, numbers).call_method1("reshape", shape)
+}
+
+/// How far two obstacles are apart, in world coordinates.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Separation(pub(crate) kinopt::collision::Separation);
+
+#[pymethods]
+impl Separation {
+    /// In metres: positive apart, 0 touching, negative overlapping, by the shortest way that frees them.
+    #[getter]
+    fn distance(&self) -> f64 {
+        self.0.distance
+    }
+
+    /// The point of the first that is nearest to the second, or deepest in it, shape (3,).
+    #[getter]
+    fn on_first<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, &self.0.on_first.to_array())
+    }
+
+    /// The point of the second that is nearest to the first, or deepest in it, shape (3,).
+    #[getter]
+    fn on_second<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, &self.0.on_second.to_array())
+    }
+
+    /// Of unit length, from the first to the second, shape (3,): the distance grows by as much as the second moves
+    /// this way.
+    #[getter]
+    fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, &self.0.normal.to_array())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Separation(distance={})", self.0.distance)
+    }
+}

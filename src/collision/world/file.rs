@@ -1,0 +1,84 @@
+//! Worlds from and to files.
+
+use std::path::Path;
+
+use super::{World, json, moveit};
+use crate::file::{Place, ReadError, WriteError, read_bytes, write_bytes};
+
+/// The longest file that is read.
+const LENGTH_LIMIT: u64 = 1 << 30;
+
+impl World {
+    /// Reads a world: our JSON from `.json`, a planning scene of MoveIt's from `.yaml` or `.yml`.
+    ///
+    /// JSON lists obstacles by kind, all lengths in metres, quaternions as w, x, y, z:
+    ///
+    /// ```json
+    /// {
+    ///   "boxes": [{"name": "table", "size": [1, 0.6, 0.04], "position": [0.5, 0, 0.4]}],
+    ///   "cylinders": [{"name": "can", "radius": 0.03, "length": 0.14, "position": [0.5, 0, 0.49]}],
+    ///   "spheres": [{"name": "ball", "radius": 0.1, "attached": "hand"}],
+    ///   "capsules": [{"name": "pole", "radius": 0.02, "length": 1, "quaternion": [0.7071068, 0, 0.7071068, 0]}],
+    ///   "planes": [{"name": "floor"}],
+    ///   "meshes": [{"name": "shelf", "file": "shelf.stl", "scale": [0.001, 0.001, 0.001]}],
+    ///   "points": [{"name": "cloud", "radius": 0.01, "positions": [[0.4, 0.2, 0.3]]}]
+    /// }
+    /// ```
+    ///
+    /// A `position` left out is the origin, a `quaternion` left out no turn; `attached` names a frame of the robot,
+    /// in which the obstacle then stands. A mesh is a file beside this one (OBJ, STL, DAE or PLY) or has `vertices`
+    /// and `triangles`; `convex` has `points`, and `height_fields` have `heights`, `columns` and `spacing`.
+    /// Obstacles come in this order of kinds, or in that of a list `order` of all names.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is of neither kind or damaged, and obstacles that cannot be, each with its place.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        let path = path.as_ref();
+        let bytes = read_bytes(path, LENGTH_LIMIT)?;
+        let name = path.display().to_string();
+        let end = path.extension().and_then(|end| end.to_str());
+        match end.map(str::to_ascii_lowercase).as_deref() {
+            Some("json") => {
+                let folder = path.parent().unwrap_or_else(|| Path::new(""));
+                json::parse(&bytes, &name, Some(folder))
+            }
+            Some("yaml" | "yml") => moveit::parse(&bytes, &name),
+            _ => Err(ReadError::malformed(
+                &name,
+                Place::File,
+                "its name ends neither in .json nor in .yaml or .yml, so it is not known what it holds",
+            )),
+        }
+    }
+
+    /// Reads a world from JSON's bytes; `name` stands for the file in errors. Meshes in files of their own are not
+    /// opened: that is an error here.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_json(bytes: &[u8], name: &str) -> Result<Self, ReadError> {
+        json::parse(bytes, name, None)
+    }
+
+    /// Reads a planning scene of MoveIt's from YAML's bytes; `name` stands for the file in errors.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_moveit(bytes: &[u8], name: &str) -> Result<Self, ReadError> {
+        moveit::parse(bytes, name)
+    }
+
+    /// The world as JSON, meshes and clouds within; read again it is the same, to the bit.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        json::text(self)
+    }
+
+    /// Writes the world as [`to_json`](Self::to_json) gives it.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
+        write_bytes(path.as_ref(), self.to_json().as_bytes())
+    }
+}

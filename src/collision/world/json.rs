@@ -1,0 +1,318 @@
+//! Our JSON of worlds.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::pose::unit_quaternion;
+use super::{Obstacle, World, WorldError};
+use crate::collision::mesh_file::MeshFile;
+use crate::collision::shape::{Shape, ShapeError, ShapeKind};
+use crate::file::{Place, ReadError, ReadProblem};
+use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
+
+/// The kinds of obstacles, each with its own measures beside what all have; the file's lists of them.
+macro_rules! kinds {
+    ($($list:ident: $kind:ident { $($(#[$attribute:meta])* $measure:ident: $type:ty),* })*) => {
+        $(
+            #[derive(Serialize, Deserialize)]
+            #[serde(deny_unknown_fields)]
+            struct $kind {
+                name: String,
+                $($(#[$attribute])* $measure: $type,)*
+                #[serde(default, skip_serializing_if = "at_origin")]
+                position: [f64; 3],
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                quaternion: Option<[f64; 4]>,
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                rotation: Option<[[f64; 3]; 3]>,
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                attached: Option<String>,
+            }
+        )*
+
+        #[derive(Default, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        struct Contents {
+            $(#[serde(skip_serializing_if = "Vec::is_empty")] $list: Vec<$kind>,)*
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            order: Vec<String>,
+        }
+
+        /// All obstacles of a file, kind by kind.
+        fn read_all(contents: Contents, reader: &Reader<'_>) -> Result<World, ReadError> {
+            let mut world = World::new();
+            $(for (index, entry) in contents.$list.into_iter().enumerate() {
+                let place = || Place::Json(format!("{}[{index}]", stringify!($list)));
+                let pose = Pose {
+                    position: entry.position,
+                    quaternion: entry.quaternion,
+                    rotation: entry.rotation,
+                };
+                let placement = pose.placement().map_err(|problem| reader.fail(place(), problem))?;
+                let measures = $kind::shape(reader, place(), $(entry.$measure),*)?;
+                let shape = measures.map_err(|error| {
+                    reader.invalid(place(), WorldError::Shape { name: entry.name.clone(), error })
+                })?;
+                let added = world.add(&entry.name, shape, placement);
+                let attached = added.and_then(|()| match &entry.attached {
+                    Some(frame) => world.attach(&entry.name, frame, placement),
+                    None => Ok(()),
+                });
+                attached.map_err(|error| reader.invalid(place(), error))?;
+            })*
+            Ok(world)
+        }
+
+        /// Of all lists the names, in the order of the kinds.
+        fn names(contents: &Contents) -> Vec<String> {
+            let mut all = Vec::new();
+            $(all.extend(contents.$list.iter().map(|entry| entry.name.clone()));)*
+            all
+        }
+    };
+}
+
+kinds! {
+    boxes: Cuboid { size: [f64; 3] }
+    cylinders: Cylinder { radius: f64, length: f64 }
+    spheres: Sphere { radius: f64 }
+    capsules: Capsule { radius: f64, length: f64 }
+    planes: Plane {}
+    convex: Convex { points: Vec<[f64; 3]> }
+    meshes: Mesh {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        file: Option<String>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scale: Option<[f64; 3]>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        vertices: Vec<[f64; 3]>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        triangles: Vec<[u32; 3]>
+    }
+    height_fields: HeightField { heights: Vec<f64>, columns: usize, spacing: [f64; 2] }
+    points: Points { positions: Vec<[f64; 3]>, radius: f64 }
+}
+
+/// What is known while a file is read.
+struct Reader<'f> {
+    file: &'f str,
+    /// Where meshes in files of their own are.
+    folder: Option<&'f Path>,
+}
+
+impl Reader<'_> {
+    fn fail(&self, place: Place, problem: String) -> ReadError {
+        ReadError::malformed(self.file, place, problem)
+    }
+
+    fn invalid(&self, place: Place, error: WorldError) -> ReadError {
+        ReadError::new(self.file, place, ReadProblem::Invalid(Box::new(error)))
+    }
+}
+
+/// A shape, or why there is none; outside of it why its file cannot be read.
+type Made = Result<Result<Shape, ShapeError>, ReadError>;
+
+/// Each kind's shape of its measures.
+macro_rules! shapes {
+    ($($kind:ident($($measure:ident: $type:ty),*) = $shape:expr;)*) => {
+        $(impl $kind {
+            fn shape(_: &Reader<'_>, _: Place, $($measure: $type),*) -> Made {
+                Ok($shape)
+            }
+        })*
+    };
+}
+
+shapes! {
+    Cuboid(size: [f64; 3]) = Shape::cuboid(size);
+    Cylinder(radius: f64, length: f64) = Shape::cylinder(radius, length);
+    Sphere(radius: f64) = Shape::sphere(radius);
+    Capsule(radius: f64, length: f64) = Shape::capsule(radius, length);
+    Plane() = Ok(Shape::half_space());
+    Convex(points: Vec<[f64; 3]>) = Shape::convex(&vectors(points));
+    HeightField(heights: Vec<f64>, columns: usize, spacing: [f64; 2]) =
+        Shape::height_field(heights, columns, spacing);
+    Points(positions: Vec<[f64; 3]>, radius: f64) = Shape::points(vectors(positions), radius);
+}
+
+impl Mesh {
+    fn shape(
+        reader: &Reader<'_>,
+        place: Place,
+        file: Option<String>,
+        scale: Option<[f64; 3]>,
+        vertices: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Made {
+        let scale = scale.unwrap_or([1.0; 3]);
+        let mesh = match (file, vertices.is_empty() && triangles.is_empty()) {
+            (Some(_), false) => {
+                let problem = "has both a `file` and triangles of its own";
+                return Err(reader.fail(place, problem.to_owned()));
+            }
+            (Some(file), true) => {
+                let Some(folder) = reader.folder else {
+                    let problem = format!("names the file {file:?}, which is not opened from here");
+                    return Err(reader.fail(place, problem));
+                };
+                let path = folder.join(file);
+                MeshFile::read(path)
+                    .map_err(|error| ReadError::referred(reader.file, place, error))?
+            }
+            (None, _) => MeshFile {
+                points: vectors(vertices),
+                triangles,
+            },
+        };
+        let mesh = mesh.scaled(scale);
+        Ok(Shape::mesh(mesh.points, mesh.triangles))
+    }
+}
+
+/// Where something stands, as a file says it.
+struct Pose {
+    position: [f64; 3],
+    quaternion: Option<[f64; 4]>,
+    rotation: Option<[[f64; 3]; 3]>,
+}
+
+impl Pose {
+    fn of(placement: &Placement<f64>) -> Self {
+        let mut pose = Self {
+            position: placement.translation.to_array(),
+            quaternion: None,
+            rotation: None,
+        };
+        if placement.rotation == Matrix3::identity() {
+            return pose;
+        }
+        let quaternion = Quaternion::from_matrix(&placement.rotation);
+        let [x, y, z] = quaternion.v.to_array();
+        pose.quaternion = Some([quaternion.w, x, y, z]);
+        // A matrix is read again as it was, a quaternion not always.
+        if pose.placement().as_ref() != Ok(placement) {
+            let Matrix3 { x, y, z } = placement.rotation.transpose();
+            pose.quaternion = None;
+            pose.rotation = Some([x, y, z].map(Vector3::to_array));
+        }
+        pose
+    }
+
+    fn placement(&self) -> Result<Placement<f64>, String> {
+        let rotation = match (self.quaternion, self.rotation) {
+            (None, None) => Matrix3::identity(),
+            (Some([w, x, y, z]), None) => {
+                let v = Vector3::new(x, y, z);
+                unit_quaternion(Quaternion { w, v })?.to_matrix()
+            }
+            (None, Some(rows)) => {
+                let [x, y, z] = rows.map(Vector3::from);
+                Matrix3 { x, y, z }.transpose()
+            }
+            (Some(_), Some(_)) => return Err("has both a `quaternion` and a `rotation`".to_owned()),
+        };
+        Ok(Placement::new(rotation, self.position.into()))
+    }
+}
+
+/// A world of JSON's bytes.
+pub(super) fn parse(bytes: &[u8], file: &str, folder: Option<&Path>) -> Result<World, ReadError> {
+    let mut contents: Contents = crate::io::json::parse(bytes, file)?;
+    let order = std::mem::take(&mut contents.order);
+    let reader = Reader { file, folder };
+    let mut world = read_all(contents, &reader)?;
+    if order.is_empty() {
+        return Ok(world);
+    }
+    let at = |index: usize| Place::Json(format!("order[{index}]"));
+    let mut ranks: HashMap<&str, usize> = HashMap::new();
+    for (index, name) in order.iter().enumerate() {
+        world
+            .obstacle(name)
+            .map_err(|error| reader.invalid(at(index), error))?;
+        if ranks.insert(name, index).is_some() {
+            return Err(reader.fail(at(index), format!("{name:?} is in the order twice")));
+        }
+    }
+    if let Some(missing) = world.obstacles().find(|o| !ranks.contains_key(&*o.name)) {
+        let problem = format!("obstacle {:?} is missing in it", missing.name);
+        return Err(reader.fail(Place::Json("order".to_owned()), problem));
+    }
+    world
+        .obstacles
+        .sort_by_key(|o| ranks.get(&*o.name).copied());
+    Ok(world)
+}
+
+/// A world as JSON.
+pub(super) fn text(world: &World) -> String {
+    let mut contents = Contents::default();
+    for obstacle in world.obstacles() {
+        push(&mut contents, obstacle);
+    }
+    let names = names(&contents);
+    if !world.obstacles().map(|o| &o.name).eq(&names) {
+        contents.order = world.obstacles().map(|o| o.name.clone()).collect();
+    }
+    // Numbers of obstacles are finite and keys are texts, so nothing can fail.
+    serde_json::to_string_pretty(&contents).unwrap_or_default()
+}
+
+fn push(contents: &mut Contents, obstacle: &Obstacle) {
+    /// One entry with what all have.
+    macro_rules! entry {
+        ($list:ident: $kind:ident { $($measure:ident: $value:expr),* }) => {{
+            let Pose { position, quaternion, rotation } = Pose::of(&obstacle.placement);
+            contents.$list.push($kind {
+                name: obstacle.name.clone(),
+                $($measure: $value,)*
+                position,
+                quaternion,
+                rotation,
+                attached: obstacle.attached.clone(),
+            });
+        }};
+    }
+    match obstacle.shape.kind() {
+        &ShapeKind::Sphere { radius } => entry!(spheres: Sphere { radius: radius }),
+        &ShapeKind::Capsule { radius, length } => {
+            entry!(capsules: Capsule { radius: radius, length: length });
+        }
+        &ShapeKind::Cylinder { radius, length } => {
+            entry!(cylinders: Cylinder { radius: radius, length: length });
+        }
+        &ShapeKind::Cuboid { size } => entry!(boxes: Cuboid { size: size }),
+        ShapeKind::HalfSpace => entry!(planes: Plane {}),
+        ShapeKind::Convex(hull) => entry!(convex: Convex { points: arrays(hull.vertices()) }),
+        ShapeKind::Mesh(mesh) => entry!(meshes: Mesh {
+            file: None,
+            scale: None,
+            vertices: arrays(mesh.vertices()),
+            triangles: mesh.triangles().to_vec()
+        }),
+        ShapeKind::HeightField(field) => entry!(height_fields: HeightField {
+            heights: field.heights().to_vec(),
+            columns: field.columns(),
+            spacing: field.spacing()
+        }),
+        ShapeKind::Points(cloud) => entry!(points: Points {
+            positions: arrays(cloud.positions()),
+            radius: cloud.radius()
+        }),
+    }
+}
+
+fn at_origin(position: &[f64; 3]) -> bool {
+    *position == [0.0; 3]
+}
+
+fn vectors(arrays: Vec<[f64; 3]>) -> Vec<Vector3<f64>> {
+    arrays.into_iter().map(Vector3::from).collect()
+}
+
+fn arrays(vectors: &[Vector3<f64>]) -> Vec<[f64; 3]> {
+    vectors.iter().map(|v| v.to_array()).collect()
+}

@@ -1,0 +1,183 @@
+//! MoveIt's planning scenes in YAML, as of MotionBenchMaker's problems: the collision objects of `world`, and those
+//! that `robot_state` holds attached to links.
+
+use crate::collision::shape::{Shape, ShapeError};
+use crate::collision::yaml::{self, Node, Value};
+use crate::file::{Place, ReadError, ReadProblem};
+use crate::spatial::{Placement, Quaternion, Vector3};
+
+use super::World;
+use super::pose::unit_quaternion;
+
+/// What the reader of one file knows.
+struct Scene<'f> {
+    file: &'f str,
+    world: World,
+}
+
+/// A scene's obstacles. Of an object with several primitives each is an obstacle: `name/0`, `name/1`, ….
+pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        ReadError::malformed(file, Place::Byte(error.valid_up_to()), "is not UTF-8")
+    })?;
+    let root = yaml::parse(text, file)?;
+    let mut scene = Scene {
+        file,
+        world: World::new(),
+    };
+    let world = root.get("world").ok_or_else(|| {
+        scene.fail(
+            &root,
+            "has no `world`, so it is no planning scene of MoveIt's",
+        )
+    })?;
+    if let Some(objects) = world.get("collision_objects") {
+        for object in scene.list(objects, "collision_objects")? {
+            scene.object(object, None)?;
+        }
+    }
+    let state = root.get("robot_state");
+    if let Some(held) = state.and_then(|state| state.get("attached_collision_objects")) {
+        for held in scene.list(held, "attached_collision_objects")? {
+            let link = scene.named(held, "link_name")?;
+            let link = scene.text(link, "link_name")?;
+            scene.object(scene.named(held, "object")?, Some(link))?;
+        }
+    }
+    Ok(scene.world)
+}
+
+impl Scene<'_> {
+    fn fail(&self, at: &Node<'_>, problem: &str) -> ReadError {
+        ReadError::malformed(self.file, Place::Line(at.line), problem)
+    }
+
+    fn named<'n, 't>(&self, node: &'n Node<'t>, key: &str) -> Result<&'n Node<'t>, ReadError> {
+        node.get(key)
+            .ok_or_else(|| self.fail(node, &format!("has no `{key}`")))
+    }
+
+    fn list<'n, 't>(&self, node: &'n Node<'t>, what: &str) -> Result<&'n [Node<'t>], ReadError> {
+        node.list()
+            .ok_or_else(|| self.fail(node, &format!("`{what}` is not a list")))
+    }
+
+    fn text<'n>(&self, node: &'n Node<'_>, what: &str) -> Result<&'n str, ReadError> {
+        node.text()
+            .ok_or_else(|| self.fail(node, &format!("`{what}` is not a text")))
+    }
+
+    /// Numbers in a list, or under these keys.
+    fn numbers(&self, node: &Node<'_>, what: &str, keys: &[&str]) -> Result<Vec<f64>, ReadError> {
+        let nodes: Vec<&Node<'_>> = match (&node.value, keys) {
+            (Value::Map(_), [_, ..]) => {
+                let under = keys.iter().map(|key| self.named(node, key));
+                under.collect::<Result<_, _>>()?
+            }
+            _ => self.list(node, what)?.iter().collect(),
+        };
+        let number = |node: &&Node<'_>| {
+            let problem = || self.fail(node, &format!("`{what}` holds what is no number"));
+            node.number().ok_or_else(problem)
+        };
+        let numbers = nodes.iter().map(number).collect::<Result<Vec<_>, _>>()?;
+        if !keys.is_empty() && numbers.len() != keys.len() {
+            let problem = format!(
+                "`{what}` holds {} numbers, not {}",
+                numbers.len(),
+                keys.len()
+            );
+            return Err(self.fail(node, &problem));
+        }
+        Ok(numbers)
+    }
+
+    /// Quaternions are x, y, z, w here.
+    fn pose(&self, node: &Node<'_>) -> Result<Placement<f64>, ReadError> {
+        let mut pose = Placement::identity();
+        if let Some(position) = node.get("position") {
+            let numbers = self.numbers(position, "position", &["x", "y", "z"])?;
+            pose.translation = Vector3::new(numbers[0], numbers[1], numbers[2]);
+        }
+        if let Some(orientation) = node.get("orientation") {
+            let numbers = self.numbers(orientation, "orientation", &["x", "y", "z", "w"])?;
+            let quaternion = Quaternion {
+                w: numbers[3],
+                v: Vector3::new(numbers[0], numbers[1], numbers[2]),
+            };
+            let unit = unit_quaternion(quaternion);
+            pose.rotation = unit
+                .map_err(|problem| self.fail(orientation, &problem))?
+                .to_matrix();
+        }
+        Ok(pose)
+    }
+
+    fn object(&mut self, object: &Node<'_>, link: Option<&str>) -> Result<(), ReadError> {
+        let name = self.text(self.named(object, "id")?, "id")?;
+        let pose = object.get("pose").map(|pose| self.pose(pose));
+        let pose = pose.transpose()?.unwrap_or_else(Placement::identity);
+        for other in ["meshes", "planes"] {
+            let given = object.get(other).and_then(Node::list);
+            if given.is_some_and(|list| !list.is_empty()) {
+                let problem = format!("object {name:?} has `{other}`, which are not read");
+                return Err(self.fail(object, &problem));
+            }
+        }
+        let none = [];
+        let part = |key: &str| object.get(key).map(|node| self.list(node, key)).transpose();
+        let primitives = part("primitives")?.unwrap_or(&none);
+        let poses = part("primitive_poses")?.unwrap_or(&none);
+        if primitives.len() != poses.len() {
+            let problem = format!(
+                "object {name:?} has {} primitives, but {} poses of them",
+                primitives.len(),
+                poses.len()
+            );
+            return Err(self.fail(object, &problem));
+        }
+        for (i, (primitive, at)) in primitives.iter().zip(poses).enumerate() {
+            let own = match primitives.len() {
+                1 => name.to_owned(),
+                _ => format!("{name}/{i}"),
+            };
+            let at = pose * self.pose(at)?;
+            let shape = self.shape(primitive)?;
+            let added = self.world.add(&own, shape, at);
+            let placed = added.and_then(|()| match link {
+                Some(link) => self.world.attach(&own, link, at),
+                None => Ok(()),
+            });
+            placed.map_err(|error| {
+                let problem = ReadProblem::Invalid(Box::new(error));
+                ReadError::new(self.file, Place::Line(primitive.line), problem)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn shape(&self, primitive: &Node<'_>) -> Result<Shape, ReadError> {
+        let kind = self.named(primitive, "type")?;
+        let measures = self.named(primitive, "dimensions")?;
+        let numbers = self.numbers(measures, "dimensions", &[])?;
+        let kind = self.text(kind, "type")?;
+        // Numbers are those of shape_msgs/SolidPrimitive.
+        let shape: Result<Shape, ShapeError> = match (kind, numbers.as_slice()) {
+            ("box" | "1", &[x, y, z]) => Shape::cuboid([x, y, z]),
+            ("sphere" | "2", &[radius]) => Shape::sphere(radius),
+            ("cylinder" | "3", &[height, radius]) => Shape::cylinder(radius, height),
+            ("box" | "sphere" | "cylinder" | "1" | "2" | "3", numbers) => {
+                let problem = format!("a {kind} does not have {} dimensions", numbers.len());
+                return Err(self.fail(measures, &problem));
+            }
+            _ => {
+                let problem = format!("a primitive {kind:?} is not box, sphere or cylinder");
+                return Err(self.fail(primitive, &problem));
+            }
+        };
+        shape.map_err(|error| {
+            let problem = ReadProblem::Invalid(Box::new(error));
+            ReadError::new(self.file, Place::Line(measures.line), problem)
+        })
+    }
+}

@@ -1,0 +1,118 @@
+//! YAML as a tree of what stands where, for the few files that come in it.
+
+use std::borrow::Cow;
+
+use saphyr_parser::{Event, Parser};
+
+use crate::file::{Place, ReadError};
+
+/// Lists in lists this deep at most.
+const DEPTH: usize = 64;
+
+/// A value and the line where it begins, counted from 1.
+#[derive(Clone, Debug)]
+pub(crate) struct Node<'t> {
+    pub(crate) line: usize,
+    pub(crate) value: Value<'t>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Value<'t> {
+    Scalar(Cow<'t, str>),
+    List(Vec<Node<'t>>),
+    /// In the order of the file.
+    Map(Vec<(Node<'t>, Node<'t>)>),
+}
+
+/// A list or map that is not closed yet.
+struct Open<'t> {
+    line: usize,
+    map: bool,
+    nodes: Vec<Node<'t>>,
+}
+
+/// The first document of a text.
+pub(crate) fn parse<'t>(text: &'t str, file: &str) -> Result<Node<'t>, ReadError> {
+    let fail = |line: usize, problem: &str| ReadError::malformed(file, Place::Line(line), problem);
+    let mut open: Vec<Open<'t>> = Vec::new();
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event.map_err(|error| fail(error.marker().line(), error.info()))?;
+        let line = span.start.line();
+        let done = match event {
+            Event::SequenceStart(..) | Event::MappingStart(..) => {
+                if open.len() == DEPTH {
+                    return Err(fail(line, "lists are nested too deeply"));
+                }
+                let map = matches!(event, Event::MappingStart(..));
+                let nodes = Vec::new();
+                open.push(Open { line, map, nodes });
+                continue;
+            }
+            Event::SequenceEnd | Event::MappingEnd => {
+                let Some(closed) = open.pop() else { continue };
+                closed.node()
+            }
+            Event::Scalar(text, ..) => Node {
+                line,
+                value: Value::Scalar(text),
+            },
+            // A few of them can stand for more than memory holds.
+            Event::Alias(_) => return Err(fail(line, "aliases are not read")),
+            _ => continue,
+        };
+        match open.last_mut() {
+            Some(outer) => outer.nodes.push(done),
+            None => return Ok(done),
+        }
+    }
+    Err(ReadError::malformed(file, Place::File, "holds no YAML"))
+}
+
+impl<'t> Open<'t> {
+    fn node(self) -> Node<'t> {
+        let value = match self.map {
+            false => Value::List(self.nodes),
+            true => {
+                let mut nodes = self.nodes.into_iter();
+                let pair = || Some((nodes.next()?, nodes.next()?));
+                Value::Map(std::iter::from_fn(pair).collect())
+            }
+        };
+        Node {
+            line: self.line,
+            value,
+        }
+    }
+}
+
+impl<'t> Node<'t> {
+    /// What a map holds under a key; `None` too where this is no map.
+    pub(crate) fn get(&self, key: &str) -> Option<&Node<'t>> {
+        let Value::Map(pairs) = &self.value else {
+            return None;
+        };
+        let found = pairs.iter().find(|(k, _)| k.text() == Some(key));
+        found.map(|(_, value)| value)
+    }
+
+    /// What a list holds; nothing where this is an empty scalar.
+    pub(crate) fn list(&self) -> Option<&[Node<'t>]> {
+        match &self.value {
+            Value::List(nodes) => Some(nodes),
+            Value::Scalar(text) if matches!(&**text, "" | "~" | "null") => Some(&[]),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn text(&self) -> Option<&str> {
+        match &self.value {
+            Value::Scalar(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// A number; YAML writes `.inf` and `.nan` for what is none.
+    pub(crate) fn number(&self) -> Option<f64> {
+        self.text()?.parse().ok()
+    }
+}

@@ -1,0 +1,167 @@
+//! Promise: bad shapes and damaged files are an error that names what is wrong, or a note; never a panic.
+
+use kinopt::collision::{Shape, ShapeNote, World, separation};
+use kinopt::spatial::{Placement, Vector3};
+use support::random::Random;
+
+const WORLD: &str = r#"{"boxes": [{"name": "a", "size": [1, 2, 3], "position": [0.5, -1e-3, 2]}],
+ "cylinders": [{"name": "b", "radius": 0.5, "length": 1, "quaternion": [0.6, 0.8, 0, 0]}],
+ "meshes": [{"name": "c", "vertices": [[0,0,0],[1,0,0],[0,1,0],[0,0,1]], "triangles": [[0,2,1],[0,1,3],[1,2,3],[0,3,2]]}],
+ "height_fields": [{"name": "d", "heights": [0,1,2,3], "columns": 2, "spacing": [1, 1]}],
+ "points": [{"name": "e", "radius": 0.1, "positions": [[0,0,0],[1,1,1]], "attached": "hand"}], "order": ["e","a","b","c","d"]}"#;
+
+const SCENE: &str = "world:
+  collision_objects:
+    - id: Can1
+      primitive_poses: [{position: [0.5, 0.25, -0.375], orientation: [0, 0, 0.6, 0.8]}]
+      primitives:
+        - {type: cylinder, dimensions: [0.14, 0.03]}
+    - id: \"x y\"
+      primitive_poses:
+      - position: {x: 1, y: 2, z: 3}
+      primitives: [{type: box, dimensions: [1, 2, 3]}]
+";
+
+/// A text with some bytes taken out, doubled or replaced.
+fn damaged(text: &str, random: &mut Random) -> Vec<u8> {
+    const PIECES: [&str; 16] = [
+        "[", "]", "{", "}", "\"", ":", "-", "1e999", "NaN", "null", "&a", "*a", "\n", "\t",
+        "\u{fe}", ",",
+    ];
+    let mut bytes = text.as_bytes().to_vec();
+    for _ in 0..1 + random.below(4) {
+        let at = random.below(bytes.len());
+        let end = (at + random.below(12)).min(bytes.len());
+        match random.below(4) {
+            0 => drop(bytes.drain(at..end)),
+            1 => {
+                let again = bytes[at..end].to_vec();
+                bytes.splice(at..at, again);
+            }
+            2 => {
+                let piece = PIECES[random.below(PIECES.len())];
+                bytes.splice(at..end, piece.bytes());
+            }
+            _ => bytes[at] = random.below(256) as u8,
+        }
+        if bytes.is_empty() {
+            bytes.push(b' ');
+        }
+    }
+    bytes
+}
+
+#[test]
+fn damaged_worlds_are_refused_or_read() {
+    World::from_json(WORLD.as_bytes(), "whole").unwrap();
+    World::from_moveit(SCENE.as_bytes(), "whole").unwrap();
+    let mut random = Random::new(3);
+    let mut refused = 0;
+    for _ in 0..4000 {
+        let json = World::from_json(&damaged(WORLD, &mut random), "damaged");
+        let scene = World::from_moveit(&damaged(SCENE, &mut random), "damaged");
+        for error in [json.err(), scene.err()].into_iter().flatten() {
+            assert!(error.to_string().starts_with("damaged: "), "{error}");
+            refused += 1;
+        }
+    }
+    assert!(refused > 3000, "only {refused} of 8000 were damaged");
+}
+
+#[test]
+fn deep_nesting_is_refused() {
+    for open in ["[", "{\"a\":", "- ", "a:\n "] {
+        let deep = open.repeat(100_000);
+        assert!(World::from_json(deep.as_bytes(), "deep").is_err());
+        assert!(World::from_moveit(deep.as_bytes(), "deep").is_err());
+    }
+}
+
+#[test]
+fn open_and_turned_meshes_are_told() {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from);
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let inside = Vector3::new(0.1, 0.1, 0.1);
+    let whole = Shape::mesh(corners.to_vec(), faces.to_vec()).unwrap();
+    assert!(whole.notes().is_empty());
+    assert!((whole.signed_distance(inside) + 0.1).abs() < 1e-15);
+
+    let open = Shape::mesh(corners.to_vec(), faces[..3].to_vec()).unwrap();
+    assert_eq!(open.notes(), [ShapeNote::Open { edges: 3 }]);
+    assert!(open.signed_distance(inside) > 0.0);
+
+    let turned = faces.map(|[a, b, c]| [a, c, b]).to_vec();
+    let turned = Shape::mesh(corners.to_vec(), turned).unwrap();
+    assert_eq!(turned.notes(), [ShapeNote::InsideOut]);
+    assert!((turned.signed_distance(inside) + 0.1).abs() < 1e-15);
+
+    let mut mixed = faces.to_vec();
+    mixed[0].swap(0, 1);
+    let mixed = Shape::mesh(corners.to_vec(), mixed).unwrap();
+    assert_eq!(mixed.notes(), [ShapeNote::Winding { edges: 3 }]);
+
+    // Every corner of every triangle a vertex of its own, and two triangles that are none.
+    let loose: Vec<_> = faces
+        .iter()
+        .flatten()
+        .map(|&i| corners[i as usize])
+        .collect();
+    let mut triangles: Vec<[u32; 3]> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    triangles.extend([[0, 0, 1], [2, 1, 2]]);
+    let loose = Shape::mesh(loose, triangles).unwrap();
+    assert_eq!(loose.notes(), [ShapeNote::WithoutArea { triangles: 2 }]);
+    assert!((loose.signed_distance(inside) + 0.1).abs() < 1e-15);
+}
+
+#[test]
+fn numbers_that_are_none_are_named() {
+    let nan = Vector3::new(0.0, f64::NAN, 0.0);
+    let far = Vector3::new(0.0, 1e300, 0.0);
+    for bad in [nan, far] {
+        let points = vec![Vector3::zero(), bad, Vector3::zero(), Vector3::zero()];
+        for told in [
+            Shape::convex(&points).unwrap_err(),
+            Shape::mesh(points.clone(), vec![[0, 1, 2]]).unwrap_err(),
+            Shape::points(points.clone(), 0.1).unwrap_err(),
+        ] {
+            assert!(told.to_string().contains(" 1 has a coordinate"), "{told}");
+        }
+    }
+    assert!(Shape::height_field(vec![0.0, 1.0, f64::INFINITY, 0.0], 2, [1.0, 1.0]).is_err());
+    assert!(Shape::height_field(vec![0.0; 5], 2, [1.0, 1.0]).is_err());
+    assert!(Shape::height_field(vec![0.0; 4], 0, [1.0, 1.0]).is_err());
+    assert!(Shape::mesh(vec![Vector3::zero(); 9], vec![[0, 1, 2], [3, 4, 5]]).is_err());
+    assert!(Shape::points(Vec::new(), 0.1).is_err());
+}
+
+#[test]
+fn a_hundred_thousand_triangles_are_taken() {
+    let n = 224_u32;
+    let vertex = |i: u32, j: u32| {
+        let (u, v) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+        let (a, b) = (u * std::f64::consts::TAU, v * std::f64::consts::TAU);
+        let r = 1.0 + 0.3 * b.cos();
+        Vector3::new(r * a.cos(), r * a.sin(), 0.3 * b.sin())
+    };
+    let vertices: Vec<_> = (0..n * n).map(|k| vertex(k / n, k % n)).collect();
+    let index = |i: u32, j: u32| i % n * n + j % n;
+    let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let triangles = cells.flat_map(|(i, j)| {
+        let [a, b, c, d] = [
+            index(i, j),
+            index(i + 1, j),
+            index(i + 1, j + 1),
+            index(i, j + 1),
+        ];
+        [[a, b, c], [a, c, d]]
+    });
+    let torus = Shape::mesh(vertices, triangles.collect()).unwrap();
+    assert!(torus.notes().is_empty(), "{:?}", torus.notes());
+    let distance = |x: f64, z: f64| torus.signed_distance(Vector3::new(x, 0.0, z));
+    assert!((distance(1.0, 0.0) + 0.3).abs() < 1e-3);
+    assert!((distance(0.0, 0.0) - 0.7).abs() < 1e-3);
+    let ball = Shape::sphere(0.1).unwrap();
+    let at = Placement::translation(Vector3::new(1.0, 0.0, 0.0));
+    let deep = separation(&torus, &Placement::identity(), &ball, &at).distance;
+    assert!((deep + 0.4).abs() < 1e-3, "{deep}");
+}

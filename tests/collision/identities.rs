@@ -1,0 +1,202 @@
+//! Promise: distances do not depend on where the world's origin is nor on which shape comes first, their normals are
+//! their derivatives, bounds of them are kept, and shapes that say the same in two ways are as far.
+
+use kinopt::collision::{Separation, Shape, ShapeKind, separation, separation_within};
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra as na;
+use support::convex_shapes::Solid;
+use support::random::Random;
+
+fn placed(random: &mut Random, size: f64) -> Placement<f64> {
+    let rotation = na::Matrix3::from(random.rotation());
+    Placement::new(rotation.into(), random.vector(size).into())
+}
+
+/// Any shape: convex ones, a closed mesh, a cloud, a ground.
+fn any_shape(random: &mut Random) -> Shape {
+    let points = |random: &mut Random| -> Vec<Vector3<f64>> {
+        (0..12).map(|_| random.vector(0.5).into()).collect()
+    };
+    match random.below(8) {
+        0 => Shape::points(points(random), 0.05).unwrap(),
+        1 => hull_as_mesh(&Shape::convex(&points(random)).unwrap()),
+        2 => {
+            let heights = (0..20).map(|_| random.within(-0.2, 0.2)).collect();
+            Shape::height_field(heights, 4, [0.3, 0.25]).unwrap()
+        }
+        _ => Solid::random(random).shape(),
+    }
+}
+
+/// The triangles of a hull as a mesh.
+fn hull_as_mesh(hull: &Shape) -> Shape {
+    let ShapeKind::Convex(hull) = hull.kind() else {
+        panic!("{hull:?}")
+    };
+    Shape::mesh(hull.vertices().to_vec(), hull.triangles().to_vec()).unwrap()
+}
+
+fn close(a: &Separation, b: &Separation, what: &str) {
+    assert!(
+        (a.distance - b.distance).abs() < 1e-12,
+        "{what}: {a:?} {b:?}"
+    );
+}
+
+#[test]
+fn neither_the_origin_nor_the_order_counts() {
+    let mut random = Random::new(21);
+    for _ in 0..600 {
+        let shapes = [any_shape(&mut random), any_shape(&mut random)];
+        let [a, b] = [placed(&mut random, 0.8), placed(&mut random, 0.8)];
+        let found = separation(&shapes[0], &a, &shapes[1], &b);
+        let back = separation(&shapes[1], &b, &shapes[0], &a);
+        close(&found, &back, "the order");
+        let moved = placed(&mut random, 1.0);
+        let there = separation(&shapes[0], &(moved * a), &shapes[1], &(moved * b));
+        close(&found, &there, "the origin");
+    }
+}
+
+#[test]
+fn normals_are_derivatives() {
+    let mut random = Random::new(22);
+    let (step, mut checked) = (1e-6, 0);
+    for _ in 0..1500 {
+        let shapes = [
+            Solid::random(&mut random).shape(),
+            Solid::random(&mut random).shape(),
+        ];
+        let [a, b] = [placed(&mut random, 1.0), placed(&mut random, 1.0)];
+        let at = |by: Vector3<f64>| {
+            let moved = Placement::new(b.rotation, b.translation + by);
+            separation(&shapes[0], &a, &shapes[1], &moved)
+        };
+        let found = at(Vector3::zero());
+        let along: Vector3<f64> = random.direction().into_inner().into();
+        let [ahead, behind] = [at(along * step), at(along * -step)];
+        let turned = (ahead.normal - behind.normal).norm();
+        // Between two sides of a kink there is no derivative.
+        if turned > 1e-2 {
+            continue;
+        }
+        let slope = (ahead.distance - behind.distance) / (2.0 * step);
+        let expected = found.normal.dot(along);
+        assert!(
+            (slope - expected).abs() < 1e-6 + turned * turned,
+            "{slope} {expected} {found:?}"
+        );
+        checked += 1;
+    }
+    assert!(checked > 1300, "only {checked} are smooth");
+}
+
+#[test]
+fn bounds_are_kept() {
+    let mut random = Random::new(23);
+    for _ in 0..600 {
+        let shapes = [any_shape(&mut random), any_shape(&mut random)];
+        let [a, b] = [placed(&mut random, 1.0), placed(&mut random, 1.0)];
+        let found = separation(&shapes[0], &a, &shapes[1], &b);
+        for slack in [-0.1, -1e-9, 1e-9, 0.1] {
+            let within = found.distance + slack;
+            match separation_within(&shapes[0], &a, &shapes[1], &b, within) {
+                Some(near) => {
+                    assert!(slack > 0.0, "{found:?} within {within}: {near:?}");
+                    close(&near, &found, "the bound");
+                }
+                None => assert!(slack < 0.0, "{found:?} is not within {within}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ball_is_a_point_with_a_radius() {
+    let mut random = Random::new(24);
+    for _ in 0..1500 {
+        let shape = any_shape(&mut random);
+        let radius = random.within(0.01, 0.3);
+        let place = random.vector(0.8).into();
+        let at = Placement::translation(place);
+        let ball = Shape::sphere(radius).unwrap();
+        let found = separation(&shape, &Placement::identity(), &ball, &at).distance;
+        let expected = shape.signed_distance(place) - radius;
+        // A ball that cuts a surface is as deep as that triangle alone, which a point within may be beyond.
+        let surface = matches!(shape.kind(), ShapeKind::Mesh(_) | ShapeKind::HeightField(_));
+        let exact = !surface || expected > 0.0 || expected < -2.0 * radius;
+        match exact {
+            true => assert!(
+                (found - expected).abs() < 1e-12,
+                "{found} {expected} {shape:?}"
+            ),
+            false => assert!(
+                found >= expected - 1e-12 && found < 0.0,
+                "{found} {expected}"
+            ),
+        }
+    }
+}
+
+#[test]
+fn a_closed_mesh_is_as_far_as_its_hull_and_a_cloud_as_its_points() {
+    let mut random = Random::new(25);
+    for _ in 0..400 {
+        let points: Vec<Vector3<f64>> = (0..30).map(|_| random.vector(0.5).into()).collect();
+        let hull = Shape::convex(&points).unwrap();
+        let mesh = hull_as_mesh(&hull);
+        let other = Solid::random(&mut random).shape();
+        let [a, b] = [placed(&mut random, 1.2), placed(&mut random, 1.2)];
+        let [one, two] = [&hull, &mesh].map(|shape| separation(shape, &a, &other, &b));
+        if one.distance > 0.0 {
+            close(&one, &two, "hull and mesh");
+        } else {
+            assert!(two.distance <= 1e-12 && two.distance >= one.distance - 1e-12);
+        }
+        for place in (0..5).map(|_| Vector3::from(random.vector(0.6))) {
+            let off = hull.signed_distance(place) - mesh.signed_distance(place);
+            assert!(off.abs() < 1e-12, "{off}");
+        }
+        let cloud = Shape::points(points.clone(), 0.02).unwrap();
+        let far = separation(&cloud, &a, &other, &b).distance;
+        let in_other = b.inverse() * a;
+        let each = points
+            .iter()
+            .map(|&p| other.signed_distance(in_other.apply(p)));
+        let nearest = each.fold(f64::INFINITY, f64::min) - 0.02;
+        assert!((far - nearest).abs() < 1e-12, "{far} {nearest}");
+    }
+}
+
+#[test]
+fn a_plane_is_as_low_as_what_stands_on_it() {
+    let mut random = Random::new(26);
+    for _ in 0..300 {
+        let solid = Solid::random(&mut random);
+        let [a, b] = [placed(&mut random, 1.0), placed(&mut random, 1.0)];
+        let floor = Shape::half_space();
+        let found = separation(&floor, &a, &solid.shape(), &b);
+        let up = na::Vector3::from(a.rotation.z);
+        let lowest = -solid.reach_at(&b, -up) - a.translation.dot(a.rotation.z);
+        assert!(
+            (found.distance - lowest).abs() < 1e-12,
+            "{found:?} {lowest}"
+        );
+        close(
+            &found,
+            &separation(&solid.shape(), &b, &floor, &a),
+            "the order",
+        );
+        // A level ground far around is the same.
+        let level = Shape::height_field(vec![0.0; 4], 2, [100.0, 100.0]).unwrap();
+        let ground = separation(&level, &a, &solid.shape(), &b).distance;
+        if lowest > 0.0 {
+            assert!((ground - lowest).abs() < 1e-12, "{ground} {lowest}");
+        } else {
+            assert!(
+                ground < 0.0 && ground >= lowest - 1e-12,
+                "{ground} {lowest}"
+            );
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Promise: worlds come from our JSON and MoveIt's scenes as they stand there, go to JSON and back without a change,
+//! and what is wrong is named with its place.
+
+use kinopt::collision::{Shape, ShapeKind, World, separation};
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra as na;
+use support::random::Random;
+
+const SCENE: &str = "
+name: \"\"
+robot_model_name: panda
+robot_state:
+  attached_collision_objects:
+    - link_name: panda_hand
+      object:
+        id: pen
+        primitives:
+          - type: cylinder
+            dimensions: [0.12, 0.004]
+        primitive_poses:
+          - position: [0, 0, 0.1]
+            orientation: [0, 0.7071067811865476, 0, 0.7071067811865476]
+world:
+  collision_objects:
+    - id: Can1
+      primitive_poses:
+        - position: [0.5, 0.25, -0.375]
+          orientation: [0, 0, 0.6, 0.8]
+      primitives:
+        - type: cylinder
+          dimensions: [0.14, 0.03]
+    - primitive_poses:
+        - position: {x: 1, y: 2, z: 3}
+        - orientation: {x: 0, y: 0, z: 0, w: 1}
+      id: shelf
+      pose: {position: [0, 0, 10]}
+      primitives: [{type: box, dimensions: [1, 2, 3]}, {type: sphere, dimensions: [0.5]}]
+";
+
+#[test]
+fn a_planning_scene_stands_as_it_says() {
+    let world = World::from_moveit(SCENE.as_bytes(), "scene.yaml").unwrap();
+    let names: Vec<_> = world.obstacles().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["Can1", "shelf/0", "shelf/1", "pen"]);
+    let can = world.obstacle("Can1").unwrap();
+    let ShapeKind::Cylinder { radius, length } = *can.shape.kind() else {
+        panic!("{can:?}")
+    };
+    assert_eq!((radius, length), (0.03, 0.14));
+    // 2 atan(0.6 / 0.8) about z: cosine 0.28, sine 0.96.
+    let x = can.placement.rotation.x.to_array();
+    let turned = na::Vector3::from(x) - na::Vector3::new(0.28, 0.96, 0.0);
+    assert!(turned.norm() < 1e-15, "{x:?}");
+    let place = |name: &str| {
+        world
+            .obstacle(name)
+            .unwrap()
+            .placement
+            .translation
+            .to_array()
+    };
+    assert_eq!(place("shelf/0"), [1.0, 2.0, 13.0]);
+    assert_eq!(place("shelf/1"), [0.0, 0.0, 10.0]);
+    let pen = world.obstacle("pen").unwrap();
+    assert_eq!(pen.attached.as_deref(), Some("panda_hand"));
+    assert_eq!(pen.placement.translation.to_array(), [0.0, 0.0, 0.1]);
+}
+
+/// One of every kind, at any place.
+fn any_world(random: &mut Random) -> World {
+    let mut world = World::new();
+    let tetrahedron: Vec<Vector3<f64>> =
+        [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(Vector3::from)
+            .to_vec();
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let shapes = [
+        Shape::points(tetrahedron.clone(), 0.01),
+        Shape::sphere(random.within(0.1, 1.0)),
+        Shape::cuboid([0.1, random.within(0.1, 1.0), 0.3]),
+        Shape::capsule(0.1, 1.0 / 3.0),
+        Ok(Shape::half_space()),
+        Shape::cylinder(0.1, 0.7),
+        Shape::mesh(tetrahedron.clone(), faces),
+        Shape::convex(&tetrahedron),
+        Shape::height_field(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.7], 3, [0.5, 0.25]),
+    ];
+    for (i, shape) in shapes.into_iter().enumerate() {
+        let rotation = na::Matrix3::from(random.rotation());
+        let at = Placement::new(rotation.into(), random.vector(2.0).into());
+        let name = format!("thing {i}");
+        world.add(&name, shape.unwrap(), at).unwrap();
+        if i == 2 {
+            world.attach(&name, "hand", at).unwrap();
+        }
+    }
+    world
+}
+
+#[test]
+fn a_world_comes_back_from_its_own_text() {
+    let mut random = Random::new(5);
+    for _ in 0..20 {
+        let world = any_world(&mut random);
+        let text = world.to_json();
+        let again = World::from_json(text.as_bytes(), "again").unwrap();
+        assert_eq!(again.to_json(), text);
+        assert_eq!(again.len(), world.len());
+        let probe = Shape::sphere(0.25).unwrap();
+        for (one, other) in world.obstacles().zip(again.obstacles()) {
+            assert_eq!(one.name, other.name);
+            assert_eq!(one.attached, other.attached);
+            assert_eq!(one.placement, other.placement);
+            let at = Placement::translation(random.vector(2.0).into());
+            let far = |o: &kinopt::collision::Obstacle| {
+                separation(&probe, &at, &o.shape, &o.placement).distance
+            };
+            assert!((far(one) - far(other)).abs() < 1e-14, "{}", one.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_in_json_is_named_with_its_place() {
+    let told = |text: &str| {
+        World::from_json(text.as_bytes(), "w.json")
+            .unwrap_err()
+            .to_string()
+    };
+    for (text, place, what) in [
+        (r#"{"boxs": []}"#, "boxs", "unknown field"),
+        (
+            r#"{"boxes": [{"name": "a", "size": [1, 2]}]}"#,
+            "boxes[0].size",
+            "length 2",
+        ),
+        (
+            r#"{"boxes": [{"name": "a", "size": [1, 0, 2]}]}"#,
+            "boxes[0]",
+            "along y is 0",
+        ),
+        (
+            r#"{"spheres": [{"name": "a", "radius": -1}]}"#,
+            "spheres[0]",
+            "radius of the sphere is -1",
+        ),
+        (
+            r#"{"spheres": [{"name": "a", "radius": 1}], "boxes": [{"name": "a", "size": [1,1,1]}]}"#,
+            "spheres[0]",
+            "already",
+        ),
+        (
+            r#"{"planes": [{"name": "a", "quaternion": [0, 0, 0, 0]}]}"#,
+            "planes[0]",
+            "length is 0",
+        ),
+        (
+            r#"{"planes": [{"name": "a", "rotation": [[1,0,0],[0,1,0],[0,0,-1]]}]}"#,
+            "planes[0]",
+            "mirrors",
+        ),
+        (
+            r#"{"planes": [{"name": "a"}], "order": ["b"]}"#,
+            "order[0]",
+            "no obstacle \"b\"",
+        ),
+        (
+            r#"{"planes": [{"name": "a"}], "order": ["a", "a"]}"#,
+            "order[1]",
+            "twice",
+        ),
+        (
+            r#"{"planes": [{"name": "a"}, {"name": "b"}], "order": ["a"]}"#,
+            "order",
+            "\"b\" is missing",
+        ),
+        (
+            r#"{"meshes": [{"name": "a", "vertices": [[0,0,0]], "triangles": [[0, 1, 2]]}]}"#,
+            "meshes[0]",
+            "vertex 1",
+        ),
+        (
+            r#"{"meshes": [{"name": "a", "file": "b.obj"}]}"#,
+            "meshes[0]",
+            "not opened",
+        ),
+        (
+            r#"{"convex": [{"name": "a", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]}]}"#,
+            "convex[0]",
+            "one plane",
+        ),
+    ] {
+        let told = told(text);
+        assert!(
+            told.starts_with("w.json: ") && told.contains(place) && told.contains(what),
+            "{text}: {told}"
+        );
+    }
+}
+
+#[test]
+fn what_is_wrong_in_a_scene_is_named_with_its_line() {
+    let told = |text: &str| {
+        World::from_moveit(text.as_bytes(), "s.yaml")
+            .unwrap_err()
+            .to_string()
+    };
+    let scene = |from: &str, to: &str| told(&SCENE.replacen(from, to, 1));
+    for (told, what) in [
+        (told("a: 1"), "no `world`"),
+        (told("a: [1"), "line "),
+        (told(""), "no YAML"),
+        (told("a: &b [1]\nworld: *b"), "line 2: aliases"),
+        (scene("type: box", "type: cone"), "\"cone\" is not box"),
+        (
+            scene("[0.14, 0.03]", "[0.14]"),
+            "cylinder does not have 1 dimensions",
+        ),
+        (scene("[0.14, 0.03]", "[0.14, no]"), "no number"),
+        (
+            scene("[0.14, 0.03]", "[0.14, -1]"),
+            "radius of the cylinder is -1",
+        ),
+        (
+            scene("[0, 0, 0.6, 0.8]", "[0, 0, 0.6, 0.9]"),
+            "length is 1.08",
+        ),
+        (scene("[0, 0, 0.6, 0.8]", "[0, 0, 0.6]"), "3 numbers, not 4"),
+        (scene("id: pen", "id: Can1"), "already"),
+        (scene("id: Can1", "name: Can1"), "no `id`"),
+    ] {
+        assert!(
+            told.starts_with("s.yaml: ") && told.contains(what),
+            "{told} ({what})"
+        );
+    }
+}

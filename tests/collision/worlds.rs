@@ -1,0 +1,81 @@
+//! Promise: obstacles are edited by name, every edit shows in the revision, copies stay as they were, and a name
+//! that is not there is told with those that are.
+
+use kinopt::collision::{World, WorldError};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+
+fn at(x: f64) -> Placement<f64> {
+    Placement::translation(Vector3::new(x, 0.0, 0.0))
+}
+
+#[test]
+fn obstacles_are_edited_by_name() {
+    let mut world = World::new();
+    world.add_box("table", [1.0, 0.5, 0.1], at(0.5)).unwrap();
+    world.add_sphere("ball", 0.1, at(1.0)).unwrap();
+    let before = world.clone();
+    let mut revision = world.revision();
+    let mut raised = |world: &World| {
+        assert!(world.revision() > revision);
+        revision = world.revision();
+    };
+    world.move_to("ball", at(2.0)).unwrap();
+    raised(&world);
+    world.attach("ball", "hand", at(0.1)).unwrap();
+    raised(&world);
+    assert_eq!(
+        world.obstacle("ball").unwrap().attached.as_deref(),
+        Some("hand")
+    );
+    world.detach("ball", at(3.0)).unwrap();
+    raised(&world);
+    let ball = world.obstacle("ball").unwrap();
+    assert_eq!((ball.attached.clone(), ball.placement), (None, at(3.0)));
+    world.remove("table").unwrap();
+    raised(&world);
+    assert_eq!(
+        world.obstacles().map(|o| &*o.name).collect::<Vec<_>>(),
+        ["ball"]
+    );
+    // The copy is as it was.
+    assert_eq!(before.len(), 2);
+    assert_eq!(before.obstacle("ball").unwrap().placement, at(1.0));
+}
+
+#[test]
+fn what_cannot_be_leaves_the_world_as_it_was() {
+    let mut world = World::new();
+    world.add_plane("floor", at(0.0)).unwrap();
+    let revision = world.revision();
+    assert!(matches!(
+        world.add_sphere("floor", 1.0, at(0.0)),
+        Err(WorldError::Taken(_))
+    ));
+    let told = world
+        .add_sphere("ball", 0.0, at(0.0))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        told.contains("\"ball\"") && told.contains("radius"),
+        "{told}"
+    );
+    for told in [
+        world.move_to("wall", at(0.0)).unwrap_err(),
+        world.remove("wall").unwrap_err(),
+        world.attach("wall", "hand", at(0.0)).unwrap_err(),
+        world.detach("wall", at(0.0)).unwrap_err(),
+        world.obstacle("wall").unwrap_err(),
+    ] {
+        let told = told.to_string();
+        assert!(told.contains("wall") && told.contains("floor"), "{told}");
+    }
+    let mirrored = Matrix3::from_columns(
+        Vector3::new(-1.0, 0.0, 0.0),
+        Vector3::new(0.0, 1.0, 0.0),
+        Vector3::new(0.0, 0.0, 1.0),
+    );
+    let mirror = Placement::new(mirrored, Vector3::zero());
+    assert!(world.move_to("floor", mirror).is_err());
+    assert!(world.move_to("floor", at(f64::NAN)).is_err());
+    assert_eq!((world.len(), world.revision()), (1, revision));
+}
