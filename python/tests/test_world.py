@@ -51,7 +51,8 @@ def test_obstacles_are_what_was_added() -> None:
     assert world["can"].measures == {"radius": 0.03, "length": 0.14}
     assert world["can"].attached == "hand" and world["ball"].attached is None
     assert np.array_equal(world["cloud"].measures["positions"], TETRAHEDRON)
-    assert np.array_equal(world["shell"].measures["triangles"], FACES[:3])
+    shell = world["shell"].measures
+    assert np.array_equal(shell["vertices"][shell["triangles"]], np.array(TETRAHEDRON)[FACES[:3]])
     assert np.array_equal(world["ground"].measures["heights"], [[0.1, 0.2, 0.3], [0.4, 0.5, 0.7]])
     assert "open at 3 edges" in world["shell"].notes[0]
 

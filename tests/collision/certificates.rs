@@ -32,6 +32,29 @@ fn pairs(seed: u64, count: usize) -> impl Iterator<Item = [(Solid, Placement<f64
     })
 }
 
+/// What is moved until it touches, or a little further, is no deeper than along the way that it came.
+#[test]
+fn what_touches_is_no_deeper_than_it_came() {
+    for (i, [(a, at_a), (b, at_b)]) in pairs(2, 3000).enumerate() {
+        let before = separation(&a.shape(), &at_a, &b.shape(), &at_b);
+        if before.distance < 0.0 {
+            continue;
+        }
+        for depth in [0.0, 1e-13, 1e-9, 1e-6, 1e-4] {
+            let by = before.normal * -(before.distance + depth);
+            let at_b = Placement::new(at_b.rotation, at_b.translation + by);
+            let found = separation(&a.shape(), &at_a, &b.shape(), &at_b);
+            let least = gap_along((&a, &at_a), (&b, &at_b), before.normal.into());
+            let what =
+                || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}, {least}");
+            assert!(found.distance >= least - 1e-12, "{}", what());
+            // Tips may pass each other, but then there is room between them.
+            let own = gap_along((&a, &at_a), (&b, &at_b), found.normal.into());
+            assert!((found.distance - own).abs() < 1e-12, "{}", what());
+        }
+    }
+}
+
 #[test]
 fn distances_and_depths_are_certified() {
     let mut random = Random::new(7);

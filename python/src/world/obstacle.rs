@@ -14,7 +14,7 @@ pub(crate) struct Obstacle(pub(crate) kinopt::collision::Obstacle);
 
 #[pymethods]
 impl Obstacle {
-    /// Its name.
+    /// Its name in the world.
     #[getter]
     fn name(&self) -> &str {
         &self.0.name

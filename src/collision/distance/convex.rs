@@ -1,9 +1,12 @@
 //! Two convex bodies: cores and the radii around them.
 
-use super::core::{Core, Gap, Pair};
+use super::core::{Core, Corner, Gap, Pair};
 use super::{epa, gjk, round};
 use crate::collision::shape::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
 use crate::spatial::Vector3;
+
+/// Of the size of both: how far the widest gap may stay behind the distance of two places.
+const OPEN: f64 = 1e-13;
 
 /// How far they are apart; `None` where that is told to be more than `within`.
 pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, within: f64) -> Option<Gap> {
@@ -21,16 +24,37 @@ pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, within: f64) ->
 }
 
 fn searched(pair: &Pair<'_>, within: f64) -> Option<Gap> {
-    let gap = match gjk::distance(pair, within) {
-        gjk::Found::Beyond => return None,
-        gjk::Found::Apart(gap) => gap,
-        gjk::Found::Meeting(at) => epa::depth(pair, at),
-    };
     let cylinder = |core: &Core<'_>| matches!(core, Core::Cylinder { .. });
-    match cylinder(&pair.a) || cylinder(&pair.b) {
-        true => Some(round::refined(pair, gap)),
-        false => Some(gap),
+    let round = cylinder(&pair.a) || cylinder(&pair.b);
+    let refined = |gap: Gap| match round {
+        true => round::refined(pair, gap),
+        false => gap,
+    };
+    let apart = match gjk::distance(pair, within) {
+        gjk::Found::Beyond => return None,
+        gjk::Found::Meeting(at) => return Some(refined(epa::depth(pair, at))),
+        gjk::Found::Apart(gap) => gap,
+    };
+    let gap = refined(apart);
+    // Two places are that far apart, so the distance is no more; it is no less than the gap along any direction. Where
+    // both differ, nearly touching, the direction was lost: what the polytope's faces say is tried, too.
+    if apart.distance - pair.gap_along(gap.normal) <= OPEN * pair.scale() {
+        return Some(gap);
     }
+    let at = Corner {
+        on_a: apart.on_a,
+        on_b: apart.on_b,
+    };
+    let other = refined(epa::depth(pair, at));
+    let widths = [gap, other].map(|gap| pair.gap_along(gap.normal));
+    Some(match widths[1] > widths[0] {
+        true => other,
+        false => Gap {
+            distance: widths[0],
+            on_b: gap.on_a + gap.normal * widths[0],
+            ..gap
+        },
+    })
 }
 
 /// A point and another point, a segment, a box or a cylinder.

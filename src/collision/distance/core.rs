@@ -165,6 +165,12 @@ impl Pair<'_> {
         }
     }
 
+    /// How much room there is between both along a unit direction from A to B; less than none where they overlap
+    /// along it.
+    pub(crate) fn gap_along(&self, normal: Vector3<f64>) -> f64 {
+        -self.support(normal).difference().dot(normal)
+    }
+
     /// From a point within B to one within A.
     pub(crate) fn middle(&self) -> Vector3<f64> {
         self.a.middle() - self.a_from_b.apply(self.b.middle())

@@ -57,9 +57,12 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
         if best.is_none_or(|(depth, _)| enough < depth) {
             best = Some((enough, nearest.normal));
         }
-        let closed = enough - nearest.depth <= CLOSED * scale;
-        if closed || !surface.sees(nearest.facet, point) {
+        if enough - nearest.depth <= CLOSED * scale {
             break;
+        }
+        // A sliver's normal may be off by so much; its neighbours know better.
+        if !surface.sees(nearest.facet, point) {
+            continue;
         }
         corners.push(corner);
         surface.insert(point, nearest.facet);
@@ -131,7 +134,7 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
 
 /// The gap along the normal of a difference without volume.
 fn across(pair: &Pair<'_>, meeting: Corner, normal: Vector3<f64>) -> Gap {
-    let depth = pair.support(normal).difference().dot(normal);
+    let depth = -pair.gap_along(normal);
     Gap {
         distance: -depth,
         on_a: meeting.on_a,

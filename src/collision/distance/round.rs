@@ -54,7 +54,7 @@ pub(super) fn refined(pair: &Pair<'_>, found: Gap) -> Gap {
     for (normal, on_a) in candidates {
         let turned = normal.dot(found.normal) < 0.0;
         let normal = if turned { -normal } else { normal };
-        let gap = -pair.support(normal).difference().dot(normal);
+        let gap = pair.gap_along(normal);
         // Alike but for rounding, the earlier one stays.
         if gap > best.distance + ROUNDING * scale {
             // Another part of a face is another place; of a side the place is on the axis.
