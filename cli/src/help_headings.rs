@@ -8,3 +8,4 @@ pub(crate) const PREFERENCES: &str = "Preferences";
 pub(crate) const FOLLOWING: &str = "Following";
 pub(crate) const OUTPUT: &str = "Output";
 pub(crate) const MESHES: &str = "Meshes";
+pub(crate) const COLLISIONS: &str = "Collision shapes";

@@ -15,6 +15,7 @@ mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
 mod closed_by_fk;
+mod collision_options;
 mod configuration;
 mod fk;
 mod frame_name;
@@ -37,6 +38,7 @@ mod progress;
 mod skin_report;
 mod skinning_choice;
 mod solve;
+mod spheres;
 mod table;
 mod target;
 mod targets_file;
@@ -70,6 +72,7 @@ Examples:
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
   kinopt animate arm.json --fps 24 --out frames
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
+  kinopt spheres robot.urdf --overhang 0.02 --out spheres.yml
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results
 
@@ -99,6 +102,7 @@ enum Subcommands {
     Animate(animate::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
+    Spheres(spheres::Arguments),
     SkinReport(skin_report::Arguments),
     Bench(bench::Arguments),
 }
@@ -119,6 +123,7 @@ fn main() -> ExitCode {
         Subcommands::Animate(arguments) => animate::run(arguments, json),
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
+        Subcommands::Spheres(arguments) => spheres::run(arguments, json),
         Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),
         Subcommands::Bench(arguments) => bench::run(arguments, json),
     };

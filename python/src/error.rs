@@ -112,6 +112,17 @@ impl Fault for kinopt::skeleton::SkeletonError {
     }
 }
 
+impl Fault for kinopt::collision::CollisionModelError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Unknown(_) => Kind::UnknownName,
+            Self::MeshNotFound { .. } => Kind::File,
+            Self::Mesh { source, .. } => source.kind(),
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
 impl Fault for kinopt::arm::ArmError {
     fn kind(&self) -> Kind {
         match self {

@@ -10,6 +10,7 @@ mod animation;
 mod arm;
 mod arrays;
 mod capture;
+mod collision;
 mod configuration;
 mod contents;
 mod error;
@@ -49,6 +50,8 @@ mod _kinopt {
     use super::arm::{Arm, ArmDerivative, Batch, Follower, Jump, Servo, ServoStep, Track};
     #[pymodule_export]
     use super::capture::MotionCapture;
+    #[pymodule_export]
+    use super::collision::{CollisionModel, SphereModel};
     #[pymodule_export]
     use super::goal::Goal;
     #[pymodule_export]

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
 use crate::arrays;
+use crate::collision::{CollisionModel, Taking};
 use crate::error::{Kind, OrRaise, invalid, raise};
 use crate::kinematics::jacobians;
 use crate::loops::{self, NamedLoop, Told};
@@ -20,6 +21,7 @@ use crate::model::Model;
 use crate::pickling;
 use crate::placement;
 use crate::pool::Pool;
+use crate::srdf::Srdf;
 
 /// A robot: a model with its joints that follow others, its speeds, shapes and masses.
 ///
@@ -95,7 +97,9 @@ impl Robot {
             true => reader.lenient(),
             false => reader,
         };
-        let mut robot = reader.parse(&source.text, &source.file).or_raise()?;
+        let robot = reader.parse(&source.text, &source.file).or_raise()?;
+        // Whose folder meshes are looked for in.
+        let mut robot = robot.with_file(&source.file);
         if source.soft_limits {
             robot = robot.with_soft_limits().or_raise()?;
         }
@@ -573,6 +577,36 @@ impl Robot {
         let id = self.model.frame(frame).or_raise()?;
         let kinematics = ForwardKinematics::of_frames(&self.model, &[id]).or_raise()?;
         jacobians(q, &Pool::new(Jacobian::new(kinematics)), 1)
+    }
+
+    /// The collision shapes of its links.
+    ///
+    /// Meshes are looked for beside the robot's file and, at `package://`, in the folders above it and in `packages`;
+    /// they count as their convex hulls, with `meshes="parts"` as the hulls of their connected parts, with "triangles"
+    /// as they are. One that is not found is an error, or with `leave_out_missing` left out with a note. An `srdf` says
+    /// which links may touch.
+    ///
+    /// Raises `FileError` for a mesh that is not there, `InvalidFileError` for one that is damaged, `InvalidValueError`
+    /// for a shape that is none.
+    #[pyo3(signature = (*, packages = Vec::new(), meshes = "hull", leave_out_missing = false, srdf = None))]
+    fn collision_model(
+        &self,
+        py: Python<'_>,
+        packages: Vec<PathBuf>,
+        meshes: &str,
+        leave_out_missing: bool,
+        srdf: Option<&Srdf>,
+    ) -> PyResult<CollisionModel> {
+        let taking = Taking {
+            packages,
+            meshes: meshes.to_owned(),
+            leave_out_missing,
+        };
+        let model = py.detach(|| CollisionModel::of(&self.inner, &taking))?;
+        match srdf {
+            Some(srdf) => model.with_srdf(srdf),
+            None => Ok(model),
+        }
     }
 
     #[classmethod]

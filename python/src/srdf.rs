@@ -24,6 +24,14 @@ pub(crate) struct Srdf {
 }
 
 impl Srdf {
+    pub(crate) fn inner(&self) -> &kinopt::robot::Srdf {
+        &self.inner
+    }
+
+    pub(crate) fn model(&self) -> &kinopt::Model {
+        &self.robot.get().model
+    }
+
     fn joint_names(&self, joints: &[JointId]) -> Vec<String> {
         let model = &self.robot.get().model;
         let name = |id: &JointId| model.joints()[id.index()].name.clone();

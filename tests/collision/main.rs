@@ -10,5 +10,6 @@ mod identities;
 mod mesh_files;
 mod shapes;
 mod sphere_covers;
+mod sphere_files;
 mod world_files;
 mod worlds;

@@ -28,6 +28,7 @@ mod servo;
 mod skin_report;
 #[cfg(feature = "bench")]
 mod solvers_compared;
+mod spheres;
 mod strict_levels;
 mod task_files;
 mod without_features;

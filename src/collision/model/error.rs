@@ -48,6 +48,14 @@ pub enum CollisionModelError {
         /// The shape.
         object: String,
     },
+    /// A parameter map of another model.
+    #[error("the parameter map is for {given} coordinates, the model has {expected}")]
+    ForeignMap {
+        /// Those of the map.
+        given: usize,
+        /// Those of the model.
+        expected: usize,
+    },
     /// A half-space or a height field, which no link is.
     #[error(
         "collision shape `{object}`: a half-space or a height field cannot be carried by a link"

@@ -7,8 +7,11 @@ mod from_robot;
 mod meshes;
 mod pairs;
 mod sampling;
+#[cfg(feature = "serde")]
+mod serialised;
+mod srdf;
 
-pub(super) use bodies::pairs_apart;
+pub(crate) use bodies::pairs_apart;
 pub use error::CollisionModelError;
 pub use from_robot::CollisionModelBuilder;
 pub use meshes::MeshUse;
@@ -69,6 +72,11 @@ impl CollisionObject {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+)]
 pub struct CollisionModel {
     model: Model,
     /// Followers follow in what is sampled.

@@ -5,15 +5,23 @@ mod cells;
 mod cover;
 mod enclosing;
 mod link_cover;
+mod read;
 mod rows;
+#[cfg(feature = "serde")]
+mod serialised;
 mod shrink;
 mod solid;
+mod urdf;
+mod yaml;
 
 pub(crate) use enclosing::enclosing;
 
 use super::{Ball, CollisionModel, ShapeKind};
 use crate::bad_option::{BadOption, POSITIVE};
 use crate::model::FrameId;
+
+/// Spheres by the names of links.
+type NamedSpheres = Vec<(String, Vec<Ball>)>;
 
 /// How fine spheres are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +51,11 @@ pub enum Fineness {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+)]
 pub struct SphereModel {
     groups: Vec<SphereGroup>,
     pairs: Vec<[usize; 2]>,

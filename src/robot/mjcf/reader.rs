@@ -53,7 +53,8 @@ impl Robot {
     /// # Errors
     /// What is wrong with the file, with line and name: see [`RobotFileError`] and [`Fault`].
     pub fn read_mjcf(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
-        robot(&Tree::read(path.as_ref())?)
+        let path = path.as_ref();
+        Ok(robot(&Tree::read(path)?)?.with_file(path))
     }
 
     /// Reads an MJCF document from memory; `file` is the name that errors give it, beside which files that it

@@ -1,0 +1,83 @@
+//! A robot's collision shapes, and which of its links are kept apart.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use kinopt::collision::{CollisionModel, MeshUse};
+use kinopt::robot::{Robot, Srdf};
+
+use crate::failure::Outcome;
+use crate::help_headings::COLLISIONS;
+use crate::output;
+
+/// Random configurations that decide about pairs, where no file does.
+const SAMPLES: u64 = 10_000;
+
+/// Options of every subcommand that looks at a robot's shapes.
+#[derive(Args, Debug)]
+pub(crate) struct CollisionOptions {
+    /// A folder that holds ROS packages, or is one; repeat it for several. Default: none.
+    ///
+    /// Meshes at package://NAME/… are looked for in it, and in the folders above the robot's file.
+    #[arg(long = "package", value_name = "FOLDER", help_heading = COLLISIONS)]
+    packages: Vec<PathBuf>,
+
+    /// What meshes count as. Default: hull.
+    #[arg(long, value_name = "AS", default_value = "hull", hide_default_value = true, help_heading = COLLISIONS)]
+    meshes: MeshChoice,
+
+    /// Leave meshes out that are not found, each with a note. Default: refuse the robot.
+    #[arg(long, help_heading = COLLISIONS)]
+    leave_out_meshes: bool,
+
+    /// An SRDF file whose disabled pairs of links may touch. Default: none.
+    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
+    srdf: Option<PathBuf>,
+
+    /// Let links touch that do so in none or nearly all of so many random configurations. Default:
+    /// 10000, and 0 with --srdf.
+    #[arg(long, value_name = "N", help_heading = COLLISIONS)]
+    samples: Option<u64>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MeshChoice {
+    /// Their convex hulls.
+    Hull,
+    /// The convex hull of each connected part.
+    Parts,
+    /// Their triangles, and what those enclose.
+    Triangles,
+}
+
+impl CollisionOptions {
+    /// The model of a robot's shapes; notes go to standard error.
+    pub(crate) fn model(&self, robot: &Robot) -> Outcome<CollisionModel> {
+        let meshes = match self.meshes {
+            MeshChoice::Hull => MeshUse::Hull,
+            MeshChoice::Parts => MeshUse::Parts,
+            MeshChoice::Triangles => MeshUse::Triangles,
+        };
+        let mut builder = CollisionModel::builder(robot).with_meshes(meshes);
+        for folder in &self.packages {
+            builder = builder.with_package_folder(folder);
+        }
+        if self.leave_out_meshes {
+            builder = builder.leaving_out_missing_meshes();
+        }
+        let mut model = builder.build()?;
+        for note in model.notes() {
+            output::message(&format!("note: {note}"));
+        }
+        if model.objects().is_empty() {
+            let name = robot.name();
+            return Err(failure!("{name} has no collision shapes"));
+        }
+        let mut samples = SAMPLES;
+        if let Some(path) = &self.srdf {
+            model = model.with_srdf(&Srdf::read(path, robot)?);
+            samples = 0;
+        }
+        Ok(model.with_pairs_sampled(self.samples.unwrap_or(samples), 0)?)
+    }
+}

@@ -1,0 +1,206 @@
+//! `kinopt spheres`: from a robot's shapes to spheres that cover them.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use kinopt::collision::{CollisionModel, Fineness, SphereModel};
+use serde::Serialize;
+
+use crate::collision_options::CollisionOptions;
+use crate::failure::Outcome;
+use crate::help_headings::OUTPUT;
+use crate::model_options::ModelOptions;
+use crate::number_list;
+use crate::output;
+use crate::table::Table;
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt spheres robot.urdf --out spherised.urdf     the same robot, of spheres that stick out by a
+                                                     fiftieth of its reach at most
+  kinopt spheres robot.urdf --overhang 0.02 --out spheres.yml
+                                                     by 2 cm, for cuRobo
+  kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
+                                                     at most six a link, meshes of ROS packages";
+
+/// The overhang, unless given, as a share of the robot's reach.
+const SHARE: f64 = 0.02;
+
+/// Covers a robot's collision shapes with spheres, for fast checks here and elsewhere.
+///
+/// Every point of every shape lies in a sphere of its link, and no sphere sticks out of the shapes further than
+/// is said. Links whose shapes are spheres keep them. Which links are checked against each other is told: all but
+/// those joined to each other, those that --srdf disables, and those that never or nearly always touch in random
+/// configurations.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The robot's .urdf or MJCF .xml file.
+    #[arg(value_name = "ROBOT")]
+    robot: PathBuf,
+
+    /// Where to write: .urdf (the robot with spheres for its collision shapes, as foam and VAMP have it) or
+    /// .yml (cuRobo's collision_spheres).
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    out: PathBuf,
+
+    /// What to write, whatever the file's name ends in. Default: as it ends.
+    #[arg(long, help_heading = OUTPUT)]
+    format: Option<Format>,
+
+    /// As few spheres as are found that stick out by at most this, in metres. Default: a fiftieth of
+    /// the robot's reach.
+    #[arg(long, value_name = "METRES", value_parser = number_list::number, conflicts_with = "spheres")]
+    overhang: Option<f64>,
+
+    /// At most so many spheres a link, sticking out as little as is found. Default: as --overhang.
+    #[arg(long, value_name = "N")]
+    spheres: Option<usize>,
+
+    /// Write which links may touch as an SRDF file. Default: do not.
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    save_srdf: Option<PathBuf>,
+
+    #[command(flatten)]
+    collisions: CollisionOptions,
+
+    #[command(flatten)]
+    model_options: ModelOptions,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// The robot's URDF with spheres for its collision shapes.
+    Urdf,
+    /// cuRobo's collision_spheres.
+    #[value(alias = "yml")]
+    Yaml,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    out: &'a Path,
+    spheres: usize,
+    overhang: f64,
+    links: Vec<Link<'a>>,
+    pairs: Vec<[&'a str; 2]>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct Link<'a> {
+    name: &'a str,
+    spheres: usize,
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let format = arguments.format()?;
+    let path = &arguments.robot;
+    let robot = arguments.model_options.read(path)?;
+    let model = arguments.collisions.model(&robot)?;
+    let fineness = match (arguments.overhang, arguments.spheres) {
+        (Some(overhang), _) => Fineness::Overhang(overhang),
+        (_, Some(count)) => Fineness::PerLink(count),
+        _ => Fineness::Overhang(SHARE * robot.model().reach()),
+    };
+    let spheres = SphereModel::of(&model, fineness)?;
+    let text = match format {
+        Format::Yaml => spheres.to_yaml(),
+        Format::Urdf => {
+            let file = path.display().to_string();
+            let urdf = std::fs::read_to_string(path);
+            let urdf = urdf.map_err(|error| failure!("{file}: cannot be read: {error}"))?;
+            spheres.spherised(&urdf, &file)?
+        }
+    };
+    write(&arguments.out, &text)?;
+    if let Some(path) = &arguments.save_srdf {
+        write(path, &model.to_srdf())?;
+    }
+    report(arguments, &model, &spheres, json)
+}
+
+fn write(path: &Path, text: &str) -> Outcome<()> {
+    let written = std::fs::write(path, text);
+    written.map_err(|error| failure!("{}: cannot be written: {error}", path.display()))
+}
+
+fn report(
+    arguments: &Arguments,
+    model: &CollisionModel,
+    spheres: &SphereModel,
+    json: bool,
+) -> Outcome<()> {
+    let groups = spheres.groups();
+    let pairs = || {
+        spheres
+            .pairs()
+            .iter()
+            .map(|pair| pair.map(|at| groups[at].name.as_str()))
+    };
+    let document = || Document {
+        out: &arguments.out,
+        spheres: spheres.count(),
+        overhang: spheres.overhang(),
+        links: (groups.iter())
+            .map(|group| Link {
+                name: &group.name,
+                spheres: group.spheres.len(),
+            })
+            .collect(),
+        pairs: pairs().collect(),
+        notes: model.notes(),
+    };
+    let text = || {
+        let mut table = Table::new("link | >spheres | checked against");
+        for (index, group) in groups.iter().enumerate() {
+            let others = spheres.pairs().iter().filter_map(|[a, b]| match index {
+                _ if *a == index => Some(groups[*b].name.as_str()),
+                _ if *b == index => Some(groups[*a].name.as_str()),
+                _ => None,
+            });
+            let others: Vec<&str> = others.collect();
+            table.row([
+                group.name.clone(),
+                group.spheres.len().to_string(),
+                others.join(", "),
+            ]);
+        }
+        let count = spheres.count();
+        let millimetres = 1e3 * spheres.overhang();
+        format!(
+            "{count} spheres on {} links, sticking out by {millimetres:.1} mm at most; {} pairs of links are checked\n\n{}\n{} written\n",
+            groups.len(),
+            spheres.pairs().len(),
+            table.text(),
+            arguments.out.display(),
+        )
+    };
+    output::result(json, document, text)
+}
+
+impl Arguments {
+    fn format(&self) -> Outcome<Format> {
+        let end = self.out.extension().and_then(|end| end.to_str());
+        let by_name = match end.map(str::to_ascii_lowercase).as_deref() {
+            Some("urdf") => Some(Format::Urdf),
+            Some("yml" | "yaml") => Some(Format::Yaml),
+            _ => None,
+        };
+        let format = self.format.or(by_name).ok_or_else(|| {
+            let out = self.out.display();
+            usage!("{out}: the name must end in .urdf or .yml, or --format say what to write")
+        })?;
+        let is_urdf = self
+            .robot
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
+        match format == Format::Urdf && !is_urdf {
+            true => Err(usage!(
+                "{}: only a URDF robot can be written as .urdf; take .yml",
+                self.robot.display()
+            )),
+            false => Ok(format),
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Promise: `kinopt spheres` writes spheres that other programs read, says how many, how far they stick out and
+//! which links are checked.
+
+use crate::forked_rig::*;
+use kinopt::collision::{CollisionModel, SphereModel};
+use kinopt::robot::Robot;
+use serde_json::json;
+
+#[test]
+fn a_robot_becomes_spheres_in_either_format() {
+    let folder = Folder::new("spheres");
+    let panda = model("franka_panda.urdf");
+    let robot = Robot::read(&panda).unwrap();
+    let shapes = CollisionModel::of(&robot).unwrap();
+    for name in ["panda.urdf", "panda.yml"] {
+        let out = folder.file(name);
+        let told = answer!("spheres {panda} --overhang 0.04 --samples 500 --out {out}");
+        assert!(number(&told["overhang"]) <= 0.04);
+        let read = SphereModel::read(&out, &shapes).unwrap();
+        assert_eq!(count(&told["spheres"]), read.count() as u64);
+        // As far as they say, measured anew.
+        assert!((read.overhang() - number(&told["overhang"])).abs() < 1e-12);
+        let links = list(&told["links"]);
+        assert_eq!(links.len(), shapes.links().len());
+        has(&links[0], json!({"name": "base"}));
+        let pairs = list(&told["pairs"]);
+        assert!(pairs.contains(&json!(["base", "link5"])), "{pairs:?}");
+        assert!(!pairs.contains(&json!(["link1", "link2"])));
+    }
+    let spherised = folder.file("panda.urdf");
+    let again = Robot::read(&spherised).unwrap();
+    assert_eq!(
+        again.model().limits().count(),
+        robot.model().limits().count()
+    );
+    let spheres = SphereModel::of_spheres(&CollisionModel::of(&again).unwrap()).unwrap();
+    assert_eq!(spheres.overhang(), 0.0);
+    // What is all spheres stays as it is.
+    let out = folder.file("again.yml");
+    let told = answer!("spheres {spherised} --samples 0 --out {out}");
+    has(&told, json!({"overhang": 0.0, "spheres": spheres.count()}));
+}
+
+#[test]
+fn pairs_go_through_srdf() {
+    let folder = Folder::new("sphere-pairs");
+    let ur5e = model("universal_ur5e.urdf");
+    let (out, srdf) = (folder.file("ur5e.yml"), folder.file("ur5e.srdf"));
+    let sampled =
+        answer!("spheres {ur5e} --spheres 8 --samples 500 --out {out} --save-srdf {srdf}");
+    let links = list(&sampled["links"]);
+    assert!(
+        links.iter().all(|link| count(&link["spheres"]) <= 8),
+        "{links:?}"
+    );
+    let read = answer!("spheres {ur5e} --spheres 8 --srdf {srdf} --out {out}");
+    assert_eq!(read["pairs"], sampled["pairs"]);
+    let all = answer!("spheres {ur5e} --spheres 8 --samples 0 --out {out}");
+    assert!(list(&all["pairs"]).len() > list(&sampled["pairs"]).len());
+    let text = text!("spheres {ur5e} --spheres 8 --samples 0 --out {out}");
+    says(
+        &text,
+        "spheres on 7 links | mm at most | 15 pairs of links are checked | link6",
+    );
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let folder = Folder::new("no-spheres");
+    let panda = model("franka_panda.urdf");
+    let out = folder.file("panda.yml");
+    refused!("spheres {panda} --overhang=-1 --out {out}" => 1, "option overhang is -1");
+    refused!("spheres {panda} --spheres 0 --out {out}" => 1, "spheres per link");
+    refused!("spheres {panda} --out {out}.txt" => 2, ".urdf or .yml");
+    let bare = r#"<robot name="bare"><link name="a"/></robot>"#;
+    let bare = folder.text("bare.urdf", bare);
+    refused!("spheres {bare} --out {out}" => 1, "bare has no collision shapes");
+    let mesh = r#"<robot name="m"><link name="a"><collision><geometry><mesh filename="package://pack/a.stl"/></geometry></collision></link></robot>"#;
+    let mesh = folder.text("mesh.urdf", mesh);
+    refused!("spheres {mesh} --package /nowhere --out {out}" => 1, "/nowhere/pack/a.stl");
+}

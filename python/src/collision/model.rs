@@ -1,0 +1,195 @@
+//! The shapes of a robot and the links that are kept apart.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kinopt::collision::{self, Fineness, MeshUse};
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+use super::SphereModel;
+use crate::error::{OrRaise, invalid};
+use crate::model::Model;
+use crate::pickling;
+use crate::srdf::Srdf;
+
+/// Shapes on the links of a robot, and the pairs of links that must not touch. Made by `Robot.collision_model`.
+///
+/// At first all links with shapes are kept apart, but those of one body (joined by fixed joints alone) and adjacent
+/// ones (joined by a joint, links without shapes between them passed over).
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct CollisionModel {
+    pub(crate) inner: Arc<collision::CollisionModel>,
+}
+
+impl From<collision::CollisionModel> for CollisionModel {
+    fn from(inner: collision::CollisionModel) -> Self {
+        let inner = Arc::new(inner);
+        Self { inner }
+    }
+}
+
+/// How a robot's shapes are taken.
+pub(crate) struct Taking {
+    pub(crate) packages: Vec<PathBuf>,
+    pub(crate) meshes: String,
+    pub(crate) leave_out_missing: bool,
+}
+
+impl CollisionModel {
+    pub(crate) fn of(robot: &kinopt::robot::Robot, taking: &Taking) -> PyResult<Self> {
+        let meshes = match taking.meshes.as_str() {
+            "hull" => MeshUse::Hull,
+            "parts" => MeshUse::Parts,
+            "triangles" => MeshUse::Triangles,
+            other => {
+                return Err(invalid(format!(
+                    "meshes must be \"hull\", \"parts\" or \"triangles\", not {other:?}"
+                )));
+            }
+        };
+        let mut builder = collision::CollisionModel::builder(robot).with_meshes(meshes);
+        for folder in &taking.packages {
+            builder = builder.with_package_folder(folder);
+        }
+        if taking.leave_out_missing {
+            builder = builder.leaving_out_missing_meshes();
+        }
+        Ok(builder.build().or_raise()?.into())
+    }
+
+    fn names(&self, links: &[kinopt::model::FrameId]) -> Vec<String> {
+        let frames = self.inner.model().frames();
+        links
+            .iter()
+            .map(|link| frames[link.index()].name.clone())
+            .collect()
+    }
+}
+
+#[pymethods]
+impl CollisionModel {
+    /// The model that it is of.
+    #[getter]
+    fn model(&self) -> Model {
+        let inner = Arc::new(self.inner.model().clone());
+        Model { inner }
+    }
+
+    /// The links that have shapes, in the model's order.
+    #[getter]
+    fn links(&self) -> Vec<String> {
+        self.names(self.inner.links())
+    }
+
+    /// The pairs of links that are kept apart.
+    #[getter]
+    fn pairs(&self) -> Vec<(String, String)> {
+        let frames = self.inner.model().frames();
+        let name = |link: kinopt::model::FrameId| frames[link.index()].name.clone();
+        self.inner
+            .pairs()
+            .iter()
+            .map(|[a, b]| (name(*a), name(*b)))
+            .collect()
+    }
+
+    /// What was left out or mended on the way here.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.inner.notes().to_vec()
+    }
+
+    /// Whether two links are kept apart.
+    ///
+    /// Raises `UnknownNameError` for a link without shapes.
+    fn is_checked(&self, first: &str, second: &str) -> PyResult<bool> {
+        self.inner.is_checked(first, second).or_raise()
+    }
+
+    /// The same model, but these two links may touch.
+    ///
+    /// Raises `UnknownNameError` for a link without shapes.
+    fn with_ignored(&self, first: &str, second: &str) -> PyResult<Self> {
+        let model = collision::CollisionModel::clone(&self.inner);
+        Ok(model.with_ignored(first, second).or_raise()?.into())
+    }
+
+    /// The same model with these two links kept apart.
+    ///
+    /// Raises `UnknownNameError` for a link without shapes.
+    fn with_checked(&self, first: &str, second: &str) -> PyResult<Self> {
+        let model = collision::CollisionModel::clone(&self.inner);
+        Ok(model.with_checked(first, second).or_raise()?.into())
+    }
+
+    /// The same model without the pairs that an SRDF file disables.
+    ///
+    /// Raises `InvalidValueError` for an SRDF file that was read for another robot.
+    pub(crate) fn with_srdf(&self, srdf: &Srdf) -> PyResult<Self> {
+        if srdf.model().name() != self.inner.model().name() {
+            return Err(invalid(format!(
+                "the SRDF file was read for `{}`, not for `{}`",
+                srdf.model().name(),
+                self.inner.model().name()
+            )));
+        }
+        let model = collision::CollisionModel::clone(&self.inner);
+        Ok(model.with_srdf(srdf.inner()).into())
+    }
+
+    /// The same model without the pairs that touch in none of so many random configurations, or in at least 95 %.
+    ///
+    /// Raises `InvalidValueError` where the model's lengths are no numbers.
+    #[pyo3(signature = (samples = 10_000, seed = 0))]
+    fn with_pairs_sampled(&self, py: Python<'_>, samples: u64, seed: u64) -> PyResult<Self> {
+        let model = collision::CollisionModel::clone(&self.inner);
+        let sampled = py.detach(|| model.with_pairs_sampled(samples, seed));
+        Ok(sampled.or_raise()?.into())
+    }
+
+    /// An SRDF document that disables every pair of links with shapes that is not kept apart.
+    fn to_srdf(&self) -> String {
+        self.inner.to_srdf()
+    }
+
+    /// Spheres that cover the shapes: as few as are found that stick out by at most `overhang` metres, or at most
+    /// `per_link` a link that stick out as little as is found. One of the two is given.
+    ///
+    /// Raises `InvalidValueError` for numbers that are not positive, or an overhang that needs millions of cells.
+    #[pyo3(signature = (overhang = None, *, per_link = None))]
+    fn spheres(
+        &self,
+        py: Python<'_>,
+        overhang: Option<f64>,
+        per_link: Option<usize>,
+    ) -> PyResult<SphereModel> {
+        let fineness = match (overhang, per_link) {
+            (Some(overhang), None) => Fineness::Overhang(overhang),
+            (None, Some(count)) => Fineness::PerLink(count),
+            _ => return Err(invalid("spheres takes either overhang or per_link")),
+        };
+        let spheres = py.detach(|| collision::SphereModel::of(&self.inner, fineness));
+        Ok(spheres.or_raise()?.into())
+    }
+
+    #[classmethod]
+    fn _rebuild(_class: &Bound<'_, PyType>, json: &str) -> PyResult<Self> {
+        let inner: collision::CollisionModel = serde_json::from_str(json).or_raise()?;
+        Ok(inner.into())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, &*self.inner)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "CollisionModel({:?}, {} shapes on {} links, {} pairs)",
+            self.inner.model().name(),
+            self.inner.objects().len(),
+            self.inner.links().len(),
+            self.inner.pairs().len()
+        )
+    }
+}

@@ -1,0 +1,136 @@
+//! Spheres that cover a robot's shapes.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kinopt::collision::{self, Ball};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+
+use super::CollisionModel;
+use crate::arrays;
+use crate::error::OrRaise;
+use crate::pickling;
+
+/// Spheres by link, which together cover every shape of a `CollisionModel`, inside and all. Made by
+/// `CollisionModel.spheres`, or read from a file of others.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct SphereModel {
+    pub(crate) inner: Arc<collision::SphereModel>,
+}
+
+impl From<collision::SphereModel> for SphereModel {
+    fn from(inner: collision::SphereModel) -> Self {
+        let inner = Arc::new(inner);
+        Self { inner }
+    }
+}
+
+fn numbers(Ball { centre, radius }: &Ball) -> [f64; 4] {
+    [centre.x, centre.y, centre.z, *radius]
+}
+
+#[pymethods]
+impl SphereModel {
+    /// Reads spheres that others made: cuRobo's `collision_spheres` (`.yml`, `.yaml`), or the spheres of a spherised URDF as
+    /// foam and VAMP have it. They are taken as they are; how far they stick out of the model's shapes is measured.
+    ///
+    /// Raises `FileError` where it cannot be read, `InvalidFileError` for what is wrong in it, a link that the model does
+    /// not have among it.
+    #[classmethod]
+    fn read(
+        _class: &Bound<'_, PyType>,
+        py: Python<'_>,
+        path: PathBuf,
+        model: &CollisionModel,
+    ) -> PyResult<Self> {
+        let read = py.detach(|| collision::SphereModel::read(path, &model.inner));
+        Ok(read.or_raise()?.into())
+    }
+
+    /// How many spheres there are.
+    #[getter]
+    fn count(&self) -> usize {
+        self.inner.count()
+    }
+
+    /// No sphere sticks out of its link's shapes any further, in metres.
+    #[getter]
+    fn overhang(&self) -> f64 {
+        self.inner.overhang()
+    }
+
+    /// By link: an array of shape (N, 4), x, y, z and the radius of each sphere in the link's frame, metres.
+    #[getter]
+    fn spheres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let links = PyDict::new(py);
+        for group in self.inner.groups() {
+            let all: Vec<f64> = group.spheres.iter().flat_map(numbers).collect();
+            let rows: Bound<'py, PyArray2<f64>> =
+                arrays::list(py, &all).reshape([group.spheres.len(), 4])?;
+            arrays::freeze(&rows)?;
+            links.set_item(&group.name, rows)?;
+        }
+        Ok(links)
+    }
+
+    /// By link: x, y, z and the radius of a sphere around all its spheres, shape (4,).
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let links = PyDict::new(py);
+        for group in self.inner.groups() {
+            let bound: Bound<'py, PyArray1<f64>> = arrays::frozen(py, numbers(&group.bound))?;
+            links.set_item(&group.name, bound)?;
+        }
+        Ok(links)
+    }
+
+    /// The pairs of links that are kept apart.
+    #[getter]
+    fn pairs(&self) -> Vec<(String, String)> {
+        let groups = self.inner.groups();
+        let name = |at: usize| groups[at].name.clone();
+        self.inner
+            .pairs()
+            .iter()
+            .map(|[a, b]| (name(*a), name(*b)))
+            .collect()
+    }
+
+    /// The spheres as cuRobo's `collision_spheres`, in YAML.
+    fn to_yaml(&self) -> String {
+        self.inner.to_yaml()
+    }
+
+    /// A robot's URDF, given as text, with these spheres as its only collision shapes; `name` is what messages call it.
+    ///
+    /// Raises `InvalidFileError` for what is no URDF.
+    #[pyo3(signature = (urdf, name = "robot.urdf"))]
+    fn spherised(&self, urdf: &str, name: &str) -> PyResult<String> {
+        self.inner.spherised(urdf, name).or_raise()
+    }
+
+    #[classmethod]
+    fn _rebuild(_class: &Bound<'_, PyType>, json: &str) -> PyResult<Self> {
+        let inner: collision::SphereModel = serde_json::from_str(json).or_raise()?;
+        Ok(inner.into())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, &*self.inner)
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.count()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "SphereModel({} spheres on {} links, overhang {:.4})",
+            self.inner.count(),
+            self.inner.groups().len(),
+            self.inner.overhang()
+        )
+    }
+}

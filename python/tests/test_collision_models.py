@@ -1,0 +1,120 @@
+"""Collision models: shapes of a robot, the pairs that are kept apart, and spheres that cover the shapes."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt.errors import FileError, InvalidFileError, InvalidValueError, UnknownNameError
+
+MODELS = Path(__file__).parents[2] / "models"
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+
+
+@pytest.fixture(scope="module")
+def ur5e() -> kinopt.Robot:
+    return kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
+
+
+def test_pairs_are_read_edited_and_sampled(ur5e: kinopt.Robot) -> None:
+    model = ur5e.collision_model()
+    assert model.links == ["base", "link1", "link2", "link3", "link4", "link5", "link6"]
+    # All but neighbours: 7 · 6 / 2 - 6.
+    assert len(model.pairs) == 15 and model.is_checked("base", "link6")
+    assert ("link1", "link2") not in model.pairs
+    sampled = model.with_pairs_sampled(500, seed=1)
+    assert set(sampled.pairs) < set(model.pairs)
+    assert sampled.pairs == model.with_pairs_sampled(500, seed=1).pairs
+    edited = sampled.with_ignored("link6", "base").with_checked("link1", "link2")
+    assert not edited.is_checked("base", "link6") and edited.is_checked("link2", "link1")
+    assert sampled.is_checked("base", "link6")
+    with pytest.raises(UnknownNameError, match="link6"):
+        model.with_ignored("base", "link7")
+    srdf = kinopt.Srdf.parse(sampled.to_srdf(), ur5e)
+    assert ur5e.collision_model(srdf=srdf).pairs == sampled.pairs
+
+
+def test_spheres_hold_points_of_shapes(ur5e: kinopt.Robot) -> None:
+    model = ur5e.collision_model()
+    spheres = model.spheres(0.03)
+    assert len(spheres) == spheres.count == sum(len(own) for own in spheres.spheres.values())
+    assert 0 < spheres.overhang <= 0.03
+    assert spheres.pairs == model.pairs
+    # The base's cylinder of radius 0.075 from z = 0 to 0.09.
+    random = np.random.default_rng(3)
+    angle, share = random.uniform(0, 2 * np.pi, 2000), np.sqrt(random.uniform(0, 1, 2000))
+    points = np.stack(
+        [0.075 * share * np.cos(angle), 0.075 * share * np.sin(angle), random.uniform(0, 0.09, 2000)], axis=1
+    )
+    own, bound = spheres.spheres["base"], spheres.bounds["base"]
+    away = np.linalg.norm(points[:, None] - own[None, :, :3], axis=2) - own[:, 3]
+    assert away.min(axis=1).max() <= 1e-12
+    assert (np.linalg.norm(own[:, :3] - bound[:3], axis=1) + own[:, 3] <= bound[3] + 1e-12).all()
+    assert all(len(own) <= 5 for own in model.spheres(per_link=5).spheres.values())
+
+
+def test_spheres_go_through_files(ur5e: kinopt.Robot, tmp_path: Path) -> None:
+    model = ur5e.collision_model()
+    spheres = model.spheres(per_link=4)
+    (tmp_path / "ur5e.yml").write_text(spheres.to_yaml())
+    urdf = spheres.spherised((MODELS / "universal_ur5e.urdf").read_text())
+    (tmp_path / "ur5e.urdf").write_text(urdf)
+    for name in ("ur5e.yml", "ur5e.urdf"):
+        read = kinopt.SphereModel.read(tmp_path / name, model)
+        assert read.pairs == spheres.pairs
+        assert all(np.array_equal(read.spheres[link], own) for link, own in spheres.spheres.items())
+        assert read.overhang == pytest.approx(spheres.overhang, abs=1e-12)
+    own = kinopt.Robot.from_urdf(tmp_path / "ur5e.urdf").collision_model().spheres(0.1)
+    assert own.overhang == 0.0 and own.count == spheres.count
+    with pytest.raises(FileError):
+        kinopt.SphereModel.read(tmp_path / "none.yml", model)
+    (tmp_path / "bad.yml").write_text("collision_spheres:\n  palm:\n    - {center: [0, 0, 0], radius: 1}\n")
+    with pytest.raises(InvalidFileError, match="palm"):
+        kinopt.SphereModel.read(tmp_path / "bad.yml", model)
+
+
+def test_meshes_are_found_or_told(tmp_path: Path) -> None:
+    mesh = '<collision><geometry><mesh filename="package://lamp/meshes/arm.obj"/></geometry></collision>'
+    text = f'<robot name="lamp"><link name="arm">{mesh}</link></robot>'
+    robot = kinopt.Robot.from_urdf_text(text)
+    with pytest.raises(FileError, match=r"package://lamp/meshes/arm\.obj"):
+        robot.collision_model()
+    left_out = robot.collision_model(leave_out_missing=True)
+    assert left_out.links == [] and "arm.obj" in left_out.notes[0]
+    (tmp_path / "lamp" / "meshes").mkdir(parents=True)
+    (tmp_path / "lamp" / "meshes" / "arm.obj").write_text(TETRAHEDRON)
+    assert robot.collision_model(packages=[tmp_path]).links == ["arm"]
+    (tmp_path / "lamp" / "robot.urdf").write_text(text)
+    robot = kinopt.Robot.from_urdf(tmp_path / "lamp" / "robot.urdf")
+    model = pickle.loads(pickle.dumps(robot)).collision_model(meshes="triangles")
+    # Pickles need no file of the mesh.
+    pickled = pickle.dumps(model)
+    (tmp_path / "lamp" / "meshes" / "arm.obj").unlink()
+    again = pickle.loads(pickled)
+    assert np.array_equal(again.spheres(0.2).spheres["arm"], model.spheres(0.2).spheres["arm"])
+    with pytest.raises(FileError):
+        robot.collision_model()
+
+
+def test_models_and_spheres_are_pickled(ur5e: kinopt.Robot) -> None:
+    model = ur5e.collision_model().with_ignored("base", "link6")
+    spheres = model.spheres(0.05)
+    again, spheres_again = pickle.loads(pickle.dumps((model, spheres)))
+    assert again.pairs == model.pairs and repr(again) == repr(model)
+    assert spheres_again.spheres.keys() == spheres.spheres.keys()
+    assert all(np.array_equal(spheres_again.spheres[k], own) for k, own in spheres.spheres.items())
+
+
+def test_what_cannot_be_is_refused(ur5e: kinopt.Robot) -> None:
+    model = ur5e.collision_model()
+    for bad in (0.0, -1.0, float("nan")):
+        with pytest.raises(InvalidValueError, match="overhang"):
+            model.spheres(bad)
+    with pytest.raises(InvalidValueError, match="either"):
+        model.spheres()
+    with pytest.raises(InvalidValueError, match="hull"):
+        ur5e.collision_model(meshes="boxes")

@@ -1,0 +1,128 @@
+//! Collision models through serde; what is read is checked anew.
+
+use serde::{Deserialize, Serialize};
+
+use super::{CollisionModel, CollisionModelError, CollisionObject};
+use crate::collision::{Shape, ShapeError, ShapeKind};
+use crate::model::{FrameId, Model, ParameterMap};
+use crate::spatial::{Placement, Vector3};
+
+/// What a collision model is written as.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Parts {
+    model: Model,
+    map: ParameterMap,
+    objects: Vec<ObjectParts>,
+    pairs: Vec<[FrameId; 2]>,
+    notes: Vec<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct ObjectParts {
+    name: String,
+    link: FrameId,
+    link_from_shape: Placement<f64>,
+    shape: ShapeParts,
+}
+
+/// The shapes that links carry.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum ShapeParts {
+    Sphere(f64),
+    Capsule(f64, f64),
+    Cylinder(f64, f64),
+    Box([f64; 3]),
+    Convex(Vec<Vector3<f64>>),
+    Mesh(Vec<Vector3<f64>>, Vec<[u32; 3]>),
+    Points(Vec<Vector3<f64>>, f64),
+    /// No link carries one.
+    Boundless,
+}
+
+impl From<&Shape> for ShapeParts {
+    fn from(shape: &Shape) -> Self {
+        match shape.kind() {
+            ShapeKind::Sphere { radius } => Self::Sphere(*radius),
+            ShapeKind::Capsule { radius, length } => Self::Capsule(*radius, *length),
+            ShapeKind::Cylinder { radius, length } => Self::Cylinder(*radius, *length),
+            ShapeKind::Cuboid { size } => Self::Box(*size),
+            ShapeKind::Convex(hull) => Self::Convex(hull.vertices().to_vec()),
+            ShapeKind::Mesh(mesh) => {
+                Self::Mesh(mesh.vertices().to_vec(), mesh.triangles().to_vec())
+            }
+            ShapeKind::Points(cloud) => Self::Points(cloud.positions().to_vec(), cloud.radius()),
+            ShapeKind::HalfSpace | ShapeKind::HeightField(_) => Self::Boundless,
+        }
+    }
+}
+
+impl ShapeParts {
+    fn shape(self) -> Result<Shape, ShapeError> {
+        match self {
+            Self::Sphere(radius) => Shape::sphere(radius),
+            Self::Capsule(radius, length) => Shape::capsule(radius, length),
+            Self::Cylinder(radius, length) => Shape::cylinder(radius, length),
+            Self::Box(size) => Shape::cuboid(size),
+            Self::Convex(points) => Shape::convex(&points),
+            Self::Mesh(vertices, triangles) => Shape::mesh(vertices, triangles),
+            Self::Points(positions, radius) => Shape::points(positions, radius),
+            Self::Boundless => Ok(Shape::half_space()),
+        }
+    }
+}
+
+impl From<CollisionModel> for Parts {
+    fn from(own: CollisionModel) -> Self {
+        let object = |object: CollisionObject| ObjectParts {
+            shape: (&object.shape).into(),
+            name: object.name,
+            link: object.link,
+            link_from_shape: object.link_from_shape,
+        };
+        Self {
+            model: own.model,
+            map: own.map,
+            objects: own.objects.into_iter().map(object).collect(),
+            pairs: own.pairs,
+            notes: own.notes,
+        }
+    }
+}
+
+impl TryFrom<Parts> for CollisionModel {
+    type Error = CollisionModelError;
+
+    fn try_from(parts: Parts) -> Result<Self, CollisionModelError> {
+        let model = parts.model;
+        let object = |object: ObjectParts| {
+            let shape = object.shape.shape();
+            let fault = |source| CollisionModelError::Shape {
+                link: model
+                    .frames()
+                    .get(object.link.index())
+                    .map_or("?".into(), |f| f.name.clone()),
+                object: object.name.clone(),
+                source,
+            };
+            Ok(CollisionObject {
+                shape: shape.map_err(fault)?,
+                name: object.name,
+                link: object.link,
+                link_from_shape: object.link_from_shape,
+            })
+        };
+        let objects = parts.objects.into_iter().map(object);
+        let objects: Vec<_> = objects.collect::<Result<_, CollisionModelError>>()?;
+        if parts.map.sources().len() != model.configuration_len() {
+            let (given, expected) = (parts.map.sources().len(), model.configuration_len());
+            return Err(CollisionModelError::ForeignMap { given, expected });
+        }
+        let mut own = Self::assemble(&model, parts.map, objects, parts.notes)?;
+        own.pairs.clear();
+        for [a, b] in parts.pairs {
+            own = own.with_checked(a, b)?;
+        }
+        Ok(own)
+    }
+}

@@ -1,0 +1,39 @@
+//! A list of pairs for other programs.
+
+use std::fmt::Write;
+
+use super::CollisionModel;
+
+impl CollisionModel {
+    /// An SRDF document that disables every pair of links with shapes that this model does not keep apart.
+    #[must_use]
+    pub fn to_srdf(&self) -> String {
+        let mut text = "<?xml version=\"1.0\"?>\n".to_owned();
+        // Writing to a String cannot fail, so the results carry nothing.
+        let _ = writeln!(text, "<robot name=\"{}\">", escaped(self.model.name()));
+        let default = super::bodies::pairs_apart(&self.model, &self.links);
+        for (index, &a) in self.links.iter().enumerate() {
+            for &b in &self.links[index + 1..] {
+                if self.pairs.binary_search(&[a, b]).is_ok() {
+                    continue;
+                }
+                let reason = match default.binary_search(&[a, b]) {
+                    Ok(_) => "User",
+                    Err(_) => "Adjacent",
+                };
+                let [a, b] = [a, b].map(|link| escaped(self.name_of(link)));
+                let _ = writeln!(
+                    text,
+                    "  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>"
+                );
+            }
+        }
+        text + "</robot>\n"
+    }
+}
+
+fn escaped(name: &str) -> String {
+    let escape = |text: String, (plain, code): &(char, &str)| text.replace(*plain, code);
+    let codes = [('&', "&amp;"), ('<', "&lt;"), ('"', "&quot;")];
+    codes.iter().fold(name.to_owned(), escape)
+}

@@ -1,0 +1,72 @@
+//! Sphere models through serde.
+
+use serde::{Deserialize, Serialize};
+
+use super::{SphereGroup, SphereModel};
+use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
+use crate::collision::Ball;
+use crate::model::FrameId;
+use crate::spatial::Vector3;
+
+/// What a sphere model is written as.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Parts {
+    groups: Vec<Group>,
+    pairs: Vec<[usize; 2]>,
+    overhang: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Group {
+    link: FrameId,
+    name: String,
+    /// x, y, z and the radius.
+    spheres: Vec<[f64; 4]>,
+}
+
+impl From<SphereModel> for Parts {
+    fn from(own: SphereModel) -> Self {
+        let numbers = |Ball { centre, radius }: &Ball| [centre.x, centre.y, centre.z, *radius];
+        let group = |group: SphereGroup| Group {
+            link: group.link,
+            spheres: group.spheres.iter().map(numbers).collect(),
+            name: group.name,
+        };
+        Self {
+            groups: own.groups.into_iter().map(group).collect(),
+            pairs: own.pairs,
+            overhang: own.overhang,
+        }
+    }
+}
+
+impl TryFrom<Parts> for SphereModel {
+    type Error = BadOption;
+
+    fn try_from(parts: Parts) -> Result<Self, BadOption> {
+        BadOption::check("overhang", parts.overhang, NOT_NEGATIVE)?;
+        let ball = |[x, y, z, radius]: [f64; 4]| {
+            BadOption::check("radius of a sphere", radius, POSITIVE)?;
+            let centre = Vector3::new(x, y, z);
+            Ok(Ball { centre, radius })
+        };
+        let group = |group: Group| {
+            let spheres = group.spheres.into_iter().map(ball);
+            let spheres = spheres.collect::<Result<_, BadOption>>()?;
+            Ok(SphereGroup::new(group.link, &group.name, spheres))
+        };
+        let groups = parts.groups.into_iter().map(group);
+        let groups: Vec<_> = groups.collect::<Result<_, BadOption>>()?;
+        for at in parts.pairs.iter().flatten() {
+            let known: fn(f64) -> bool = |at| at < 0.0;
+            if *at >= groups.len() {
+                BadOption::check("group of a pair", *at as f64, (known, "one of the groups"))?;
+            }
+        }
+        Ok(Self {
+            groups,
+            pairs: parts.pairs,
+            overhang: parts.overhang,
+        })
+    }
+}

@@ -1,0 +1,82 @@
+//! Spherised URDF, as foam and VAMP have it: a robot's own file whose collision shapes are spheres.
+
+use std::fmt::Write;
+
+use roxmltree::{Document, Node};
+
+use super::SphereModel;
+use crate::collision::Ball;
+use crate::file::{Place, ReadError};
+use crate::spatial::Vector3;
+
+impl SphereModel {
+    /// A robot's URDF with these spheres as its only collision shapes, the rest of the text as it is.
+    ///
+    /// # Errors
+    /// A text that is no XML with a `<robot>`; `file` is the name that the error gives it.
+    pub fn spherised(&self, urdf: &str, file: &str) -> Result<String, ReadError> {
+        let document = Document::parse(urdf).map_err(|error| {
+            let place = Place::Line(error.pos().row as usize);
+            ReadError::malformed(file, place, error.to_string())
+        })?;
+        let robot = document.root_element();
+        if robot.tag_name().name() != "robot" {
+            return Err(ReadError::malformed(
+                file,
+                Place::File,
+                "is no URDF: it has no <robot>",
+            ));
+        }
+        let mut text = String::with_capacity(urdf.len());
+        let mut at = 0;
+        for link in robot.children().filter(|node| node.has_tag_name("link")) {
+            for collision in link
+                .children()
+                .filter(|node| node.has_tag_name("collision"))
+            {
+                // With the blanks before it, so that no empty lines stay.
+                let range = collision.range();
+                text.push_str(urdf.get(at..range.start).unwrap_or_default().trim_end());
+                at = range.end;
+            }
+            let spheres = self.elements(link);
+            if spheres.is_empty() {
+                continue;
+            }
+            let end = link.range().end;
+            let own = urdf.get(at..end).unwrap_or_default();
+            if let Some(open) = own.strip_suffix("/>") {
+                text.push_str(open.trim_end());
+                text.push('>');
+                text.push_str(&spheres);
+                text.push_str("\n  </link>");
+            } else {
+                let close = own.rfind("</").unwrap_or(own.len());
+                text.push_str(own[..close].trim_end());
+                text.push_str(&spheres);
+                text.push_str("\n  ");
+                text.push_str(&own[close..]);
+            }
+            at = end;
+        }
+        text.push_str(urdf.get(at..).unwrap_or_default());
+        Ok(text)
+    }
+
+    fn elements(&self, link: Node<'_, '_>) -> String {
+        let mut text = String::new();
+        let own = self
+            .groups
+            .iter()
+            .find(|group| Some(group.name.as_str()) == link.attribute("name"));
+        for Ball { centre, radius } in own.map_or(&[][..], |group| &group.spheres) {
+            let Vector3 { x, y, z } = centre;
+            // Writing to a String cannot fail, so the result carries nothing.
+            let _ = write!(
+                text,
+                "\n    <collision><origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"0 0 0\"/><geometry><sphere radius=\"{radius:?}\"/></geometry></collision>"
+            );
+        }
+        text
+    }
+}

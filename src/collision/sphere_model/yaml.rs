@@ -1,0 +1,89 @@
+//! Spheres in YAML, as cuRobo has them:
+//!
+//! ```yaml
+//! collision_spheres:
+//!   panda_link0:
+//!     - center: [0.0, 0.0, 0.05]
+//!       radius: 0.08
+//! ```
+
+use std::fmt::Write;
+
+use super::{NamedSpheres, SphereModel};
+use crate::collision::Ball;
+use crate::collision::yaml::{self, Node, Value};
+use crate::file::{Place, ReadError};
+use crate::spatial::Vector3;
+
+impl SphereModel {
+    /// The spheres as cuRobo's `collision_spheres`, numbers with as many digits as read back the same.
+    #[must_use]
+    pub fn to_yaml(&self) -> String {
+        let mut text = "collision_spheres:\n".to_owned();
+        // Writing to a String cannot fail, so the results carry nothing.
+        for group in &self.groups {
+            let _ = writeln!(text, "  {}:", quoted(&group.name));
+            for Ball { centre, radius } in &group.spheres {
+                let Vector3 { x, y, z } = centre;
+                let _ = writeln!(text, "    - center: [{x:?}, {y:?}, {z:?}]");
+                let _ = writeln!(text, "      radius: {radius:?}");
+            }
+        }
+        text
+    }
+}
+
+/// A name that may hold anything.
+fn quoted(name: &str) -> String {
+    format!("\"{}\"", name.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// The spheres of a document, wherever in it `collision_spheres` stands: cuRobo has it under
+/// `robot_cfg: kinematics:` as well. One of radius 0 or less counts for nothing, as there.
+pub(super) fn parse(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
+    let root = yaml::parse(text, file)?;
+    let fail = |node: &Node<'_>, problem: &str| {
+        ReadError::malformed(file, Place::Line(node.line), problem)
+    };
+    let missing = || ReadError::malformed(file, Place::File, "has no `collision_spheres`");
+    let found = find(&root).ok_or_else(missing)?;
+    let Value::Map(links) = &found.value else {
+        let problem = "`collision_spheres` is no map of links, but may name a file with one";
+        return Err(fail(found, problem));
+    };
+    let mut named = Vec::new();
+    for (link, list) in links {
+        let name = link
+            .text()
+            .ok_or_else(|| fail(link, "is no name of a link"))?;
+        let list = list.list();
+        let list = list.ok_or_else(|| fail(link, "holds no list of spheres"))?;
+        let mut spheres = Vec::with_capacity(list.len());
+        for sphere in list {
+            let number = |node: &Node<'_>| node.number().filter(|number| number.is_finite());
+            let centre = sphere.get("center").and_then(|centre| {
+                let numbers = centre.list()?.iter().map(number);
+                let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
+                <[f64; 3]>::try_from(numbers).ok()
+            });
+            let centre = centre
+                .ok_or_else(|| fail(sphere, "a sphere needs a `center` of three finite numbers"))?;
+            let radius = sphere.get("radius").and_then(number);
+            let radius =
+                radius.ok_or_else(|| fail(sphere, "a sphere needs a `radius`, a finite number"))?;
+            if radius > 0.0 {
+                let centre = Vector3::from(centre);
+                spheres.push(Ball { centre, radius });
+            }
+        }
+        named.push((name.to_owned(), spheres));
+    }
+    Ok(named)
+}
+
+fn find<'n, 't>(node: &'n Node<'t>) -> Option<&'n Node<'t>> {
+    node.get("collision_spheres").or_else(|| match &node.value {
+        Value::Map(pairs) => pairs.iter().find_map(|(_, value)| find(value)),
+        _ => None,
+    })
+}
