@@ -116,7 +116,8 @@ impl Arm {
     /// settles at the nearest place to a target out of reach, from where an elbow bends back to the side that it was on.
     /// A redundant arm's freedom goes to the posture that it began in, or that was
     /// [asked for](super::ArmBuilder::with_posture), at half its speed while the target moves; where it rests the
-    /// arm goes on to there. So it comes back to where it was, if no limit held it.
+    /// arm goes on to there. So it comes back to where it was, if no limit of a joint or of its speed held it: the place
+    /// where a stretched arm's two sides meet may move faster than a slow joint can.
     ///
     /// # Errors
     /// A start of the wrong length or not finite; a time step that is no positive number.
