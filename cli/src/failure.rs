@@ -21,6 +21,8 @@ pub(crate) enum Failure {
     Usage(String),
     /// What --fail-on-miss says to scripts, in one line.
     Missed(String),
+    /// What check says to scripts, in one line.
+    Touching(String),
     /// Whoever reads the output has gone: nobody is left to read.
     ReaderGone,
 }

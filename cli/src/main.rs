@@ -14,6 +14,7 @@ mod base_joint;
 mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
+mod check;
 mod closed_by_fk;
 mod collision_options;
 mod configuration;
@@ -59,7 +60,8 @@ standard error.
 
 Exit codes, of every subcommand:
   0  done; a target that is missed is an answer
-  1  failed: a file, or a name or number that the model does not have; one line says which
+  1  failed: a file, or a name or number that the model does not have; one line says which; of check
+     also that something is too near
   2  wrong usage: options that there are not, that are badly written or do not go together
   3  done, but a target was missed, where solve was told to --fail-on-miss
 
@@ -70,6 +72,7 @@ Examples:
   kinopt fk arm.json --time 1.5 --frame bone/6
   kinopt fk walk.bvh --time 1.5 --frame Head/tip
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
+  kinopt check robot.urdf --q-file solved.json --world kitchen.json --margin 0.01
   kinopt animate arm.json --fps 24 --out frames
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
   kinopt spheres robot.urdf --overhang 0.02 --out spheres.yml
@@ -102,6 +105,7 @@ enum Subcommands {
     Animate(animate::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
+    Check(check::Arguments),
     Spheres(spheres::Arguments),
     SkinReport(skin_report::Arguments),
     Bench(bench::Arguments),
@@ -124,6 +128,7 @@ fn main() -> ExitCode {
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
         Subcommands::Spheres(arguments) => spheres::run(arguments, json),
+        Subcommands::Check(arguments) => check::run(arguments, json),
         Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),
         Subcommands::Bench(arguments) => bench::run(arguments, json),
     };
@@ -136,6 +141,10 @@ fn main() -> ExitCode {
         Err(Failure::Missed(reason)) => {
             output::message(&reason);
             ExitCode::from(3)
+        }
+        Err(Failure::Touching(reason)) => {
+            output::message(&reason);
+            ExitCode::from(1)
         }
         Err(Failure::Reason(reason)) => {
             output::message(&format!("error: {reason}"));

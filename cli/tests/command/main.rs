@@ -8,6 +8,7 @@ mod animated_meshes;
 mod balance;
 mod ball_figures;
 mod base_joints;
+mod check;
 mod exit_codes_and_errors;
 mod figures_settle;
 mod held_joints;

@@ -1,0 +1,170 @@
+//! `kinopt check`: whether a robot touches a world or itself.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use kinopt::collision::{Checker, Collision, World};
+use serde::Serialize;
+
+use crate::collision_options::CollisionOptions;
+use crate::failure::{Failure, Outcome};
+use crate::loaded_model::LoadedModel;
+use crate::model_options::ModelOptions;
+use crate::number_list::{self, Numbers};
+use crate::output;
+use crate::table::Table;
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt check robot.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8 --world kitchen.json
+                                                  what touches the table, and how deep
+  kinopt check robot.urdf --q-file solved.json --world scene.yaml --margin 0.02 --json
+                                                  what is nearer than 2 cm, in a scene of MoveIt's
+  kinopt check robot.urdf --srdf robot.srdf       the rest pose, the robot against itself alone";
+
+/// Whether a robot touches the obstacles of a world, or itself.
+///
+/// By the exact distances of its collision shapes. Told are all pairs that are nearer to each other than --margin,
+/// the deepest first; and where there are none, the nearest. Which links are kept apart: all but those joined to each
+/// other, those that --srdf disables, and those that never or nearly always touch in random configurations. Ends with
+/// code 1 where something is too near.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The robot's .urdf or MJCF .xml file.
+    #[arg(value_name = "ROBOT")]
+    robot: PathBuf,
+
+    /// The configuration, in radians (or --degrees) and metres, as of `kinopt fk`. Default: the rest pose.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
+          value_parser = Numbers::parse)]
+    q: Option<Numbers>,
+
+    /// A JSON file with the configuration, as of `kinopt fk`. Default: none.
+    #[arg(long, value_name = "FILE", group = "configuration")]
+    q_file: Option<PathBuf>,
+
+    /// The angles of --q are in degrees. Default: radians.
+    #[arg(long, requires = "q", conflicts_with = "q_file")]
+    degrees: bool,
+
+    /// The obstacles: our .json, or a planning scene of MoveIt's as .yaml. Default: none, so that the robot is checked
+    /// against itself.
+    #[arg(long, value_name = "FILE")]
+    world: Option<PathBuf>,
+
+    /// How far all is to be apart at least, in metres. Default: 0.
+    #[arg(long, value_name = "METRES", default_value = "0", hide_default_value = true,
+          value_parser = number_list::not_negative)]
+    margin: f64,
+
+    #[command(flatten)]
+    collisions: CollisionOptions,
+
+    #[command(flatten)]
+    model_options: ModelOptions,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    q: &'a [f64],
+    free: bool,
+    margin: f64,
+    collisions: Vec<Pair<'a>>,
+    /// Of all pairs; none where nothing is checked.
+    nearest: Option<Pair<'a>>,
+}
+
+#[derive(Serialize)]
+struct Pair<'a> {
+    first: &'a str,
+    second: &'a str,
+    distance: f64,
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let loaded = LoadedModel::read(&arguments.robot, &arguments.model_options)?;
+    let Some(robot) = &loaded.robot else {
+        return Err(usage!("{}: check is for robots", loaded.file));
+    };
+    let mut q = match (&arguments.q, &arguments.q_file) {
+        (Some(Numbers(numbers)), _) => {
+            loaded.typed_configuration(numbers, arguments.degrees, "--q")?
+        }
+        (_, Some(path)) => loaded.configuration_file(path)?,
+        _ => loaded.rest(),
+    };
+    loaded.close_loops(&mut q)?;
+    let world = match &arguments.world {
+        Some(path) => World::read(path)?,
+        None => World::new(),
+    };
+    for obstacle in world.obstacles() {
+        for note in obstacle.shape.notes() {
+            output::message(&format!("note: obstacle {}: {note}", obstacle.name));
+        }
+    }
+    let model = arguments.collisions.model(robot)?;
+    let checker = Checker::new(model)
+        .with_world(&world)?
+        .with_margin(arguments.margin)?;
+    let collisions = checker.collisions(&q)?;
+    let nearest = match collisions.first() {
+        Some(deepest) => Some(deepest.clone()),
+        None => checker.nearest(&mut checker.workspace(), &q, f64::INFINITY)?,
+    };
+    let document = || Document {
+        q: &q,
+        free: collisions.is_empty(),
+        margin: arguments.margin,
+        collisions: collisions.iter().map(Pair::of).collect(),
+        nearest: nearest.as_ref().map(Pair::of),
+    };
+    output::result(json, document, || text(&collisions, nearest.as_ref()))?;
+    match collisions.len() {
+        0 => Ok(()),
+        count => Err(Failure::Touching(format!(
+            "{count} {} nearer than {} m",
+            if count == 1 { "pair is" } else { "pairs are" },
+            arguments.margin
+        ))),
+    }
+}
+
+impl<'a> Pair<'a> {
+    fn of(collision: &'a Collision) -> Self {
+        Self {
+            first: &collision.first,
+            second: &collision.second,
+            distance: collision.distance,
+        }
+    }
+}
+
+fn text(collisions: &[Collision], nearest: Option<&Collision>) -> String {
+    let millimetres = |metres: f64| format!("{:.3} mm", 1e3 * metres);
+    match (collisions, nearest) {
+        ([], None) => "free: there is nothing to touch\n".to_owned(),
+        ([], Some(nearest)) => format!(
+            "free: {} and {} are nearest, {} apart\n",
+            nearest.first,
+            nearest.second,
+            millimetres(nearest.distance)
+        ),
+        _ => {
+            let mut table = Table::new("first | second | >depth | >distance");
+            for pair in collisions {
+                let depth = match pair.depth() > 0.0 {
+                    true => millimetres(pair.depth()),
+                    false => String::new(),
+                };
+                let apart = match pair.distance >= 0.0 {
+                    true => millimetres(pair.distance),
+                    false => String::new(),
+                };
+                table.row([pair.first.clone(), pair.second.clone(), depth, apart]);
+            }
+            table.text()
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Promise: `check` tells what touches a world or the robot itself and how deep, or what is nearest, and ends with
+//! code 1 where something is too near.
+
+use crate::forked_rig::*;
+use serde_json::json;
+
+/// A bar of 1 m along x that turns about z, on a pole beside which it hangs free.
+const BAR: &str = r#"<robot name="bar">
+  <link name="pole"/>
+  <link name="bar"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry></collision></link>
+  <joint name="turn" type="revolute"><parent link="pole"/><child link="bar"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"#;
+const WORLD: &str = r#"{"spheres": [{"name": "ball", "radius": 0.2, "position": [0.5, 0.5, 0]}],
+  "boxes": [{"name": "wall", "size": [0.1, 4, 4], "position": [2, 0, 0]}]}"#;
+const SCENE: &str = "world:
+  collision_objects:
+    - id: can
+      primitive_poses: [{position: [0, 0.9, 0], orientation: [0, 0, 0, 1]}]
+      primitives: [{type: cylinder, dimensions: [0.4, 0.1]}]
+";
+
+#[test]
+fn what_touches_is_told_with_its_depth() {
+    let folder = Folder::new("check");
+    let (robot, world) = (
+        folder.text("bar.urdf", BAR),
+        folder.text("world.json", WORLD),
+    );
+    // Along x the ball's lowest point is 0.3 above the bar's side 0.05.
+    let free = answer!("check {robot} --q 0 --world {world}");
+    has(
+        &free,
+        json!({"free": true, "q": [0.0], "margin": 0.0, "collisions": []}),
+    );
+    has(&free["nearest"], json!({"first": "bar", "second": "ball"}));
+    let apart = free["nearest"]["distance"].as_f64().unwrap();
+    assert!((apart - 0.25).abs() < 1e-12, "{apart}");
+    let told = text!("check {robot} --q 0 --world {world}");
+    assert_eq!(told, "free: bar and ball are nearest, 250.000 mm apart\n");
+
+    // At 45 degrees the ball's middle is on the bar's axis, half a sphere and the bar's half width deep.
+    let run = kinopt!("check {robot} --q 45 --degrees --world {world} --json");
+    assert_eq!(run.status.code(), Some(1));
+    let told: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let [pair] = list(&told["collisions"]) else {
+        panic!("{told}")
+    };
+    has(pair, json!({"first": "bar", "second": "ball"}));
+    let depth = -pair["distance"].as_f64().unwrap();
+    assert!((depth - 0.25).abs() < 1e-12, "{depth}");
+    assert_eq!(told["free"], false);
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(told.contains("1 pair is nearer than 0 m"), "{told}");
+}
+
+#[test]
+fn a_margin_counts_what_is_near() {
+    let folder = Folder::new("check-margin");
+    let (robot, world) = (
+        folder.text("bar.urdf", BAR),
+        folder.text("world.json", WORLD),
+    );
+    let run = kinopt!("check {robot} --q 0 --world {world} --margin 0.3");
+    assert_eq!(run.status.code(), Some(1));
+    let told = String::from_utf8(run.stdout).unwrap();
+    assert!(
+        told.contains("ball") && told.contains("250.000 mm") && !told.contains("wall"),
+        "{told}"
+    );
+    refused!("check {robot} --q 0 --margin=-1" => 2, "margin");
+}
+
+#[test]
+fn scenes_of_moveit_are_worlds_too_and_a_robot_alone_is_free() {
+    let folder = Folder::new("check-scene");
+    let (robot, scene) = (
+        folder.text("bar.urdf", BAR),
+        folder.text("scene.yaml", SCENE),
+    );
+    let run = kinopt!("check {robot} --q 90 --degrees --world {scene} --json");
+    assert_eq!(run.status.code(), Some(1));
+    let told: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(told["collisions"][0]["second"], "can");
+    let told = text!("check {robot}");
+    assert_eq!(told, "free: there is nothing to touch\n");
+}
+
+#[test]
+fn what_is_wrong_with_a_world_is_one_line() {
+    let folder = Folder::new("check-wrong");
+    let robot = folder.text("bar.urdf", BAR);
+    let twice = folder.text("twice.json", WORLD.replace("wall", "ball"));
+    refused!("check {robot} --world {twice}" => 1, "already");
+    let attached = WORLD.replace("\"radius\"", "\"attached\": \"hand\", \"radius\"");
+    let attached = folder.text("attached.json", attached);
+    refused!("check {robot} --world {attached}" => 1, "hand");
+    refused!("check {robot} --world {robot}" => 1, ".json");
+}
