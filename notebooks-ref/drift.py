@@ -17,6 +17,7 @@ EXACT = {
     "urdf_fk.json": 1e-13, "urdf_jacobians.json": 1e-13, "rig_kinematics.json": 1e-12,
     "interpolation.json": 1e-12,
     "skinning.json": 2e-9,  # written to nine decimals
+    "distances.json": 1e-10,
 }
 BEST_WITHIN, BEST_MISSES, ANSWER_MISSES = 1e-7, 0.02, 0.10
 STATEMENT = ("name", "kind", "model", "tasks", "start")

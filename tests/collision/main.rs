@@ -4,6 +4,7 @@
 mod arms_keep_clear;
 mod certificates;
 mod checkers;
+mod coal;
 mod collision_models;
 mod hostile;
 mod identities;
