@@ -98,6 +98,33 @@ impl Evaluation<'_> {
         }
     }
 
+    /// Writes how one task's weighted rows at x change with each number of its target, number by number.
+    pub(crate) fn rows_by_target(
+        &mut self,
+        x: &[f64],
+        index: usize,
+        memory: &mut ParameterScratch,
+        columns: &mut Vec<f64>,
+    ) {
+        self.forward(x);
+        columns.clear();
+        let Some(task) = self.question.problem.tasks.get(index) else {
+            return;
+        };
+        Self::gather(self.scratch, task);
+        let residual = self.question.residual(index);
+        memory.read(self.scratch.placed(), task.rows.len());
+        let len = residual.target_len();
+        for first in (0..len).step_by(CHUNK) {
+            let count = CHUNK.min(len - first);
+            memory.move_target(residual, len, first, count);
+            for k in 0..count {
+                let rows = memory.dual.residual.iter().zip(&task.weights);
+                columns.extend(rows.map(|(row, weight)| weight * row.derivatives()[k]));
+            }
+        }
+    }
+
     /// Writes the rates of the whole problem's weighted rows at x for rates of its parameters.
     pub(crate) fn rows_by_parameters(
         &mut self,

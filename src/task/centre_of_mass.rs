@@ -203,6 +203,10 @@ impl Residual for CentreOfMass {
         true
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         match self.counts {
             [false, false, false] => Err("all its axes are free".to_owned()),

@@ -41,6 +41,8 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
 
     fn joint_values(&self) -> Option<usize>;
 
+    fn has_edges(&self) -> bool;
+
     fn validate(&self) -> Result<(), String>;
 
     fn as_any(&self) -> &dyn Any;
@@ -109,6 +111,10 @@ impl<R: Residual> ErasedResidual for R {
 
     fn joint_values(&self) -> Option<usize> {
         Residual::joint_values(self)
+    }
+
+    fn has_edges(&self) -> bool {
+        Residual::has_edges(self)
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -120,6 +120,10 @@ impl Residual for Orientation {
         true
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         own_base(self.frame, self.base)?;
         check_rotation("its target is", &self.target)

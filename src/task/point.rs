@@ -104,6 +104,10 @@ impl Residual for Point {
         true
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         own_base(self.frame, self.base)?;
         not_finite("its target", self.target.to_array())?;

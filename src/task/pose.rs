@@ -259,6 +259,11 @@ impl Residual for Pose {
         true
     }
 
+    fn has_edges(&self) -> bool {
+        self.goal
+            .is_some_and(|goal| goal.bands().iter().any(|band| *band != 0.0))
+    }
+
     fn validate(&self) -> Result<(), String> {
         own_base(self.frame, self.base)?;
         not_finite("its target", self.target.translation.to_array())?;

@@ -256,6 +256,10 @@ impl Residual for Posture {
         self.differentiate_values(joints, 1.0, jacobian)
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         not_finite("its reference", self.reference.iter().copied())?;
         let (weights, joints) = (self.weights.len(), self.joints.len());

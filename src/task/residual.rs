@@ -117,6 +117,12 @@ pub trait Residual: Clone + Send + Sync + 'static {
         self.evaluate(frames, joints, residual);
     }
 
+    /// Whether rows of it may vanish within some room, as those of an interval do, so that they have an edge. Saying no
+    /// saves the derivative of a solution a look for it.
+    fn has_edges(&self) -> bool {
+        true
+    }
+
     /// Looks at the residual's own numbers when a problem is built.
     ///
     /// # Errors

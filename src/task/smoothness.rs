@@ -96,6 +96,10 @@ impl Residual for Smoothness {
             .differentiate_values(joints, 1.0 / self.time_step_s, jacobian)
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         self.previous.validate()?;
         let usable = self.time_step_s > 0.0 && self.time_step_s.is_finite();

@@ -1,6 +1,6 @@
 //! How a solution changes with what is asked.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use kinopt::ik::{DerivativeWorkspace, Existence, SolutionDerivative as Derivative};
 use kinopt::problem::{ParameterVector, Targets};
@@ -35,20 +35,29 @@ pub(crate) struct SolutionDerivative {
     given: Option<Py<PyAny>>,
     targets: Targets,
     existence: Existence,
+    /// The factored system, for all products.
+    memory: Mutex<DerivativeWorkspace>,
 }
 
 impl SolutionDerivative {
-    /// Does something with the derivative, factored anew.
+    /// Does something with the derivative, which is factored the first time.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
         what: impl FnOnce(&mut Derivative<'_>) -> PyResult<T> + Send,
     ) -> PyResult<T> {
-        let problem = &self.stated;
-        let question = problem.question(&self.targets)?;
+        let question = self.stated.question(&self.targets)?;
         py.detach(|| {
-            let mut memory = DerivativeWorkspace::default();
-            let derivative = Derivative::new(question, &self.q, &mut memory).or_raise()?;
+            // What a residual of the caller's has interrupted is begun anew.
+            let mut memory = self.memory.lock().unwrap_or_else(|poisoned| {
+                let mut memory = poisoned.into_inner();
+                *memory = DerivativeWorkspace::default();
+                memory
+            });
+            let derivative = match Derivative::resume(question, &mut memory) {
+                Some(derivative) => derivative,
+                None => Derivative::new(question, &self.q, &mut memory).or_raise()?,
+            };
             let mut derivative = derivative.with_joint_origins(&self.model).or_raise()?;
             let value = what(&mut derivative);
             raised().and(value)
@@ -95,6 +104,7 @@ impl SolutionDerivative {
             given,
             targets: own.targets_with(moves.iter().map(|(_, aim)| aim))?,
             existence: Existence::Unique,
+            memory: Mutex::default(),
         };
         derivative.existence = derivative.with(py, |own| Ok(own.existence().clone()))?;
         Ok(derivative)

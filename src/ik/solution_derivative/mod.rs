@@ -67,11 +67,13 @@ pub struct SolutionDerivative<'a> {
     existence: Existence,
 }
 
-/// The memory of [`SolutionDerivative`]: used again, a derivative of the same problem allocates little.
+/// The memory of [`SolutionDerivative`]: used again, a derivative of the same problem allocates little. It keeps the
+/// factored system of the last one, which [`resume`](SolutionDerivative::resume) takes up.
 #[derive(Clone, Debug, Default)]
 pub struct DerivativeWorkspace {
     scratch: Option<Scratch>,
     parts: Parts,
+    existence: Option<Existence>,
 }
 
 /// All but the memory to evaluate.
@@ -88,6 +90,8 @@ struct Parts {
     image: Vec<f64>,
     /// By row of all tasks.
     rows: Vec<f64>,
+    /// A task's rows by its target's numbers.
+    columns: Vec<f64>,
     gradient: ParameterVector,
 }
 
@@ -108,7 +112,11 @@ impl<'a> SolutionDerivative<'a> {
     ) -> Result<Self, SolveError> {
         let question = question.into();
         check_start(question.problem(), q)?;
-        let DerivativeWorkspace { scratch, parts } = &mut *memory;
+        let DerivativeWorkspace {
+            scratch,
+            parts,
+            existence: kept,
+        } = &mut *memory;
         let fits = |scratch: &&mut Scratch| scratch.fits(question.problem());
         if scratch.as_mut().filter(fits).is_none() {
             *scratch = Some(question.scratch());
@@ -121,7 +129,25 @@ impl<'a> SolutionDerivative<'a> {
             }
             None => Existence::DoesNotExist(NoDerivative::NotFinite),
         };
+        *kept = Some(existence.clone());
         Ok(Self {
+            question,
+            model: None,
+            memory,
+            existence,
+        })
+    }
+
+    /// Goes on with the derivative that `memory` has factored last, for more products with it. `question` must be the one
+    /// that it was made of, with the same targets. None where the memory holds none, or one of another problem.
+    pub fn resume(
+        question: impl Into<Question<'a>>,
+        memory: &'a mut DerivativeWorkspace,
+    ) -> Option<Self> {
+        let question = question.into();
+        let fits = |scratch: &Scratch| scratch.fits(question.problem());
+        let existence = memory.existence.clone()?;
+        memory.scratch.as_ref().is_some_and(fits).then_some(Self {
             question,
             model: None,
             memory,

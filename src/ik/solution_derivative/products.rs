@@ -58,9 +58,16 @@ impl SolutionDerivative<'_> {
                 tasks: problem.tasks(),
             });
         }
-        let mut rates = self.parameters();
-        let columns = rates.target(task).len();
+        let columns = self.question.residual(task).target_len();
         let mut matrix = DMatrix::zeros(self.degrees_of_freedom(), columns);
+        let question = self.question;
+        if let Some((scratch, parts)) = self.memory.split()
+            && !parts.slope_bends()
+        {
+            parts.follow_target(question, scratch, task, &mut matrix);
+            return Ok(matrix);
+        }
+        let mut rates = ParameterVector::new(problem);
         for k in 0..columns {
             rates.clear();
             rates.target_mut(task)[k] = 1.0;
@@ -102,6 +109,60 @@ impl Parts {
     ) {
         let Self {
             place,
+            parameters,
+            rows,
+            ..
+        } = self;
+        rows.clear();
+        rows.resize(place.r.len(), 0.0);
+        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+        evaluation.rows_by_parameters(&place.x, rates, model, parameters, rows);
+        self.follow(question, scratch, Some((model, rates)), v);
+    }
+
+    /// Whether parameters change the slope of what pulls by more than its rows.
+    fn slope_bends(&self) -> bool {
+        self.system.bends() && !self.place.roles.pulled.is_empty()
+    }
+
+    /// Writes the velocities for each number of a task's target, where the slope does not bend.
+    fn follow_target(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        task: usize,
+        matrix: &mut DMatrix<f64>,
+    ) {
+        let Some(own) = question.problem().compiled_tasks().get(task) else {
+            return;
+        };
+        let mut columns = std::mem::take(&mut self.columns);
+        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+        let place = &self.place;
+        evaluation.rows_by_target(&place.x, task, &mut self.parameters, &mut columns);
+        let count = own.rows.len().max(1);
+        for (k, column) in columns.chunks_exact(count).enumerate() {
+            self.rows.clear();
+            self.rows.resize(self.place.r.len(), 0.0);
+            self.rows[own.rows.clone()].copy_from_slice(column);
+            let mut v = matrix.column_mut(k);
+            self.follow(question, scratch, None, v.as_mut_slice());
+        }
+        self.columns = columns;
+    }
+
+    /// Writes the velocity for the rates of the rows that are here. Where the slope bends it changes with the
+    /// parameters themselves too.
+    fn follow(
+        &mut self,
+        question: Question<'_>,
+        scratch: &mut Scratch,
+        rates: Option<(Option<&Model>, &ParameterVector)>,
+        v: &mut [f64],
+    ) {
+        let bends = self.slope_bends();
+        let Self {
+            place,
             system,
             parameters,
             slope,
@@ -110,14 +171,10 @@ impl Parts {
             ..
         } = self;
         let (m, free) = (place.r.len(), place.directions.len());
-        rows.clear();
-        rows.resize(m, 0.0);
-        let mut evaluation = Evaluation::of(Share::All, question, scratch);
-        evaluation.rows_by_parameters(&place.x, rates, model, parameters, rows);
         system.restore(place, rows, step);
-        slope.clear();
-        slope.resize(free, 0.0);
         if !place.roles.pulled.is_empty() {
+            slope.clear();
+            slope.resize(free, 0.0);
             for (k, slope) in slope.iter_mut().enumerate() {
                 let column = &place.along[k * m..(k + 1) * m];
                 let pulled = place.roles.pulled.iter();
@@ -126,7 +183,7 @@ impl Parts {
             if step.iter().any(|step| *step != 0.0) {
                 system.add_hessian(question, scratch, place, (step, slope));
             }
-            if system.bends() {
+            if let Some((model, rates)) = rates.filter(|_| bends) {
                 for k in 0..system.nullity() {
                     let direction = system.null_direction(k).to_vec();
                     let shift = place.shift(question, &direction);

@@ -130,8 +130,11 @@ impl Parts {
             image,
             ..
         } = self;
+        let tasks = question.problem().compiled_tasks().iter().enumerate();
+        let mut edged = tasks.filter(|(index, _)| question.residual(*index).has_edges());
         let none = |row: &usize| place.r[*row] == 0.0;
-        if place.roles.held.iter().all(none) {
+        let held = &place.roles.held;
+        if !edged.any(|(_, task)| held.iter().any(|row| task.rows.contains(row) && !none(row))) {
             return None;
         }
         // Twice as far as where they would be zero.

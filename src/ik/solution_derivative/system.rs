@@ -26,7 +26,7 @@ const STRAIGHT: f64 = 1e-9;
 /// The factored system.
 #[derive(Clone, Debug, Default)]
 pub(super) struct System {
-    /// C, row by row.
+    /// C, row by row; where nothing pulls column by column.
     held: Vec<f64>,
     held_space: RowSpace,
     /// Rows of the pulled Jacobian, with a row for each edge that is pushed against, row by row.
@@ -49,13 +49,31 @@ impl System {
     /// Takes the held rows along the free directions.
     pub(super) fn take_held(&mut self, place: &Place) {
         self.free = place.directions.len();
+        let (held, rows) = (&place.roles.held, place.jacobian.nrows());
         self.held.clear();
-        for &row in &place.roles.held {
+        for column in place.along.chunks_exact(rows.max(1)) {
+            self.held.extend(held.iter().map(|&row| column[row]));
+        }
+        let count = held.len();
+        self.multipliers.clear();
+        self.multipliers.resize(count, 0.0);
+        for column in self.held.chunks_exact(count.max(1)) {
+            for (squared, entry) in self.multipliers.iter_mut().zip(column) {
+                *squared += entry * entry;
+            }
+        }
+        let longest = self
+            .multipliers
+            .iter()
+            .fold(0.0_f64, |most, own| most.max(*own));
+        let least = NO_RANK * longest.sqrt();
+        if place.roles.pulled.is_empty() && count > 0 {
+            return self.held_space.factorise_columns(&self.held, count, least);
+        }
+        self.held.clear();
+        for &row in held {
             self.held.extend(place.row(row));
         }
-        let rows = self.held.chunks_exact(self.free.max(1));
-        let longest = rows.fold(0.0_f64, |most, row| most.max(inner(row, row)));
-        let least = NO_RANK * longest.sqrt();
         self.held_space.factorise(&self.held, self.free, least);
     }
 

@@ -1,10 +1,13 @@
 //! The rows of a matrix of any rank: what they span, what they leave alone, and their pseudoinverse.
 
+use super::cholesky;
 use super::dense::{add_scaled, dot};
 use super::householder::HouseholderQr;
 
 /// Aᵀ P = Q [R; 0] with pivoting, so that the first columns of Q span A's rows and the others its null space
-/// (Golub & Van Loan 2013, section 5.4.7). Where rows depend on each other Rᵀ = Z U is taken too.
+/// (Golub & Van Loan 2013, section 5.4.7). Where rows depend on each other Rᵀ = Z U is taken too. Where they clearly do
+/// not and nobody asks for the null space, A Aᵀ = L Lᵀ does, at a quarter of the cost, with a step of refinement for
+/// the digits that it loses (Björck 1996, "Numerical Methods for Least Squares Problems", section 6.6.5).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowSpace {
     columns: usize,
@@ -17,7 +20,19 @@ pub(crate) struct RowSpace {
     left: Vec<f64>,
     r_transposed: Vec<f64>,
     side: Vec<f64>,
+    /// Whether A by its columns and L are all that there is.
+    is_gram: bool,
+    refinements: usize,
+    matrix: Vec<f64>,
+    gram: Vec<f64>,
+    pivot_column: Vec<f64>,
+    rest: Vec<f64>,
 }
+
+/// The squared length that is left of a row, as a share of the longest one's, for rows that are clearly independent.
+const CLEARLY: f64 = 1e-6;
+/// The same where no digit that matters is lost.
+const WELL: f64 = 1e-3;
 
 /// What is left of a squared length after so much of it was taken away is rounding, and is taken anew.
 const CANCELLED: f64 = 1e-6;
@@ -32,6 +47,7 @@ impl RowSpace {
     /// Takes a matrix by its rows, one after the other, each of `columns` numbers. Rows of which a length of at
     /// most `least` is left add no rank.
     pub(crate) fn factorise(&mut self, entries: &[f64], columns: usize, least: f64) {
+        self.is_gram = false;
         self.columns = columns;
         self.rows = entries.len().checked_div(columns).unwrap_or(0);
         self.q_r.load(columns, entries.iter());
@@ -77,9 +93,65 @@ impl RowSpace {
         }
     }
 
+    /// As [`factorise`](Self::factorise), where [`null_direction`](Self::null_direction) is not asked for, of a matrix of
+    /// so many rows by its columns, many entries of which may be zero.
+    pub(crate) fn factorise_columns(&mut self, entries: &[f64], rows: usize, least: f64) {
+        self.rows = rows;
+        self.columns = entries.len().checked_div(rows).unwrap_or(0);
+        self.is_gram = rows <= self.columns && rows > 0 && self.take_gram(entries);
+        if !self.is_gram {
+            let mut transposed = std::mem::take(&mut self.matrix);
+            transposed.clear();
+            for row in 0..rows {
+                transposed.extend(entries.iter().skip(row).step_by(rows));
+            }
+            self.factorise(&transposed, self.columns, least);
+            self.matrix = transposed;
+        }
+    }
+
+    /// A Aᵀ = L Lᵀ; whether the rows are clearly independent.
+    fn take_gram(&mut self, entries: &[f64]) -> bool {
+        let count = self.rows;
+        self.gram.clear();
+        self.gram.resize(count * count, 0.0);
+        for column in entries.chunks_exact(count) {
+            for (k, &entry) in column
+                .iter()
+                .enumerate()
+                .filter(|(_, entry)| **entry != 0.0)
+            {
+                add_scaled(
+                    &mut self.gram[k * count..=k * count + k],
+                    entry,
+                    &column[..=k],
+                );
+            }
+        }
+        let longest = (0..count).fold(0.0_f64, |most, k| most.max(self.gram[k * count + k]));
+        cholesky::factorise(&mut self.gram, count, &mut self.pivot_column);
+        // The diagonal is kept inverted, or zero where nothing is left.
+        let pivots = (0..count).map(|k| self.gram[k * count + k]);
+        let squared = pivots.map(|inverse| match inverse > 0.0 {
+            true => 1.0 / (inverse * inverse * longest),
+            false => 0.0,
+        });
+        let least = squared.fold(f64::INFINITY, f64::min);
+        if !(longest.is_finite() && least > CLEARLY) {
+            return false;
+        }
+        self.refinements = if least > WELL { 0 } else { 1 };
+        self.matrix.clear();
+        self.matrix.extend_from_slice(entries);
+        true
+    }
+
     /// How many rows are independent.
     pub(crate) fn rank(&self) -> usize {
-        self.q_r.reduced()
+        match self.is_gram {
+            true => self.rows,
+            false => self.q_r.reduced(),
+        }
     }
 
     /// How many directions the rows leave alone.
@@ -112,6 +184,9 @@ impl RowSpace {
 
     /// Writes the shortest y for which ‖A y − b‖ is least.
     pub(crate) fn solve(&mut self, b: &[f64], y: &mut [f64]) {
+        if self.is_gram {
+            return self.solve_gram(b, y);
+        }
         let rank = self.rank();
         self.side.clear();
         self.side.extend(self.pivots.iter().map(|&row| b[row]));
@@ -135,6 +210,9 @@ impl RowSpace {
 
     /// Writes the shortest λ for which ‖Aᵀ λ − g‖ is least.
     pub(crate) fn solve_transposed(&mut self, g: &[f64], lambda: &mut [f64]) {
+        if self.is_gram {
+            return self.solve_gram_transposed(g, lambda);
+        }
         let rank = self.rank();
         self.side.clear();
         self.side.extend_from_slice(g);
@@ -159,6 +237,46 @@ impl RowSpace {
             lambda[row] = value;
         }
         self.left = pivoted;
+    }
+
+    /// y = Aᵀ (A Aᵀ)⁻¹ b, and again for what that leaves of b.
+    fn solve_gram(&mut self, b: &[f64], y: &mut [f64]) {
+        let columns = self.matrix.chunks_exact(self.rows.max(1));
+        y.fill(0.0);
+        for round in 0..=self.refinements {
+            self.rest.clear();
+            self.rest.extend_from_slice(b);
+            if round > 0 {
+                for (column, &y) in columns.clone().zip(&*y) {
+                    add_scaled(&mut self.rest, -y, column);
+                }
+            }
+            cholesky::substitute(&self.gram, self.rows, &mut self.rest);
+            for (column, y) in columns.clone().zip(&mut *y) {
+                *y += dot(column, &self.rest);
+            }
+        }
+    }
+
+    /// λ = (A Aᵀ)⁻¹ A g, and again for what that leaves of g.
+    fn solve_gram_transposed(&mut self, g: &[f64], lambda: &mut [f64]) {
+        let columns = self.matrix.chunks_exact(self.rows.max(1));
+        lambda.fill(0.0);
+        for round in 0..=self.refinements {
+            self.rest.clear();
+            self.rest.resize(self.rows, 0.0);
+            for (column, g) in columns.clone().zip(g) {
+                let left = match round {
+                    0 => *g,
+                    _ => g - dot(column, lambda),
+                };
+                if left != 0.0 {
+                    add_scaled(&mut self.rest, left, column);
+                }
+            }
+            cholesky::substitute(&self.gram, self.rows, &mut self.rest);
+            add_scaled(lambda, 1.0, &self.rest);
+        }
     }
 }
 
@@ -198,13 +316,21 @@ mod tests {
         }
     }
 
-    /// (A⁺ b)·g = b·(A⁺ᵀ g), and A A⁺ A = A, for both ranks.
+    /// (A⁺ b)·g = b·(A⁺ᵀ g), and A A⁺ A = A, for both ranks, with the null space and without.
     #[test]
     fn the_pseudoinverse_is_one_and_its_transpose_its_own() {
-        for rows in [2, 3] {
+        for (rows, bare) in [(2, false), (3, false), (2, true), (3, true)] {
             let matrix = &DEPENDENT[..rows * 4];
             let mut space = RowSpace::default();
-            space.factorise(matrix, 4, 1e-12);
+            match bare {
+                true => {
+                    let columns = |k: usize| matrix.iter().skip(k).step_by(4).copied();
+                    let entries: Vec<f64> = (0..4).flat_map(columns).collect();
+                    space.factorise_columns(&entries, rows, 1e-12);
+                }
+                false => space.factorise(matrix, 4, 1e-12),
+            }
+            assert_eq!((space.rank(), space.is_gram), (2, bare && rows == 2));
             let (b, g) = ([0.3, -1.0, 0.7], [0.2, 0.5, -0.4, 1.0]);
             let (mut y, mut lambda) = ([0.0; 4], [0.0; 3]);
             space.solve(&b[..rows], &mut y);
