@@ -25,7 +25,7 @@ const FEW: u64 = 5;
 const MANY: u64 = 25;
 
 /// The stages that are counted; the others only repeat what these show.
-const COUNTED: [&str; 29] = [
+const COUNTED: [&str; 34] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
     "Jacobian, analytic, 22 bones",
@@ -38,10 +38,15 @@ const COUNTED: [&str; 29] = [
     "solve near, arm of six joints",
     "derivative backward, arm of six joints",
     "derivative of an arm by its target, six joints",
+    "solve from rest, arm of six joints",
+    "solve from anywhere, arm of six joints",
     "solve near, humanoid, four poses",
+    "solve from rest, humanoid, four poses",
+    "solve from anywhere, humanoid, four poses",
     "derivative backward, humanoid, four poses",
     "solve near, humanoid with a posture",
     "derivative backward, humanoid with a posture",
+    "two levels, the second out of reach, 22 bones, a frame",
     "two bones, bare",
     "two bones, turn-lift-bend arm, whole solve",
     "CCD sweep, 22 bones, 5 tips",

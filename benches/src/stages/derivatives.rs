@@ -23,6 +23,18 @@ pub(super) fn stages() -> Vec<Stage> {
             reverse(&arm("universal_ur5e")?)
         }),
         single("derivative of an arm by its target, six joints", by_target),
+        single("solve from rest, arm of six joints", || {
+            solve(&arm("universal_ur5e")?.from_rest())
+        }),
+        single("solve from anywhere, arm of six joints", || {
+            solve(&arm("universal_ur5e")?.from_anywhere())
+        }),
+        single("solve from rest, humanoid, four poses", || {
+            solve(&body(false)?.from_rest())
+        }),
+        single("solve from anywhere, humanoid, four poses", || {
+            solve(&body(false)?.from_anywhere())
+        }),
         single("solve near, humanoid, four poses", || solve(&body(false)?)),
         single("derivative backward, humanoid, four poses", || {
             reverse(&body(false)?)
@@ -39,6 +51,25 @@ pub(super) fn stages() -> Vec<Stage> {
 struct Asked {
     problem: Problem,
     start: Vec<f64>,
+    rest: Vec<f64>,
+    /// Some other configuration within the limits.
+    anywhere: Vec<f64>,
+}
+
+impl Asked {
+    fn from_rest(self) -> Self {
+        Self {
+            start: self.rest.clone(),
+            ..self
+        }
+    }
+
+    fn from_anywhere(self) -> Self {
+        Self {
+            start: self.anywhere.clone(),
+            ..self
+        }
+    }
 }
 
 fn model_of(name: &str) -> Result<Robot, Box<dyn Error>> {
@@ -75,9 +106,12 @@ fn asked(model: &Model, frames: &[FrameId], posture: bool) -> Result<Asked, Box<
     if posture {
         tasks.add(Posture::new(model, &neutral));
     }
+    let anywhere = beside(1.5)?;
     Ok(Asked {
         problem: tasks.build()?,
         start,
+        rest: neutral,
+        anywhere,
     })
 }
 
@@ -99,7 +133,7 @@ fn solve(asked: &Asked) -> Result<Run, Box<dyn Error>> {
     let (problem, start) = (asked.problem.clone(), asked.start.clone());
     let (solver, mut workspace) = (Solver::default(), Workspace::new());
     if !solver.solve(&problem, &start, &mut workspace)?.reached {
-        return Err("what was near is not reached".into());
+        return Err("what a configuration has is not reached".into());
     }
     Ok(Box::new(move || {
         let solution = solver.solve(&problem, &start, &mut workspace);

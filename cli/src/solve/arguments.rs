@@ -186,6 +186,15 @@ pub(crate) struct Arguments {
     #[arg(long, help_heading = OUTPUT)]
     pub(super) fail_on_miss: bool,
 
+    /// Tell how the answer moves with each target, its derivative by it. Default: off.
+    ///
+    /// A row for each joint, radians and metres; a column for each number of the target: along and about its own axes. JSON:
+    /// "derivative" with "existence", "velocity" (the rows) and "by_target" by frame. Look at "existence" first: only where it
+    /// is "unique" is the answer a smooth function of the target.
+    #[arg(long, conflicts_with_all = ["track", "batch", "servo", "max_move"], help_heading = OUTPUT,
+          hide_short_help = true)]
+    pub(super) derivative: bool,
+
     /// The position of targets alone counts, even where they have a quaternion. Default: off.
     #[arg(long, help_heading = TARGETS, hide_short_help = true)]
     pub(super) position_only: bool,

@@ -10,6 +10,7 @@ use kinopt::spatial::Placement;
 
 use super::arguments::Arguments;
 use super::backend::{QueryBackend, microseconds};
+use super::derivative::of_arm;
 use super::goals::Goals;
 use super::query::{Answer, LongStep, Path, Query, TaskName};
 use super::room::Room;
@@ -29,6 +30,8 @@ pub(super) struct ArmBackend<'a> {
     columns: JointColumns,
     tasks: [TaskName; 1],
     idle: Vec<usize>,
+    /// Whether it tells how its answers move with their targets.
+    derives: bool,
 }
 
 /// Memory of one thread.
@@ -84,6 +87,7 @@ impl<'a> ArmBackend<'a> {
                 held: false,
             }],
             idle: loaded.idle_coordinates(base.into_iter().chain([tip])),
+            derives: arguments.derivative,
         })
     }
 
@@ -107,7 +111,15 @@ impl<'a> ArmBackend<'a> {
 
     fn answer_of(&self, query: &Query, solution: Solution, micros: Option<f64>) -> Outcome<Answer> {
         let q = self.configuration(query, &solution.q)?;
-        Ok(Answer::new(q, solution, micros))
+        let mut answer = Answer::new(q, solution, micros);
+        if self.derives {
+            let derivative = self
+                .arm
+                .derivative(self.target(query), &answer.solution.q)?;
+            let [task] = &self.tasks;
+            answer.derivative = Some(of_arm(&derivative, &self.joint_names(), &task.frame));
+        }
+        Ok(answer)
     }
 
     /// A servo that stands at a query's start, with so many ticks a second.

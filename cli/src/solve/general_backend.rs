@@ -13,6 +13,7 @@ use super::arguments::Arguments;
 use super::backend::{QueryBackend, microseconds};
 use super::balance::Balance;
 use super::base::{Base, TargetTask};
+use super::derivative;
 use super::goals::Goals;
 use super::held::Held;
 use super::levels::{BALANCE, GOALS, HELD, Unless};
@@ -264,7 +265,14 @@ impl QueryBackend for GeneralBackend<'_> {
         });
         let way = way.as_ref().map(|way| way as &Aim<'_>);
         let from = (query.start.as_slice(), way);
-        self.finder.find(body, from, solver, observer)
+        let mut answer = self.finder.find(body, from, solver, observer)?;
+        if self.arguments.derivative {
+            statement.aim(self, query)?;
+            let (question, tasks) = (statement.body.question(), &self.tasks);
+            let derivative = derivative::of_problem(self.loaded, question, tasks, &answer.q)?;
+            answer.derivative = Some(derivative);
+        }
+        Ok(answer)
     }
 
     fn path(&self, queries: &[Query], answered: &dyn Fn()) -> Outcome<Path> {

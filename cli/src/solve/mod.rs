@@ -7,6 +7,7 @@ mod backend;
 mod balance;
 pub(crate) mod base;
 mod chain_arguments;
+mod derivative;
 mod general_backend;
 mod goals;
 mod held;

@@ -5,6 +5,7 @@ use kinopt::arm::Jump;
 use kinopt::spatial::Placement;
 use serde::Serialize;
 
+use super::derivative::TargetDerivatives;
 use crate::number_format::six_digits;
 
 /// A joint that moves further in a step is reported, in radians.
@@ -41,6 +42,8 @@ pub(super) struct Answer {
     pub(super) micros: Option<f64>,
     /// Of a figure that settled.
     pub(super) settled: Option<Settled>,
+    /// Where it was asked for.
+    pub(super) derivative: Option<TargetDerivatives>,
 }
 
 /// How a figure came to its pose.
@@ -94,6 +97,7 @@ impl Answer {
             solution,
             micros,
             settled: None,
+            derivative: None,
         }
     }
 }

@@ -3,6 +3,7 @@
 use kinopt::ik::{BoundKind, Side};
 use serde::Serialize;
 
+use super::derivative::TargetDerivatives;
 use super::query::{Answer, Settled, TaskName, Way};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
@@ -46,6 +47,9 @@ pub(super) struct Document<'a> {
     #[serde(flatten)]
     settled: Option<Settled>,
     evaluations: Evaluations,
+    /// How q moves with the targets, where --derivative asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    derivative: Option<&'a TargetDerivatives>,
     /// Time spent solving, in microseconds; not known for targets that are solved together.
     #[serde(skip_serializing_if = "Option::is_none")]
     micros: Option<f64>,
@@ -151,6 +155,7 @@ impl<'a> Report<'a> {
             agreeing_attempts: solution.agreeing,
             out_of_reach: solution.is_out_of_reach(),
             settled: self.answer.settled,
+            derivative: self.answer.derivative.as_ref(),
             evaluations: Evaluations {
                 residuals: solution.counts.residuals,
                 jacobians: solution.counts.jacobians,
@@ -186,6 +191,8 @@ impl<'a> Report<'a> {
         text.push('\n');
         text.push_str(&self.joint_table(degrees));
         text.push_str(&self.alternatives(degrees));
+        let derivative = self.answer.derivative.as_ref();
+        text.push_str(&derivative.map_or_else(String::new, TargetDerivatives::text));
         text
     }
 

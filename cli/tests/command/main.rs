@@ -9,6 +9,7 @@ mod balance;
 mod ball_figures;
 mod base_joints;
 mod check;
+mod derivatives;
 mod exit_codes_and_errors;
 mod figures_settle;
 mod held_joints;

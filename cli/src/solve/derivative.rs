@@ -1,0 +1,119 @@
+//! `--derivative`: how the answer moves with its targets.
+
+use std::collections::BTreeMap;
+
+use kinopt::arm::ArmDerivative;
+use kinopt::ik::{DerivativeWorkspace, Existence, SolutionDerivative};
+use kinopt::model::JointKind;
+use kinopt::nalgebra::DMatrix;
+use kinopt::problem::Question;
+use serde::Serialize;
+
+use super::query::TaskName;
+use crate::failure::Outcome;
+use crate::loaded_model::LoadedModel;
+use crate::number_format::six_digits;
+use crate::table::Table;
+
+/// The derivative of an answer by its targets.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct TargetDerivatives {
+    /// `unique`, `shortest_of_many`, or why there is none.
+    existence: &'static str,
+    /// The same in a sentence.
+    explanation: String,
+    /// What the rows are of: joints, of a ball its turn about its own axes; radians and metres.
+    velocity: Vec<String>,
+    /// By frame, a row for each of those and a column for each number of the target: of a pose along and about its own
+    /// axes (metres, radians), of a position along the axes that it is given in.
+    by_target: BTreeMap<String, Vec<Vec<f64>>>,
+}
+
+/// Of a problem as it was asked, at the answer q.
+pub(super) fn of_problem(
+    loaded: &LoadedModel,
+    question: Question<'_>,
+    tasks: &[TaskName],
+    q: &[f64],
+) -> Outcome<TargetDerivatives> {
+    let mut memory = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(question, q, &mut memory)?;
+    let existence = derivative.existence().clone();
+    let mut by_target = BTreeMap::new();
+    for task in tasks.iter().filter(|task| !task.held) {
+        let name = format!("target {}", task.frame);
+        let problem = question.problem();
+        let own = (0..problem.tasks()).find(|&own| problem.task_name(own) == Some(&name));
+        if let Some(own) = own {
+            by_target.insert(task.frame.clone(), rows(&derivative.by_target(own)?));
+        }
+    }
+    let mut joints = loaded.model.moving_joints().to_vec();
+    joints.dedup();
+    let names = joints.iter().flat_map(|joint| {
+        let joint = &loaded.model.joints()[joint.index()];
+        match joint.kind {
+            JointKind::Ball => ["x", "y", "z"]
+                .map(|axis| format!("{} about {axis}", joint.name))
+                .to_vec(),
+            _ => vec![joint.name.clone()],
+        }
+    });
+    Ok(TargetDerivatives::new(
+        existence,
+        names.collect(),
+        by_target,
+    ))
+}
+
+/// Of an arm, by its target.
+pub(super) fn of_arm(
+    derivative: &ArmDerivative,
+    joints: &[&str],
+    frame: &str,
+) -> TargetDerivatives {
+    let by_target = BTreeMap::from([(frame.to_owned(), rows(&derivative.by_target))]);
+    let names = joints.iter().map(|&joint| joint.to_owned()).collect();
+    TargetDerivatives::new(derivative.existence.clone(), names, by_target)
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let rows = matrix.row_iter();
+    rows.map(|row| row.iter().copied().collect()).collect()
+}
+
+impl TargetDerivatives {
+    fn new(
+        existence: Existence,
+        velocity: Vec<String>,
+        by_target: BTreeMap<String, Vec<Vec<f64>>>,
+    ) -> Self {
+        Self {
+            existence: existence.name(),
+            explanation: existence.to_string(),
+            velocity,
+            by_target,
+        }
+    }
+
+    /// Whether it exists, and a table for each target of the joints that move.
+    pub(super) fn text(&self) -> String {
+        let mut text = format!("\nDerivative by the target: {}.\n", self.explanation);
+        for (frame, rows) in &self.by_target {
+            let poses = rows.first().is_some_and(|row| row.len() == 6);
+            let turns = match poses {
+                true => "| >per rad about x | >y | >z",
+                false => "",
+            };
+            let mut table = Table::new(&format!("by {frame} | >per m along x | >y | >z {turns}"));
+            let moving = self.velocity.iter().zip(rows);
+            for (name, row) in moving.filter(|(_, row)| row.iter().any(|by| *by != 0.0)) {
+                let mut cells = vec![name.clone()];
+                cells.extend(row.iter().map(|by| six_digits(*by)));
+                table.row(cells);
+            }
+            text.push_str(&table.text());
+        }
+        text
+    }
+}

@@ -1,0 +1,61 @@
+//! Promise: --derivative tells how an answer moves with its targets, by the arm and by the general solvers, as solving
+//! again beside does.
+
+use crate::forked_rig::*;
+use serde_json::Value;
+
+const UR5E: &str = "../models/universal_ur5e.urdf";
+
+fn by_target(answer: &Value, frame: &str) -> Vec<Vec<f64>> {
+    let rows = list(&answer["derivative"]["by_target"][frame]).iter();
+    rows.map(numbers).collect()
+}
+
+/// The target is turned half round about x, so that its own y and z point back.
+#[test]
+fn joints_go_where_the_target_leads_them() {
+    let solve = |x: f64, z: f64, more: &str| {
+        answer!("solve {UR5E} --target flange={x},0.2,{z},0,1,0,0 --tolerance 1e-12 {more}")
+    };
+    let here = solve(0.4, 0.5, "--derivative");
+    assert_eq!(here["derivative"]["existence"], "unique");
+    assert_eq!(here["derivative"]["velocity"], here["joints"]);
+    let q = numbers(&here["q"]);
+    let start = q.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    let start = format!("--start {start}");
+    let told = by_target(&here, "flange");
+    for (column, along, sign) in [(0, [1.0, 0.0], 1.0), (2, [0.0, 1.0], -1.0)] {
+        let step = 1e-4;
+        let [there, back] = [step, -step].map(|step| {
+            let moved = solve(0.4 + step * along[0], 0.5 + step * along[1], &start);
+            numbers(&moved["q"])
+        });
+        for (joint, row) in told.iter().enumerate() {
+            let seen = sign * (there[joint] - back[joint]) / (2.0 * step);
+            assert!((row[column] - seen).abs() < 1e-5, "{joint}: {row:?} {seen}");
+        }
+    }
+    let general = solve(
+        0.4,
+        0.5,
+        &format!("{start} --derivative --max-iterations 50"),
+    );
+    for (row, own) in by_target(&general, "flange").iter().zip(&told) {
+        assert!(distance(row, own) < 1e-6, "{row:?} {own:?}");
+    }
+    let text = text!("solve {UR5E} --target flange=0.4,0.2,0.5,0,1,0,0 --derivative");
+    says(
+        &text,
+        "Derivative by the target: the solution is differentiable",
+    );
+    says(&text, "by flange | per m along x | per rad about x");
+}
+
+#[test]
+fn nothing_is_told_unasked_and_a_position_leaves_much_open() {
+    let asked = "--target flange=0.4,0.2,0.5";
+    let answer = answer!("solve {UR5E} {asked} --derivative");
+    let existence = &answer["derivative"]["existence"];
+    assert_eq!(existence, "shortest_of_many", "{answer}");
+    assert!(answer!("solve {UR5E} {asked}").get("derivative").is_none());
+}
