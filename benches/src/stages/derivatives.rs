@@ -24,16 +24,16 @@ pub(super) fn stages() -> Vec<Stage> {
         }),
         single("derivative of an arm by its target, six joints", by_target),
         single("solve from rest, arm of six joints", || {
-            solve(&arm("universal_ur5e")?.from_rest())
+            solve(&arm("universal_ur5e")?.starting_at_rest())
         }),
         single("solve from anywhere, arm of six joints", || {
-            solve(&arm("universal_ur5e")?.from_anywhere())
+            solve(&arm("universal_ur5e")?.starting_anywhere())
         }),
         single("solve from rest, humanoid, four poses", || {
-            solve(&body(false)?.from_rest())
+            solve(&body(false)?.starting_at_rest())
         }),
         single("solve from anywhere, humanoid, four poses", || {
-            solve(&body(false)?.from_anywhere())
+            solve(&body(false)?.starting_anywhere())
         }),
         single("solve near, humanoid, four poses", || solve(&body(false)?)),
         single("derivative backward, humanoid, four poses", || {
@@ -57,14 +57,14 @@ struct Asked {
 }
 
 impl Asked {
-    fn from_rest(self) -> Self {
+    fn starting_at_rest(self) -> Self {
         Self {
             start: self.rest.clone(),
             ..self
         }
     }
 
-    fn from_anywhere(self) -> Self {
+    fn starting_anywhere(self) -> Self {
         Self {
             start: self.anywhere.clone(),
             ..self
