@@ -40,8 +40,10 @@ impl Arm {
             workspace.aim(&target);
             self.bound_moves(workspace, start);
             let ended = self.gather(workspace, &query);
-            self.distinct(workspace, k, distance, ended)
-        })
+            #[cfg(feature = "collision")]
+            self.drop_touching(workspace)?;
+            Ok(self.distinct(workspace, k, distance, ended))
+        })?
     }
 
     /// Runs attempts and sorts those that reach by their distance from the start. Whether all were

@@ -63,6 +63,10 @@ pub enum ArmError {
     /// Two options that ask for different things.
     #[error("{0}")]
     Conflict(&'static str),
+    /// A margin out of its range.
+    #[cfg(feature = "collision")]
+    #[error(transparent)]
+    Checker(#[from] crate::collision::CheckerError),
     /// A checker of another model, told by its size.
     #[error("the checker's model has {given} numbers a configuration, the arm's has {expected}")]
     ForeignChecker {

@@ -143,6 +143,8 @@ impl Follower<'_> {
             arm.leap(&target, &self.q, solution)?;
             continuous = false;
         }
+        #[cfg(feature = "collision")]
+        arm.keep_way_clear(&self.q, &target, solution)?;
         Ok(self.take(&target, solution, continuous))
     }
 

@@ -46,6 +46,8 @@ pub enum ServoStatus {
     Settling,
     /// At rest at the nearest place of its branch; the target is out of reach there.
     Nearest,
+    /// Stopped, as going on would touch something that the arm [keeps clear of](Arm::with_checker).
+    Blocked,
 }
 
 /// What holds a joint back in a tick: it would lower the error by going on.
@@ -227,6 +229,10 @@ impl Servo<'_> {
         if ended == Termination::IterationLimit && self.branch.rests_long() {
             (ended, _) = self.workspace.settle(None);
         }
+        #[cfg(feature = "collision")]
+        let blocked = self.stop_before_touching()?;
+        #[cfg(not(feature = "collision"))]
+        let blocked = false;
         let errors = self.workspace.judge_x();
         for ((velocity, q), x) in self.velocity.iter_mut().zip(&self.q).zip(&self.workspace.x) {
             *velocity = (x - q) / self.time_step;
@@ -234,7 +240,10 @@ impl Servo<'_> {
         self.q.copy_from_slice(&self.workspace.x);
         self.branch
             .arrive(self.arm, &mut self.workspace, errors.reached);
-        let status = self.look(errors, ended);
+        let status = match self.look(errors, ended) {
+            status if blocked && status != ServoStatus::OnTarget => ServoStatus::Blocked,
+            status => status,
+        };
         self.fading = match rests && status != ServoStatus::SpeedLimited {
             true => self.fading * FADING,
             false => 1.0,
@@ -248,6 +257,24 @@ impl Servo<'_> {
             held: &self.held,
             names: &self.arm.names.variables,
         })
+    }
+
+    /// Cuts the way to the workspace's x short before something touches; whether it was.
+    #[cfg(feature = "collision")]
+    fn stop_before_touching(&mut self) -> Result<bool, QueryError> {
+        let (arm, workspace) = (self.arm, &mut self.workspace);
+        let Some(kept) = &arm.collisions else {
+            return Ok(false);
+        };
+        let room = workspace.clear_room.get_or_insert_with(|| kept.room());
+        if kept.blocked(arm, room, &self.q, &workspace.x)?.is_none() {
+            return Ok(false);
+        }
+        let share = kept.cautious_share(arm, room, &self.q, &workspace.x)?;
+        for (x, q) in workspace.x.iter_mut().zip(&self.q) {
+            *x = q + share * (*x - q);
+        }
+        Ok(true)
     }
 
     /// The box of a tick: joint limits and velocity limits.

@@ -64,6 +64,9 @@ impl Arm {
             // A branch ends where it is left or first misses.
             let ends = jump.is_some() || !reached && !missing;
             missing = !reached;
+            #[cfg(feature = "collision")]
+            // Ways back are not known to be free.
+            let ends = ends && !self.keeps_clear();
             if ends && self.go_round(base_from_tools, step, &mut track, &mut back_left)? {
                 follower = self.follower_at(base_from_tools, step, &track)?;
                 missing = false;

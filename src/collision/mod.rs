@@ -32,7 +32,7 @@ mod world;
 mod yaml;
 
 pub use crate::search::Collision;
-pub use checker::{Checker, CheckerError, CheckerWorkspace};
+pub use checker::{Checker, CheckerError, CheckerWorkspace, Way};
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
 pub use model::{

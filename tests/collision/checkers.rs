@@ -121,3 +121,43 @@ fn margins_and_configurations_are_checked() {
     assert!(checker.collisions(&[0.0; 2]).is_err());
     assert!(checker.collisions(&[0.0, f64::NAN, 0.0]).is_err());
 }
+
+#[test]
+fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
+    // The arm swings as one; its outermost ball, three metres out, comes to the wall above y = 1.
+    let mut world = World::new();
+    let above = Vector3::new(0.0, 6.0, 0.0);
+    world.add_box("wall", [20.0, 10.0, 10.0], above).unwrap();
+    let checker = Checker::new(balls()).with_world(&world).unwrap();
+    let mut workspace = checker.workspace();
+    let touches = (0.9_f64 / 3.0).asin();
+    let to = [1.2, 0.0, 0.0];
+    let way = checker.way(&mut workspace, &[0.0; 3], &to).unwrap();
+    let exact = touches / 1.2;
+    assert!(
+        way.free <= exact && way.free > exact - 1e-4,
+        "{} {exact}",
+        way.free
+    );
+    let by = way.blocked_by.unwrap();
+    assert_eq!((by.first.as_str(), by.second.as_str()), ("c", "wall"));
+    // Short of it all is free, and so is the way back.
+    let short = [0.999 * touches, 0.0, 0.0];
+    for (from, to) in [([0.0; 3], short), (short, [0.0; 3])] {
+        let way = checker.way(&mut workspace, &from, &to).unwrap();
+        assert_eq!((way.free, way.blocked_by), (1.0, None));
+    }
+    // Through a thin wall and out again: free at both ends, not between.
+    let mut thin = World::new();
+    let at = Vector3::new(0.0, 1.5, 0.0);
+    thin.add_box("sheet", [20.0, 0.001, 10.0], at).unwrap();
+    let checker = checker.with_world(&thin).unwrap();
+    let (from, to) = ([0.0; 3], [3.0, 0.0, 0.0]);
+    assert!(checker.collisions(&from).unwrap().is_empty());
+    assert!(checker.collisions(&to).unwrap().is_empty());
+    let way = checker.way(&mut workspace, &from, &to).unwrap();
+    assert!(
+        way.free < 1.4_f64.atan2(3.0) / 3.0 + 0.02 && way.blocked_by.is_some(),
+        "{way:?}"
+    );
+}

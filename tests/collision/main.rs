@@ -9,6 +9,7 @@ mod collision_models;
 mod hostile;
 mod identities;
 mod mesh_files;
+mod paths_keep_clear;
 mod shapes;
 mod sphere_covers;
 mod sphere_files;

@@ -105,6 +105,7 @@ fn status_name(status: ServoStatus) -> &'static str {
         ServoStatus::OnTarget => "on_target",
         ServoStatus::SpeedLimited => "speed_limited",
         ServoStatus::Settling => "settling",
+        ServoStatus::Blocked => "blocked",
         _ => "nearest",
     }
 }
@@ -124,7 +125,7 @@ pub(crate) struct ServoStep {
     q: Vec<f64>,
     velocity: Vec<f64>,
     /// "on_target", "speed_limited" (on its way, as fast as a joint may), "settling" (on its way, held back
-    /// by damping alone) or "nearest" (at rest at the nearest place).
+    /// by damping alone), "nearest" (at rest at the nearest place) or "blocked" (stopped before it touches something).
     #[pyo3(get)]
     status: &'static str,
     /// Whether the tool is within the tolerances of its target.

@@ -2,6 +2,7 @@
 
 mod least_deep;
 mod search;
+mod way;
 
 use super::arm::Arm;
 use super::{ArmError, QueryError};
@@ -20,6 +21,8 @@ const SLACK: f64 = 1e-9;
 #[derive(Debug)]
 pub(super) struct KeepClear {
     checker: Checker,
+    /// The same with a wider margin, where steps are to stop.
+    cautious: Checker,
     /// A configuration of the whole model: what is not the arm's keeps still there.
     rest: Vec<f64>,
     /// Where the chain can be placed in lanes and there are spheres.
@@ -39,6 +42,8 @@ pub(super) struct ClearRoom {
     rooms: Rooms,
     exact: CheckerWorkspace,
     q_model: Vec<f64>,
+    /// Where a way begins.
+    q_from: Vec<f64>,
     /// Up to eight configurations.
     several: Vec<f64>,
 }
@@ -52,6 +57,10 @@ impl Arm {
     /// Where the answer of a plain arm touches something, further attempts follow, checked eight at a time, until one is
     /// free; what a joint's freedom or another branch can give is thereby looked for. Which solution is wanted stays what
     /// the [search](super::Search) says: the first attempt from the start that is free, or the nearest that is.
+    ///
+    /// Paths, followers and servos stop before they touch: a step is cut short where the way to its end, on which all joints move
+    /// evenly, is not surely [free](Checker::way), unless the freedom that a target leaves goes round; its solution is not reached and
+    /// says what is in the way. Steps after it go on from there.
     ///
     /// # Errors
     /// A checker of another model, or a configuration of the wrong length or not finite.
@@ -108,6 +117,9 @@ impl KeepClear {
             InLanes::new(chain, &q, &placed, &own, checker, spheres)
         });
         Ok(Self {
+            cautious: checker
+                .clone()
+                .with_margin(way::cautious(checker.margin()))?,
             checker: checker.clone(),
             rest,
             lanes,
@@ -127,6 +139,7 @@ impl KeepClear {
             rooms: Rooms::default(),
             exact: self.checker.workspace(),
             q_model: self.rest.clone(),
+            q_from: self.rest.clone(),
             several: Vec::new(),
         }
     }

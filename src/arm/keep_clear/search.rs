@@ -150,6 +150,31 @@ impl Arm {
         Ok(first)
     }
 
+    /// Takes the solutions out of the workspace's order that touch something.
+    pub(in crate::arm) fn drop_touching(
+        &self,
+        workspace: &mut ArmWorkspace,
+    ) -> Result<(), QueryError> {
+        let Some(kept) = &self.collisions else {
+            return Ok(());
+        };
+        let mut taken = workspace.clear_room.take();
+        let room = taken.get_or_insert_with(|| kept.room());
+        let mut order = std::mem::take(&mut workspace.order);
+        let mut free = Vec::with_capacity(order.len());
+        for (distance, place) in order.drain(..) {
+            let q = workspace.found_at(place);
+            if kept.surely_free(self, room, q)? & 1 != 0
+                || !kept.spheres_decide() && kept.is_free(self, room, q)?
+            {
+                free.push((distance, place));
+            }
+        }
+        workspace.order = free;
+        workspace.clear_room = taken;
+        Ok(())
+    }
+
     /// The first of the solutions whose shapes are free, though their spheres are not.
     fn free_by_shapes(
         &self,

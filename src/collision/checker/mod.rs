@@ -1,12 +1,15 @@
 //! Whether a robot keeps clear of a world and of itself.
 
 mod error;
+mod motion_bound;
 mod parts;
+mod way;
 mod workspace;
 
 use std::sync::Arc;
 
 pub use error::CheckerError;
+pub use way::Way;
 pub use workspace::CheckerWorkspace;
 
 use super::{CollisionModel, SphereModel, World};

@@ -1,11 +1,12 @@
 //! The parts of a robot and the obstacles of a world, put together.
 
 use super::CheckerError;
+use super::motion_bound::MotionBound;
 use crate::collision::box_tree::BoxTree;
 use crate::collision::model::pairs_apart;
 use crate::collision::{BoundingBox, CollisionModel, Separation, Shape, World, separation_within};
 use crate::model::{FrameId, FrameRef};
-use crate::spatial::Placement;
+use crate::spatial::{Placement, Vector3};
 
 /// Something that stands in the world.
 #[derive(Clone, Debug)]
@@ -32,6 +33,7 @@ pub(super) struct Scene {
     standing: Vec<Standing>,
     /// Over what stands.
     tree: BoxTree,
+    motion_bound: MotionBound,
 }
 
 impl Scene {
@@ -71,6 +73,7 @@ impl Scene {
         let boxes: Vec<BoundingBox> = standing.iter().map(Standing::bounds).collect();
         Ok(Self {
             pairs: pairs(model, &parts, own),
+            motion_bound: MotionBound::new(model.model(), parts.iter().map(Part::balls)),
             tree: BoxTree::new(standing.len(), |index| boxes[index]),
             parts,
             standing,
@@ -80,6 +83,10 @@ impl Scene {
     /// The frames that carry the parts.
     pub(super) fn frames(&self) -> impl ExactSizeIterator<Item = FrameId> + '_ {
         self.parts.iter().map(|part| part.frame)
+    }
+
+    pub(super) fn motion_bound(&self) -> &MotionBound {
+        &self.motion_bound
     }
 
     /// Visits all pairs that are at most `within` apart, by name, each by its shapes that are nearest, until told to stop.
@@ -176,6 +183,17 @@ impl Scene {
                     bound
                 });
         }
+    }
+}
+
+impl Part {
+    /// Its frame, and balls around its shapes there.
+    fn balls(&self) -> (FrameId, Vec<(Vector3<f64>, f64)>) {
+        let ball = |(shape, frame_from_shape): &(Shape, Placement<f64>)| {
+            let ball = shape.bounding_sphere();
+            (frame_from_shape.apply(ball.centre), ball.radius)
+        };
+        (self.frame, self.shapes.iter().map(ball).collect())
     }
 }
 

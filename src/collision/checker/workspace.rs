@@ -1,5 +1,6 @@
 //! Memory for checks.
 
+use super::motion_bound::BoundRoom;
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model};
 use crate::spatial::Placement;
@@ -8,6 +9,9 @@ use crate::spatial::Placement;
 #[derive(Clone, Debug)]
 pub struct CheckerWorkspace {
     kinematics: ForwardKinematics<f64>,
+    pub(super) bound: BoundRoom,
+    /// A configuration on a way.
+    pub(super) between: Vec<f64>,
 }
 
 impl CheckerWorkspace {
@@ -15,6 +19,8 @@ impl CheckerWorkspace {
         let frames: Vec<FrameId> = frames.collect();
         Self {
             kinematics: ForwardKinematics::of_configurations(model, &frames),
+            bound: BoundRoom::default(),
+            between: Vec::new(),
         }
     }
 

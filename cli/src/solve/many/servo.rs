@@ -166,6 +166,7 @@ fn words(status: ServoStatus) -> &'static str {
         ServoStatus::OnTarget => "on target",
         ServoStatus::SpeedLimited => "held by a velocity limit",
         ServoStatus::Nearest => "at rest as near as it comes",
+        ServoStatus::Blocked => "stopped before it touches something",
         _ => "settling",
     }
 }

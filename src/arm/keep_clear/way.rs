@@ -1,0 +1,156 @@
+//! Steps of a path that stop before they touch.
+
+use super::{ClearRoom, KeepClear};
+use crate::arm::QueryError;
+use crate::arm::arm::Arm;
+use crate::arm::follower::LONG_STEP;
+use crate::arm::workspace::{ArmWorkspace, Errors};
+use crate::ik::Solution;
+use crate::search::{Collision, Found};
+use crate::solver::Termination;
+use crate::spatial::Placement;
+
+/// A step that is cut short stops so far before the margin, metres, so that the next one can leave.
+const STAND_OFF: f64 = 1e-4;
+/// How far freedom is spent to go round something in one step, radians.
+const DODGES: [f64; 3] = [0.04, 0.12, -0.04];
+
+impl Arm {
+    /// Cuts a step of a path short before something touches on the way, or goes round it by the freedom that the target leaves;
+    /// what is in the way is told. Whether the step stands as it was.
+    pub(in crate::arm) fn keep_way_clear(
+        &self,
+        from: &[f64],
+        target: &Placement<f64>,
+        solution: &mut Solution,
+    ) -> Result<bool, QueryError> {
+        let Some(kept) = &self.collisions else {
+            return Ok(true);
+        };
+        self.with_workspace(|workspace| {
+            // Taken out and put back, so that nothing is allocated.
+            let mut taken = workspace.clear_room.take();
+            let room = taken.get_or_insert_with(|| kept.room());
+            let blocked = kept.blocked(self, room, from, &solution.q)?;
+            let stands = blocked.is_none();
+            if let Some(by) = blocked {
+                workspace.aim(target);
+                self.bound_by_limits(workspace);
+                let round =
+                    solution.reached && self.go_round_obstacle(kept, workspace, room, from)?;
+                if !round {
+                    let share = kept.cautious_share(self, room, from, &solution.q)?;
+                    let ways = from.iter().zip(&solution.q);
+                    for (x, (from, to)) in workspace.x.iter_mut().zip(ways) {
+                        *x = from + share * (to - from);
+                    }
+                }
+                let mut found = Found::alone(Termination::CannotContinue, solution.iterations);
+                self.judge(workspace, &mut found);
+                self.tell_place(&found, workspace, solution);
+                if !round {
+                    solution.set_collisions(vec![by]);
+                }
+            }
+            workspace.clear_room = taken;
+            Ok(stands)
+        })?
+    }
+
+    /// Looks for a place near `from` that reaches the target by another way of spending the freedom; the nearest whose way is
+    /// free is then in the workspace's x.
+    fn go_round_obstacle(
+        &self,
+        kept: &KeepClear,
+        workspace: &mut ArmWorkspace,
+        room: &mut ClearRoom,
+        from: &[f64],
+    ) -> Result<bool, QueryError> {
+        let Some(lanes) = self.lanes.as_ref().filter(|_| self.has_freedom()) else {
+            return Ok(false);
+        };
+        workspace.take_twists(self, from);
+        let n = self.joint_count();
+        let (mut motion, mut q) = (vec![0.0; n], vec![0.0; n]);
+        let mut best = f64::INFINITY;
+        for joint in 0..n {
+            for by in DODGES {
+                motion.fill(0.0);
+                motion[joint] = by;
+                workspace.project_to_null(from, &motion, 0.0);
+                let length = workspace
+                    .projected
+                    .iter()
+                    .map(|by| by * by)
+                    .sum::<f64>()
+                    .sqrt();
+                if length < 1e-3 * by.abs() {
+                    continue;
+                }
+                let bounds = self.serial.map.lower().iter().zip(self.serial.map.upper());
+                let moves = workspace.projected.iter().zip(&self.scale).zip(bounds);
+                for ((trial, from), ((way, scale), (lower, upper))) in
+                    workspace.trial.iter_mut().zip(from).zip(moves)
+                {
+                    let moved = from + by.abs() * way / (length * scale);
+                    *trial = moved.max(*lower).min(*upper);
+                }
+                let target = workspace.target();
+                let outcome = lanes.own_attempt(&target, &workspace.trial, self.deadline(), &mut q);
+                let (_, distance) = self.longest_move(from, &q);
+                let near = outcome.reached && distance <= LONG_STEP && distance < best;
+                if near && kept.blocked(self, room, from, &q)?.is_none() {
+                    best = distance;
+                    workspace.errors = Errors::of(&outcome);
+                    workspace.x.copy_from_slice(&q);
+                }
+            }
+        }
+        Ok(best.is_finite())
+    }
+}
+
+impl KeepClear {
+    /// What is in the way from one configuration of the arm to another, on which all joints move evenly.
+    pub(in crate::arm) fn blocked(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Option<Collision>, QueryError> {
+        room.take_way(arm, from, to)?;
+        let way = self
+            .checker
+            .way(&mut room.exact, &room.q_from, &room.q_model)?;
+        Ok(way.blocked_by)
+    }
+
+    /// How much of the way is free with room to spare.
+    pub(in crate::arm) fn cautious_share(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<f64, QueryError> {
+        room.take_way(arm, from, to)?;
+        let way = self
+            .cautious
+            .way(&mut room.exact, &room.q_from, &room.q_model)?;
+        Ok(way.free)
+    }
+}
+
+impl ClearRoom {
+    fn take_way(&mut self, arm: &Arm, from: &[f64], to: &[f64]) -> Result<(), QueryError> {
+        self.q_from.clone_from(&self.q_model);
+        arm.configuration(from, &mut self.q_from)?;
+        arm.configuration(to, &mut self.q_model)
+    }
+}
+
+/// A margin that keeps so far off that what stops there can leave.
+pub(super) fn cautious(margin: f64) -> f64 {
+    margin + STAND_OFF
+}
