@@ -16,6 +16,22 @@ const SAMPLES: u64 = 10_000;
 /// Options of every subcommand that looks at a robot's shapes.
 #[derive(Args, Debug)]
 pub(crate) struct CollisionOptions {
+    #[command(flatten)]
+    shapes: ShapeOptions,
+
+    /// An SRDF file whose disabled pairs of links may touch. Default: none.
+    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
+    srdf: Option<PathBuf>,
+
+    /// Let links touch that do so in none or nearly all of so many random configurations. Default:
+    /// 10000, and 0 with --srdf.
+    #[arg(long, value_name = "N", help_heading = COLLISIONS)]
+    samples: Option<u64>,
+}
+
+/// Options about a robot's shapes alone.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ShapeOptions {
     /// A folder that holds ROS packages, or is one; repeat it for several. Default: none.
     ///
     /// Meshes at package://NAME/… are looked for in it, and in the folders above the robot's file.
@@ -29,15 +45,6 @@ pub(crate) struct CollisionOptions {
     /// Leave meshes out that are not found, each with a note. Default: refuse the robot.
     #[arg(long, help_heading = COLLISIONS)]
     leave_out_meshes: bool,
-
-    /// An SRDF file whose disabled pairs of links may touch. Default: none.
-    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
-    srdf: Option<PathBuf>,
-
-    /// Let links touch that do so in none or nearly all of so many random configurations. Default:
-    /// 10000, and 0 with --srdf.
-    #[arg(long, value_name = "N", help_heading = COLLISIONS)]
-    samples: Option<u64>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -50,7 +57,7 @@ enum MeshChoice {
     Triangles,
 }
 
-impl CollisionOptions {
+impl ShapeOptions {
     /// The model of a robot's shapes; notes go to standard error.
     pub(crate) fn model(&self, robot: &Robot) -> Outcome<CollisionModel> {
         let meshes = match self.meshes {
@@ -65,7 +72,7 @@ impl CollisionOptions {
         if self.leave_out_meshes {
             builder = builder.leaving_out_missing_meshes();
         }
-        let mut model = builder.build()?;
+        let model = builder.build()?;
         for note in model.notes() {
             output::message(&format!("note: {note}"));
         }
@@ -73,6 +80,14 @@ impl CollisionOptions {
             let name = robot.name();
             return Err(failure!("{name} has no collision shapes"));
         }
+        Ok(model)
+    }
+}
+
+impl CollisionOptions {
+    /// The model of a robot's shapes; notes go to standard error.
+    pub(crate) fn model(&self, robot: &Robot) -> Outcome<CollisionModel> {
+        let mut model = self.shapes.model(robot)?;
         let mut samples = SAMPLES;
         if let Some(path) = &self.srdf {
             model = model.with_srdf(&Srdf::read(path, robot)?);

@@ -123,10 +123,20 @@ impl Fault for kinopt::collision::CollisionModelError {
     }
 }
 
+impl Fault for kinopt::collision::CheckerError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Attached { .. } => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
 impl Fault for kinopt::arm::ArmError {
     fn kind(&self) -> Kind {
         match self {
             Self::UnknownName(_) => Kind::UnknownName,
+            Self::Checker(error) => error.kind(),
             _ => Kind::InvalidValue,
         }
     }

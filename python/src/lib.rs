@@ -77,7 +77,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::skinning::skinning;
     #[pymodule_export]
-    use super::solution::{ActiveLimit, Counts, RowsReport, Solution, TaskReport};
+    use super::solution::{ActiveLimit, Collision, Counts, RowsReport, Solution, TaskReport};
     #[pymodule_export]
     use super::solver::{Drag, Iteration, Leap, Solutions, Solver};
     #[pymodule_export]

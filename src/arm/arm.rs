@@ -87,13 +87,7 @@ impl Arm {
         let (coordinates, limits) = (self.coordinates.clone(), self.velocity_limits.clone());
         let tip = self.names.task_frames.first().cloned().flatten();
         let tip = tip.unwrap_or_default();
-        let changed = Self::assemble(serial, options, lanes, coordinates, limits, &tip)?;
-        #[cfg(feature = "collision")]
-        let changed = match &self.collisions {
-            Some(kept) => changed.with_checker(kept.checker(), kept.rest())?,
-            None => changed,
-        };
-        Ok(changed)
+        Self::assemble(serial, options, lanes, coordinates, limits, &tip)
     }
 
     /// Names of the free joints, base to tip: the order of a configuration.

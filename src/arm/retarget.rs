@@ -5,7 +5,7 @@ use super::builder::check_tool;
 use super::options::{Options, Search, check_goal};
 use super::serial::Serial;
 use super::{ArmError, Goal};
-use crate::lanes::LaneOptions;
+use crate::lanes::{LaneOptions, PoseSolver};
 use crate::spatial::Placement;
 
 impl Arm {
@@ -67,6 +67,22 @@ impl Arm {
 
     fn with(&self, serial: Serial, mut options: Options) -> Result<Self, ArmError> {
         options.weigh_radians(serial.model.reach());
+        let lanes = self.lanes_for(&serial, &options)?;
+        let changed = self.changed(serial, options, lanes)?;
+        #[cfg(feature = "collision")]
+        let changed = match &self.collisions {
+            Some(kept) => changed.with_checker(kept.checker(), kept.rest())?,
+            None => changed,
+        };
+        Ok(changed)
+    }
+
+    /// The engine for another chain and other options, which shares the seed atlas.
+    pub(super) fn lanes_for(
+        &self,
+        serial: &Serial,
+        options: &Options,
+    ) -> Result<Option<PoseSolver>, ArmError> {
         let lanes = self.lanes.as_ref().zip(serial.chain.as_ref());
         let lanes = lanes.map(|(lanes, chain)| {
             let lane_options = LaneOptions {
@@ -76,7 +92,6 @@ impl Arm {
             };
             lanes.retargeted(chain, lane_options)
         });
-        let lanes = lanes.transpose()?;
-        self.changed(serial, options, lanes)
+        Ok(lanes.transpose()?)
     }
 }

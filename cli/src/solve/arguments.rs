@@ -10,6 +10,7 @@ use super::arm_arguments::ArmArguments;
 use super::balance::BalanceArguments;
 use super::chain_arguments::ChainArguments;
 use super::levels::LevelArguments;
+use super::obstacles::ObstacleArguments;
 use super::out_file::OutFile;
 use super::weights::FrameWeight;
 use crate::help_headings::{FOLLOWING, LIMITS, MESHES, MODEL, OUTPUT, SEARCH, TARGETS};
@@ -164,6 +165,9 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     pub(super) balance: BalanceArguments,
+
+    #[command(flatten)]
+    pub(super) obstacles: ObstacleArguments,
 
     #[command(flatten)]
     pub(super) arm: ArmArguments,

@@ -76,9 +76,14 @@ impl<'a> ArmBackend<'a> {
         let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
         let columns = loaded.columns_of(coordinates.collect());
         let builder = with_joint_options(builder, loaded, &columns, arguments)?;
+        let srdf = arguments.chain.srdf.as_ref();
+        let rest = loaded.rest();
+        let arm = arguments
+            .obstacles
+            .keep_clear(builder.build()?, robot, srdf, &rest)?;
         Ok(Self {
             loaded,
-            arm: builder.build()?,
+            arm,
             search: options.search.unwrap_or_default(),
             room,
             columns,

@@ -38,7 +38,7 @@ pub(crate) struct ChainArguments {
     ///
     /// Its names must be the robot's. Default: none.
     #[arg(long, value_name = "FILE", help_heading = MODEL)]
-    srdf: Option<PathBuf>,
+    pub(super) srdf: Option<PathBuf>,
 
     /// Let only the joints of a group of the SRDF file move.
     ///

@@ -15,6 +15,7 @@ mod interval;
 mod levels;
 mod many;
 mod moves;
+mod obstacles;
 mod out_file;
 mod pose_finder;
 mod query;

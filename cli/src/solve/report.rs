@@ -36,6 +36,9 @@ pub(super) struct Document<'a> {
     /// Of a model that has loops: those that are open.
     #[serde(skip_serializing_if = "Option::is_none")]
     open_loops: Option<Vec<OpenLoopDocument<'a>>>,
+    /// The pairs that are nearer than the margin; none where nothing was to be kept clear of.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    collisions: Vec<CollisionDocument<'a>>,
     iterations: usize,
     attempts: usize,
     /// How many of them ended at the same miss; 0 where it is reached or was not counted.
@@ -93,6 +96,14 @@ struct OpenLoopDocument<'a> {
 }
 
 #[derive(Serialize)]
+struct CollisionDocument<'a> {
+    first: &'a str,
+    second: &'a str,
+    /// In metres, negative where one is in the other.
+    distance: f64,
+}
+
+#[derive(Serialize)]
 struct Evaluations {
     residuals: usize,
     jacobians: usize,
@@ -138,6 +149,12 @@ impl<'a> Report<'a> {
             gap: open.gap,
             angle: open.angle,
         });
+        let collisions = solution.collisions().iter();
+        let collisions = collisions.map(|pair| CollisionDocument {
+            first: &pair.first,
+            second: &pair.second,
+            distance: pair.distance,
+        });
         let has_loops = !self.loaded.model.loops().is_empty();
         Document {
             q: &self.answer.q,
@@ -150,6 +167,7 @@ impl<'a> Report<'a> {
             tasks: tasks.collect(),
             active_limits: limits.collect(),
             open_loops: has_loops.then(|| open_loops.collect()),
+            collisions: collisions.collect(),
             iterations: solution.iterations,
             attempts: solution.attempts,
             agreeing_attempts: solution.agreeing,

@@ -104,7 +104,8 @@ impl Arguments {
             || (!self.hold.is_empty() && loaded.rig.is_none())
             || goals.need_more_than_an_arm(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
-        match (&loaded.robot, self.arm.given(loaded.rig.is_some())) {
+        let of_an_arm = self.arm.given(loaded.rig.is_some());
+        match (&loaded.robot, of_an_arm.or(self.obstacles.given())) {
             (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(
                 "--weight is for several targets or held tips; beside a single target's position \
                      --metres-per-radian weighs its orientation"

@@ -4,6 +4,7 @@
 #[macro_use]
 mod forked_rig;
 
+mod among_obstacles;
 mod animated_meshes;
 mod balance;
 mod ball_figures;

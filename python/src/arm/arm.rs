@@ -10,8 +10,9 @@ use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
+use super::obstacles::Obstacles;
 use super::track::Track;
-use super::{Follower, Servo, options};
+use super::{Follower, Servo, obstacles, options};
 use crate::arrays::{self, axes};
 use crate::error::{OrRaise, invalid};
 use crate::goal::Goal;
@@ -20,7 +21,8 @@ use crate::model::Model;
 use crate::placement::{placement, placements, to_array, to_arrays};
 use crate::pool::Pool;
 use crate::robot::Robot;
-use crate::solution::Solution;
+use crate::solution::{Collision, Solution};
+use crate::world::World;
 
 /// An arm that answers pose questions: base, tip and target in, joint values out.
 ///
@@ -53,6 +55,13 @@ use crate::solution::Solution;
 /// limit_avoidance: how strongly joints keep clear of their limits on paths, radians, at least 0. Default: 4.
 /// time_limit: seconds a question. Default: none; with one, answers may differ from run to run.
 /// seed: of the attempts after the first. Default: 0.
+/// world: a `World` to keep clear of, as it is now; also of the arm's own robot. A solution is then reached only if
+///     nothing touches, by the exact distances of the robot's collision shapes (`solution.collisions`); paths touch
+///     nothing between their points either. `with_world` takes another. Default: nothing is in the way.
+/// margin: how far all is to be apart at least, metres, at least 0; without a `world` of the robot's own links.
+///     Default: 0.
+/// collision_model: a `CollisionModel` of the robot, whose shapes and pairs count for `world` and `margin`. Default: that of
+///     `robot`, without the pairs that a thousand random configurations never or always have touching.
 /// atlas: whether restarts begin from a table of seeds (35 ms to make, once). Default: True.
 ///
 /// Raises `UnknownNameError` for frames, joints and options that do not exist, `InvalidValueError` for
@@ -125,11 +134,11 @@ impl Arm {
     #[new]
     #[pyo3(
         signature = (robot, base, tip, **options),
-        text_signature = "(robot, base, tip, *, attempts=None, atlas=None, global_search_on_miss=None, \
-            goal=None, held=None, iterations=None, joint_weights=None, limit_avoidance=None, \
-            locked=None, max_move=None, metres_per_radian=None, only=None, \
+        text_signature = "(robot, base, tip, *, attempts=None, atlas=None, collision_model=None, \
+            global_search_on_miss=None, goal=None, held=None, iterations=None, joint_weights=None, limit_avoidance=None, \
+            locked=None, margin=None, max_move=None, metres_per_radian=None, only=None, \
             orientation_tolerance=None, position_tolerance=None, posture=None, search=None, \
-            seed=None, time_limit=None, tool=None)"
+            seed=None, time_limit=None, tool=None, world=None)"
     )]
     fn new(
         robot: &Bound<'_, PyAny>,
@@ -142,6 +151,7 @@ impl Arm {
             Some(options) => options.copy()?,
             None => PyDict::new(py),
         };
+        let obstacles = Obstacles::of(&options)?;
         // Arrays in it may be changed later by who made them.
         let options = py.import("copy")?.call_method1("deepcopy", (options,))?;
         let options = options.cast_into::<PyDict>()?;
@@ -161,6 +171,7 @@ impl Arm {
         };
         let builder = options::apply(builder, &options)?;
         let inner = py.detach(|| builder.build()).or_raise()?;
+        let inner = obstacles.keep_clear(inner, robot)?;
         Ok(Self {
             inner: Arc::new(inner),
             mechanism: robot.clone().unbind(),
@@ -218,6 +229,36 @@ impl Arm {
     #[getter]
     fn tip(&self) -> &str {
         &self.tip
+    }
+
+    /// The same arm in another world, as that is now, or with another margin (metres; None for the same): tens of
+    /// microseconds, as the seed atlas is shared.
+    ///
+    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, for a margin
+    /// out of range, and for an obstacle that is attached to a frame that the robot does not have.
+    #[pyo3(signature = (world, margin=None))]
+    fn with_world(
+        &self,
+        py: Python<'_>,
+        world: &Bound<'_, World>,
+        margin: Option<f64>,
+    ) -> PyResult<Self> {
+        let inner = obstacles::moved(&self.inner, world, margin)?;
+        let changed = self.changed(py, inner, "world", world)?;
+        if let Some(margin) = margin {
+            changed.options.bind(py).set_item("margin", margin)?;
+        }
+        Ok(changed)
+    }
+
+    /// The pairs that are nearer to each other than the margin at `q` (shape (dof,)), the deepest first: `Collision`s.
+    /// None where the arm keeps clear of nothing.
+    ///
+    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
+    fn collisions(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
+        let q = arrays::vector_of(q, "q", self.inner.joint_count())?;
+        let pairs = self.inner.collisions(&q).or_raise()?;
+        Ok(pairs.into_iter().map(Collision::from).collect())
     }
 
     /// The tool's Jacobian: shape (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).

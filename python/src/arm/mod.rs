@@ -5,6 +5,7 @@ mod arm;
 mod batch;
 mod derivative;
 mod follower;
+mod obstacles;
 mod options;
 mod servo;
 mod track;

@@ -12,10 +12,11 @@ use crate::error::{OrRaise, invalid};
 use crate::goal::Goal;
 use crate::placement::placement;
 
-/// All keywords; `held` goes with `only`.
-const NAMES: [&str; 19] = [
+/// All keywords; `held` goes with `only`, `margin` with `world`.
+const NAMES: [&str; 22] = [
     "attempts",
     "atlas",
+    "collision_model",
     "global_search_on_miss",
     "goal",
     "held",
@@ -23,6 +24,7 @@ const NAMES: [&str; 19] = [
     "joint_weights",
     "limit_avoidance",
     "locked",
+    "margin",
     "max_move",
     "metres_per_radian",
     "only",
@@ -33,6 +35,7 @@ const NAMES: [&str; 19] = [
     "seed",
     "time_limit",
     "tool",
+    "world",
 ];
 
 /// The builder with every keyword set; None stands for the default.
@@ -78,7 +81,7 @@ fn set<'m>(
         "seed" => builder.with_seed(whole::<u64>(value, name)?),
         "time_limit" => builder.with_time_limit(seconds(value)?),
         "tool" => builder.with_tool(placement(value, "tool")?),
-        // `held` is read with `only`.
+        // `held` is read with `only`, `world`, `margin` and `collision_model` where the arm stands.
         _ => builder,
     })
 }

@@ -11,7 +11,7 @@ use pyo3::types::PyType;
 use crate::arrays;
 use crate::error::OrRaise;
 use crate::pickling;
-pub(crate) use reports::{ActiveLimit, Counts, RowsReport, TaskReport};
+pub(crate) use reports::{ActiveLimit, Collision, Counts, RowsReport, TaskReport};
 
 /// The result of a solve, reached or not: the best configuration found and the truth about it.
 #[pyclass(frozen, module = "kinopt")]
@@ -45,7 +45,7 @@ impl Solution {
         Ok(array.bind(py).clone())
     }
 
-    /// Whether every goal is within its tolerances at `q`.
+    /// Whether every goal is within its tolerances at `q`, and nothing touches (`collisions`).
     #[getter]
     fn reached(&self) -> bool {
         self.inner.reached
@@ -121,6 +121,20 @@ impl Solution {
     #[getter]
     fn active_limits(&self) -> Vec<ActiveLimit> {
         self.inner.active_limits().map(ActiveLimit::from).collect()
+    }
+
+    /// The pairs that are nearer to each other at `q` than the margin asked for, the deepest first. A solution that is
+    /// reached has none; none are known where no world was given.
+    #[getter]
+    fn collisions(&self) -> Vec<Collision> {
+        let pairs = self.inner.collisions().iter().cloned();
+        pairs.map(Collision::from).collect()
+    }
+
+    /// Whether every goal is within its tolerances at `q`, though something may be touched.
+    #[getter]
+    fn goals_reached(&self) -> bool {
+        self.inner.goals_reached()
     }
 
     /// Whether every loop of the model is closed at `q`, to 1e-9 m and rad; True where it has none. A solution that

@@ -38,6 +38,44 @@ impl Counts {
     }
 }
 
+/// Two things that are nearer to each other than they should be.
+#[pyclass(frozen, eq, module = "kinopt", get_all)]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Collision {
+    /// A link of the robot, or an obstacle attached to one.
+    first: String,
+    /// An obstacle, or another link.
+    second: String,
+    /// How far they are apart, metres; negative where one is in the other.
+    distance: f64,
+}
+
+impl From<kinopt::ik::Collision> for Collision {
+    fn from(pair: kinopt::ik::Collision) -> Self {
+        Self {
+            first: pair.first,
+            second: pair.second,
+            distance: pair.distance,
+        }
+    }
+}
+
+#[pymethods]
+impl Collision {
+    /// How deep one is in the other, metres; 0 where they are apart.
+    #[getter]
+    fn depth(&self) -> f64 {
+        (-self.distance).max(0.0)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Collision({:?}, {:?}, distance={})",
+            self.first, self.second, self.distance
+        )
+    }
+}
+
 /// How one task came out.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct TaskReport {

@@ -7,7 +7,7 @@ mod way;
 use super::arm::Arm;
 use super::{ArmError, QueryError};
 use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, Solids};
-use crate::collision::{Checker, CheckerWorkspace, SphereModel};
+use crate::collision::{Checker, CheckerWorkspace, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::Chain;
 use crate::model::{FrameId, JointId, Model};
@@ -70,6 +70,32 @@ impl Arm {
         // Room for another checker is none.
         arm.for_each_workspace(|workspace| workspace.clear_room = None);
         Ok(arm)
+    }
+
+    /// The same arm in another world, as that stands now, with another margin (metres) or the same; it shares the seed atlas.
+    ///
+    /// # Errors
+    /// An arm without a [checker](Self::with_checker), a margin that is negative or not finite, an obstacle attached to a
+    /// frame that the robot does not have.
+    pub fn with_world(
+        &self,
+        world: &World,
+        margin: impl Into<Option<f64>>,
+    ) -> Result<Self, ArmError> {
+        let Some(kept) = &self.collisions else {
+            return Err(ArmError::Conflict(
+                "an arm in another world has a checker first: `with_checker` gives it one",
+            ));
+        };
+        let margin = margin.into().unwrap_or(kept.checker.margin());
+        let checker = kept
+            .checker
+            .clone()
+            .with_world(world)?
+            .with_margin(margin)?;
+        let lanes = self.lanes_for(&self.serial, &self.options)?;
+        self.changed(self.serial.clone(), self.options.clone(), lanes)?
+            .with_checker(&checker, &kept.rest)
     }
 
     /// Whether the arm was given something to keep clear of.

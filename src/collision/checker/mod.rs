@@ -2,6 +2,7 @@
 
 mod error;
 mod motion_bound;
+mod of_robot;
 mod parts;
 mod way;
 mod workspace;
@@ -26,14 +27,14 @@ use parts::Scene;
 ///
 /// ```
 /// # #[cfg(feature = "urdf")] {
-/// use kinopt::collision::{Checker, CollisionModel, World};
+/// use kinopt::collision::{Checker, World};
 /// use kinopt::robot::Robot;
 /// use kinopt::spatial::Vector3;
 ///
 /// let robot = Robot::read("models/franka_panda.urdf")?;
 /// let mut world = World::new();
 /// world.add_box("table", [1.0, 1.0, 0.1], Vector3::new(0.6, 0.0, 0.2))?;
-/// let checker = Checker::new(CollisionModel::of(&robot)?).with_world(&world)?.with_margin(0.01)?;
+/// let checker = Checker::of(&robot)?.with_world(&world)?.with_margin(0.01)?;
 /// let q = [0.0, 1.4, 0.0, -1.0, 0.0, 1.6, 0.8, 0.04, 0.04];
 /// let collisions = checker.collisions(&q)?;
 /// assert!(collisions.iter().any(|pair| pair.second == "table" && pair.depth() > 0.0));

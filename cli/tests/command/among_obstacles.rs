@@ -1,0 +1,42 @@
+//! Promise: `kinopt solve --world` answers with what touches nothing, or says which pairs touch and how deep.
+
+use crate::forked_rig::*;
+
+const POSE: &str = "flange=0.45,0.05,0.42,0,1,0,0";
+
+fn with(target: &str, options: &str) -> serde_json::Value {
+    let panda = model("franka_panda.urdf");
+    let table = model("worlds/table.json");
+    answer!("solve {panda} --base base --target {target} --world {table} {options}")
+}
+
+#[test]
+fn an_answer_touches_nothing_or_names_what_it_touches() {
+    let free = with(POSE, "");
+    assert_eq!(free["reached"], true);
+    assert_eq!(free.get("collisions"), None);
+    // In the table.
+    let inside = with("flange=0.6,0,0.18,0,1,0,0", "");
+    assert_eq!(inside["reached"], false);
+    let pairs = list(&inside["collisions"]);
+    assert!(
+        pairs.iter().any(|pair| pair["second"] == "table"),
+        "{pairs:?}"
+    );
+    assert!(number(&pairs[0]["distance"]) < 0.0);
+    let text = inside["explanation"].as_str().unwrap();
+    assert!(text.contains("`table`"), "{text}");
+    // Nothing is so far apart.
+    let wide = with(POSE, "--margin 0.4");
+    assert_eq!(wide["reached"], false);
+}
+
+#[test]
+fn a_world_goes_with_the_arm_of_a_robot() {
+    let table = model("worlds/table.json");
+    let panda = model("franka_panda.urdf");
+    let rig = model("humanoid/humanoid.json");
+    refused!("solve {rig} --target bone/5=0,1,0 --world {table}" => 2, "--world is for robots");
+    refused!("solve {panda} --target {POSE} --margin=-1" => 2, "margin");
+    refused!("solve {panda} --base base --target {POSE} --world {table}.gone" => 1, "table.json.gone");
+}

@@ -1,0 +1,123 @@
+"""An arm that is given a world answers with what touches nothing, or says what is touched."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt.errors import InvalidValueError, UnknownNameError
+
+MODELS = Path(__file__).parents[2] / "models"
+Q = np.array([0.3, 0.2, 0.1, -1.8, 0.1, 2.0, 0.5])
+
+
+@pytest.fixture(scope="module")
+def panda() -> kinopt.Robot:
+    return kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+
+
+def table():
+    world = kinopt.World()
+    world.add_box("table", (0.8, 1.2, 0.05), pose=(0.7, 0.0, 0.15))
+    world.add_cylinder("post", 0.05, 1.0, pose=(0.35, 0.35, 0.5))
+    return world
+
+
+@pytest.fixture(scope="module")
+def arm(panda):
+    return kinopt.Arm(panda, "base", "flange", world=table(), margin=0.005)
+
+
+def test_solutions_touch_nothing(arm):
+    random = np.random.default_rng(4)
+    asked = reached = 0
+    while asked < 40:
+        q = random.uniform(arm.lower, arm.upper)
+        if arm.collisions(q):
+            continue
+        asked += 1
+        solution = arm.solve(arm.base_from_tool(q), random.uniform(arm.lower, arm.upper))
+        reached += solution.reached
+        assert solution.reached == (arm.collisions(solution.q) == [])
+        assert solution.reached == (solution.collisions == [])
+        assert solution.goals_reached
+    assert reached >= 38
+
+
+def test_what_is_touched_is_named(arm):
+    target = arm.base_from_tool(Q)
+    target[:3, 3] = [0.6, 0.0, 0.15]
+    solution = arm.solve(target, Q)
+    assert not solution.reached and solution.goals_reached
+    worst = solution.collisions[0]
+    assert isinstance(worst, kinopt.Collision)
+    assert any(pair.second == "table" for pair in solution.collisions)
+    assert worst.distance < 0 and worst.depth == -worst.distance
+    assert "`table`" in solution.explain()
+    assert all(pair.distance < 0.005 for pair in solution.collisions)
+
+
+def test_another_world_takes_the_same_arm(arm):
+    target = arm.base_from_tool(Q)
+    crate = table()
+    crate.add_box("crate", (0.3, 0.3, 0.3), pose=target[:3, 3])
+    blocked = arm.with_world(crate)
+    assert not blocked.solve(target, Q).reached
+    assert arm.solve(target, Q).reached
+    # As it was when it was taken.
+    crate.remove("crate")
+    assert not blocked.solve(target, Q).reached
+    assert blocked.with_world(crate, margin=0.0).solve(target, Q).reached
+
+
+def test_paths_stop_before_they_touch(panda):
+    arm = kinopt.Arm(panda, "base", "flange", world=kinopt.World())
+    begin = arm.base_from_tool(Q)
+    wall = kinopt.World()
+    wall.add_box("wall", (0.6, 0.5, 0.6), pose=begin[:3, 3] + [0, 0.45, 0])
+    path = np.repeat(begin[None], 81, axis=0)
+    path[:, 1, 3] += 0.3 * (1 - abs(np.linspace(-1, 1, 81)))
+    track = arm.with_world(wall).track(path, Q)
+    solutions = list(track)
+    assert not solutions[40].reached and solutions[40].collisions[0].second == "wall"
+    assert solutions[0].reached and solutions[-1].reached
+    for solution in solutions:
+        assert arm.with_world(wall).collisions(solution.q) == []
+
+
+def test_arms_with_a_world_are_pickled(arm):
+    again = pickle.loads(pickle.dumps(arm))
+    target = arm.base_from_tool(Q)
+    assert np.array_equal(again.solve(target, Q).q, arm.solve(target, Q).q)
+    target[:3, 3] = [0.6, 0.0, 0.15]
+    assert again.solve(target, Q).collisions == arm.solve(target, Q).collisions
+
+
+def test_bad_worlds_and_margins_are_refused(panda, arm):
+    for margin in (-1.0, float("nan"), "wide"):
+        with pytest.raises(InvalidValueError, match="margin"):
+            kinopt.Arm(panda, "base", "flange", margin=margin)
+    with pytest.raises(InvalidValueError, match="World"):
+        kinopt.Arm(panda, "base", "flange", world="scene.json")
+    with pytest.raises(InvalidValueError, match="Robot"):
+        kinopt.Arm(panda.model, "base", "flange", world=table())
+    with pytest.raises(InvalidValueError, match="checker|world"):
+        kinopt.Arm(panda, "base", "flange").with_world(table())
+    held = table()
+    held.attach("post", "claw", (0, 0, 0))
+    with pytest.raises(UnknownNameError, match="claw"):
+        kinopt.Arm(panda, "base", "flange", world=held)
+    assert arm.collisions(Q) == []
+
+
+def test_a_collision_model_of_ones_own_decides_what_touches(panda):
+    model = panda.collision_model()
+    alone = kinopt.Arm(panda, "base", "flange")
+    inside = kinopt.World()
+    inside.add_sphere("ball", 0.05, pose=alone.base_from_tool(Q)[:3, 3])
+    arm = kinopt.Arm(panda, "base", "flange", world=inside, collision_model=model)
+    assert any(pair.second == "ball" for pair in arm.collisions(Q))
