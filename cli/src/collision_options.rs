@@ -13,6 +13,9 @@ use crate::output;
 /// Random configurations that decide about pairs, where no file does.
 const SAMPLES: u64 = 10_000;
 
+/// Convex pieces of a mesh.
+const PIECES: usize = 16;
+
 /// Options of every subcommand that looks at a robot's shapes.
 #[derive(Args, Debug)]
 pub(crate) struct CollisionOptions {
@@ -53,6 +56,8 @@ enum MeshChoice {
     Hull,
     /// The convex hull of each connected part.
     Parts,
+    /// Up to 16 convex pieces each.
+    Pieces,
     /// Their triangles, and what those enclose.
     Triangles,
 }
@@ -63,6 +68,7 @@ impl ShapeOptions {
         let meshes = match self.meshes {
             MeshChoice::Hull => MeshUse::Hull,
             MeshChoice::Parts => MeshUse::Parts,
+            MeshChoice::Pieces => MeshUse::Pieces(PIECES),
             MeshChoice::Triangles => MeshUse::Triangles,
         };
         let mut builder = CollisionModel::builder(robot).with_meshes(meshes);

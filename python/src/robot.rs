@@ -582,8 +582,8 @@ impl Robot {
     /// The collision shapes of its links.
     ///
     /// Meshes are looked for beside the robot's file and, at `package://`, in the folders above it and in `packages`;
-    /// they count as their convex hulls, with `meshes="parts"` as the hulls of their connected parts, with "triangles"
-    /// as they are. One that is not found is an error, or with `leave_out_missing` left out with a note. An `srdf` says
+    /// they count as their convex hulls, with `meshes="parts"` as the hulls of their connected parts, with "pieces" as up
+    /// to 16 convex pieces that hold them, with "triangles" as they are. One that is not found is an error, or with `leave_out_missing` left out with a note. An `srdf` says
     /// which links may touch.
     ///
     /// Raises `FileError` for a mesh that is not there, `InvalidFileError` for one that is damaged, `InvalidValueError`

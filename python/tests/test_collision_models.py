@@ -118,3 +118,13 @@ def test_what_cannot_be_is_refused(ur5e: kinopt.Robot) -> None:
         model.spheres()
     with pytest.raises(InvalidValueError, match="hull"):
         ur5e.collision_model(meshes="boxes")
+
+
+def test_figures_get_capsules_from_their_skin() -> None:
+    rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    model = kinopt.CollisionModel.of_skin(rig)
+    assert model.is_checked("left_hand", "spine") and not model.is_checked("left_hand", "left_forearm")
+    assert model.pairs == pickle.loads(pickle.dumps(model)).pairs
+    assert model.with_touching_ignored(np.zeros(model.model.configuration_len)).pairs == model.pairs
+    with pytest.raises(InvalidValueError):
+        model.with_touching_ignored([0.0])

@@ -116,6 +116,32 @@ fn shipped_robots_stand_free_where_they_are_shown() {
 }
 
 #[test]
+fn the_shipped_world_leaves_the_panda_room() {
+    let world = kinopt::collision::World::read("models/worlds/table.json").unwrap();
+    let model = CollisionModel::of(&robot("franka_panda")).unwrap();
+    let model = model.with_pairs_sampled(500, 1).unwrap();
+    let checker = kinopt::collision::Checker::new(model)
+        .with_world(&world)
+        .unwrap();
+    let pi = std::f64::consts::PI;
+    let ready = [
+        0.0,
+        -pi / 4.0,
+        0.0,
+        -0.75 * pi,
+        0.0,
+        pi / 2.0,
+        pi / 4.0,
+        0.04,
+        0.04,
+    ];
+    assert_eq!(checker.collisions(&ready).unwrap(), []);
+    let leaning = [0.0, 1.4, 0.0, -0.8, 0.0, pi / 2.0, pi / 4.0, 0.04, 0.04];
+    let told = checker.collisions(&leaning).unwrap();
+    assert!(told.iter().any(|pair| pair.second == "table"), "{told:?}");
+}
+
+#[test]
 fn meshes_are_found_beside_above_and_in_packages() {
     let folder = std::env::temp_dir().join(format!("kinopt-meshes-{}", std::process::id()));
     let meshes = folder.join("lamp_description/meshes");

@@ -6,6 +6,8 @@ mod certificates;
 mod checkers;
 mod coal;
 mod collision_models;
+mod convex_pieces;
+mod figures_of_capsules;
 mod hostile;
 mod identities;
 mod mesh_files;

@@ -8,9 +8,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use super::SphereModel;
+use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::model::Model;
 use crate::pickling;
+use crate::rig::Rig;
 use crate::srdf::Srdf;
 
 /// Shapes on the links of a robot, and the pairs of links that must not touch. Made by `Robot.collision_model`.
@@ -29,6 +31,9 @@ impl From<collision::CollisionModel> for CollisionModel {
     }
 }
 
+/// Convex pieces of a mesh at most.
+const PIECES: usize = 16;
+
 /// How a robot's shapes are taken.
 pub(crate) struct Taking {
     pub(crate) packages: Vec<PathBuf>,
@@ -41,10 +46,11 @@ impl CollisionModel {
         let meshes = match taking.meshes.as_str() {
             "hull" => MeshUse::Hull,
             "parts" => MeshUse::Parts,
+            "pieces" => MeshUse::Pieces(PIECES),
             "triangles" => MeshUse::Triangles,
             other => {
                 return Err(invalid(format!(
-                    "meshes must be \"hull\", \"parts\" or \"triangles\", not {other:?}"
+                    "meshes must be \"hull\", \"parts\", \"pieces\" or \"triangles\", not {other:?}"
                 )));
             }
         };
@@ -69,6 +75,20 @@ impl CollisionModel {
 
 #[pymethods]
 impl CollisionModel {
+    /// Capsules along the bones of a rig, as thick as the skin that follows each of them most; a bone whose skin is wider
+    /// than thick gets several side by side. Bones that touch at rest may touch. It is of the rig's `Skeleton`.
+    ///
+    /// Raises `InvalidValueError` for a rig without a mesh or weights.
+    #[classmethod]
+    fn of_skin(_class: &Bound<'_, PyType>, py: Python<'_>, rig: &Rig) -> PyResult<Self> {
+        let rig = &rig.inner;
+        let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
+            return Err(invalid("the rig has no mesh with weights"));
+        };
+        let made = py.detach(|| collision::CollisionModel::of_skin(&rig.skeleton, mesh, weights));
+        Ok(made.or_raise()?.into())
+    }
+
     /// The model that it is of.
     #[getter]
     fn model(&self) -> Model {
@@ -146,6 +166,15 @@ impl CollisionModel {
         let model = collision::CollisionModel::clone(&self.inner);
         let sampled = py.detach(|| model.with_pairs_sampled(samples, seed));
         Ok(sampled.or_raise()?.into())
+    }
+
+    /// The same model without the pairs that touch at a configuration, shape (nq,).
+    ///
+    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
+    fn with_touching_ignored(&self, q: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let q = arrays::vector_of(q, "q", self.inner.model().configuration_len())?;
+        let model = collision::CollisionModel::clone(&self.inner);
+        Ok(model.with_touching_ignored(&q).or_raise()?.into())
     }
 
     /// An SRDF document that disables every pair of links with shapes that is not kept apart.

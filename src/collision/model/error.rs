@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use super::CollisionObject;
+use crate::SizeMismatch;
 use crate::collision::{ShapeError, ShapeKind};
 use crate::file::ReadError;
+use crate::kinematics::KinematicsError;
 use crate::model::UnknownName;
 
 /// Why there is no such collision model.
@@ -48,6 +50,12 @@ pub enum CollisionModelError {
         /// The shape.
         object: String,
     },
+    /// Weights of another mesh or skeleton.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+    /// A configuration that is none.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
     /// A parameter map of another model.
     #[error("the parameter map is for {given} coordinates, the model has {expected}")]
     ForeignMap {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use super::pieces::pieces;
 use crate::collision::mesh_file::MeshFile;
 use crate::collision::{Shape, ShapeError};
 use crate::file::ReadError;
@@ -16,6 +17,8 @@ pub enum MeshUse {
     Hull,
     /// The convex hull of each of its connected parts, for meshes that were split into convex pieces before.
     Parts,
+    /// Convex pieces that together hold it, at most so many: boxes cut in two where their hulls are filled worst.
+    Pieces(usize),
     /// Its triangles, and what they enclose where they are closed.
     Triangles,
 }
@@ -65,6 +68,7 @@ fn shapes(mesh: MeshFile, meshes: MeshUse) -> Result<Vec<Shape>, ShapeError> {
                 .map(shape)
                 .collect::<Result<_, _>>()?
         }
+        MeshUse::Pieces(most) => pieces(&mesh, most)?,
         MeshUse::Triangles => vec![Shape::mesh(mesh.points, mesh.triangles)?],
     })
 }

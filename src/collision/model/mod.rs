@@ -4,8 +4,10 @@ mod bodies;
 mod capsules;
 mod error;
 mod from_robot;
+mod from_skin;
 mod meshes;
 mod pairs;
+mod pieces;
 mod sampling;
 #[cfg(feature = "serde")]
 mod serialised;

@@ -3,7 +3,7 @@
 use super::CollisionModel;
 use crate::collision::sphere_model::enclosing;
 use crate::collision::{Ball, separation};
-use crate::kinematics::ForwardKinematics;
+use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, ModelError};
 use crate::spatial::Placement;
 
@@ -42,6 +42,23 @@ impl CollisionModel {
             let count = touched.next().unwrap_or(0);
             samples == 0 || (count > 0 && (count as f64) < always)
         });
+        Ok(self)
+    }
+
+    /// The same model without the pairs that touch at a configuration, as where a figure rests or a robot is parked.
+    ///
+    /// # Errors
+    /// A configuration of the wrong length, or one that is not finite.
+    pub fn with_touching_ignored(mut self, q: &[f64]) -> Result<Self, KinematicsError> {
+        let mut kinematics = ForwardKinematics::of_configurations(&self.model, &self.links);
+        let placed = kinematics.place(q)?;
+        let bounds = self.bounds();
+        let apart = self.pairs.iter().filter(|pair| {
+            let at = pair.map(|link| self.position(link));
+            let [a, b] = at.map(|at| (&placed[at], &bounds[at]));
+            !self.touch(**pair, a, b)
+        });
+        self.pairs = apart.copied().collect();
         Ok(self)
     }
 

@@ -1,0 +1,153 @@
+//! Capsules for the bones of a figure, as thick as its skin.
+
+use super::{CollisionModel, CollisionModelError, CollisionObject};
+use crate::SizeMismatch;
+use crate::collision::Shape;
+use crate::mesh::TriangleMesh;
+use crate::model::{Model, ParameterMap};
+use crate::scalar::elementary;
+use crate::skeleton::{BallSkeleton, BoneId, Skeleton};
+use crate::skinning::SkinWeights;
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// Bones with less skin get no shape.
+const LEAST_VERTICES: usize = 8;
+/// So much of a bone's skin is on either side of what counts, as blends reach far into neighbours.
+const BEYOND: f64 = 0.05;
+
+impl CollisionModel {
+    /// Capsules along the bones of a skeleton, as thick as the skin that follows each of them most: nine tenths of it
+    /// lie between their sides. A bone whose skin is wider than thick (a chest, a foot) gets several side by side. Bones
+    /// that touch at rest, as neighbours do, may touch.
+    ///
+    /// ```
+    /// use kinopt::collision::CollisionModel;
+    /// use kinopt::io::rig::Rig;
+    ///
+    /// let rig = Rig::read("models/humanoid/humanoid.json")?;
+    /// let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else { unreachable!() };
+    /// let model = CollisionModel::of_skin(&rig.skeleton, mesh, weights)?;
+    /// assert!(model.is_checked("left_hand", "spine")?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Weights of another mesh or skeleton.
+    pub fn of_skin(
+        skeleton: &Skeleton,
+        mesh: &TriangleMesh,
+        weights: &SkinWeights,
+    ) -> Result<Self, CollisionModelError> {
+        of_skin(skeleton, skeleton.model(), mesh, weights)
+    }
+
+    /// The same for a skeleton on ball joints.
+    ///
+    /// # Errors
+    /// As [`of_skin`](Self::of_skin).
+    pub fn of_ball_skin(
+        figure: &BallSkeleton,
+        mesh: &TriangleMesh,
+        weights: &SkinWeights,
+    ) -> Result<Self, CollisionModelError> {
+        of_skin(figure.skeleton(), figure.model(), mesh, weights)
+    }
+}
+
+fn of_skin(
+    skeleton: &Skeleton,
+    model: &Model,
+    mesh: &TriangleMesh,
+    weights: &SkinWeights,
+) -> Result<CollisionModel, CollisionModelError> {
+    let (bones, positions) = (skeleton.bones(), mesh.positions());
+    SizeMismatch::check("rows of weights", weights.vertex_count(), positions.len())?;
+    SizeMismatch::check("columns of weights", weights.bone_count(), bones.len())?;
+    let mut skin: Vec<Vec<Vector3<f64>>> = vec![Vec::new(); bones.len()];
+    for (vertex, position) in positions.iter().enumerate() {
+        let influences = weights.influences(vertex).iter();
+        // Of equal ones the first.
+        let most = influences.fold(None, |most: Option<(usize, f64)>, influence| {
+            let (bone, weight) = (influence.bone as usize, influence.weight);
+            let more = most.is_none_or(|(_, least)| weight > least);
+            if more { Some((bone, weight)) } else { most }
+        });
+        if let Some((bone, _)) = most {
+            let at = Vector3::new(position.x.into(), position.y.into(), position.z.into());
+            skin[bone].push(bones[bone].model_from_rest.inverse().apply(at));
+        }
+    }
+    let mut objects = Vec::new();
+    for (index, (bone, own)) in bones.iter().zip(skin).enumerate() {
+        if own.len() < LEAST_VERTICES {
+            continue;
+        }
+        let tail = skeleton.tail(BoneId::new(index));
+        for (k, (bone_from_shape, shape)) in capsules(&own).into_iter().enumerate() {
+            let name = format!("{}_{k}", bone.name);
+            objects.push(CollisionObject::new(name, tail, bone_from_shape, shape));
+        }
+    }
+    let map = ParameterMap::identity(model);
+    let own = CollisionModel::assemble(model, map, objects, Vec::new())?;
+    Ok(own.with_touching_ignored(&model.neutral())?)
+}
+
+/// Capsules along x that hold most of the points, given in the bone's own axes.
+fn capsules(points: &[Vector3<f64>]) -> Vec<(Placement<f64>, Shape)> {
+    // The axes of the cross-section: where it is widest and where it is thinnest.
+    let count = points.len() as f64;
+    let middle = points.iter().fold(Vector3::zero(), |sum, p| sum + *p) * count.recip();
+    let moment = |f: fn(Vector3<f64>) -> f64| points.iter().map(|p| f(*p - middle)).sum::<f64>();
+    let (yy, zz, yz) = (
+        moment(|p| p.y * p.y),
+        moment(|p| p.z * p.z),
+        moment(|p| p.y * p.z),
+    );
+    let (sin, cos) = elementary::sin_cos(0.5 * elementary::atan2(2.0 * yz, yy - zz));
+    let wide = Vector3::new(0.0, cos, sin);
+    let thin = Vector3::new(0.0, -sin, cos);
+    let [along, across, through] = [Vector3::UNITS[0], wide, thin].map(|axis| extent(points, axis));
+    let (half_wide, half_thin) = (across.1.max(through.1), across.1.min(through.1));
+    let side = if across.1 >= through.1 { wide } else { thin };
+    if half_thin <= 0.0 {
+        return Vec::new();
+    }
+    // So many side by side that no gap is wider than they are thick.
+    let room = half_wide - half_thin;
+    let gaps = (room / half_thin).ceil().min(16.0);
+    let centre = Vector3::UNITS[0] * along.0 + wide * across.0 + thin * through.0;
+    let length = 2.0 * (along.1 - half_thin);
+    // A shape along z lies along x.
+    let [x, y, z] = Vector3::UNITS;
+    let turned = Matrix3::from_columns(y, z, x);
+    let shape = match length > 0.0 {
+        true => Shape::capsule(half_thin, length),
+        false => Shape::sphere(half_thin.min(half_wide)),
+    };
+    // Skin so thin that it is no shape.
+    let Ok(shape) = shape else {
+        return Vec::new();
+    };
+    let place = |k: usize| {
+        let share = if gaps > 0.0 {
+            2.0 * k as f64 / gaps - 1.0
+        } else {
+            0.0
+        };
+        Placement::new(turned, centre + side * (room * share))
+    };
+    (0..=gaps as usize)
+        .map(|k| (place(k), shape.clone()))
+        .collect()
+}
+
+/// The middle and the half of where most points are along an axis.
+fn extent(points: &[Vector3<f64>], axis: Vector3<f64>) -> (f64, f64) {
+    let mut values: Vec<f64> = points.iter().map(|p| p.dot(axis)).collect();
+    values.sort_unstable_by(f64::total_cmp);
+    let last = values.len() - 1;
+    let skipped = (BEYOND * last as f64).floor() as usize;
+    let (low, high) = (values[skipped], values[last - skipped]);
+    (0.5 * (low + high), 0.5 * (high - low))
+}
