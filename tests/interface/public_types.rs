@@ -6,8 +6,9 @@ use std::fmt::Debug;
 
 use kinopt::scalar::Dual;
 use kinopt::{
-    Model, Problem, Skeleton, Solution, Solver, Workspace, animation, arm, geometric, ik, io,
-    kinematics, lanes, mesh, model, problem, robot, skeleton, skinning, solver, spatial, task,
+    Model, Problem, Skeleton, Solution, Solver, Workspace, animation, arm, collision, geometric,
+    ik, io, kinematics, lanes, mesh, model, problem, robot, skeleton, skinning, solver, spatial,
+    task,
 };
 
 const fn value<T: Clone + Debug + Send + Sync>() {}
@@ -32,6 +33,11 @@ each! { value:
     spatial::Matrix3<f64>, spatial::Placement<f64>, spatial::Quaternion<f64>,
     spatial::Vector3<f64>, Dual<6>,
     mesh::TriangleMesh,
+    collision::Shape, collision::ShapeKind, collision::ShapeNote, collision::Ball, collision::BoundingBox,
+    collision::ConvexHull, collision::TriangleMesh, collision::HeightField, collision::PointCloud,
+    collision::Separation, collision::World, collision::Obstacle, collision::MeshFile,
+    collision::CollisionModel, collision::CollisionObject, collision::SphereModel, collision::SphereGroup,
+    collision::Checker, collision::Collision,
 }
 
 each! { value:
@@ -93,6 +99,7 @@ each! { shared:
 }
 
 each! { error:
+    collision::ShapeError, collision::WorldError, collision::CollisionModelError, collision::CheckerError,
     animation::AimError, animation::ArmatureError, animation::BlendError,
     animation::ChannelError, animation::ClipError, animation::ClipNameError,
     animation::HandleError, animation::LimbError, animation::LocalError, animation::NoEffector,

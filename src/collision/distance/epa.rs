@@ -149,7 +149,7 @@ fn unit(v: Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 /// A unit vector across another, along the axis that it is least along.
-pub(super) fn perpendicular(v: Vector3<f64>) -> Vector3<f64> {
+fn perpendicular(v: Vector3<f64>) -> Vector3<f64> {
     let [x, y, z] = v.to_array().map(f64::abs);
     let axis = if x <= y && x <= z {
         0

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::pose::unit_quaternion;
+use super::pose::Pose;
 use super::{Obstacle, World, WorldError};
 use crate::collision::mesh_file::MeshFile;
 use crate::collision::shape::{Shape, ShapeError, ShapeKind};
 use crate::file::{Place, ReadError, ReadProblem};
-use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
+use crate::spatial::Vector3;
 
 /// The kinds of obstacles, each with its own measures beside what all have; the file's lists of them.
 macro_rules! kinds {
@@ -169,52 +169,6 @@ impl Mesh {
         };
         let mesh = mesh.scaled(scale);
         Ok(Shape::mesh(mesh.points, mesh.triangles))
-    }
-}
-
-/// Where something stands, as a file says it.
-struct Pose {
-    position: [f64; 3],
-    quaternion: Option<[f64; 4]>,
-    rotation: Option<[[f64; 3]; 3]>,
-}
-
-impl Pose {
-    fn of(placement: &Placement<f64>) -> Self {
-        let mut pose = Self {
-            position: placement.translation.to_array(),
-            quaternion: None,
-            rotation: None,
-        };
-        if placement.rotation == Matrix3::identity() {
-            return pose;
-        }
-        let quaternion = Quaternion::from_matrix(&placement.rotation);
-        let [x, y, z] = quaternion.v.to_array();
-        pose.quaternion = Some([quaternion.w, x, y, z]);
-        // A matrix is read again as it was, a quaternion not always.
-        if pose.placement().as_ref() != Ok(placement) {
-            let Matrix3 { x, y, z } = placement.rotation.transpose();
-            pose.quaternion = None;
-            pose.rotation = Some([x, y, z].map(Vector3::to_array));
-        }
-        pose
-    }
-
-    fn placement(&self) -> Result<Placement<f64>, String> {
-        let rotation = match (self.quaternion, self.rotation) {
-            (None, None) => Matrix3::identity(),
-            (Some([w, x, y, z]), None) => {
-                let v = Vector3::new(x, y, z);
-                unit_quaternion(Quaternion { w, v })?.to_matrix()
-            }
-            (None, Some(rows)) => {
-                let [x, y, z] = rows.map(Vector3::from);
-                Matrix3 { x, y, z }.transpose()
-            }
-            (Some(_), Some(_)) => return Err("has both a `quaternion` and a `rotation`".to_owned()),
-        };
-        Ok(Placement::new(rotation, self.position.into()))
     }
 }
 
