@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ def panda() -> kinopt.Robot:
     return kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
 
 
-def table():
+def table() -> kinopt.World:
     world = kinopt.World()
     world.add_box("table", (0.8, 1.2, 0.05), pose=(0.7, 0.0, 0.15))
     world.add_cylinder("post", 0.05, 1.0, pose=(0.35, 0.35, 0.5))
@@ -28,11 +29,11 @@ def table():
 
 
 @pytest.fixture(scope="module")
-def arm(panda):
+def arm(panda: kinopt.Robot) -> kinopt.Arm:
     return kinopt.Arm(panda, "base", "flange", world=table(), margin=0.005)
 
 
-def test_solutions_touch_nothing(arm):
+def test_solutions_touch_nothing(arm: kinopt.Arm) -> None:
     random = np.random.default_rng(4)
     asked = reached = 0
     while asked < 40:
@@ -48,7 +49,7 @@ def test_solutions_touch_nothing(arm):
     assert reached >= 38
 
 
-def test_what_is_touched_is_named(arm):
+def test_what_is_touched_is_named(arm: kinopt.Arm) -> None:
     target = arm.base_from_tool(Q)
     target[:3, 3] = [0.6, 0.0, 0.15]
     solution = arm.solve(target, Q)
@@ -61,7 +62,7 @@ def test_what_is_touched_is_named(arm):
     assert all(pair.distance < 0.005 for pair in solution.collisions)
 
 
-def test_another_world_takes_the_same_arm(arm):
+def test_another_world_takes_the_same_arm(arm: kinopt.Arm) -> None:
     target = arm.base_from_tool(Q)
     crate = table()
     crate.add_box("crate", (0.3, 0.3, 0.3), pose=target[:3, 3])
@@ -74,7 +75,7 @@ def test_another_world_takes_the_same_arm(arm):
     assert blocked.with_world(crate, margin=0.0).solve(target, Q).reached
 
 
-def test_paths_stop_before_they_touch(panda):
+def test_paths_stop_before_they_touch(panda: kinopt.Robot) -> None:
     arm = kinopt.Arm(panda, "base", "flange", world=kinopt.World())
     begin = arm.base_from_tool(Q)
     wall = kinopt.World()
@@ -89,7 +90,7 @@ def test_paths_stop_before_they_touch(panda):
         assert arm.with_world(wall).collisions(solution.q) == []
 
 
-def test_arms_with_a_world_are_pickled(arm):
+def test_arms_with_a_world_are_pickled(arm: kinopt.Arm) -> None:
     again = pickle.loads(pickle.dumps(arm))
     target = arm.base_from_tool(Q)
     assert np.array_equal(again.solve(target, Q).q, arm.solve(target, Q).q)
@@ -97,12 +98,13 @@ def test_arms_with_a_world_are_pickled(arm):
     assert again.solve(target, Q).collisions == arm.solve(target, Q).collisions
 
 
-def test_bad_worlds_and_margins_are_refused(panda, arm):
-    for margin in (-1.0, float("nan"), "wide"):
+def test_bad_worlds_and_margins_are_refused(panda: kinopt.Robot, arm: kinopt.Arm) -> None:
+    bad: list[Any] = [-1.0, float("nan"), "wide"]
+    for margin in bad:
         with pytest.raises(InvalidValueError, match="margin"):
             kinopt.Arm(panda, "base", "flange", margin=margin)
     with pytest.raises(InvalidValueError, match="World"):
-        kinopt.Arm(panda, "base", "flange", world="scene.json")
+        kinopt.Arm(panda, "base", "flange", world="scene.json")  # type: ignore[arg-type]
     with pytest.raises(InvalidValueError, match="Robot"):
         kinopt.Arm(panda.model, "base", "flange", world=table())
     with pytest.raises(InvalidValueError, match="checker|world"):
@@ -114,7 +116,7 @@ def test_bad_worlds_and_margins_are_refused(panda, arm):
     assert arm.collisions(Q) == []
 
 
-def test_a_collision_model_of_ones_own_decides_what_touches(panda):
+def test_a_collision_model_of_ones_own_decides_what_touches(panda: kinopt.Robot) -> None:
     model = panda.collision_model()
     alone = kinopt.Arm(panda, "base", "flange")
     inside = kinopt.World()
