@@ -588,7 +588,10 @@ impl Robot {
     ///
     /// Raises `FileError` for a mesh that is not there, `InvalidFileError` for one that is damaged, `InvalidValueError`
     /// for a shape that is none.
-    #[pyo3(signature = (*, packages = Vec::new(), meshes = "hull", leave_out_missing = false, srdf = None))]
+    #[pyo3(
+        signature = (*, packages = Vec::new(), meshes = "hull", leave_out_missing = false, srdf = None),
+        text_signature = "(self, *, packages=[], meshes=\"hull\", leave_out_missing=False, srdf=None)"
+    )]
     fn collision_model(
         &self,
         py: Python<'_>,
