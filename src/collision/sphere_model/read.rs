@@ -2,10 +2,14 @@
 
 use std::path::Path;
 
+#[cfg(feature = "urdf")]
+use super::NamedSpheres;
 use super::solid::Solid;
-use super::{NamedSpheres, SphereGroup, SphereModel, yaml};
+use super::{SphereGroup, SphereModel, yaml};
+use crate::collision::CollisionModel;
+#[cfg(feature = "urdf")]
+use crate::collision::ShapeKind;
 use crate::collision::model::pairs_apart;
-use crate::collision::{CollisionModel, ShapeKind};
 use crate::file::{Place, ReadError, ReadProblem, read_with};
 use crate::model::FrameId;
 
