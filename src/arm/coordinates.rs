@@ -8,6 +8,10 @@ use crate::model::{FrameId, JointId, Limits, Model, ParameterMap, Source};
 #[derive(Clone, Debug)]
 pub(super) struct Coordinates {
     /// The frame that targets are given in; none for the world.
+    #[cfg_attr(
+        not(feature = "collision"),
+        expect(dead_code, reason = "collisions alone ask")
+    )]
     pub(super) base: Option<FrameId>,
     pub(super) degrees_of_freedom: usize,
     /// (coordinate, source in terms of the arm's joints, limits).

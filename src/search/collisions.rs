@@ -17,6 +17,7 @@ pub struct Collision {
 
 impl Collision {
     /// Two things by name, and how far they are apart.
+    #[cfg(feature = "collision")]
     pub(crate) fn new(first: &str, second: &str, distance: f64) -> Self {
         Self {
             first: first.to_owned(),
@@ -52,6 +53,7 @@ impl Solution {
     }
 
     /// Takes what is touched; a solution that touches something is not reached.
+    #[cfg(feature = "collision")]
     pub(crate) fn set_collisions(&mut self, collisions: Vec<Collision>) {
         self.reached &= collisions.is_empty();
         self.collisions = collisions;
