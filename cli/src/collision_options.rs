@@ -38,15 +38,15 @@ pub(crate) struct ShapeOptions {
     /// A folder that holds ROS packages, or is one; repeat it for several. Default: none.
     ///
     /// Meshes at package://NAME/… are looked for in it, and in the folders above the robot's file.
-    #[arg(long = "package", value_name = "FOLDER", help_heading = COLLISIONS)]
+    #[arg(long = "package", value_name = "FOLDER", help_heading = COLLISIONS, hide_short_help = true)]
     packages: Vec<PathBuf>,
 
     /// What meshes count as. Default: hull.
-    #[arg(long, value_name = "AS", default_value = "hull", hide_default_value = true, help_heading = COLLISIONS)]
+    #[arg(long, value_name = "AS", default_value = "hull", hide_default_value = true, help_heading = COLLISIONS, hide_short_help = true)]
     meshes: MeshChoice,
 
     /// Leave meshes out that are not found, each with a note. Default: refuse the robot.
-    #[arg(long, help_heading = COLLISIONS)]
+    #[arg(long, help_heading = COLLISIONS, hide_short_help = true)]
     leave_out_meshes: bool,
 }
 

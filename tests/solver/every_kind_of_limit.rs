@@ -47,7 +47,8 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
         6 => {
             tasks.add(Orientation::new(frame, here.rotation));
         }
-        7 => {
+        // In itself a frame has no place to go.
+        7 if frame != other => {
             let base = at[other.index()];
             let seen = base.inverse() * pose;
             tasks.add(Pose::new(frame, seen).relative_to(other));

@@ -73,7 +73,7 @@ pub(crate) struct ArmArguments {
     ///
     /// A robot's path whose branch ends goes on by a jump. Default: a miss stays near the start, a path on
     /// its branch.
-    #[arg(long, conflicts_with_all = METHOD, help_heading = SEARCH)]
+    #[arg(long, conflicts_with_all = METHOD, help_heading = SEARCH, hide_short_help = true)]
     pub(super) global_search_on_miss: bool,
 
     /// Follow --targets as a servo does: one a tick, so many ticks a second.

@@ -43,7 +43,7 @@ pub(crate) struct ChainArguments {
     /// Let only the joints of a group of the SRDF file move.
     ///
     /// As --only with the joints that it names, by links, chains and groups. Default: all move.
-    #[arg(long, value_name = "GROUP", requires = "srdf", help_heading = MODEL)]
+    #[arg(long, value_name = "GROUP", requires = "srdf", help_heading = MODEL, hide_short_help = true)]
     group: Option<String>,
 
     /// A tool on the frame that the target is for.

@@ -9,7 +9,7 @@ use kinopt::robot::{Robot, Srdf};
 
 use crate::collision_options::ShapeOptions;
 use crate::failure::Outcome;
-use crate::help_headings::COLLISIONS;
+use crate::help_headings::{COLLISIONS, TARGETS};
 use crate::number_list::not_negative;
 
 /// Options about collisions.
@@ -22,7 +22,7 @@ pub(crate) struct ObstacleArguments {
     /// robot's collision shapes; the pairs that touch are told otherwise. Of a path nothing touches between its points
     /// either. Pairs of links are those that a thousand random configurations neither never nor always have touching, less
     /// those that --srdf disables.
-    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
+    #[arg(long, value_name = "FILE", help_heading = TARGETS)]
     world: Option<PathBuf>,
 
     /// How far all is to be apart at least, in metres; without --world of the robot's own links. Default: 0.

@@ -154,7 +154,7 @@ fn numbers_whose_squares_overflow_are_refused() {
 fn help_is_in_groups_and_its_short_form_on_a_page() {
     let long = text!("solve --help");
     let headings = "Targets | Model | Search | Limits of the search | Preferences | Following | \
-                    Output | Meshes";
+                    Output | Meshes | Collision shapes";
     for heading in headings.split(" | ") {
         let line = format!("\n{heading}:\n");
         assert_eq!(long.matches(&line).count(), 1, "{heading}");
