@@ -248,3 +248,36 @@ fn a_checker_of_another_model_is_refused() {
         .unwrap_err();
     assert!(error.to_string().contains("checker"), "{error}");
 }
+
+#[test]
+fn pairs_that_are_added_after_the_spheres_were_made_are_kept_apart_too() {
+    let robot = robot("franka_panda");
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let all: Vec<_> = bodies.pairs().to_vec();
+    let none = all.iter().fold(bodies.clone(), |model, [a, b]| {
+        model.with_ignored(*a, *b).unwrap()
+    });
+    let spheres = SphereModel::of(&none, Fineness::Overhang(0.03)).unwrap();
+    let checker = Checker::new(bodies).with_spheres(spheres);
+    let rest = vec![0.0; robot.model().configuration_len()];
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let arm = arm.with_checker(&checker, &rest).unwrap();
+    let mut random = Random::new(8);
+    let mut touching = 0;
+    for _ in 0..cases(200, 60) {
+        let q: Vec<f64> = arm
+            .limits()
+            .map(|l| random.within(l.lower, l.upper))
+            .collect();
+        if arm.collisions(&q).unwrap().is_empty() {
+            continue;
+        }
+        touching += 1;
+        let solution = arm.solve(arm.base_from_tool(&q).unwrap(), &q).unwrap();
+        assert_eq!(
+            solution.reached,
+            arm.collisions(&solution.q).unwrap().is_empty()
+        );
+    }
+    assert!(touching > 2, "{touching}");
+}

@@ -242,7 +242,8 @@ impl Own<'_> {
 }
 
 impl InLanes {
-    /// `None` where the arm moves the world in its base's frame, or carries an obstacle, which has no spheres.
+    /// `None` where the arm moves the world in its base's frame, where it carries an obstacle, which has no spheres, and where a link
+    /// has none.
     fn new(
         chain: &Chain,
         q: &[f64],
@@ -270,7 +271,15 @@ impl InLanes {
         let bodies: Vec<_> = bodies.collect();
         // Bodies that no joint of the arm moves against each other are as they are.
         let moves = |[a, b]: &[usize; 2]| bodies[*a].0.joints != bodies[*b].0.joints;
-        let pairs = spheres.pairs().iter().copied().filter(moves).collect();
+        // The checker's own pairs and links: spheres may have been made before those were changed.
+        let model = checker.model();
+        let place = |link: &FrameId| spheres.groups().iter().position(|g| g.link == *link);
+        if !model.links().iter().all(|link| place(link).is_some()) {
+            return None;
+        }
+        let pairs = model.pairs().iter();
+        let pairs = pairs.filter_map(|[a, b]| Some([place(a)?, place(b)?]));
+        let pairs = pairs.filter(moves).collect();
         let obstacles = checker.world().obstacles();
         let solids = obstacles.map(|o| (&o.shape, base_from_world * o.placement));
         Some(Self {
