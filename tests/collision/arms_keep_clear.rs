@@ -281,3 +281,28 @@ fn pairs_that_are_added_after_the_spheres_were_made_are_kept_apart_too() {
     }
     assert!(touching > 2, "{touching}");
 }
+
+#[test]
+fn joints_that_the_arm_locks_stand_where_it_locks_them() {
+    let mut random = Random::new(31);
+    let Panda {
+        checker, q_model, ..
+    } = panda(Search::Start);
+    let robot = robot("franka_panda");
+    let builder = Arm::builder(&robot, "base", "flange").with_locked("joint3", 1.2);
+    let mut arm = builder.build().unwrap();
+    let mut reached = 0;
+    for _ in 0..cases(300, 60) {
+        let checker = checker.clone().with_world(&cluttered(&mut random)).unwrap();
+        arm = arm.with_checker(&checker, &q_model).unwrap();
+        let q: Vec<f64> = arm
+            .limits()
+            .map(|l| random.within(l.lower, l.upper))
+            .collect();
+        let solution = arm.solve(arm.base_from_tool(&q).unwrap(), &q).unwrap();
+        let touched = arm.collisions(&solution.q).unwrap();
+        reached += usize::from(solution.reached);
+        assert_eq!(solution.reached, touched.is_empty(), "{touched:?}");
+    }
+    assert!(reached > 5, "{reached}");
+}

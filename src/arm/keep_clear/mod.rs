@@ -128,11 +128,14 @@ impl KeepClear {
             return Err(ArmError::ForeignChecker { given, expected });
         }
         let mut rest = q_model.to_vec();
-        let placed = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
         let mut q = vec![0.0; arm.joint_count()];
         // The lengths were checked.
         let _ = arm.joint_values(&rest, &mut q[..]);
         let _ = arm.configuration(&q, &mut rest);
+        // As they stand within their limits, with the joints that the arm has locked.
+        let _ = arm.joint_values(&rest, &mut q[..]);
+        let placed = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
+        let at_rest = checker.collisions(&rest)?;
         let chain = arm.serial.chain.as_ref();
         let lanes = chain.zip(checker.spheres()).and_then(|(chain, spheres)| {
             let own = Own {
@@ -140,7 +143,7 @@ impl KeepClear {
                 joints: &arm.serial.joints,
                 base: arm.coordinates.base,
             };
-            InLanes::new(chain, &q, &placed, &own, checker, spheres)
+            InLanes::new(chain, &q, &placed, &own, (checker, &at_rest), spheres)
         });
         Ok(Self {
             cautious: checker
@@ -249,7 +252,7 @@ impl InLanes {
         q: &[f64],
         placed: &[Placement<f64>],
         own: &Own<'_>,
-        checker: &Checker,
+        (checker, at_rest): (&Checker, &[Collision]),
         spheres: &SphereModel,
     ) -> Option<Self> {
         let mut obstacles = checker.world().obstacles();
@@ -269,8 +272,15 @@ impl InLanes {
             (body, base_from_world * placed[group.link.index()])
         });
         let bodies: Vec<_> = bodies.collect();
-        // Bodies that no joint of the arm moves against each other are as they are.
-        let moves = |[a, b]: &[usize; 2]| bodies[*a].0.joints != bodies[*b].0.joints;
+        // Bodies that no joint of the arm moves against each other are as they are: told once, by their shapes.
+        let groups = spheres.groups();
+        let touch = |[a, b]: &[usize; 2]| {
+            let names = [&groups[*a].name, &groups[*b].name];
+            let own = |pair: &Collision| names == [&pair.first, &pair.second];
+            at_rest.iter().any(own)
+        };
+        let counts =
+            |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints || touch(pair);
         // The checker's own pairs and links: spheres may have been made before those were changed.
         let model = checker.model();
         let place = |link: &FrameId| spheres.groups().iter().position(|g| g.link == *link);
@@ -279,7 +289,7 @@ impl InLanes {
         }
         let pairs = model.pairs().iter();
         let pairs = pairs.filter_map(|[a, b]| Some([place(a)?, place(b)?]));
-        let pairs = pairs.filter(moves).collect();
+        let pairs = pairs.filter(counts).collect();
         let obstacles = checker.world().obstacles();
         let solids = obstacles.map(|o| (&o.shape, base_from_world * o.placement));
         Some(Self {
