@@ -58,8 +58,17 @@ def of_loops(old, new):
         yield f"another best cost in problems {missed}"
 
 
+def of_motions(old, new):
+    """Of clips, which end where IPOPT's own way leads."""
+    same = lambda a, b: a["targets"] == b["targets"] and same_cost(a["cost"], b["cost"], BEST_WITHIN)
+    missed = [k for k, (a, b) in enumerate(zip(old["problems"], new["problems"])) if not same(a, b)]
+    print(f"motions.json: another cost in {len(missed)} of {len(old['problems'])} problems")
+    if len(missed) > BEST_MISSES * len(old["problems"]):
+        yield f"another cost in problems {missed}"
+
+
 def main():
-    unknown = {path.name for path in COMMITTED.glob("*.json")} - {*EXACT, "minima.json", "loops.json"}
+    unknown = {path.name for path in COMMITTED.glob("*.json")} - {*EXACT, "minima.json", "loops.json", "motions.json"}
     found = [f"{name}: no tolerance says when it has drifted" for name in sorted(unknown)]
     for name, within in EXACT.items():
         drift = list(differences(read(COMMITTED, name), read(FOLDER, name), within))
@@ -67,6 +76,7 @@ def main():
         found += [f"{name}{place}" for place in drift[:5]]
     found += [f"minima.json: {what}" for what in of_minima(read(COMMITTED, "minima.json"), read(FOLDER, "minima.json"))]
     found += [f"loops.json: {what}" for what in of_loops(read(COMMITTED, "loops.json"), read(FOLDER, "loops.json"))]
+    found += [f"motions.json: {what}" for what in of_motions(read(COMMITTED, "motions.json"), read(FOLDER, "motions.json"))]
     for what in found:
         print("DRIFTED", what, file=sys.stderr)
     sys.exit(bool(found))

@@ -82,6 +82,7 @@ pub mod kinematics;
 pub mod lanes;
 pub mod mesh;
 pub mod model;
+pub mod motion;
 pub mod prelude;
 pub mod problem;
 mod processor;
@@ -119,6 +120,11 @@ struct WholeBodies;
 #[cfg(all(doctest, feature = "collision"))]
 #[doc = include_str!("../docs/collisions.md")]
 struct Collisions;
+
+/// The examples of the page on motions, run as tests.
+#[cfg(all(doctest, feature = "urdf"))]
+#[doc = include_str!("../docs/motions.md")]
+struct Motions;
 
 /// The README's examples, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]

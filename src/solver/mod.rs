@@ -31,7 +31,9 @@ pub use gauss_newton::{GaussNewton, GaussNewtonState};
 pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt, LevenbergMarquardtState};
-pub(crate) use linear::{HeldStep, RowSpace, RowSpan, StepBounds, TangentNewton, dot};
+pub(crate) use linear::{
+    HeldStep, InnerProducts, RowSpace, RowSpan, StepBounds, TangentNewton, dot,
+};
 pub use method::{AnyMethod, Method, Step};
 pub use minimise::{Outcome, minimise};
 pub use observer::{Iteration, Observer, Silent};

@@ -7,8 +7,8 @@ use std::fmt::Debug;
 use kinopt::scalar::Dual;
 use kinopt::{
     Model, Problem, Skeleton, Solution, Solver, Workspace, animation, arm, collision, geometric,
-    ik, io, kinematics, lanes, mesh, model, problem, robot, skeleton, skinning, solver, spatial,
-    task,
+    ik, io, kinematics, lanes, mesh, model, motion, problem, robot, skeleton, skinning, solver,
+    spatial, task,
 };
 
 const fn value<T: Clone + Debug + Send + Sync>() {}
@@ -38,6 +38,10 @@ each! { value:
     collision::Separation, collision::World, collision::Obstacle, collision::MeshFile,
     collision::CollisionModel, collision::CollisionObject, collision::SphereModel, collision::SphereGroup,
     collision::Checker, collision::Collision,
+    motion::clip::MotionProblem, motion::clip::MotionSolver, motion::clip::Windows, motion::clip::RateCost,
+    motion::clip::Contact, motion::clip::MotionSolution, motion::clip::MotionTermination,
+    motion::clip::MotionCounts, motion::clip::MotionBound, motion::clip::MotionLimit<'static>,
+    motion::clip::MotionMiss<'static>,
 }
 
 each! { value:
@@ -100,6 +104,7 @@ each! { shared:
 
 each! { error:
     collision::ShapeError, collision::WorldError, collision::CollisionModelError, collision::CheckerError,
+    motion::clip::MotionError,
     animation::AimError, animation::ArmatureError, animation::BlendError,
     animation::ChannelError, animation::ClipError, animation::ClipNameError,
     animation::HandleError, animation::LimbError, animation::LocalError, animation::NoEffector,

@@ -11,20 +11,20 @@ const CHUNK: usize = 4;
 
 /// Memory for the supports of columns: which chunks hold anything, a bit each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct InnerProducts {
+pub(crate) struct InnerProducts {
     supports: Vec<u64>,
 }
 
 impl InnerProducts {
     /// Makes room.
-    pub(super) fn reserve(&mut self, columns: usize) {
+    pub(crate) fn reserve(&mut self, columns: usize) {
         self.supports.clear();
         self.supports.reserve(columns);
     }
 
     /// J_FᵀJ_F, the lower triangle, row by row, entry by entry: the same bits as if every product were of whole
     /// columns.
-    pub(super) fn fill(&mut self, jacobian: &DMatrix<f64>, free: &[usize], gram: &mut [f64]) {
+    pub(crate) fn fill(&mut self, jacobian: &DMatrix<f64>, free: &[usize], gram: &mut [f64]) {
         let (rows, order) = (jacobian.nrows(), free.len());
         let entries = jacobian.as_slice();
         let column = |j: usize| &entries[j * rows..(j + 1) * rows];

@@ -20,6 +20,7 @@ pub(super) use damped_normal::DampedNormal;
 pub(super) use dense::add_scaled;
 pub(crate) use dense::dot;
 pub(crate) use held_step::{HeldStep, StepBounds};
+pub(crate) use inner_products::InnerProducts;
 pub(crate) use row_space::RowSpace;
 pub(crate) use row_span::RowSpan;
 pub(crate) use tangent_newton::TangentNewton;

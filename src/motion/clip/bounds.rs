@@ -1,0 +1,174 @@
+//! Where each variable may be and how far it may go from frame to frame, and a motion well within that.
+
+use crate::problem::Problem;
+
+/// Shares of the moves, and of the ranges about their middles, that a motion well within its bounds is looked for in.
+const SHARES: [f64; 6] = [0.5, 0.9, 0.99, 0.999, 0.999_99, 0.999_999_9];
+/// How much a start is drawn towards that motion, so that it stands off its bounds.
+const INWARD: f64 = 0.02;
+
+/// Bounds that are the same in all frames.
+#[derive(Clone, Debug)]
+pub(super) struct FrameBounds {
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+    /// How far a variable goes from a frame to the next; infinite for no limit.
+    pub(super) most: Vec<f64>,
+    /// Where both bounds are one: it stays.
+    pub(super) still: Vec<bool>,
+}
+
+/// A variable whose ends are too far apart for its speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TooFar {
+    pub(super) variable: usize,
+}
+
+/// The ends of a range over some frames.
+type Band = [Vec<f64>; 2];
+
+impl FrameBounds {
+    /// Of a problem, with how far each variable goes from frame to frame.
+    pub(super) fn new(problem: &Problem, most: Vec<f64>) -> Self {
+        let (lower, upper) = (problem.lower().to_vec(), problem.upper().to_vec());
+        let still = lower.iter().zip(&upper).map(|(low, high)| low >= high);
+        Self {
+            still: still.collect(),
+            lower,
+            upper,
+            most,
+        }
+    }
+
+    /// Where a variable may be in each of some frames, so that all others can be reached from there at a share of its
+    /// moves, within a share of its range; frames that are fixed stay where x has them.
+    fn band(&self, x: &Frames<'_>, variable: usize, share: f64) -> Option<Band> {
+        let (low, high) = (self.lower[variable], self.upper[variable]);
+        let middle = 0.5 * (low + high);
+        let inset = |end: f64| match middle.is_finite() {
+            true => middle + share * (end - middle),
+            false => end,
+        };
+        let most = share * self.most[variable];
+        let frames = x.frames();
+        let (mut lower, mut upper) = (vec![inset(low); frames], vec![inset(high); frames]);
+        for frame in (0..frames).filter(|&frame| x.fixed[frame]) {
+            lower[frame] = x.at(frame, variable);
+            upper[frame] = lower[frame];
+        }
+        let mut narrow = |frame: usize, from: usize| {
+            // What cannot reach a fixed frame is told by the frames beside it.
+            if !x.fixed[frame] {
+                lower[frame] = lower[frame].max(lower[from] - most);
+                upper[frame] = upper[frame].min(upper[from] + most);
+            }
+        };
+        (1..frames).for_each(|frame| narrow(frame, frame - 1));
+        (1..frames).rev().for_each(|frame| narrow(frame - 1, frame));
+        let open = |frame: usize| x.fixed[frame] || lower[frame] <= upper[frame];
+        (0..frames).all(open).then_some([lower, upper])
+    }
+
+    /// Draws a motion to where no bound is broken, and off all of them: fixed frames stay.
+    ///
+    /// # Errors
+    /// A variable that cannot come from one fixed frame to the next.
+    pub(super) fn draw_within(&self, x: &mut Frames<'_>) -> Result<(), TooFar> {
+        let frames = x.frames();
+        for variable in (0..self.most.len()).filter(|&variable| self.is_bounded(variable)) {
+            let leaps = |frame: usize| {
+                let both = x.fixed[frame - 1] && x.fixed[frame];
+                let way = x.at(frame, variable) - x.at(frame - 1, variable);
+                both && way.abs() > self.most[variable]
+            };
+            if (1..frames).any(leaps) {
+                return Err(TooFar { variable });
+            }
+            let middle = SHARES.iter().find_map(|&share| {
+                let [lower, upper] = self.band(x, variable, share)?;
+                let between = lower
+                    .iter()
+                    .zip(&upper)
+                    .map(|(low, high)| match (*low, *high) {
+                        (f64::NEG_INFINITY, f64::INFINITY) => 0.0,
+                        (f64::NEG_INFINITY, high) => high - 1.0,
+                        (low, f64::INFINITY) => low + 1.0,
+                        (low, high) => 0.5 * (low + high),
+                    });
+                Some(between.collect::<Vec<f64>>())
+            });
+            let middle = middle.ok_or(TooFar { variable })?;
+            let [lower, upper] = self.band(x, variable, 1.0).ok_or(TooFar { variable })?;
+            let unbounded = !(self.lower[variable].is_finite() || self.upper[variable].is_finite());
+            for frame in 0..frames {
+                if x.fixed[frame] {
+                    continue;
+                }
+                let mut value = x.at(frame, variable).clamp(lower[frame], upper[frame]);
+                if frame > 0 {
+                    let most = self.most[variable];
+                    let before = x.at(frame - 1, variable);
+                    value = value.clamp(before - most, before + most);
+                }
+                x.set(frame, variable, value);
+            }
+            let free: Vec<usize> = (0..frames).filter(|&frame| !x.fixed[frame]).collect();
+            // One that has no range of its own stands off its moves by keeping still.
+            let still = free.first().map_or(0.0, |&frame| x.at(frame, variable));
+            let anchored = x.fixed.contains(&true);
+            for frame in free {
+                let inside = match unbounded && !anchored {
+                    true => still,
+                    false => middle[frame],
+                };
+                let value = x.at(frame, variable);
+                x.set(frame, variable, value + INWARD * (inside - value));
+            }
+        }
+        Ok(())
+    }
+
+    fn is_bounded(&self, variable: usize) -> bool {
+        let ends = [self.lower[variable], self.upper[variable]];
+        !self.still[variable]
+            && (ends.iter().any(|end| end.is_finite()) || self.has_moves(variable))
+    }
+
+    pub(super) fn has_moves(&self, variable: usize) -> bool {
+        self.most[variable].is_finite()
+    }
+}
+
+/// The variables of some frames in a row, and which frames are fixed.
+#[derive(Debug)]
+pub(super) struct Frames<'a> {
+    pub(super) x: &'a mut [f64],
+    pub(super) fixed: &'a [bool],
+}
+
+impl Frames<'_> {
+    fn frames(&self) -> usize {
+        self.fixed.len()
+    }
+
+    fn stride(&self) -> usize {
+        self.x.len() / self.fixed.len()
+    }
+
+    fn at(&self, frame: usize, variable: usize) -> f64 {
+        self.x[frame * self.stride() + variable]
+    }
+
+    fn set(&mut self, frame: usize, variable: usize, value: f64) {
+        let at = frame * self.stride() + variable;
+        self.x[at] = value;
+    }
+}
+
+/// The longest move of which neither |b − a|, nor that divided by the time, nor times the rate of frames, is above a
+/// speed's, rounding and all: for values up to a size.
+pub(super) fn longest_move(speed: f64, time_step_s: f64, size: f64) -> f64 {
+    let most = speed * time_step_s * (1.0 - 8.0 * f64::EPSILON);
+    let rounding = 2.0 * f64::EPSILON * size;
+    (most - rounding).max(0.0)
+}

@@ -1,0 +1,364 @@
+//! Collects what a motion should do, and checks it once.
+
+use std::sync::Arc;
+
+use super::bounds::{FrameBounds, longest_move};
+use super::motion_problem::Follow;
+use super::space::FrameSpace;
+use super::{Contact, MotionError, MotionProblem, RateCost};
+use crate::bad_option::{BadOption, POSITIVE};
+use crate::model::{JointRef, Limits, Model, ParameterMap, Source, UnknownName};
+use crate::problem::{Problem, ProblemBuilder, TaskId};
+use crate::robot::Robot;
+use crate::search::check_start;
+use crate::task::{Point, Quantity, Residual, Task};
+
+/// How large values of a variable without limits are taken to be, where rounding is told, in radians or metres.
+const UNBOUNDED_SIZE: f64 = 1e4;
+
+/// So many times the largest weight of a length.
+const STIFFER: f64 = 300.0;
+
+/// Collects the tasks, weights and limits of a [`MotionProblem`]; [`build`](Self::build) checks them.
+pub struct MotionProblemBuilder<'m> {
+    model: &'m Model,
+    problem: ProblemBuilder<'m>,
+    frames: usize,
+    time_step_s: f64,
+    follow: Vec<Follow>,
+    weights: Vec<(usize, Vec<f64>)>,
+    rate_costs: Vec<RateCost>,
+    /// By number of a configuration.
+    speeds: Vec<f64>,
+    contacts: Vec<Contact>,
+    ends: [Option<Vec<f64>>; 2],
+    /// The first name or number that was wrong.
+    wrong: Option<MotionError>,
+}
+
+impl std::fmt::Debug for MotionProblemBuilder<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MotionProblemBuilder")
+            .field("problem", &self.problem)
+            .field("frames", &self.frames)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'m> MotionProblemBuilder<'m> {
+    pub(super) fn new(model: &'m Model, frames: usize, time_step_s: f64) -> Self {
+        Self {
+            model,
+            problem: Problem::builder(model),
+            frames,
+            time_step_s,
+            follow: Vec::new(),
+            weights: Vec::new(),
+            rate_costs: Vec::new(),
+            speeds: vec![f64::INFINITY; model.configuration_len()],
+            contacts: Vec::new(),
+            ends: [None, None],
+            wrong: None,
+        }
+    }
+
+    /// Which joints are free, locked or coupled. Without it every joint is free.
+    pub fn parameters(&mut self, map: ParameterMap) -> &mut Self {
+        self.problem.parameters(map);
+        self
+    }
+
+    /// Narrows a joint's limits in all frames, as [`ProblemBuilder::bound`].
+    pub fn bound<'a>(&mut self, joint: impl Into<JointRef<'a>>, limits: Limits) -> &mut Self {
+        match joint.into().resolve(self.model) {
+            Ok(joint) => drop(self.problem.bound(joint, limits)),
+            Err(unknown) => self.note(unknown),
+        }
+        self
+    }
+
+    /// Adds a task of every frame, as [`ProblemBuilder::add`].
+    pub fn add<R: Residual>(&mut self, task: impl Into<Task<R>>) -> TaskId<R> {
+        self.problem.add(task)
+    }
+
+    /// Moves a task's target: `set` is asked for every frame, again and again, and puts the task's residual where it is
+    /// in that frame, always the same.
+    pub fn follow<R: Residual>(
+        &mut self,
+        task: TaskId<R>,
+        set: impl Fn(usize, &mut R) + Send + Sync + 'static,
+    ) -> &mut Self {
+        self.follow.push(Arc::new(move |frame, targets| {
+            set(frame, targets.get_mut(task)?);
+            Ok(())
+        }));
+        self
+    }
+
+    /// What multiplies a task's rows in each frame, beside its own weights: one number a frame, at least 0.
+    pub fn weights<R: Residual>(&mut self, task: TaskId<R>, by_frame: &[f64]) -> &mut Self {
+        self.weights.push((task.index(), by_frame.to_vec()));
+        self
+    }
+
+    /// What velocities, accelerations or jerks cost; several add up.
+    pub fn rate_cost(&mut self, cost: RateCost) -> &mut Self {
+        self.rate_costs.push(cost);
+        self
+    }
+
+    /// How fast a joint moves at most, in rad/s or m/s: hard, from each frame to the next.
+    pub fn max_speed<'a>(&mut self, joint: impl Into<JointRef<'a>>, speed: f64) -> &mut Self {
+        let resolved = joint.into().resolve(self.model);
+        let coordinate = resolved.map(|joint| (joint, self.model.coordinate(joint)));
+        match (coordinate, BadOption::check("max_speed", speed, POSITIVE)) {
+            (Ok((_, Some(coordinate))), Ok(())) => self.limit_speed(coordinate, speed),
+            (Ok((joint, None)), _) => {
+                let fixed = &self.model.joints()[joint.index()].name;
+                let moving = self.model.moving_joints().iter();
+                let valid = moving.map(|id| self.model.joints()[id.index()].name.as_str());
+                let unknown = UnknownName::new("moving joint", fixed, valid);
+                self.note(unknown);
+            }
+            (Err(unknown), _) => self.note(unknown),
+            (_, Err(bad)) => self.note(bad),
+        }
+        self
+    }
+
+    /// How fast all joints of a robot move at most, as its file says: see [`Robot::velocity_limit`].
+    pub fn max_speeds_of(&mut self, robot: &Robot) -> &mut Self {
+        for joint in robot.model().joint_ids() {
+            let coordinate = self.model.coordinate(joint);
+            if let (Some(coordinate), Some(speed)) = (coordinate, robot.velocity_limit(joint)) {
+                self.limit_speed(coordinate, speed);
+            }
+        }
+        self
+    }
+
+    fn limit_speed(&mut self, coordinate: usize, speed: f64) {
+        if let Some(own) = self.speeds.get_mut(coordinate) {
+            *own = own.min(speed);
+        }
+    }
+
+    /// Holds points of a frame still over a span.
+    pub fn contact(&mut self, contact: Contact) -> &mut Self {
+        self.contacts.push(contact);
+        self
+    }
+
+    /// The configuration of the first frame.
+    pub fn first(&mut self, q: &[f64]) -> &mut Self {
+        self.ends[0] = Some(q.to_vec());
+        self
+    }
+
+    /// The configuration of the last frame.
+    pub fn last(&mut self, q: &[f64]) -> &mut Self {
+        self.ends[1] = Some(q.to_vec());
+        self
+    }
+
+    fn note(&mut self, wrong: impl Into<MotionError>) {
+        self.wrong.get_or_insert(wrong.into());
+    }
+
+    /// Checks everything and compiles the kinematics.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, by name: what [`ProblemBuilder::build`] refuses, no frame, weights or settings out
+    /// of range, spans beyond the frames, balls within limits, loops, fixed frames beyond limits.
+    pub fn build(self) -> Result<MotionProblem, MotionError> {
+        let Self {
+            model,
+            frames,
+            time_step_s,
+            ..
+        } = self;
+        if let Some(wrong) = self.wrong {
+            return Err(wrong);
+        }
+        if frames == 0 {
+            return Err(MotionError::NoFrames);
+        }
+        BadOption::check("time_step_s", time_step_s, POSITIVE)?;
+        if !model.loops().is_empty() {
+            return Err(MotionError::Loops {
+                model: model.name().to_owned(),
+            });
+        }
+        let problem = self.problem.build()?;
+        let map = problem.parameters();
+        let joints = &problem.names().joints;
+        let bounded = |ball: &&crate::model::BallVariables| {
+            ball.swing.is_some() || ball.angle.is_some_and(|angle| angle < std::f64::consts::PI)
+        };
+        if let Some(ball) = map.balls().iter().find(bounded) {
+            return Err(MotionError::BoundedBall {
+                joint: joints[ball.variable].clone(),
+            });
+        }
+        let most = moves(&problem, &self.speeds, time_step_s)?;
+        let compiled = self.rate_costs.iter();
+        let rate_costs = compiled
+            .map(|cost| cost.compile(&problem, time_step_s))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut weights = vec![Vec::new(); problem.tasks()];
+        for (task, by_frame) in self.weights {
+            check_weights(&problem, task, &by_frame, frames)?;
+            if let Some(own) = weights.get_mut(task) {
+                *own = by_frame;
+            }
+        }
+        let held = held(model, map, &self.contacts, frames)?;
+        let mut ends = [None, None];
+        for (end, q) in ends.iter_mut().zip(self.ends) {
+            *end = q.map(|q| fixed_frame(&problem, &q)).transpose()?;
+        }
+        let mut targets = problem.targets();
+        for follow in &self.follow {
+            follow(0, &mut targets)?;
+        }
+        Ok(MotionProblem {
+            stiffness: stiffness(&problem),
+            space: FrameSpace::new(map),
+            bounds: FrameBounds::new(&problem, most),
+            problem,
+            frames,
+            time_step_s,
+            follow: self.follow,
+            weights,
+            rate_costs,
+            contacts: self.contacts,
+            held,
+            ends,
+        })
+    }
+}
+
+/// How far each variable goes from a frame to the next, those that follow it included.
+fn moves(problem: &Problem, speeds: &[f64], time_step_s: f64) -> Result<Vec<f64>, MotionError> {
+    let map = problem.parameters();
+    let mut most = vec![f64::INFINITY; problem.variables()];
+    for (source, &speed) in map
+        .sources()
+        .iter()
+        .zip(speeds)
+        .filter(|(_, s)| s.is_finite())
+    {
+        match *source {
+            Source::Constant(_) => {}
+            Source::Rotation { variable } => {
+                return Err(MotionError::SpeedOfBall {
+                    joint: problem.names().joints[variable].clone(),
+                });
+            }
+            Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } if ratio != 0.0 => {
+                let ends = [map.lower()[variable], map.upper()[variable]];
+                let size = ends.map(|end| {
+                    if end.is_finite() {
+                        end.abs()
+                    } else {
+                        UNBOUNDED_SIZE
+                    }
+                });
+                let size = ratio.abs() * size[0].max(size[1]) + offset.abs();
+                let own = longest_move(speed, time_step_s, size) / ratio.abs();
+                BadOption::check("max_speed", own, POSITIVE)?;
+                most[variable] = most[variable].min(own);
+            }
+            Source::Variable { .. } => {}
+        }
+    }
+    Ok(most)
+}
+
+fn check_weights(
+    problem: &Problem,
+    task: usize,
+    by_frame: &[f64],
+    frames: usize,
+) -> Result<(), MotionError> {
+    let name = problem.task_name(task).unwrap_or("of another problem");
+    if by_frame.len() != frames {
+        return Err(MotionError::Length {
+            what: format!("the weights of task {name} by frame"),
+            given: by_frame.len(),
+            expected: frames,
+        });
+    }
+    let bad = |weight: &f64| !(*weight >= 0.0 && weight.is_finite());
+    match by_frame.iter().position(bad) {
+        None => Ok(()),
+        Some(frame) => Err(MotionError::BadWeight {
+            task: name.to_owned(),
+            frame,
+            weight: by_frame[frame],
+        }),
+    }
+}
+
+/// What a metre of slip costs a held point: far more than the tasks pull it by.
+fn stiffness(problem: &Problem) -> f64 {
+    let blocks = problem
+        .compiled_tasks()
+        .iter()
+        .flat_map(|task| task.blocks());
+    let metres = blocks.filter(|block| block.measure.quantity == Quantity::Metres);
+    STIFFER * metres.map(|block| block.weight).fold(1.0, f64::max)
+}
+
+/// The points of contacts as one problem.
+fn held(
+    model: &Model,
+    map: &ParameterMap,
+    contacts: &[Contact],
+    frames: usize,
+) -> Result<Option<Problem>, MotionError> {
+    let mut points = Problem::builder(model);
+    points.parameters(map.clone());
+    let mut any = false;
+    for contact in contacts {
+        let span = contact.span();
+        if span.end > frames || span.start + 2 > span.end {
+            return Err(MotionError::BadSpan {
+                start: span.start,
+                end: span.end,
+                frames,
+            });
+        }
+        for &point in &contact.points {
+            points.add(Point::new(contact.frame, [0.0; 3]).at(point));
+            any = true;
+        }
+    }
+    Ok(any.then(|| points.build()).transpose()?)
+}
+
+/// The variables of a configuration that a frame is fixed at.
+fn fixed_frame(problem: &Problem, q: &[f64]) -> Result<Vec<f64>, MotionError> {
+    check_start(problem, q)?;
+    let map = problem.parameters();
+    for (variable, &leader) in map.leaders().iter().enumerate() {
+        let limits = Limits::new(map.lower()[variable], map.upper()[variable]);
+        let is_ball = matches!(map.sources()[leader], Source::Rotation { .. });
+        if !is_ball && !limits.contains(q[leader]) {
+            return Err(MotionError::FixedBeyond {
+                joint: problem.names().joints[variable].clone(),
+                value: q[leader],
+                lower: limits.lower,
+                upper: limits.upper,
+            });
+        }
+    }
+    let mut x = vec![0.0; problem.variables()];
+    map.gather(q, &mut x);
+    Ok(x)
+}

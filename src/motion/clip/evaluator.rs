@@ -1,0 +1,202 @@
+//! Cost, gradient and JᵀJ of some frames in a row.
+
+use nalgebra::DMatrix;
+
+use super::block_banded::BlockBanded;
+use super::frame_residuals::FrameResiduals;
+use super::held_points::HeldPoints;
+use super::{MotionCounts, MotionError, MotionProblem};
+use crate::solver::{InnerProducts, dot, half_squared};
+
+/// The step of differences, as a share of a unit.
+const ASIDE: f64 = 1e-6;
+
+/// What evaluates frames of one motion, with its memory.
+pub(super) struct Evaluator<'a> {
+    motion: &'a MotionProblem,
+    residuals: FrameResiduals<'a>,
+    residual: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    products: InnerProducts,
+    gram: Vec<f64>,
+    all: Vec<usize>,
+    ways: Vec<f64>,
+    /// Whether frames bend as they do, or as JᵀJ says.
+    pub(super) curved: bool,
+    pub(super) held: HeldPoints<'a>,
+    pub(super) counts: MotionCounts,
+}
+
+/// Frames in a row, and how many of the first are only there for the others' differences.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    /// The first, of all the motion's.
+    pub(super) first: usize,
+    /// How many of them are held.
+    pub(super) held: usize,
+}
+
+impl<'a> Evaluator<'a> {
+    pub(super) fn new(motion: &'a MotionProblem) -> Self {
+        let problem = &motion.problem;
+        let (n, rows) = (problem.variables(), problem.rows());
+        let mut products = InnerProducts::default();
+        products.reserve(n);
+        Self {
+            residuals: FrameResiduals::new(motion),
+            residual: vec![0.0; rows],
+            jacobian: DMatrix::zeros(rows, n),
+            products,
+            gram: vec![0.0; n * n],
+            all: (0..n).collect(),
+            ways: Vec::new(),
+            curved: false,
+            held: HeldPoints::new(motion),
+            counts: MotionCounts::default(),
+            motion,
+        }
+    }
+
+    /// Each task's rows in a frame, all but its weight there.
+    pub(super) fn unweighed(&mut self, frame: usize, x: &[f64]) -> &[f64] {
+        self.residuals.unweighed(frame, x, &mut self.residual);
+        &self.residual
+    }
+
+    /// Jᵀr of a frame's tasks, by a step.
+    fn frame_gradient(&mut self, frame: usize, x: &[f64], gradient: &mut [f64]) {
+        self.counts.gradients += 1;
+        let Self {
+            residuals,
+            residual,
+            jacobian,
+            ..
+        } = self;
+        residuals.residual(frame, x, residual);
+        residuals.gradient(frame, x, residual, gradient, jacobian);
+        self.motion.space.by_steps(x, 1, gradient);
+    }
+
+    /// The Hessian of ½‖r‖² of a frame's tasks by a step, from differences of its exact gradient; symmetric.
+    fn frame_hessian(&mut self, frame: usize, x: &[f64], gradient: &[f64]) {
+        let n = x.len();
+        let mut aside = vec![0.0; n];
+        let mut moved = vec![0.0; n];
+        let mut slopes = vec![0.0; n];
+        self.gram.fill(0.0);
+        for k in 0..n {
+            aside[k] = ASIDE * self.motion.unit(k);
+            self.motion.space.integrate(x, 1.0, &aside, &mut moved);
+            self.frame_gradient(frame, &moved, &mut slopes);
+            for (row, (slope, before)) in slopes.iter().zip(gradient).enumerate() {
+                let half = 0.5 * (slope - before) / aside[k];
+                self.gram[row * n + k] += half;
+                self.gram[k * n + row] += half;
+            }
+            aside[k] = 0.0;
+        }
+    }
+
+    /// ½‖r‖² of a frame's tasks.
+    pub(super) fn frame_cost(&mut self, frame: usize, x: &[f64]) -> f64 {
+        self.counts.residuals += 1;
+        self.residuals.residual(frame, x, &mut self.residual);
+        half_squared(&self.residual)
+    }
+
+    /// The cost of what the frames' tasks and the differences between frames ask, and, beside it, of what is held.
+    pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> [f64; 2] {
+        let n = self.motion.variables();
+        let mut tasks = 0.0;
+        for (frame, x) in x.chunks_exact(n).enumerate().skip(at.held) {
+            tasks += self.frame_cost(at.first + frame, x);
+        }
+        [tasks + self.rates(at, x), self.held.cost(at, x)]
+    }
+
+    /// The differences between frames, whose ways are kept.
+    pub(super) fn rates(&mut self, at: Stretch, x: &[f64]) -> f64 {
+        let n = self.motion.variables();
+        let frames = x.len() / n;
+        self.ways.resize((frames - 1) * n, 0.0);
+        let pairs = x.chunks_exact(n).zip(x[n..].chunks_exact(n));
+        for ((from, to), way) in pairs.zip(self.ways.chunks_exact_mut(n)) {
+            self.motion.space.difference(to, from, way);
+        }
+        let costs = self.motion.rate_costs.iter();
+        costs
+            .map(|cost| cost.cost(&self.ways, at.held.saturating_sub(cost.order)))
+            .sum()
+    }
+
+    /// The same costs, with the gradient and JᵀJ of their sum.
+    ///
+    /// # Errors
+    /// A frame with a number that is not finite.
+    pub(super) fn linearise(
+        &mut self,
+        at: Stretch,
+        x: &[f64],
+        hessian: &mut BlockBanded,
+        gradient: &mut [f64],
+    ) -> Result<[f64; 2], MotionError> {
+        let n = self.motion.variables();
+        hessian.clear();
+        gradient.fill(0.0);
+        let mut tasks = 0.0;
+        let mut slopes_of_frame = Vec::with_capacity(n);
+        for (local, x) in x.chunks_exact(n).enumerate().skip(at.held) {
+            let frame = at.first + local;
+            let cost = self.frame_cost(frame, x);
+            self.differentiate(frame, x);
+            let own = &mut gradient[local * n..(local + 1) * n];
+            let slopes = self.jacobian.column_iter();
+            for (slope, column) in own.iter_mut().zip(slopes) {
+                *slope += dot(column.as_slice(), &self.residual);
+            }
+            if !(cost.is_finite() && own.iter().all(|slope| slope.is_finite())) {
+                return Err(MotionError::NotFinite { frame });
+            }
+            match self.curved {
+                false => {
+                    let Self {
+                        products,
+                        jacobian,
+                        all,
+                        gram,
+                        ..
+                    } = self;
+                    products.fill(jacobian, all, gram);
+                }
+                true => {
+                    slopes_of_frame.clear();
+                    slopes_of_frame.extend_from_slice(own);
+                    self.frame_hessian(frame, x, &slopes_of_frame);
+                }
+            }
+            for row in 0..n {
+                let entries = &mut hessian.row_mut(local, 0, row)[row..];
+                for (column, entry) in entries.iter_mut().enumerate() {
+                    *entry += self.gram[(row + column) * n + row];
+                }
+            }
+            tasks += cost;
+        }
+        let rates = self.rates(at, x);
+        for cost in &self.motion.rate_costs {
+            let first = at.held.saturating_sub(cost.order);
+            cost.add_to(&self.motion.space, &self.ways, first, hessian, gradient);
+        }
+        let held = self.held.linearise(at, x, hessian, gradient);
+        Ok([tasks + rates, held])
+    }
+
+    /// J of a frame's tasks by steps of its variables.
+    fn differentiate(&mut self, frame: usize, x: &[f64]) {
+        self.counts.jacobians += 1;
+        self.residuals.jacobian(frame, x, &mut self.jacobian);
+        let rows = self.jacobian.nrows();
+        let entries = self.jacobian.as_mut_slice();
+        self.motion.space.by_steps(x, rows, entries);
+    }
+}

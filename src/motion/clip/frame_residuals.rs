@@ -1,0 +1,122 @@
+//! The tasks of one frame of a motion: with its targets, and its weights.
+
+use nalgebra::DMatrix;
+
+use super::MotionProblem;
+use crate::problem::{Evaluation, Question, Scratch, Targets};
+use crate::solver::{ConfigurationSpace, LeastSquares};
+
+/// r and J of frames of a motion, with the memory to evaluate them.
+pub(super) struct FrameResiduals<'a> {
+    motion: &'a MotionProblem,
+    scratch: Scratch,
+    targets: Targets,
+    /// The frame whose targets those are.
+    at: Option<usize>,
+}
+
+impl<'a> FrameResiduals<'a> {
+    pub(super) fn new(motion: &'a MotionProblem) -> Self {
+        Self {
+            scratch: motion.problem.scratch(),
+            targets: motion.problem.targets(),
+            at: None,
+            motion,
+        }
+    }
+
+    fn evaluation(&mut self, frame: usize) -> Evaluation<'_> {
+        if self.at != Some(frame) {
+            self.motion.move_targets(frame, &mut self.targets);
+            self.at = Some(frame);
+        }
+        let question = Question::from(&self.motion.problem).with_targets(&self.targets);
+        Evaluation::new(question, &mut self.scratch)
+    }
+
+    /// Each task's rows, all but its weight in the frame.
+    pub(super) fn unweighed(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
+        self.evaluation(frame).residual(x, residual);
+    }
+
+    /// r of a frame.
+    pub(super) fn residual(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
+        self.unweighed(frame, x, residual);
+        self.weigh(frame, residual);
+    }
+
+    /// ∂r/∂x of a frame, by its variables.
+    pub(super) fn jacobian(&mut self, frame: usize, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        self.evaluation(frame).jacobian(x, jacobian);
+        let rows = jacobian.nrows();
+        if self.motion.weighs(frame) {
+            for column in jacobian.as_mut_slice().chunks_exact_mut(rows) {
+                self.weigh(frame, column);
+            }
+        }
+    }
+
+    /// Writes Jᵀr of a frame by its variables, for its r, which is changed.
+    pub(super) fn gradient(
+        &mut self,
+        frame: usize,
+        x: &[f64],
+        residual: &mut [f64],
+        gradient: &mut [f64],
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        self.weigh(frame, residual);
+        self.evaluation(frame)
+            .gradient(x, residual, gradient, jacobian);
+    }
+
+    /// Multiplies the rows of each task by its weight in a frame.
+    fn weigh(&self, frame: usize, rows: &mut [f64]) {
+        for (index, task) in self.motion.problem.compiled_tasks().iter().enumerate() {
+            let weight = self.motion.weight(index, frame);
+            if weight != 1.0 {
+                let rows = &mut rows[task.rows.clone()];
+                rows.iter_mut().for_each(|row| *row *= weight);
+            }
+        }
+    }
+}
+
+/// One frame by itself, within bounds of its own.
+pub(super) struct FrameAlone<'r, 'a> {
+    pub(super) residuals: &'r mut FrameResiduals<'a>,
+    pub(super) frame: usize,
+    pub(super) lower: &'r [f64],
+    pub(super) upper: &'r [f64],
+}
+
+impl LeastSquares for FrameAlone<'_, '_> {
+    fn variables(&self) -> usize {
+        self.residuals.motion.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.residuals.motion.problem.rows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.lower
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.upper
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        let question = Question::from(&self.residuals.motion.problem);
+        question.within(self.lower, self.upper, &[]).space()
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        self.residuals.residual(self.frame, x, residual);
+    }
+
+    fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        self.residuals.jacobian(self.frame, x, jacobian);
+    }
+}

@@ -1,0 +1,194 @@
+//! Points that stand still, by the method of multipliers: stiff springs from frame to frame, whose rest lengths are
+//! moved until nothing slips (Hestenes 1969, "Multiplier and gradient methods"; Powell 1969).
+
+use nalgebra::DMatrix;
+
+use super::MotionProblem;
+use super::block_banded::BlockBanded;
+use super::evaluator::Stretch;
+use crate::problem::{Evaluation, Scratch};
+use crate::solver::{LeastSquares, dot};
+
+/// Rows of a point.
+const ROWS: usize = 3;
+
+/// The springs of some frames in a row, with the memory to evaluate them.
+pub(super) struct HeldPoints<'a> {
+    motion: &'a MotionProblem,
+    scratch: Option<Scratch>,
+    /// What a metre of slip costs, as a weight.
+    stiffness: f64,
+    /// By frame and row: how far the rest of a spring to the next frame is off zero, metres.
+    rests: Vec<f64>,
+    /// Where the points of two frames stand, and how they move with steps of theirs.
+    places: [Vec<f64>; 2],
+    jacobians: [DMatrix<f64>; 2],
+}
+
+impl<'a> HeldPoints<'a> {
+    pub(super) fn new(motion: &'a MotionProblem) -> Self {
+        let rows = motion.held.as_ref().map_or(0, |held| held.rows());
+        Self {
+            scratch: motion.held.as_ref().map(|held| held.scratch()),
+            stiffness: motion.stiffness,
+            rests: Vec::new(),
+            places: [vec![0.0; rows], vec![0.0; rows]],
+            jacobians: [(); 2].map(|()| DMatrix::zeros(rows, motion.variables())),
+            motion,
+        }
+    }
+
+    fn rows(&self) -> usize {
+        self.places[0].len()
+    }
+
+    /// Lets go of what was learnt: for so many other frames.
+    pub(super) fn begin(&mut self, frames: usize) {
+        self.rests.clear();
+        self.rests.resize(frames * self.rows(), 0.0);
+    }
+
+    /// Puts the points of a frame second, and those that were there first.
+    fn look(&mut self, x: &[f64], differentiate: bool) {
+        let (Some(held), Some(scratch)) = (&self.motion.held, &mut self.scratch) else {
+            return;
+        };
+        self.places.swap(0, 1);
+        let mut evaluation = Evaluation::new(held, scratch);
+        evaluation.residual(x, &mut self.places[1]);
+        if differentiate {
+            self.jacobians.swap(0, 1);
+            evaluation.jacobian(x, &mut self.jacobians[1]);
+            let rows = self.jacobians[1].nrows();
+            let entries = self.jacobians[1].as_mut_slice();
+            self.motion.space.by_steps(x, rows, entries);
+        }
+    }
+
+    /// Whether any point is held from a frame to the next.
+    fn holds_from(&self, frame: usize) -> bool {
+        let mut contacts = self.motion.contacts.iter();
+        contacts.any(|contact| contact.holds_from(frame))
+    }
+
+    /// Goes through the rows that are held from each frame to the next, with how far they slip: what to do with both
+    /// frames' local numbers, the row and its slip.
+    fn each(
+        &mut self,
+        at: Stretch,
+        x: &[f64],
+        differentiate: bool,
+        mut found: impl FnMut(&mut Self, usize, usize, f64),
+    ) {
+        if self.motion.held.is_none() {
+            return;
+        }
+        let n = self.motion.variables();
+        let frames = x.len() / n;
+        let mut seen = None;
+        // Between two held frames nothing moves.
+        for local in at.held.saturating_sub(1)..frames.saturating_sub(1) {
+            if !self.holds_from(at.first + local) {
+                continue;
+            }
+            if seen != Some(local) {
+                self.look(&x[local * n..(local + 1) * n], differentiate);
+            }
+            self.look(&x[(local + 1) * n..(local + 2) * n], differentiate);
+            seen = Some(local + 1);
+            let mut row = 0;
+            for contact in &self.motion.contacts {
+                let rows = row..row + ROWS * contact.points.len();
+                row = rows.end;
+                if contact.holds_from(at.first + local) {
+                    for row in rows {
+                        let slip = self.places[1][row] - self.places[0][row];
+                        found(self, local, row, slip);
+                    }
+                }
+            }
+        }
+    }
+
+    /// ½ w² Σ (slip + rest)².
+    pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        self.each(at, x, false, |own, local, row, slip| {
+            let stretched = own.stiffness * (slip + own.rests[local * own.rows() + row]);
+            sum += stretched * stretched;
+        });
+        0.5 * sum
+    }
+
+    /// The same cost, adding its gradient and JᵀJ.
+    pub(super) fn linearise(
+        &mut self,
+        at: Stretch,
+        x: &[f64],
+        hessian: &mut BlockBanded,
+        gradient: &mut [f64],
+    ) -> f64 {
+        let n = self.motion.variables();
+        let squared = self.stiffness * self.stiffness;
+        let mut sum = 0.0;
+        let (mut from, mut to) = (vec![0.0; n], vec![0.0; n]);
+        let mut moving = Vec::with_capacity(n);
+        self.each(at, x, true, |own, local, row, slip| {
+            let stretched = slip + own.rests[local * own.rows() + row];
+            sum += squared * stretched * stretched;
+            moving.clear();
+            for column in 0..n {
+                from[column] = -own.jacobians[0][(row, column)];
+                to[column] = own.jacobians[1][(row, column)];
+                if from[column] != 0.0 || to[column] != 0.0 {
+                    moving.push(column);
+                }
+            }
+            for (k, &a) in moving.iter().enumerate() {
+                gradient[local * n + a] += squared * from[a] * stretched;
+                gradient[(local + 1) * n + a] += squared * to[a] * stretched;
+                for &b in &moving[k..] {
+                    hessian.add(local, 0, a, b, squared * from[a] * from[b]);
+                    hessian.add(local + 1, 0, a, b, squared * to[a] * to[b]);
+                }
+                for &b in &moving {
+                    hessian.add(local, 1, a, b, squared * from[a] * to[b]);
+                }
+            }
+        });
+        0.5 * sum
+    }
+
+    /// Moves the springs' rests by what slips; how much that is at most, from a frame to the next, metres.
+    pub(super) fn tighten(&mut self, at: Stretch, x: &[f64]) -> f64 {
+        let mut most = 0.0_f64;
+        self.each(at, x, false, |own, local, row, slip| {
+            let rows = own.rows();
+            own.rests[local * rows + row] += slip;
+            most = most.max(slip.abs());
+        });
+        most
+    }
+
+    /// How far a held point is from where it first stood, at most, metres.
+    pub(super) fn slip(&mut self, at: Stretch, x: &[f64]) -> f64 {
+        let mut most = 0.0_f64;
+        let mut sums: Vec<(usize, [f64; ROWS])> =
+            vec![(usize::MAX, [0.0; ROWS]); self.rows() / ROWS];
+        self.each(at, x, false, |_, local, row, slip| {
+            let (last, sum) = &mut sums[row / ROWS];
+            if row % ROWS == 0 {
+                // A span that has ended begins anew.
+                if last.wrapping_add(1) != local {
+                    *sum = [0.0; ROWS];
+                }
+                *last = local;
+            }
+            sum[row % ROWS] += slip;
+            if row % ROWS == ROWS - 1 {
+                most = most.max(dot(sum, sum).sqrt());
+            }
+        });
+        most
+    }
+}

@@ -1,0 +1,282 @@
+//! Bounded nonlinear least squares over many frames: a primal-dual interior method whose Hessian is Gauss-Newton's.
+//!
+//! Every iterate is strictly within all bounds. A step solves the Newton equations of the barrier problem
+//! F(x) − μ Σ ln s, with multipliers z of their own (Nocedal & Wright 2006, "Numerical optimization", 19.3); μ falls as
+//! fast as a step with μ = 0 promises (Mehrotra 1992, "On the implementation of a primal-dual interior point method").
+
+use super::barrier::Barrier;
+use super::block_banded::BlockBanded;
+use super::bounds::Frames;
+use super::evaluator::{Evaluator, Stretch};
+use super::{MotionError, MotionProblem, MotionTermination};
+use crate::solver::dot;
+
+/// Σ s z of the start, as a share of the cost.
+const FIRST_GAP: f64 = 0.1;
+/// What a step must win of what its slope promises (Armijo), and how often it is halved to do so.
+const SUFFICIENT: f64 = 1e-4;
+const HALVINGS: usize = 12;
+/// The damping that is tried first where a step wins nothing, as a share of the largest diagonal entry; what it is
+/// multiplied by, and how it falls off.
+const FIRST_DAMPING: f64 = 1e-6;
+const MORE_DAMPING: f64 = 10.0;
+const LESS_DAMPING: f64 = 0.1;
+/// Least damping, so that what nothing asks for stays; and the most that is tried.
+const LEAST_DAMPING: f64 = 1e-13;
+const MOST_DAMPING: f64 = 1e3;
+/// μ falls to no less than this share of what it was.
+const LEAST_CENTRING: f64 = 1e-4;
+/// Σ s z falls to no less than this share of what is to win otherwise, lest a bound be hugged before its time.
+const LEAST_GAP: f64 = 0.3;
+/// So many steps are Gauss-Newton's at most; then frames bend as they do.
+const PLAIN_STEPS: usize = 10;
+/// Held points move so little, in metres, where they stand still …
+const STILL: f64 = 1e-8;
+/// … and springs are tightened so often at most.
+const MOST_TIGHTENINGS: usize = 6;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// What is still to win, as a share of the cost.
+    pub(super) tolerance: f64,
+    pub(super) iterations: usize,
+}
+
+/// Frames in a row that are solved as one.
+pub(super) struct Window<'a, 'e> {
+    pub(super) motion: &'a MotionProblem,
+    pub(super) evaluator: &'e mut Evaluator<'a>,
+    pub(super) at: Stretch,
+    pub(super) fixed: Vec<bool>,
+}
+
+/// What came of it, but for where the frames stand.
+pub(super) struct Outcome {
+    pub(super) termination: MotionTermination,
+    pub(super) iterations: usize,
+    pub(super) barrier: Barrier,
+    /// Before the last step.
+    pub(super) cost: f64,
+    pub(super) slip: f64,
+}
+
+/// Room for steps.
+struct Step {
+    hessian: BlockBanded,
+    factor: BlockBanded,
+    gradient: Vec<f64>,
+    way: Vec<f64>,
+    room: Vec<f64>,
+    damping: f64,
+}
+
+impl Window<'_, '_> {
+    /// Minimises from x, in place.
+    pub(super) fn minimise(
+        &mut self,
+        x: &mut [f64],
+        limits: Limits,
+    ) -> Result<Outcome, MotionError> {
+        let n = self.motion.variables();
+        let frames = self.fixed.len();
+        let fixed = &self.fixed;
+        let within = self.motion.bounds.draw_within(&mut Frames { x, fixed });
+        within.map_err(|too_far| self.too_far(too_far.variable))?;
+        self.evaluator.held.begin(frames);
+        self.evaluator.curved = false;
+        let mut barrier = Barrier::new(&self.motion.bounds, &self.fixed);
+        if let Some(bound) = barrier.look(x) {
+            return Err(self.too_far(bound.at % n));
+        }
+        let hessian = BlockBanded::new(frames, n, self.motion.bandwidth());
+        let mut step = Step {
+            factor: hessian.clone(),
+            hessian,
+            gradient: vec![0.0; frames * n],
+            way: vec![0.0; frames * n],
+            room: Vec::new(),
+            damping: 0.0,
+        };
+        let (mut iterations, mut tightenings) = (0, 0);
+        let mut termination = MotionTermination::IterationLimit;
+        let mut last_cost = f64::INFINITY;
+        while iterations < limits.iterations {
+            let costs = self.linearise(x, &mut step)?;
+            let cost = costs[0] + costs[1];
+            last_cost = costs[0];
+            if iterations == 0 && !barrier.is_empty() {
+                let least = f64::MIN_POSITIVE.sqrt();
+                barrier.centre((FIRST_GAP * cost).max(least) / barrier.bounds.len() as f64);
+            }
+            barrier.add_to(n, &mut step.hessian);
+            self.take_out_fixed(&mut step.hessian);
+            iterations += 1;
+            self.evaluator.curved |= iterations == PLAIN_STEPS;
+            let won = self.step(x, cost, &mut barrier, &mut step)?;
+            let Some((promised, gap)) = won else {
+                termination = MotionTermination::SmallStep;
+                break;
+            };
+            if promised + gap <= limits.tolerance * costs[0] {
+                let slip = self.evaluator.held.tighten(self.at, x);
+                if slip <= STILL || tightenings == MOST_TIGHTENINGS {
+                    termination = MotionTermination::Stationary;
+                    break;
+                }
+                tightenings += 1;
+            }
+        }
+        let slip = self.evaluator.held.slip(self.at, x);
+        Ok(Outcome {
+            termination,
+            iterations,
+            barrier,
+            cost: last_cost,
+            slip,
+        })
+    }
+
+    fn linearise(&mut self, x: &[f64], step: &mut Step) -> Result<[f64; 2], MotionError> {
+        let Step {
+            hessian, gradient, ..
+        } = step;
+        self.evaluator.linearise(self.at, x, hessian, gradient)
+    }
+
+    /// One step: what it promised to win, and Σ s z after it; `None` where no step wins anything.
+    fn step(
+        &mut self,
+        x: &mut [f64],
+        cost: f64,
+        barrier: &mut Barrier,
+        step: &mut Step,
+    ) -> Result<Option<(f64, f64)>, MotionError> {
+        let largest = step.hessian.largest();
+        let mut trial = x.to_vec();
+        loop {
+            self.factorise(step, largest);
+            // What a step straight to the bounds leaves of Σ s z tells how far μ may fall.
+            let mu = match barrier.is_empty() {
+                true => 0.0,
+                false => {
+                    let to_win = 0.5 * self.aim(step, barrier, 0.0);
+                    barrier.take_step(&step.way, 0.0);
+                    let (of_slacks, of_multipliers) = barrier.longest();
+                    let gap = barrier.gap();
+                    let left = barrier.gap_after(of_slacks, of_multipliers) / gap;
+                    let centring = (left * left * left).clamp(LEAST_CENTRING, 1.0);
+                    (centring * gap).max(LEAST_GAP * to_win) / barrier.bounds.len() as f64
+                }
+            };
+            let downhill = self.aim(step, barrier, mu);
+            barrier.take_step(&step.way, mu);
+            let (longest, of_multipliers) = barrier.longest();
+            let merit = cost + mu * barrier.cost(x);
+            let mut share = longest;
+            for _ in 0..HALVINGS {
+                self.move_by(x, share, &step.way, &mut trial);
+                let beyond = mu * barrier.cost(&trial);
+                let trial_cost = match beyond.is_finite() {
+                    true => self.evaluator.cost(self.at, &trial).iter().sum::<f64>() + beyond,
+                    false => f64::INFINITY,
+                };
+                let enough = merit - SUFFICIENT * share * downhill;
+                // Where rounding is all that a step wins, it is taken.
+                if trial_cost <= enough + 4.0 * f64::EPSILON * merit.abs() {
+                    x.copy_from_slice(&trial);
+                    barrier.move_multipliers(of_multipliers);
+                    if let Some(bound) = barrier.look(x) {
+                        return Err(self.too_far(bound.at % self.motion.variables()));
+                    }
+                    if share == longest {
+                        step.damping *= LESS_DAMPING;
+                    } else {
+                        // JᵀJ foretold too much.
+                        self.evaluator.curved = true;
+                    }
+                    let promised = 0.5 * downhill.max(0.0) / share;
+                    return Ok(Some((promised, barrier.gap())));
+                }
+                share *= 0.5;
+            }
+            if step.damping > MOST_DAMPING {
+                return Ok(None);
+            }
+            step.damping = (MORE_DAMPING * step.damping).max(FIRST_DAMPING);
+        }
+    }
+
+    /// Factorises the damped system, damped as much as that takes.
+    fn factorise(&mut self, step: &mut Step, largest: f64) {
+        loop {
+            step.factor.copy_from(&step.hessian);
+            let damping = step.damping.max(LEAST_DAMPING) * largest;
+            step.factor.add_to_diagonal(damping);
+            self.evaluator.counts.factored_frames += self.fixed.len();
+            if step.factor.factorise() || step.damping > MOST_DAMPING {
+                return;
+            }
+            step.damping = (MORE_DAMPING * step.damping).max(FIRST_DAMPING);
+        }
+    }
+
+    /// Solves for the step with a barrier of this μ; how steep the barrier problem falls along it.
+    fn aim(&self, step: &mut Step, barrier: &Barrier, mu: f64) -> f64 {
+        let Step {
+            factor,
+            gradient,
+            way,
+            room,
+            ..
+        } = step;
+        for (way, slope) in way.iter_mut().zip(&*gradient) {
+            *way = -slope;
+        }
+        barrier.add_push(mu, way);
+        self.keep_fixed(way);
+        let downhill = way.clone();
+        factor.solve(way, room);
+        self.keep_fixed(way);
+        dot(&downhill, way)
+    }
+
+    fn move_by(&self, x: &[f64], share: f64, way: &[f64], to: &mut [f64]) {
+        let n = self.motion.variables();
+        let frames = x.chunks_exact(n).zip(way.chunks_exact(n));
+        for (((x, way), to), fixed) in frames.zip(to.chunks_exact_mut(n)).zip(&self.fixed) {
+            match fixed {
+                true => to.copy_from_slice(x),
+                false => self.motion.space.integrate(x, share, way, to),
+            }
+        }
+    }
+
+    /// Nothing of a step moves a fixed frame, or a variable whose bounds are one.
+    fn keep_fixed(&self, way: &mut [f64]) {
+        let still = &self.motion.bounds.still;
+        for (way, &fixed) in way.chunks_exact_mut(still.len()).zip(&self.fixed) {
+            for (way, &still) in way.iter_mut().zip(still) {
+                if fixed || still {
+                    *way = 0.0;
+                }
+            }
+        }
+    }
+
+    fn take_out_fixed(&self, hessian: &mut BlockBanded) {
+        for (frame, &fixed) in self.fixed.iter().enumerate() {
+            for (variable, &still) in self.motion.bounds.still.iter().enumerate() {
+                if fixed || still {
+                    hessian.take_out(frame, variable);
+                }
+            }
+        }
+    }
+
+    fn too_far(&self, variable: usize) -> MotionError {
+        MotionError::TooFar {
+            joint: self.motion.problem.names().joints[variable].clone(),
+        }
+    }
+}

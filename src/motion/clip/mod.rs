@@ -1,0 +1,29 @@
+//! Whole clips, solved as one: many frames of one model with tasks, smoothness, hard limits of position and speed, and
+//! contacts that hold.
+
+mod barrier;
+mod block_banded;
+mod bounds;
+mod builder;
+mod contact;
+mod error;
+mod evaluator;
+mod frame_residuals;
+mod held_points;
+mod interior_point;
+mod motion_problem;
+mod motion_solver;
+mod per_frame;
+mod rate_cost;
+mod solution;
+mod space;
+
+pub use builder::MotionProblemBuilder;
+pub use contact::Contact;
+pub use error::MotionError;
+pub use motion_problem::MotionProblem;
+pub use motion_solver::{MotionSolver, Windows};
+pub use rate_cost::RateCost;
+pub use solution::{
+    MotionBound, MotionCounts, MotionLimit, MotionMiss, MotionSolution, MotionTermination,
+};

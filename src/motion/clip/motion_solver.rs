@@ -1,0 +1,154 @@
+//! Solves motions: all frames as one, or window by window.
+
+use super::evaluator::{Evaluator, Stretch};
+use super::frame_residuals::FrameResiduals;
+use super::interior_point::{Limits, Window};
+use super::per_frame::per_frame;
+use super::solution::Report;
+use super::{MotionError, MotionProblem, MotionSolution};
+use crate::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption};
+use crate::search::check_start;
+
+/// How a motion is cut into windows: each is solved with some frames ahead of its own, which the next one solves anew
+/// from where the first ended. Neighbours agree at their seam, as the second begins with the first one's last frames
+/// held, and what is beyond the frames ahead hardly pulls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Windows {
+    /// How many frames a window keeps.
+    pub frames: usize,
+    /// How many more it looks at.
+    pub ahead: usize,
+}
+
+/// Solves a [`MotionProblem`]: a first motion frame by frame, then all frames together.
+///
+/// Memory and time are linear in the frames; in windows, memory is that of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionSolver {
+    tolerance: f64,
+    max_iterations: usize,
+    windows: Option<Windows>,
+}
+
+impl Default for MotionSolver {
+    /// To 1e-8 of the cost, 200 iterations a window, all frames as one.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            max_iterations: 200,
+            windows: None,
+        }
+    }
+}
+
+impl MotionSolver {
+    setters! {
+        /// Ends where a step promises, and bounds withhold, no more than this share of the cost. At least 0.
+        pub fn with_tolerance(mut self, share: f64) { self.tolerance = share }
+        /// At most so many iterations a window.
+        pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
+        /// In windows, or all frames as one.
+        pub fn with_windows(mut self, windows: Option<Windows>) { self.windows = windows }
+    }
+
+    /// Solves a motion, from a configuration near its first frame's.
+    ///
+    /// # Errors
+    /// A start that is none of the model's, options out of range, fixed frames that speed limits part, residuals that
+    /// are not finite.
+    pub fn solve(
+        &self,
+        motion: &MotionProblem,
+        start: &[f64],
+    ) -> Result<MotionSolution, MotionError> {
+        let n = motion.variables();
+        let first = variables(motion, start)?;
+        let mut x = vec![0.0; motion.frames * n];
+        per_frame(motion, &mut FrameResiduals::new(motion), &first, &mut x)?;
+        self.minimise(motion, x)
+    }
+
+    /// Solves a motion from one near it: a configuration a frame, one after the other. It need not keep any limit.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_near(
+        &self,
+        motion: &MotionProblem,
+        start: &[f64],
+    ) -> Result<MotionSolution, MotionError> {
+        let n = motion.configuration_len();
+        if start.len() != motion.frames * n {
+            return Err(MotionError::Length {
+                what: "a motion to start from".to_owned(),
+                given: start.len(),
+                expected: motion.frames * n,
+            });
+        }
+        let mut x = Vec::with_capacity(motion.frames * motion.variables());
+        for q in start.chunks_exact(n.max(1)) {
+            x.extend(variables(motion, q)?);
+        }
+        self.minimise(motion, x)
+    }
+
+    fn minimise(
+        &self,
+        motion: &MotionProblem,
+        mut x: Vec<f64>,
+    ) -> Result<MotionSolution, MotionError> {
+        BadOption::check("tolerance", self.tolerance, AT_LEAST_0)?;
+        let windows = self.windows.unwrap_or(Windows {
+            frames: motion.frames,
+            ahead: 0,
+        });
+        BadOption::check(
+            "the frames of a window",
+            windows.frames as f64,
+            AT_LEAST_ONE,
+        )?;
+        let n = motion.variables();
+        let [first, last] = &motion.ends;
+        if let Some(first) = first {
+            x[..n].copy_from_slice(first);
+        }
+        if let Some(last) = last {
+            x[(motion.frames - 1) * n..].copy_from_slice(last);
+        }
+        let limits = Limits {
+            tolerance: self.tolerance,
+            iterations: self.max_iterations,
+        };
+        let mut evaluator = Evaluator::new(motion);
+        let mut report = Report::new(motion);
+        let mut begin = 0;
+        while begin < motion.frames {
+            let keep = (begin + windows.frames).min(motion.frames);
+            let end = (keep + windows.ahead).min(motion.frames);
+            let held = begin.min(motion.bandwidth());
+            let stretch = begin - held..end;
+            let mut window = Window {
+                motion,
+                evaluator: &mut evaluator,
+                at: Stretch {
+                    first: stretch.start,
+                    held,
+                },
+                fixed: motion.fixed(&stretch, held),
+            };
+            let own = &mut x[stretch.start * n..stretch.end * n];
+            let outcome = window.minimise(own, limits)?;
+            report.take(&outcome, stretch.start, begin..keep);
+            begin = if end == motion.frames { end } else { keep };
+        }
+        Ok(report.finish(&mut evaluator, &x))
+    }
+}
+
+/// The variables of a configuration.
+fn variables(motion: &MotionProblem, q: &[f64]) -> Result<Vec<f64>, MotionError> {
+    check_start(&motion.problem, q)?;
+    let mut x = vec![0.0; motion.variables()];
+    motion.problem.parameters().gather(q, &mut x);
+    Ok(x)
+}

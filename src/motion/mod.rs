@@ -1,0 +1,3 @@
+//! Whole motions, above single poses.
+
+pub mod clip;

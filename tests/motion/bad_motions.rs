@@ -1,0 +1,168 @@
+//! Promise: what is asked of a motion and cannot be is an error that names it, and limits hold at its fixed ends.
+
+use kinopt::model::{BallLimits, Limits, Model};
+use kinopt::motion::clip::{
+    Contact, MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolver, RateCost,
+};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+
+type Ask<'a> = &'a dyn Fn(&mut MotionProblemBuilder);
+
+fn arm() -> Model {
+    let mut builder = Model::builder("arm");
+    let z = Vector3::UNITS[2];
+    let link = Placement::translation(Vector3::UNITS[0]);
+    let limits = Limits::new(-2.0, 2.0);
+    let shoulder = builder.revolute("shoulder", None, Placement::identity(), z, limits);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, z, limits);
+    builder.frame("tip", Some(elbow), link);
+    builder.build().unwrap()
+}
+
+fn asked(
+    model: &Model,
+    frames: usize,
+    ask: impl Fn(&mut MotionProblemBuilder),
+) -> Result<MotionProblem, MotionError> {
+    let mut motion = MotionProblem::builder(model, frames, 0.01);
+    motion.add(Point::new(model.frame("tip").unwrap(), [1.0, 1.0, 0.0]));
+    ask(&mut motion);
+    motion.build()
+}
+
+#[test]
+fn errors_name_what_is_wrong() {
+    let model = arm();
+    let tip = model.frame("tip").unwrap();
+    let told = |frames, ask: &dyn Fn(&mut MotionProblemBuilder)| {
+        asked(&model, frames, ask).unwrap_err().to_string()
+    };
+    let jerk = RateCost::jerk(1.0).times("wrist", 2.0);
+    let backwards = RateCost::velocity(-1.0);
+    let wrong: [(Ask<'_>, &[&str]); 8] = [
+        (
+            &|motion| _ = motion.max_speed("wrist", 1.0),
+            &["wrist", "elbow"],
+        ),
+        (
+            &|motion| _ = motion.max_speed("elbow", 0.0),
+            &["max_speed", "positive"],
+        ),
+        (
+            &|motion| _ = motion.rate_cost(jerk.clone()),
+            &["wrist", "elbow"],
+        ),
+        (&|motion| _ = motion.rate_cost(backwards.clone()), &["-1"]),
+        (
+            &|motion| _ = motion.first(&[3.0, 0.0]),
+            &["shoulder", "3", "-2"],
+        ),
+        (&|motion| _ = motion.last(&[0.0]), &["1", "2"]),
+        (
+            &|motion| _ = motion.contact(Contact::new(tip, 1..9)),
+            &["1 to 9", "3 frames"],
+        ),
+        (
+            &|motion| _ = motion.contact(Contact::new(tip, 1..2)),
+            &["1 to 2"],
+        ),
+    ];
+    for (ask, words) in wrong {
+        let told = told(3, ask);
+        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    }
+    assert_eq!(told(0, &|_| {}), "a motion of no frames");
+    for (weights, words) in [(&[1.0][..], "instead of 2"), (&[1.0, f64::NAN], "frame 1")] {
+        let told = told(2, &|motion| {
+            let point = motion.add(Point::new(tip, [0.0; 3]));
+            motion.weights(point, weights);
+        });
+        assert!(told.contains(words), "{told}");
+    }
+}
+
+#[test]
+fn balls_within_cones_are_refused_by_name() {
+    let mut builder = Model::builder("ball");
+    let cone = BallLimits::cone(1.0, Limits::new(-1.0, 1.0));
+    let ball = builder.ball(
+        "hip",
+        None,
+        Placement::identity(),
+        Vector3::UNITS[0],
+        Some(cone),
+    );
+    let tip = builder.frame("tip", Some(ball), Vector3::UNITS[0]);
+    let model = builder.build().unwrap();
+    let mut motion = MotionProblem::builder(&model, 2, 0.1);
+    motion.add(Point::new(tip, [1.0, 0.0, 0.0]));
+    assert_eq!(
+        motion.build().unwrap_err(),
+        MotionError::BoundedBall {
+            joint: "hip".to_owned()
+        }
+    );
+}
+
+#[test]
+fn ends_that_are_too_far_apart_are_told_and_others_are_met() {
+    let model = arm();
+    let fixed = |speed: f64| {
+        let motion = asked(&model, 11, |motion| {
+            motion
+                .first(&[0.0, 0.0])
+                .last(&[0.0, 1.0])
+                .max_speed("elbow", speed);
+            motion.rate_cost(RateCost::acceleration(1e-3));
+        });
+        MotionSolver::default().solve(&motion.unwrap(), &[0.0, 0.0])
+    };
+    assert_eq!(
+        fixed(9.0).unwrap_err(),
+        MotionError::TooFar {
+            joint: "elbow".to_owned()
+        }
+    );
+    let solved = fixed(10.5).unwrap();
+    assert_eq!(solved.frame(0).unwrap(), [0.0, 0.0]);
+    assert_eq!(solved.frame(10).unwrap(), [0.0, 1.0]);
+    let speeds = |frame: usize| {
+        solved
+            .active_limits(frame)
+            .any(|limit| limit.joint == "elbow" && limit.bound == MotionBound::Speed)
+    };
+    assert!((1..11).any(speeds));
+    for pair in solved.q().chunks(2).collect::<Vec<_>>().windows(2) {
+        assert!((pair[1][1] - pair[0][1]).abs() / 0.01 <= 10.5);
+    }
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_told_with_their_frame() {
+    let model = arm();
+    let tip = model.frame("tip").unwrap();
+    let mut motion = MotionProblem::builder(&model, 5, 0.01);
+    let point = motion.add(Point::new(tip, [1.0, 0.0, 0.0]));
+    motion.follow(point, |frame, point| {
+        let x = if frame == 3 { f64::NAN } else { 1.0 };
+        point.set_target([x, 0.0, 0.0]);
+    });
+    let failed = MotionSolver::default().solve(&motion.build().unwrap(), &[0.1, 0.1]);
+    assert_eq!(failed.unwrap_err(), MotionError::NotFinite { frame: 3 });
+}
+
+#[test]
+fn one_frame_is_a_motion() {
+    let model = arm();
+    let motion = asked(&model, 1, |motion| {
+        motion.rate_cost(RateCost::jerk(1.0));
+    })
+    .unwrap();
+    let solved = MotionSolver::default().solve(&motion, &[0.1, 0.1]).unwrap();
+    assert!(
+        solved.cost() < 1e-12 && solved.reached(),
+        "{}",
+        solved.cost()
+    );
+}

@@ -1,0 +1,34 @@
+//! Promise: what a contact holds stands still over its span, wherever it stands, and moves before and after.
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::clip::MotionSolver;
+
+use crate::walker::Walker;
+
+#[test]
+fn a_held_foot_stands_still_though_its_target_wanders() {
+    let walker = Walker::new();
+    let (frames, span) = (40, 12..30);
+    let motion = walker.swaying(frames, Some(span.clone()));
+    let solved = MotionSolver::default()
+        .solve(&motion, &walker.stance)
+        .unwrap();
+    assert!(solved.slip() < 1e-6, "{} m", solved.slip());
+    let mut kinematics = ForwardKinematics::new(walker.model());
+    let mut at = |frame: usize| {
+        let placed = kinematics.place(solved.frame(frame).unwrap()).unwrap();
+        placed[walker.feet[1].index()]
+    };
+    let first = at(span.start);
+    for frame in span.clone() {
+        let now = at(frame);
+        let slipped = (now.translation - first.translation).norm();
+        let turned = (now.rotation.x - first.rotation.x).norm();
+        assert!(
+            slipped < 1e-6 && turned < 1e-5,
+            "{slipped} m, {turned} in frame {frame}"
+        );
+    }
+    let before = (at(0).translation - first.translation).norm();
+    assert!(before > 1e-3, "it moves where nothing holds it: {before} m");
+}

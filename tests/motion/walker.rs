@@ -1,0 +1,78 @@
+//! A small humanoid on a free base that sways and steps, as a motion of so many frames.
+
+use kinopt::ik::bent_stance;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, Model};
+use kinopt::motion::clip::{Contact, MotionProblem, RateCost};
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+use kinopt::task::{Point, Pose, Posture, Task};
+
+/// Frames a second.
+pub(crate) const RATE: f64 = 60.0;
+
+pub(crate) struct Walker {
+    pub(crate) robot: Robot,
+    pub(crate) stance: Vec<f64>,
+    pub(crate) feet: [FrameId; 2],
+}
+
+impl Walker {
+    pub(crate) fn new() -> Self {
+        let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+        let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+        let model = robot.model();
+        let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
+        let up = Vector3::UNITS[2];
+        let stance = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
+        Self {
+            stance,
+            feet,
+            robot,
+        }
+    }
+
+    pub(crate) fn model(&self) -> &Model {
+        self.robot.model()
+    }
+
+    /// Its right hand goes on a wave, its left foot is where it stood, its right one wanders by 2 cm unless held.
+    pub(crate) fn swaying(
+        &self,
+        frames: usize,
+        held: Option<std::ops::Range<usize>>,
+    ) -> MotionProblem {
+        let model = self.model();
+        let mut kinematics = ForwardKinematics::new(model);
+        let placed = kinematics.place(&self.stance).unwrap();
+        let mut motion = MotionProblem::builder(model, frames, 1.0 / RATE);
+        motion.parameters(self.robot.map().clone());
+        motion.max_speeds_of(&self.robot);
+        let hand = model.frame("right_hand").unwrap();
+        let at = placed[hand.index()].translation;
+        let reach = motion.add(Point::new(hand, at));
+        motion.follow(reach, move |frame, point| {
+            let phase = frame as f64 / RATE * 4.0;
+            point.set_target(
+                at + Vector3::new(0.05 * phase.sin(), 0.03 * phase.cos(), 0.04 * phase.sin()),
+            );
+        });
+        let [left, right] = self.feet;
+        motion.add(Task::new(Pose::new(left, placed[left.index()])).times(10.0));
+        let stood = placed[right.index()];
+        let step = motion.add(Pose::new(right, stood));
+        motion.follow(step, move |frame, pose| {
+            let phase = frame as f64 / RATE * 3.0;
+            let mut place = stood;
+            place.translation += Vector3::new(0.02 * phase.sin(), 0.02 * phase.cos(), 0.0);
+            pose.set_target(place);
+        });
+        motion.add(Task::new(Posture::new(model, &self.stance)).times(0.05));
+        motion.rate_cost(RateCost::acceleration(2e-5));
+        if let Some(span) = held {
+            let sole = [[0.05, 0.02, 0.0], [0.05, -0.02, 0.0], [-0.05, 0.0, 0.0]];
+            motion.contact(Contact::new(right, span).at(sole));
+        }
+        motion.build().unwrap()
+    }
+}
