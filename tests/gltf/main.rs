@@ -1,6 +1,7 @@
 //! Scenes from and to glTF.
 
 mod files_of_others;
+mod kept_files;
 mod known_answers;
 mod legal_files;
 mod malformed;

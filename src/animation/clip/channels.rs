@@ -73,4 +73,28 @@ impl Clip {
         own.sort_by_key(|(target, _)| *target);
         Ok(own)
     }
+
+    /// The same channels and events for an armature of the same bones that are at rest elsewhere, as
+    /// [`Armature::at_rest_in`] gives it: what has no channel is at rest there.
+    ///
+    /// # Errors
+    /// One of the armatures is not of the clip's size.
+    pub fn at_rest_in(&self, own: &Armature, other: &Armature) -> Result<Self, SizeMismatch> {
+        let (channels, morphs) = (self.channels(own)?, self.morph_channels(own)?);
+        self.check_armature(other)?;
+        let mut builder = Self::builder(self.name.clone(), other);
+        // They were taken by the same checks when this clip was built.
+        for (bone, channel) in channels {
+            let _ = builder.channel(bone, channel);
+        }
+        for (target, curve) in morphs {
+            let _ = builder.morph_weight(target, curve);
+        }
+        for event in &self.events {
+            let _ = builder.event(event.time, event.name.clone());
+        }
+        let [start, end] = self.span;
+        let _ = builder.span(start, end);
+        Ok(builder.build())
+    }
 }

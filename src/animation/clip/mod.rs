@@ -104,6 +104,13 @@ impl Clip {
         f64::from(self.span[1]) - f64::from(self.span[0])
     }
 
+    /// The same motion under another name.
+    #[must_use]
+    pub fn renamed(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
     /// Whether it is for an armature of this one's size.
     pub(in crate::animation) fn check_armature(
         &self,

@@ -51,9 +51,16 @@ pub(super) fn load<'a>(
     buffers.collect()
 }
 
+const DATA: &str = "data:";
+
+/// Whether a URI holds the data itself.
+pub(super) fn is_data(uri: &str) -> bool {
+    uri.starts_with(DATA)
+}
+
 /// What a data URI holds; `None` for another kind of URI.
 fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
-    let (heading, data) = match uri.strip_prefix("data:")?.split_once(',') {
+    let (heading, data) = match uri.strip_prefix(DATA)?.split_once(',') {
         Some(parts) => parts,
         None => return Some(Err("the data URI has no comma before its data".into())),
     };
@@ -65,7 +72,7 @@ fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
 }
 
 /// A relative URI as the path of a file, `%20` and the like decoded.
-fn path(uri: &str) -> Result<String, String> {
+pub(super) fn path(uri: &str) -> Result<String, String> {
     if uri.contains("://") {
         return Err(format!(
             "`{uri}` is not beside the file; nothing is fetched"

@@ -9,18 +9,26 @@ const MAGIC: &[u8; 4] = b"glTF";
 const HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
-/// The JSON and the binary chunk of a file.
+/// The chunks of a file.
 pub(super) struct Chunks<'a> {
     pub(super) json: &'a [u8],
     pub(super) binary: Option<&'a [u8]>,
+    /// Those of other kinds, which readers are to ignore.
+    pub(super) others: Vec<([u8; 4], &'a [u8])>,
+}
+
+/// Whether bytes are GLB, and not text.
+pub(super) fn is_glb(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
 }
 
 /// Tells GLB from text.
 pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadError> {
-    if !bytes.starts_with(MAGIC) {
+    if !is_glb(bytes) {
         return Ok(Chunks {
             json: bytes,
             binary: None,
+            others: Vec::new(),
         });
     }
     let fail = |at: usize, problem: String| ReadError::malformed(name, Place::Byte(at), problem);
@@ -48,7 +56,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
             left,
         ));
     };
-    let (mut json, mut binary, mut at) = (None, None, HEADER);
+    let (mut json, mut binary, mut others, mut at) = (None, None, Vec::new(), HEADER);
     // A tail too short for a header of a chunk is padding of a careless writer.
     while at + CHUNK_HEADER <= file.len() {
         let (length, kind) = (word(at)? as usize, word(at + 4)?);
@@ -66,19 +74,27 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
         match &kind.to_le_bytes() {
             b"JSON" if json.is_none() => json = Some(chunk),
             b"BIN\0" if binary.is_none() => binary = Some(chunk),
-            _ => {}
+            kind => others.push((*kind, chunk)),
         }
         at = start + length;
     }
     let json = json.ok_or_else(|| fail(HEADER, "there is no JSON chunk".into()))?;
-    Ok(Chunks { json, binary })
+    Ok(Chunks {
+        json,
+        binary,
+        others,
+    })
 }
 
-/// A GLB file of a document and a buffer; nothing where it is too long for the format's 32 bits.
-pub(super) fn join(json: &[u8], binary: &[u8]) -> Option<Vec<u8>> {
+/// A GLB file of a document, a buffer and chunks of other kinds; nothing where it is too long for the format's 32 bits.
+pub(super) fn join(json: &[u8], binary: &[u8], others: &[([u8; 4], Vec<u8>)]) -> Option<Vec<u8>> {
     // Chunks end at multiples of four bytes: JSON is filled up with spaces, the buffer with zeros.
-    let chunks = [(b"JSON", json, b' '), (b"BIN\0", binary, 0)];
-    let chunks = chunks.into_iter().filter(|(_, bytes, _)| !bytes.is_empty());
+    let own = [(*b"JSON", json, b' '), (*b"BIN\0", binary, 0)];
+    let own = own.into_iter().filter(|(_, bytes, _)| !bytes.is_empty());
+    let others = others
+        .iter()
+        .map(|(kind, bytes)| (*kind, bytes.as_slice(), 0));
+    let chunks = own.chain(others);
     let lengths = chunks
         .clone()
         .map(|(_, bytes, _)| CHUNK_HEADER + bytes.len().next_multiple_of(4));

@@ -17,7 +17,7 @@
 //!
 //! An extension that a file requires is an error, except for those that change looks only and
 //! `KHR_mesh_quantization`. Materials, textures, cameras, lights, texture coordinates and colours are
-//! left out; what was is in [`Scene::notes`].
+//! left out; what was is in [`Scene::notes`]. A [`SceneFile`] keeps them all, and clips are added to it.
 //!
 //! ```no_run
 //! use kinopt::animation::{Cursor, Playback};
@@ -51,6 +51,7 @@ mod posing;
 mod primitives;
 mod raw_mesh;
 mod scene;
+mod scene_file;
 mod skins;
 mod source;
 mod sparse;
@@ -60,6 +61,7 @@ mod write;
 pub use note::Note;
 pub use posing::{PosingError, ScenePosing};
 pub use scene::{Scene, SceneError, SceneMesh, Skin};
+pub use scene_file::SceneFile;
 pub use write::{UnwritableScene, WriteOptions, mesh_to_bytes, to_bytes, write, write_mesh};
 
 use std::path::Path;
@@ -69,6 +71,7 @@ use gltf_json::Root;
 use self::source::Source;
 use super::{ReadError, read_bytes, read_with};
 use crate::animation::{Armature, Clip, ClipNameError};
+use crate::skeleton::BoneId;
 
 /// The longest file that is read, and the longest buffer beside it.
 const LENGTH_LIMIT: u64 = 1 << 31;
@@ -97,6 +100,21 @@ pub fn from_bytes(
     name: &str,
     open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Scene, ReadError> {
+    Ok(parse(bytes, name, open)?.scene)
+}
+
+/// A scene, and which nodes of the file its bones are.
+struct Parsed {
+    scene: Scene,
+    /// The bone of each node.
+    bone_of: Vec<BoneId>,
+}
+
+fn parse(
+    bytes: &[u8],
+    name: &str,
+    open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+) -> Result<Parsed, ReadError> {
     let chunks = glb::split(bytes, name)?;
     let (root, nodeless) = document::document(chunks.json, name)?;
     let buffers = buffers::load(&root, chunks.binary, name, open)?;
@@ -110,11 +128,14 @@ pub fn from_bytes(
         .with_rest_morph_weights(&meshes.target_weights)
         .map_err(|error| source.fail("meshes", error.to_string()))?;
     let clips = animations::read(&source, &nodeless, &nodes, &meshes, &armature, &mut notes)?;
-    Ok(Scene {
-        armature,
-        meshes: meshes.meshes,
-        clips,
-        notes,
+    Ok(Parsed {
+        scene: Scene {
+            armature,
+            meshes: meshes.meshes,
+            clips,
+            notes,
+        },
+        bone_of: nodes.bone_of,
     })
 }
 

@@ -181,6 +181,11 @@ impl Document {
         }))
     }
 
+    /// The document without its buffer, and the buffer.
+    pub(super) fn into_parts(self) -> (Root, Vec<u8>) {
+        (self.root, self.bytes)
+    }
+
     /// The document as GLB.
     pub(super) fn finish(mut self) -> Result<Vec<u8>, UnwritableScene> {
         if !self.bytes.is_empty() {
@@ -193,7 +198,7 @@ impl Document {
         let json = self.root.to_vec();
         let json = json.map_err(|error| UnwritableScene::Document(error.to_string()))?;
         let bytes = json.len() + self.bytes.len();
-        glb::join(&json, &self.bytes).ok_or(UnwritableScene::TooLong { bytes })
+        glb::join(&json, &self.bytes, &[]).ok_or(UnwritableScene::TooLong { bytes })
     }
 }
 

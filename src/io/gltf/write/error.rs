@@ -18,6 +18,17 @@ pub enum UnwritableScene {
         /// How it differs.
         problem: SizeMismatch,
     },
+    /// A clip that is called like one of the file's.
+    #[error("the file has a clip `{clip}` already; names taken are {}", clips.join(", "))]
+    ClipNameTaken {
+        /// The name.
+        clip: String,
+        /// All names that are taken.
+        clips: Vec<String>,
+    },
+    /// A pose of another armature.
+    #[error("the pose is not the file's: {0}")]
+    Pose(#[from] SizeMismatch),
     /// A mesh without vertices or triangles, which glTF does not have.
     #[error("mesh `{mesh}`: there are no {what}")]
     Empty {
@@ -58,4 +69,10 @@ pub enum UnwritableScene {
     /// The document cannot be put into words.
     #[error("{0}")]
     Document(String),
+}
+
+impl From<serde_json::Error> for UnwritableScene {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Document(error.to_string())
+    }
 }

@@ -25,7 +25,7 @@ pub use error::UnwritableScene;
 
 use self::buffer::Document;
 use super::scene::{Scene, SceneMesh};
-use crate::animation::{Armature, ArmatureBone, LocalTransform};
+use crate::animation::{Armature, ArmatureBone, Clip, LocalTransform};
 use crate::io::{WriteError, write_bytes};
 use crate::mesh::TriangleMesh;
 use crate::skeleton::BoneId;
@@ -65,10 +65,7 @@ impl Default for WriteOptions {
 /// # Errors
 /// An [`UnwritableScene`] naming the mesh, bone or clip.
 pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, UnwritableScene> {
-    let rate = options.keys_per_second;
-    if !(rate.is_finite() && rate > 0.0) {
-        return Err(UnwritableScene::BadRate(rate));
-    }
+    let rate = rate(options)?;
     for mesh in &scene.meshes {
         mesh.check(&scene.armature)?;
     }
@@ -89,6 +86,42 @@ pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, Unwrit
         animations::add(scene, clip, rate, &mut document)?;
     }
     document.finish()
+}
+
+/// A clip by itself, as it goes behind the document of the scene's file: nodes are the scene's bones.
+pub(super) struct ClipDocument {
+    pub(super) root: json::Root,
+    pub(super) bytes: Vec<u8>,
+    /// The bones' rest pose.
+    pub(super) rest: Vec<LocalTransform>,
+}
+
+pub(super) fn clip_document(
+    scene: &Scene,
+    clip: &Clip,
+    options: &WriteOptions,
+) -> Result<ClipDocument, UnwritableScene> {
+    let mut document = Document::new();
+    animations::add(scene, clip, rate(options)?, &mut document)?;
+    let rest = scene.armature.rest();
+    let (root, bytes) = document.into_parts();
+    Ok(ClipDocument {
+        root,
+        bytes,
+        rest: scene
+            .armature
+            .bone_ids()
+            .map(|bone| rest.local_of(bone))
+            .collect(),
+    })
+}
+
+fn rate(options: &WriteOptions) -> Result<f32, UnwritableScene> {
+    let rate = options.keys_per_second;
+    match rate.is_finite() && rate > 0.0 {
+        true => Ok(rate),
+        false => Err(UnwritableScene::BadRate(rate)),
+    }
 }
 
 /// Writes [`to_bytes`] to a file, which should end in `.glb`.

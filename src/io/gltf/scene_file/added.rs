@@ -1,0 +1,138 @@
+//! A clip's accessors and keys behind those of a file.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use gltf_json::validation::USize64;
+use gltf_json::{Index, Root};
+use serde::Serialize;
+
+use super::members::Members;
+use super::{Container, place};
+use crate::animation::LocalTransform;
+use crate::io::gltf::write::{ClipDocument, UnwritableScene};
+
+/// A buffer within the text.
+#[derive(Serialize)]
+struct TextBuffer {
+    #[serde(rename = "byteLength")]
+    byte_length: usize,
+    uri: String,
+}
+
+/// Puts a document of one clip behind another. `node_of` tells the nodes of the clip's bones.
+pub(super) fn join(
+    added: ClipDocument,
+    node_of: &[usize],
+    document: &mut Members,
+    container: &mut Container,
+) -> Result<(), UnwritableScene> {
+    let ClipDocument {
+        mut root,
+        bytes,
+        rest,
+    } = added;
+    if root.animations.is_empty() {
+        return Ok(());
+    }
+    let [accessors, views] = ["accessors", "bufferViews"].map(|list| document.list(list));
+    let (accessors, views) = (accessors?.len(), views?.len());
+    let (buffer, start) = add_bytes(&bytes, document, container)?;
+    move_indices(&mut root, [accessors, views, buffer], start, node_of);
+    document.append("accessors", &root.accessors)?;
+    document.append("bufferViews", &root.buffer_views)?;
+    document.append("animations", &root.animations)?;
+    // A node that is animated has no matrix (section 3.11).
+    let channels = root.animations.iter().flat_map(|own| &own.channels);
+    let moved: std::collections::BTreeSet<usize> =
+        channels.map(|own| own.target.node.value()).collect();
+    let at_rest = |node: usize| -> Option<LocalTransform> {
+        let bone = node_of.iter().position(|own| *own == node)?;
+        rest.get(bone).copied()
+    };
+    document.change_each("nodes", |node, members| {
+        let has_matrix = moved.contains(&node) && members.get("matrix").is_some();
+        match at_rest(node).filter(|_| has_matrix) {
+            Some(at) => place(members, at).map(|()| true),
+            None => Ok(false),
+        }
+    })?;
+    Ok(())
+}
+
+/// The index of the buffer that holds the bytes now, and where in it they start.
+fn add_bytes(
+    bytes: &[u8],
+    document: &mut Members,
+    container: &mut Container,
+) -> Result<(usize, usize), UnwritableScene> {
+    let buffers: Vec<Members> =
+        serde_json::from_str(document.get("buffers").map_or("[]", |list| list.get()))?;
+    // The binary chunk is the first buffer where that has no uri (section 4.4.3.3).
+    let first_is_chunk = buffers
+        .first()
+        .is_none_or(|first| first.get("uri").is_none());
+    match container {
+        Container::Binary { buffer, .. } if first_is_chunk => {
+            let start = buffer.len().next_multiple_of(4);
+            buffer.resize(start, 0);
+            buffer.extend_from_slice(bytes);
+            let length = buffer.len();
+            match buffers.is_empty() {
+                true => {
+                    let mut first = Members::default();
+                    first.set("byteLength", &length)?;
+                    document.append("buffers", &[first])?;
+                }
+                false => document.change_each("buffers", |index, members| match index {
+                    0 => members.set("byteLength", &length).map(|()| true),
+                    _ => Ok(false),
+                })?,
+            }
+            Ok((0, start))
+        }
+        _ => {
+            let own = TextBuffer {
+                byte_length: bytes.len(),
+                uri: format!(
+                    "data:application/octet-stream;base64,{}",
+                    STANDARD.encode(bytes)
+                ),
+            };
+            Ok((document.append("buffers", &[own])?, 0))
+        }
+    }
+}
+
+/// From a document of its own to one behind so many accessors, views and buffers.
+fn move_indices(
+    root: &mut Root,
+    [accessors, views, buffer]: [usize; 3],
+    start: usize,
+    node_of: &[usize],
+) {
+    fn later<T>(index: &mut Index<T>, by: usize) {
+        *index = Index::new((index.value() + by) as u32);
+    }
+    for animation in &mut root.animations {
+        for channel in &mut animation.channels {
+            let node = &mut channel.target.node;
+            if let Some(&own) = node_of.get(node.value()) {
+                *node = Index::new(own as u32);
+            }
+        }
+        for sampler in &mut animation.samplers {
+            later(&mut sampler.input, accessors);
+            later(&mut sampler.output, accessors);
+        }
+    }
+    for accessor in &mut root.accessors {
+        if let Some(view) = &mut accessor.buffer_view {
+            later(view, views);
+        }
+    }
+    for view in &mut root.buffer_views {
+        later(&mut view.buffer, buffer);
+        let offset = view.byte_offset.unwrap_or(USize64(0)).0;
+        view.byte_offset = Some(USize64(offset + start as u64));
+    }
+}

@@ -1,0 +1,275 @@
+//! A file that keeps what it holds while clips are added to it and its bones are posed.
+
+mod added;
+mod beside;
+mod members;
+
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use serde_json::value::RawValue;
+
+use self::members::Members;
+use super::glb::{self, Chunks};
+use super::write::{UnwritableScene, WriteOptions, clip_document};
+use super::{LENGTH_LIMIT, Parsed, Scene, parse};
+use crate::animation::{Armature, Clip, LocalTransform, Pose};
+use crate::io::json::parse_by;
+use crate::io::{ReadError, WriteError, read_bytes, read_with, write_bytes};
+use crate::skeleton::BoneId;
+
+/// A `.glb` or `.gltf` file as it was read, with the scene in it. Clips are added to it and its nodes posed; everything else, also
+/// what nothing here understands (materials, textures, images, texture coordinates, colours, cameras, extras, extensions), stays
+/// the text and the bytes that were read.
+///
+/// ```no_run
+/// use kinopt::io::gltf::{SceneFile, WriteOptions};
+///
+/// let mut fox = SceneFile::read("fox.glb")?;
+/// let slow = fox.scene().clip("walk")?.clone().renamed("slow walk");
+/// fox.add_clip(&slow, &WriteOptions::default())?;
+/// fox.write("fox.glb")?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    scene: Scene,
+    /// The node of each bone.
+    node_of: Vec<usize>,
+    document: Members,
+    container: Container,
+    /// Where the files are that it names.
+    folder: PathBuf,
+}
+
+/// What the document stands in.
+#[derive(Clone, Debug)]
+enum Container {
+    /// A `.gltf` file: text.
+    Text,
+    /// A `.glb` file: its binary chunk, and chunks of kinds that glTF does not know.
+    Binary {
+        buffer: Vec<u8>,
+        others: Vec<([u8; 4], Vec<u8>)>,
+    },
+}
+
+impl SceneFile {
+    /// Reads a `.glb` or `.gltf` file and the buffers beside it.
+    ///
+    /// # Errors
+    /// As [`read`](super::read).
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        let path = path.as_ref();
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let part = |file: &str| read_bytes(&folder.join(file), LENGTH_LIMIT);
+        let mut read = read_with(path, LENGTH_LIMIT, |bytes, name| {
+            Self::from_bytes(bytes, name, part)
+        })?;
+        read.folder = folder.to_owned();
+        Ok(read)
+    }
+
+    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gets the contents of a buffer by its path relative
+    /// to the file.
+    ///
+    /// # Errors
+    /// As [`from_bytes`](super::from_bytes).
+    pub fn from_bytes(
+        bytes: &[u8],
+        name: &str,
+        open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+    ) -> Result<Self, ReadError> {
+        let Parsed { scene, bone_of } = parse(bytes, name, open)?;
+        let Chunks {
+            json,
+            binary,
+            others,
+        } = glb::split(bytes, name)?;
+        let document = parse_by(|json| serde_json::from_slice(json), json, name)?;
+        let own = |(kind, bytes): ([u8; 4], &[u8])| (kind, bytes.to_vec());
+        let container = match glb::is_glb(bytes) {
+            false => Container::Text,
+            true => Container::Binary {
+                buffer: binary.unwrap_or(&[]).to_vec(),
+                others: others.into_iter().map(own).collect(),
+            },
+        };
+        let mut nodes: Vec<usize> = (0..bone_of.len()).collect();
+        nodes.sort_by_key(|&node| bone_of.get(node));
+        Ok(Self {
+            scene,
+            node_of: nodes,
+            document,
+            container,
+            folder: PathBuf::new(),
+        })
+    }
+
+    getters! {
+        /// What in it can be posed, with the clips that were added.
+        pub fn scene(&self) -> &Scene = &self.scene;
+    }
+
+    /// Whether it is a `.glb` file, and not the text of a `.gltf`.
+    #[must_use]
+    pub fn is_glb(&self) -> bool {
+        matches!(self.container, Container::Binary { .. })
+    }
+
+    /// Adds a clip behind those that are there. Its keys go behind the file's binary chunk, or in a `.gltf` into a buffer of their own
+    /// within the text.
+    ///
+    /// # Errors
+    /// A clip of another armature, a name that one of the file's clips has, a curve of too many keys; the file stays as it is.
+    pub fn add_clip(&mut self, clip: &Clip, options: &WriteOptions) -> Result<(), UnwritableScene> {
+        let is_there = self.scene.clips.iter().any(|own| own.name() == clip.name());
+        if is_there {
+            return Err(UnwritableScene::ClipNameTaken {
+                clip: clip.name().to_owned(),
+                clips: self
+                    .scene
+                    .clips
+                    .iter()
+                    .map(|own| own.name().to_owned())
+                    .collect(),
+            });
+        }
+        let added = clip_document(&self.scene, clip, options)?;
+        let (mut document, mut container) = (self.document.clone(), self.container.clone());
+        added::join(added, &self.node_of, &mut document, &mut container)?;
+        (self.document, self.container) = (document, container);
+        self.scene.clips.push(clip.clone());
+        Ok(())
+    }
+
+    /// Makes a pose the one that the nodes have where no clip moves them, and the weights of morph targets those of the meshes'
+    /// nodes. Clips say what they said; what of a clip stood at rest stands in this pose now.
+    ///
+    /// # Errors
+    /// A pose of another armature; the file stays as it is.
+    pub fn set_rest(&mut self, pose: &Pose) -> Result<(), UnwritableScene> {
+        let old = &self.scene.armature;
+        let posed = old.clone().at_rest_in(pose)?;
+        let clips = self
+            .scene
+            .clips
+            .iter()
+            .map(|clip| clip.at_rest_in(old, &posed));
+        let clips = clips.collect::<Result<Vec<Clip>, _>>()?;
+        let mut document = self.document.clone();
+        document.change_each("nodes", |node, members| {
+            let bone = self.node_of.iter().position(|own| *own == node);
+            match bone {
+                Some(bone) => pose_node(members, BoneId::new(bone), [old, &posed]),
+                None => Ok(false),
+            }
+        })?;
+        for mesh in &self.scene.meshes {
+            let range = mesh.morph_weights();
+            let of = |armature: &Armature| {
+                armature
+                    .rest()
+                    .morph_weights()
+                    .get(range.clone())
+                    .map(<[f32]>::to_vec)
+            };
+            let (before, after) = (of(old), of(&posed));
+            if before != after {
+                let node = self.node_of.get(mesh.bone.index());
+                document.change_each("nodes", |index, members| match Some(&index) == node {
+                    true => members.set("weights", &after).map(|()| true),
+                    false => Ok(false),
+                })?;
+            }
+        }
+        self.document = document;
+        self.scene.armature = posed;
+        self.scene.clips = clips;
+        Ok(())
+    }
+
+    /// The file's bytes: `.glb` where a `.glb` was read, else the text of a `.gltf`. Other files that it names are still named.
+    ///
+    /// # Errors
+    /// It takes 4 GiB, which GLB cannot have.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, UnwritableScene> {
+        self.bytes_of(&self.document)
+    }
+
+    fn bytes_of(&self, document: &Members) -> Result<Vec<u8>, UnwritableScene> {
+        let json = serde_json::to_vec(document)?;
+        match &self.container {
+            Container::Text => Ok(json),
+            Container::Binary { buffer, others } => {
+                let bytes = json.len() + buffer.len();
+                glb::join(&json, buffer, others).ok_or(UnwritableScene::TooLong { bytes })
+            }
+        }
+    }
+
+    /// Writes it to a file of the kind that was read. In another folder than it was read from, the files beside it that it names
+    /// (images, buffers) are put into it, as it would not find them there.
+    ///
+    /// # Errors
+    /// A [`WriteError`] naming the file: it cannot be written, its name ends as that of the other kind, or a file beside
+    /// the old one cannot be read.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
+        let path = path.as_ref();
+        let fail = |problem: String| WriteError {
+            file: path.display().to_string(),
+            problem: Error::new(ErrorKind::InvalidInput, problem),
+        };
+        let ending = match self.is_glb() {
+            true => "glb",
+            false => "gltf",
+        };
+        if !path
+            .extension()
+            .is_some_and(|own| own.eq_ignore_ascii_case(ending))
+        {
+            let problem =
+                format!("what was read is a .{ending} file, and so must be what is written");
+            return Err(fail(problem));
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let bytes = match beside::is_same_folder(folder, &self.folder) {
+            true => self.to_bytes(),
+            false => {
+                let mut document = self.document.clone();
+                beside::take_in(&mut document, &self.folder).map_err(&fail)?;
+                self.bytes_of(&document)
+            }
+        };
+        let bytes = bytes.map_err(|error| fail(error.to_string()))?;
+        write_bytes(path, &bytes)
+    }
+}
+
+/// Gives a node the place that its bone has at rest now, where that is another; says whether it did.
+fn pose_node(
+    members: &mut Members,
+    bone: BoneId,
+    [old, new]: [&Armature; 2],
+) -> serde_json::Result<bool> {
+    let [before, after] = [old, new].map(|armature| armature.rest().local_of(bone));
+    let moved = before != after;
+    if moved {
+        place(members, after)?;
+    }
+    Ok(moved)
+}
+
+/// Says where a node is by translation, rotation and scale, and no longer by a matrix.
+fn place(members: &mut Members, at: LocalTransform) -> serde_json::Result<()> {
+    members.remove("matrix");
+    members.set("translation", &at.translation.to_array())?;
+    members.set("rotation", &at.rotation.to_array())?;
+    members.set("scale", &at.scale.to_array())
+}
+
+/// The text of a member that is a string; `None` where it is none.
+fn text(members: &Members, key: &str) -> Option<String> {
+    let value: &RawValue = members.get(key)?;
+    serde_json::from_str(value.get()).ok()
+}

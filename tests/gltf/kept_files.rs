@@ -1,0 +1,284 @@
+//! Promise: a file to which a clip is added, or whose nodes are posed, keeps everything else to the byte: what is understood and
+//! what is not.
+#![allow(clippy::unwrap_used)]
+
+use glam::{Quat, Vec3A};
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::rotation::RotationCurve;
+use kinopt::animation::{Channel, Clip, LocalTransform, Pose};
+use kinopt::io::ReadError;
+use kinopt::io::gltf::{self, Scene, SceneFile, ScenePosing, UnwritableScene, WriteOptions};
+use kinopt::skinning::SkinningMethod;
+use serde_json::Value;
+use support::gltf_text::{Numbers, at, small};
+
+/// What no reader here looks at, with odd spacing and numbers whose text says more than a double holds.
+const UNKNOWN: &str = r#""materials":[{"name":"fur" , "pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1},"roughnessFactor":0.300000000000000044},"extensions":{"ACME_fur":{"hairs":[1,2e0,3]}}}],
+ "textures":[{"source":0,"sampler":0}],"samplers":[{"wrapS":10497}],"cameras":[{"type":"perspective","perspective":{"yfov":0.80,"znear":1e-2}}],
+ "extensionsUsed":["ACME_fur"],"extensions":{"ACME_fur":{"wind" :[ 0,0 , 1.50 ]}},"extras":{"author":"\u00e4","count":12345678901234567890}"#;
+/// The bytes of no image in particular.
+const IMAGE: [u8; 7] = [0x89, b'P', b'N', b'G', 0, 255, 7];
+
+/// The small file of all tests with an image in its buffer and things that are not understood.
+fn file() -> (Numbers, String, usize) {
+    let (mut numbers, rest) = small();
+    let view = numbers.view(&IMAGE);
+    let image = format!(r#""images":[{{"bufferView":{view},"mimeType":"image/png"}}]"#);
+    (numbers, format!("{rest},{image},{UNKNOWN}"), view)
+}
+
+fn nobody(_: &str) -> Result<Vec<u8>, ReadError> {
+    unreachable!()
+}
+
+fn opened(bytes: &[u8]) -> SceneFile {
+    SceneFile::from_bytes(bytes, "own", nobody).unwrap()
+}
+
+fn scene(bytes: &[u8]) -> Scene {
+    gltf::from_bytes(bytes, "again", nobody).unwrap()
+}
+
+/// A clip that moves each bone, one of which the file has as a matrix.
+fn wave(scene: &Scene) -> Clip {
+    let mut builder = Clip::builder("wave", &scene.armature);
+    for (index, bone) in scene.armature.bone_ids().enumerate() {
+        let turned = Quat::from_rotation_x(0.3 + index as f32);
+        let turn = RotationCurve::slerp(vec![0.0, 0.25, 1.0], vec![Quat::IDENTITY, turned, turned]);
+        builder
+            .channel(bone, Channel::Rotation(turn.unwrap()))
+            .unwrap();
+        let places = vec![Vec3A::ZERO, Vec3A::new(1.0, index as f32, 3.0)];
+        let moved = KeyedCurve::linear(vec![0.0, 1.0], places).unwrap();
+        builder.channel(bone, Channel::Translation(moved)).unwrap();
+    }
+    let bulge = KeyedCurve::linear(vec![0.0, 1.0], vec![0.0, 0.75]).unwrap();
+    builder.morph_weight(0, bulge).unwrap();
+    builder.build()
+}
+
+fn sampled(scene: &Scene, clip: usize) -> Vec<Pose> {
+    (0..=20)
+        .map(|k| at(scene, clip, f64::from(k) / 20.0))
+        .collect()
+}
+
+/// The JSON text of either kind of file.
+fn text(bytes: &[u8]) -> String {
+    let json = match bytes.strip_prefix(b"glTF") {
+        Some(_) => {
+            let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+            &bytes[20..20 + length]
+        }
+        None => bytes,
+    };
+    String::from_utf8(json.to_vec()).unwrap()
+}
+
+fn binary(bytes: &[u8]) -> &[u8] {
+    let json = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let at = 20 + json;
+    let length = u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    &bytes[at + 8..at + 8 + length]
+}
+
+fn with_wave(bytes: &[u8]) -> Vec<u8> {
+    let mut file = opened(bytes);
+    let clip = wave(file.scene());
+    file.add_clip(&clip, &WriteOptions::default()).unwrap();
+    file.to_bytes().unwrap()
+}
+
+#[test]
+fn what_is_not_understood_stays_the_text_that_it_was() {
+    let (numbers, rest, _) = file();
+    for before in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
+        let after = text(&with_wave(&before));
+        for member in UNKNOWN.split_inclusive("]").map(str::trim) {
+            let own = member.trim_start_matches(',').trim();
+            assert!(after.contains(own), "{own} is not in {after}");
+        }
+        let [old, new]: [Value; 2] =
+            [text(&before), after].map(|text| serde_json::from_str(&text).unwrap());
+        for (key, value) in old.as_object().unwrap() {
+            let now = &new[key];
+            match key.as_str() {
+                // Those that are there stay the first ones.
+                "accessors" | "bufferViews" | "animations" => {
+                    let old = value.as_array().unwrap();
+                    assert_eq!(
+                        &now.as_array().unwrap()[..old.len()],
+                        old.as_slice(),
+                        "{key}"
+                    );
+                    assert!(now.as_array().unwrap().len() > old.len());
+                }
+                "buffers" => assert_eq!(now[0]["uri"], value[0]["uri"]),
+                // The node that has a matrix is animated now, which no matrix may be.
+                "nodes" => assert_eq!(now.as_array().unwrap()[..3], value.as_array().unwrap()[..3]),
+                _ => assert_eq!(now, value, "{key}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn buffers_keep_their_bytes() {
+    let (numbers, rest, view) = file();
+    let before = numbers.glb(&rest);
+    let after = with_wave(&before);
+    assert!(binary(&after).starts_with(binary(&before)));
+    let document: Value = serde_json::from_str(&text(&after)).unwrap();
+    let offset = document["bufferViews"][view]["byteOffset"]
+        .as_u64()
+        .unwrap() as usize;
+    assert_eq!(binary(&after)[offset..offset + IMAGE.len()], IMAGE);
+}
+
+#[test]
+fn the_clip_is_read_again_behind_the_others() {
+    let (numbers, rest, _) = file();
+    for before in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
+        let (old, new) = (scene(&before), scene(&with_wave(&before)));
+        assert_eq!(new.clips.len(), old.clips.len() + 1);
+        assert_eq!(new.clips[0], old.clips[0]);
+        let clip = wave(&old);
+        assert_eq!(new.clips[1].name(), "wave");
+        let expected = Scene {
+            clips: vec![clip],
+            ..old.clone()
+        };
+        assert_eq!(sampled(&new, 1), sampled(&expected, 0));
+        assert_eq!((new.armature, new.meshes), (old.armature, old.meshes));
+    }
+}
+
+#[test]
+fn a_second_clip_goes_behind_the_first() {
+    let (numbers, rest, _) = file();
+    let once = with_wave(&numbers.glb(&rest));
+    let mut file = opened(&once);
+    let other = wave(file.scene()).renamed("wave back");
+    file.add_clip(&other, &WriteOptions::default()).unwrap();
+    let twice = scene(&file.to_bytes().unwrap());
+    assert_eq!(twice.clips[1].clone().renamed("wave back"), twice.clips[2]);
+    assert_eq!(file.scene().clips.len(), 3);
+}
+
+#[test]
+fn without_a_change_the_document_is_the_same() {
+    let (numbers, rest, _) = file();
+    let glb = opened(&numbers.glb(&rest)).to_bytes().unwrap();
+    let [old, new]: [Value; 2] =
+        [text(&numbers.glb(&rest)), text(&glb)].map(|text| serde_json::from_str(&text).unwrap());
+    assert_eq!(old, new);
+    assert_eq!(binary(&glb), binary(&numbers.glb(&rest)));
+}
+
+#[test]
+fn chunks_of_other_kinds_stay() {
+    let (numbers, rest, _) = file();
+    let mut before = numbers.glb(&rest);
+    before.extend(4u32.to_le_bytes());
+    before.extend(b"ACMEfurs");
+    let length = before.len() as u32;
+    before[8..12].copy_from_slice(&length.to_le_bytes());
+    assert!(with_wave(&before).ends_with(b"\x04\0\0\0ACMEfurs"));
+}
+
+#[test]
+fn a_name_that_is_taken_is_refused_with_all_that_are() {
+    let (numbers, rest, _) = file();
+    let mut file = opened(&numbers.glb(&rest));
+    let clip = wave(file.scene()).renamed("bend");
+    let refused = file.add_clip(&clip, &WriteOptions::default());
+    assert!(matches!(
+        &refused,
+        Err(UnwritableScene::ClipNameTaken { .. })
+    ));
+    assert!(refused.unwrap_err().to_string().contains("`bend`"));
+    assert_eq!(
+        file.to_bytes().unwrap(),
+        opened(&numbers.glb(&rest)).to_bytes().unwrap()
+    );
+}
+
+#[test]
+fn a_posed_file_shows_the_pose_where_no_clip_moves_it() {
+    let (numbers, rest, _) = file();
+    let mut file = opened(&numbers.glb(&rest));
+    let old = file.scene().clone();
+    let mut pose = old.armature.rest().clone();
+    for (index, bone) in old.armature.bone_ids().enumerate() {
+        let local = LocalTransform {
+            rotation: Quat::from_rotation_z(0.1 * (index as f32 + 1.0)),
+            ..old.armature.rest().local(bone).unwrap()
+        };
+        pose.set_local(bone, local).unwrap();
+    }
+    pose.morph_weights_mut()[0] = 0.25;
+    file.set_rest(&pose).unwrap();
+    let new = scene(&file.to_bytes().unwrap());
+    assert_eq!(new.armature.rest(), &pose);
+    assert_eq!(file.scene().armature, new.armature);
+    assert_eq!(file.scene().clips, new.clips);
+    let posed = |scene: &Scene, pose: &Pose| {
+        let mut posing = ScenePosing::new(scene, SkinningMethod::LinearBlend).unwrap();
+        posing.mesh(pose).unwrap()
+    };
+    assert_eq!(posed(&new, new.armature.rest()), posed(&old, &pose));
+    assert_eq!(new.clips[0].span(), old.clips[0].span());
+}
+
+/// A folder of its own, which is gone again when it is dropped.
+struct Folder(std::path::PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("kinopt-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(path.join("elsewhere")).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn files_beside_it_go_along_to_another_folder() {
+    let folder = Folder::new("beside");
+    let path = |file: &str| folder.0.join(file);
+    let (numbers, rest) = small();
+    let images = r#""images":[{"uri":"a%20coat.png"}]"#;
+    let before = numbers.document(&format!("{rest},{images}"));
+    std::fs::write(path("fox.gltf"), &before).unwrap();
+    let file = SceneFile::read(path("fox.gltf")).unwrap();
+    // The image is looked for only where it has to go along.
+    let missing = file
+        .write(path("elsewhere/fox.gltf"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        missing.contains("images[0].uri") && missing.contains("a coat.png"),
+        "{missing}"
+    );
+    std::fs::write(path("a coat.png"), IMAGE).unwrap();
+    file.write(path("same.gltf")).unwrap();
+    file.write(path("elsewhere/fox.gltf")).unwrap();
+    let uri = |file: &str| {
+        let text = std::fs::read_to_string(path(file)).unwrap();
+        let document: Value = serde_json::from_str(&text).unwrap();
+        document["images"][0]["uri"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(uri("same.gltf"), "a%20coat.png");
+    // Seven bytes in base64, by hand.
+    assert_eq!(
+        uri("elsewhere/fox.gltf"),
+        "data:image/png;base64,iVBORwD/Bw=="
+    );
+    let wrong = file.write(path("fox.glb")).unwrap_err().to_string();
+    assert!(wrong.contains(".gltf"), "{wrong}");
+}
